@@ -41,7 +41,7 @@ pub mod detector;
 pub mod export;
 pub mod files;
 pub mod inspect;
-pub mod kernel;
+pub(crate) mod kernel;
 pub mod matching;
 pub mod monitor;
 pub mod plane;

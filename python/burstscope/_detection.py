@@ -50,12 +50,12 @@ class Detection:
     @cached_property
     def sigma(self) -> NDArray[np.float32]:
         """Scales σ [n], pixels."""
-        return _fixed(self._raw.sigma())
+        return _fixed(self._raw.column("sigma"))
 
     @cached_property
     def angle(self) -> NDArray[np.float32]:
         """Orientations [n], radians from +u towards +v (clockwise on the screen), in (-π, π]."""
-        return _fixed(self._raw.angle())
+        return _fixed(self._raw.column("orientation"))
 
     @cached_property
     def slope(self) -> NDArray[np.float32]:
@@ -65,22 +65,22 @@ class Detection:
     @cached_property
     def response(self) -> NDArray[np.float32]:
         """Interpolated DoG values [n] with their sign, fraction of full scale; bright blobs are negative."""
-        return _fixed(self._raw.response())
+        return _fixed(self._raw.column("response"))
 
     @cached_property
     def snr(self) -> NDArray[np.float32]:
         """|response| over the standard deviation of its noise [n]; infinite for a burst without noise."""
-        return _fixed(self._raw.snr())
+        return _fixed(self._raw.column("snr"))
 
     @cached_property
     def octave(self) -> NDArray[np.int32]:
         """Octaves in which they were found [n]; -1 is the doubled image."""
-        return _fixed(self._raw.octave())
+        return _fixed(self._raw.column("octave"))
 
     @cached_property
     def level(self) -> NDArray[np.int32]:
         """Levels in the octaves [n]."""
-        return _fixed(self._raw.level())
+        return _fixed(self._raw.column("level"))
 
     @cached_property
     def slope_index(self) -> NDArray[np.int64]:
@@ -90,7 +90,7 @@ class Detection:
     @cached_property
     def at_slope_limit(self) -> NDArray[np.bool_]:
         """Whether the motion lies beyond the slopes that were searched [n]."""
-        return _fixed(self._raw.at_slope_limit())
+        return _fixed(self._raw.column("at_slope_limit"))
 
     @cached_property
     def descriptors(self) -> NDArray[np.uint8]:

@@ -303,17 +303,17 @@ class TrajectoryKeywords(TypedDict, total=False):
         [default: 1d]
     max_slope : float
         Largest apparent motion on an axis, pixels per frame; the camera's speed is chosen for it [default: 3]
-    snr : float
-        Signal-to-noise ratio of one pixel in one frame: the standard deviation of all pixels of the scene over
-        that of the noise at their mean; 'inf' makes no noise [default: 0.3]
-    electrons : float
-        Electrons that scene white makes in a pixel of a frame, in place of a ratio
     read_noise : float
         Standard deviation of the read noise, electrons [default: 2]
     bits : int
         Bits of the camera's converter [default: 12]
     seed : int
         Seed: the same seed makes the same scene, way and noise on every machine [default: 1]
+    snr : float
+        Signal-to-noise ratio of one pixel in one frame: the standard deviation of all pixels of the scene over
+        that of the noise at their mean; 'inf' makes no noise [default: 0.3]
+    electrons : float
+        Electrons that scene white makes in a pixel of a frame, in place of a ratio
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -329,11 +329,11 @@ class TrajectoryKeywords(TypedDict, total=False):
     planes: int
     motion: Literal["1d", "2d"]
     max_slope: float
-    snr: float
-    electrons: float
     read_noise: float
     bits: int
     seed: int
+    snr: float
+    electrons: float
     threads: Union[str, float]
     memory: str
 

@@ -7,8 +7,9 @@ use crate::work::run;
 use burstscope::baseline::merge_burst;
 use burstscope::cli::{Failure, burst_document};
 use burstscope::detect::{Searched, prepare, search};
+use burstscope::detector::quantity::Place;
 use burstscope::detector::view::{coverage_view, dog_view, noise_map, stack_view};
-use burstscope::detector::{DetectError, Feature, Method, Slope, SlopeGrid};
+use burstscope::detector::{DetectError, Feature, Method, Quantity, Slope, SlopeGrid};
 use burstscope::export::ExportFormat;
 use burstscope::{Burst, DetectorParams, Monitor, Plane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -26,14 +27,6 @@ pub(crate) struct RawDetection {
 impl RawDetection {
     fn features(&self) -> &[Feature] {
         &self.searched.detection.features
-    }
-
-    fn column<'py, T: numpy::Element>(
-        &self,
-        py: Python<'py>,
-        value: impl Fn(&Feature) -> T,
-    ) -> Bound<'py, PyArray1<T>> {
-        PyArray1::from_vec(py, self.features().iter().map(value).collect())
     }
 
     fn pairs<'py>(
@@ -60,36 +53,21 @@ impl RawDetection {
         self.pairs(py, |f| [f.slope.u, f.slope.v])
     }
 
-    fn sigma<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        self.column(py, |f| f.sigma)
-    }
-
-    fn angle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        self.column(py, |f| f.orientation)
-    }
-
-    fn response<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        self.column(py, |f| f.response)
-    }
-
-    fn snr<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        self.column(py, |f| f.snr)
-    }
-
-    fn octave<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
-        self.column(py, |f| f.octave)
-    }
-
-    fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
-        self.column(py, |f| f.level)
+    /// The values of a column of the feature files.
+    fn column<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        let quantity = Quantity::STORED.into_iter().find(|quantity| quantity.record().key == key);
+        let quantity = quantity.ok_or_else(|| PyValueError::new_err(format!("there is no column '{key}'")))?;
+        let features = self.features().iter().copied();
+        Ok(match quantity.record().place {
+            Place::Real(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
+            Place::Whole(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
+            Place::Flag(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
+            Place::Beside => return Err(PyValueError::new_err(format!("no feature holds '{key}'"))),
+        })
     }
 
     fn slope_index<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        self.column(py, |f| f.slope_index as i64)
-    }
-
-    fn at_slope_limit<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        self.column(py, |f| f.at_slope_limit)
+        PyArray1::from_iter(py, self.features().iter().map(|f| f.slope_index as i64))
     }
 
     fn descriptors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u8>>> {

@@ -1,6 +1,6 @@
 //! Failures of the commands as exceptions of Python: their words, with keywords in place of options.
 
-use burstscope::burst::OpenError;
+use burstscope::burst::{OpenError, OpenErrorKind};
 use burstscope::cli::Failure;
 use burstscope::export::ExportError;
 use burstscope::plane::memory::NoMemory;
@@ -37,16 +37,16 @@ fn of_error(error: &anyhow::Error, text: String) -> PyErr {
             };
         }
         match cause.downcast_ref::<ExportError>() {
-            Some(ExportError::Foreign { .. } | ExportError::InTheWay { .. }) => {
+            Some(ExportError::Foreign(_) | ExportError::InTheWay(_)) => {
                 return PyFileExistsError::new_err(text);
             }
             Some(_) => return PyOSError::new_err(text),
             None => {}
         }
-        match cause.downcast_ref::<OpenError>() {
-            Some(OpenError::NotFound { .. }) => return PyFileNotFoundError::new_err(text),
-            Some(OpenError::Read { .. }) => return PyOSError::new_err(text),
-            Some(OpenError::NoMemory { .. }) => return PyMemoryError::new_err(text),
+        match cause.downcast_ref::<OpenError>().map(|error| error.kind) {
+            Some(OpenErrorKind::NotFound) => return PyFileNotFoundError::new_err(text),
+            Some(OpenErrorKind::System) => return PyOSError::new_err(text),
+            Some(OpenErrorKind::NoMemory) => return PyMemoryError::new_err(text),
             Some(_) => return PyValueError::new_err(text),
             None => {}
         }

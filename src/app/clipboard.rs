@@ -8,14 +8,14 @@ use crate::app::project::pair::{MatchColumn, MatchRow, Side};
 use crate::app::project::workspace::Workspace;
 use crate::app::view::fixed;
 use crate::burst::OpenOptions;
-use crate::detector::Feature;
-use crate::export::{COLUMNS, FeatureRow};
+use crate::detector::{Feature, Quantity};
+use crate::export::feature_header;
 use crate::requests::{BurstSource, detect_line};
 
 /// The features' columns and one feature's numbers, separated by tabs: two rows for a spreadsheet.
 pub fn feature_text(feature: &Feature) -> String {
-    let values = FeatureRow::from(feature).values().map(|value| value.to_string());
-    format!("{}\n{}", COLUMNS.join("\t"), values.join("\t"))
+    let values = Quantity::STORED.map(|quantity| quantity.cell(feature));
+    format!("{}\n{}", feature_header().replace(',', "\t"), values.join("\t"))
 }
 
 /// The table's headings and one match's values, separated by tabs: two rows for a spreadsheet.
@@ -55,7 +55,7 @@ pub fn is_asked(ctx: &egui::Context) -> bool {
 
 /// Copies the selected feature or match, or else the value under the pointer.
 pub fn copy_row(ctx: &egui::Context, model: &mut Model, widgets: &PaneWidgets) {
-    let readouts = model.visible_panes().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
+    let readouts = model.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
     let value = readouts.into_iter().next().map(|readout| value_text(&readout));
     if let Some(text) = selected_text(model).or(value) {
         let what = text.lines().last().unwrap_or_default().replace('\t', "  ");
@@ -96,7 +96,6 @@ fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<Strin
     Ok(detect_line(&inputs, &model.asked_of(side), &calibration))
 }
 
-/// Copies the picture in focus.
 pub fn copy_picture(ctx: &egui::Context, model: &mut Model) {
     if let Some(image) = picture_of(model, model.focus()) {
         ctx.copy_image(image);
@@ -121,8 +120,8 @@ mod tests {
             snr: 8.0,
             octave: 1,
             level: 2,
-            slope_index: 3,
             at_slope_limit: true,
+            ..Feature::default()
         };
         let text = feature_text(&feature);
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split('\t').collect()).collect();

@@ -22,42 +22,25 @@ impl BurstscopeApp {
             return;
         }
         let Self { model, widgets, engine, .. } = self;
-        let effect = match id {
-            ActionId::Lessons => {
-                self.lessons.list_is_open = true;
-                None
+        match id {
+            ActionId::Lessons => self.lessons.list_is_open = true,
+            ActionId::LeaveLesson => {
+                let effect = self.lessons.leave(model, engine);
+                self.apply(effect);
             }
-            ActionId::LeaveLesson => self.lessons.leave(model, engine),
-            ActionId::Quit => {
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-                None
+            ActionId::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            ActionId::OneToOne => model.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
+            ActionId::ProbePlace => actions::probe_here(model, widgets),
+            ActionId::CopyRow => clipboard::copy_row(ctx, model, widgets),
+            ActionId::CopyCommand => clipboard::copy_command(ctx, model),
+            ActionId::CopyPicture => clipboard::copy_picture(ctx, model),
+            _ => {
+                let effect = actions::change(id, model, engine);
+                self.apply(effect);
             }
-            ActionId::OneToOne => {
-                model.change_views(|view| view.set_one_to_one(ctx.pixels_per_point()));
-                None
-            }
-            ActionId::ProbePlace => {
-                actions::probe_here(model, widgets);
-                None
-            }
-            ActionId::CopyRow => {
-                clipboard::copy_row(ctx, model, widgets);
-                None
-            }
-            ActionId::CopyCommand => {
-                clipboard::copy_command(ctx, model);
-                None
-            }
-            ActionId::CopyPicture => {
-                clipboard::copy_picture(ctx, model);
-                None
-            }
-            _ => actions::change(id, model, engine),
-        };
-        self.apply(effect);
+        }
     }
 
-    /// Applies effects, and those that follow from them.
     pub(super) fn apply(&mut self, effects: impl IntoIterator<Item = Effect>) {
         let mut left: VecDeque<Effect> = effects.into_iter().collect();
         while let Some(effect) = left.pop_front() {
@@ -65,7 +48,6 @@ impl BurstscopeApp {
         }
     }
 
-    /// Applies an effect. Returns those that follow from it.
     fn applied(&mut self, effect: Effect) -> Vec<Effect> {
         let Self { model, engine, .. } = self;
         match effect {
@@ -103,7 +85,6 @@ impl BurstscopeApp {
         Vec::new()
     }
 
-    /// Uses files that were chosen, typed or dropped.
     fn use_files(&mut self, purpose: Purpose, paths: Vec<PathBuf>) {
         let Self { model, engine, .. } = self;
         let Some(first) = paths.first() else { return };

@@ -4,10 +4,9 @@
 
 use super::dialogs::Question;
 use super::session::Session;
-use crate::app::figure::{drawing_of, film_of, rasterise};
+use crate::app::figure::{drawing_of, rasterise};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
-use crate::app::pane::KindOfPicture;
 use crate::app::panel::lab::curves::shown_plots;
 use crate::app::project::effect::{ExportKind, Purpose};
 use crate::app::project::pair::MatchRow;
@@ -21,7 +20,6 @@ use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
 use crate::export::case::{Case, Enclosed, write_case};
-use crate::export::film::FilmFormat;
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
@@ -29,13 +27,13 @@ use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
 use crate::requests::{BurstSource, Picture};
+use image::RgbaImage;
+use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
 
-/// Question for files: with the suggested name of a new file, and the folder of the open burst, or that of the
-/// dataset's features where these are exported.
 pub(super) fn question(purpose: Purpose, model: &Model) -> Question {
     let kept = feature_folder(model).filter(|folder| purpose == Purpose::ExportDatabase && folder.is_dir());
     let folder = kept.or_else(|| folder_of_burst(model));
@@ -48,11 +46,9 @@ fn feature_folder(model: &Model) -> Option<PathBuf> {
 
 fn suggested_name(purpose: Purpose, model: &Model) -> String {
     // Features and pictures are those of the burst in focus.
-    let side = match purpose {
-        Purpose::Export(ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz) => model.active_side(),
-        Purpose::Export(ExportKind::Tiff | ExportKind::Png) => model.active_side(),
-        _ => Side::A,
-    };
+    use ExportKind::{Colmap, Csv, Npz, Png, Tiff};
+    let is_of_focus = matches!(purpose, Purpose::Export(Csv | Colmap | Npz | Tiff | Png));
+    let side = if is_of_focus { model.active_side() } else { Side::A };
     let burst = model.burst_of(side).map_or("burst", |b| b.burst.name.as_str());
     let stem = Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
     match purpose {
@@ -70,8 +66,8 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
                 ExportKind::Svg | ExportKind::FigurePng => "figure",
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
-                ExportKind::FilmGif | ExportKind::FilmApng => "film",
-                ExportKind::Tiff | ExportKind::Png => KindOfPicture::of_content(content, of_cursor).file_name,
+                ExportKind::FilmGif => "film",
+                ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
             };
             format!("{stem}-{what}.{}", kind.extension())
         }
@@ -80,15 +76,8 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
 }
 
 fn folder_of_burst(model: &Model) -> Option<PathBuf> {
-    match &model.slots.a.burst.as_ref()?.source {
-        BurstSource::Paths(paths) => paths.first()?.parent().map(PathBuf::from).filter(|p| p.is_dir()),
-        BurstSource::Demo
-        | BurstSource::DemoLater
-        | BurstSource::Example(_)
-        | BurstSource::Chart(_)
-        | BurstSource::DarkCopy { .. }
-        | BurstSource::Planted { .. } => None,
-    }
+    let BurstSource::Paths(paths) = &model.slots.a.burst.as_ref()?.source else { return None };
+    paths.first()?.parent().map(PathBuf::from).filter(|folder| folder.is_dir())
 }
 
 /// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.
@@ -97,11 +86,10 @@ pub(super) fn drop_places(model: &Model, widgets: &PaneWidgets) -> Vec<(egui::Re
         return Vec::new();
     }
     let place = |id| Some((widgets.rect_ui(id)?, model.panes.get(id)?.side));
-    model.visible_panes().into_iter().filter_map(place).collect()
+    model.panes.shown().into_iter().filter_map(place).collect()
 }
 
-/// Purpose of files that were dropped on the window, over a pane of `side`. `calibration` is the one that is being set,
-/// while its dialog is open.
+/// `calibration` is the one that is being set, while its dialog is open.
 pub(super) fn purpose_of_dropped(
     paths: &[PathBuf],
     side: Side,
@@ -134,7 +122,6 @@ pub(super) fn purpose_of_dropped(
     }
 }
 
-/// Uses files for a purpose that concerns the project alone; does nothing for other purposes.
 pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model, engine: &Engine) {
     let Some(first) = paths.first().cloned() else { return };
     match purpose {
@@ -148,25 +135,13 @@ pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model
         Purpose::PaperFigures => model.make_figures(first, engine),
         #[cfg(feature = "colmap")]
         Purpose::ExportDatabase => model.export_database(first, engine),
-        // Without the feature `colmap` there is no action for this.
-        #[cfg(not(feature = "colmap"))]
-        Purpose::ExportDatabase => {}
         Purpose::OpenGold(side) => model.open_gold(side, BurstSource::Paths(paths), engine),
         Purpose::OpenFeatures(side) => {
             model.lay_over(side, first);
             model.bottom_tab = BottomTab::Compared;
         }
         Purpose::LoadParams => load_params(&first, model),
-        Purpose::OpenFolder
-        | Purpose::OpenFiles
-        | Purpose::OpenPath
-        | Purpose::OpenBias
-        | Purpose::OpenFlat
-        | Purpose::OpenLessons
-        | Purpose::RestoreSession
-        | Purpose::SaveSession
-        | Purpose::SaveParams
-        | Purpose::Export(_) => {}
+        _ => {}
     }
 }
 
@@ -209,13 +184,8 @@ pub(super) fn write(purpose: Purpose, path: PathBuf, model: &mut Model, widgets:
     }
 }
 
-/// Writes a file; the error says what went wrong.
 type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 
-/// Prepares the writing of the file for `purpose`, with a snapshot of all it needs of the model.
-///
-/// # Errors
-/// When a detection, a picture or a burst is missing; the message names it.
 fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),
@@ -231,16 +201,14 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
         Purpose::Export(ExportKind::CurvesCsv) => {
             let text = curves_csv(&shown_plots(&model.lab));
-            Ok(Box::new(move |path| {
-                export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
-            }))
+            Ok(work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes()))))
         }
         Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(&model.lab)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
-        Purpose::Export(kind @ (ExportKind::FilmGif | ExportKind::FilmApng)) => {
-            let (film, rate) = film_of(model, widgets)?;
-            let format = if kind == ExportKind::FilmGif { FilmFormat::Gif } else { FilmFormat::Apng };
-            Ok(Box::new(move |path| film.write(path, format, rate)))
+        Purpose::Export(ExportKind::FilmGif) => {
+            let film = model.film_to_export().ok_or("there is no burst; open one first")?;
+            let rate = model.film.rate;
+            Ok(work(move |path| film.write(path, rate, &rasterise, &|| Ok(()), &Monitor::default())))
         }
         Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
         Purpose::Export(kind) => picture_work(model, kind),
@@ -248,15 +216,18 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
     }
 }
 
+fn work<E: Display>(write: impl FnOnce(&Path) -> Result<(), E> + Send + 'static) -> Work {
+    Box::new(move |path| write(path).map_err(|error| error.to_string()))
+}
+
 fn text_work(kind: Kind, text: String) -> Work {
-    Box::new(move |path| export::write_text(path, kind, text).map_err(|e| e.to_string()))
+    work(move |path| export::write_text(path, kind, text))
 }
 
 fn settings_work(toml: String) -> Work {
     text_work(Kind::Settings, written_by() + &toml)
 }
 
-/// Writes the open burst with the search, the place that is probed in it, the session, and its truth.
 fn case_work(model: &Model) -> Result<Work, String> {
     let open = model.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
     let is_of_a = model.probe.side == Side::A;
@@ -277,14 +248,14 @@ fn case_work(model: &Model) -> Result<Work, String> {
 fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
     let found = model.found_of(model.active_side()).ok_or("there are no features; press Detect first")?;
     let detection = found.detection.clone();
-    Ok(Box::new(move |path| format.write(path, &detection).map_err(|e| e.to_string())))
+    Ok(work(move |path| format.write(path, &detection)))
 }
 
 fn matches_work(model: &Model) -> Result<Work, String> {
     let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
-    Ok(Box::new(move |path| {
+    Ok(work(move |path| {
         let rows: Vec<export::MatchRow> = matches.rows().map(|row| export_row(&row)).collect();
-        export::write_matches_csv(path, &rows).map_err(|e| e.to_string())
+        export::write_matches_csv(path, &rows)
     }))
 }
 
@@ -300,7 +271,7 @@ fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     if profiles.is_empty() {
         return Err("the pane with the line is closed; draw another line with Q".to_owned());
     }
-    Ok(Box::new(move |path| export::write_profiles_csv(path, &profiles).map_err(|e| e.to_string())))
+    Ok(work(move |path| export::write_profiles_csv(path, &profiles)))
 }
 
 fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
@@ -324,7 +295,7 @@ fn match_picture_work(model: &Model) -> Result<Work, String> {
         Ok::<_, String>((picture, display))
     };
     let sides = [side(Side::A)?, side(Side::B)?];
-    Ok(Box::new(move |path| {
+    Ok(work(move |path| {
         let lines: Vec<export::MatchLine> = listed
             .iter()
             .filter_map(|&index| matches.row(index))
@@ -334,11 +305,8 @@ fn match_picture_work(model: &Model) -> Result<Work, String> {
             })
             .collect();
         let drawn = sides.each_ref().map(|(picture, display)| to_rgba8(&on_image_pixels(picture), display));
-        let [a, b] = drawn.each_ref().map(|rgba| {
-            let (width, height) = rgba.dimensions();
-            export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
-        });
-        export::write_match_picture(path, a, b, &lines).map_err(|e| e.to_string())
+        let [a, b] = drawn.each_ref().map(picture_of);
+        export::write_match_picture(path, a, b, &lines)
     }))
 }
 
@@ -346,26 +314,24 @@ fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
     let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
     let display = model.display_of(model.focus());
     Ok(match kind {
-        ExportKind::Tiff => Box::new(move |path| export::write_tiff(path, &picture.plane).map_err(|e| e.to_string())),
-        _ => Box::new(move |path| {
-            let rgba = picture.rgba(&display);
-            let (width, height) = picture.plane.size();
-            export::write_png(path, export::Picture::rgba(width, height, rgba.as_raw())).map_err(|e| e.to_string())
-        }),
+        ExportKind::Tiff => work(move |path| export::write_tiff(path, &picture.plane)),
+        _ => work(move |path| export::write_png(path, picture_of(&picture.rgba(&display)))),
     })
 }
 
 fn figure_work(model: &Model, widgets: &PaneWidgets, kind: ExportKind) -> Result<Work, String> {
     let drawing = drawing_of(model, widgets, &model.figure)?;
     Ok(match kind {
-        ExportKind::FigurePng => Box::new(move |path| {
-            let image = rasterise(&drawing)?;
-            let (width, height) = image.dimensions();
-            let picture = export::Picture::rgba(width as usize, height as usize, image.as_raw());
-            export::write_png(path, picture).map_err(|e| e.to_string())
-        }),
-        _ => Box::new(move |path| export::write_drawing_svg(path, &drawing).map_err(|e| e.to_string())),
+        ExportKind::FigurePng => {
+            Box::new(move |path| export::write_png(path, picture_of(&rasterise(&drawing)?)).map_err(|e| e.to_string()))
+        }
+        _ => work(move |path| export::write_drawing_svg(path, &drawing)),
     })
+}
+
+fn picture_of(rgba: &RgbaImage) -> export::Picture<'_> {
+    let (width, height) = rgba.dimensions();
+    export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
 }
 
 /// Resamples the picture to the pixels of the input image, so that features are drawn at their places.
@@ -393,20 +359,10 @@ mod tests {
     use crate::requests::{PictureKind, PictureRequest};
     use std::time::Duration;
 
-    const EXPORTS: [ExportKind; 12] = [
-        ExportKind::Csv,
-        ExportKind::Colmap,
-        ExportKind::Npz,
-        ExportKind::Png,
-        ExportKind::Tiff,
-        ExportKind::Svg,
-        ExportKind::FigurePng,
-        ExportKind::Matches,
-        ExportKind::MatchPicture,
-        ExportKind::Profile,
-        ExportKind::CurvesCsv,
-        ExportKind::CurvesSvg,
-    ];
+    const EXPORTS: [ExportKind; 12] = {
+        use ExportKind::*;
+        [Csv, Colmap, Npz, Png, Tiff, Svg, FigurePng, Matches, MatchPicture, Profile, CurvesCsv, CurvesSvg]
+    };
 
     #[test]
     fn dropped_files_mean_what_is_open_where_they_are_dropped() {

@@ -25,10 +25,8 @@ pub struct Offscreen {
     shapes: Vec<egui::epaint::ClippedShape>,
 }
 
-/// Result of [`render_offscreen`].
 #[derive(Debug)]
 pub struct Rendered {
-    /// The window's pixels.
     pub image: RgbaImage,
     /// Whether the window had settled; `false` when the time ran out first, and the picture shows the state at that
     /// moment.
@@ -79,7 +77,6 @@ impl Offscreen {
         })
     }
 
-    /// The window's context, for fonts and themes.
     pub fn context(&self) -> &egui::Context {
         &self.context
     }
@@ -89,7 +86,6 @@ impl Offscreen {
         &self.render_state
     }
 
-    /// Whether the device was lost.
     fn is_lost(&self) -> bool {
         // A lost device is reported while it is polled; the result of the poll itself does not matter.
         let _ = self.render_state.device.poll(wgpu::PollType::Poll);
@@ -252,27 +248,21 @@ pub fn render_offscreen<App>(
     Ok(Rendered { image: offscreen.image()?, settled: idle_frames >= 2 })
 }
 
-/// Reason why nothing could be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum OffscreenError {
-    /// There is no adapter.
     #[error(
         "there is no graphics adapter to draw with ({0}); install a software one (on Debian and Ubuntu: apt install mesa-vulkan-drivers), \
          or use a machine with a Vulkan driver"
     )]
     NoAdapter(String),
-    /// The adapter gave no device.
     #[error("the graphics adapter cannot be used: {0}")]
     NoDevice(String),
-    /// A picture of this size cannot be drawn.
     #[error(
         "a window of {width} × {height} pixels cannot be drawn; this graphics adapter draws 1 to {limit} pixels a side \
          and {max_megapixels} megapixels in all; name a smaller size or scale"
     )]
     Size {
-        /// Columns asked for.
         width: f32,
-        /// Rows asked for.
         height: f32,
         /// The adapter's limit of a side, pixels.
         limit: u32,
@@ -289,7 +279,6 @@ pub enum OffscreenError {
 
 /// Time allowed to the card for each [`TIMED_PIXELS`] of a frame. A software adapter needs a fraction of a second.
 const CARD_TIMEOUT: Duration = Duration::from_secs(30);
-/// Number of pixels of a large screen.
 const TIMED_PIXELS: u32 = 1 << 23;
 
 /// Reads the pixels of an 8-bit RGBA texture back.

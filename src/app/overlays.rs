@@ -17,7 +17,6 @@ use crate::engine::Engine;
 use crate::requests::{BurstId, BurstSource};
 use std::path::PathBuf;
 
-/// State of the overlays.
 #[derive(Default)]
 pub(super) struct Overlays {
     pub palette: Palette,
@@ -26,24 +25,18 @@ pub(super) struct Overlays {
     pub glossary: GlossaryWindow,
     pub figure_open: bool,
     pub film: FilmDialog,
-    /// The calibration that is being set, while its dialog is open.
     pub calibration: Option<OpenOptions>,
     pub path_field: Option<PathField>,
-    /// A file to be overwritten, while the user is asked.
     pub replace_file: Option<ReplaceFile>,
-    /// Bursts of a folder, of which one is to be chosen, and the side for which it is opened.
     pub choice: Vec<BurstSource>,
     pub choice_side: Side,
-    /// Options for cutting a sequence, while the user is asked.
     pub cut: Option<CutDialog>,
-    /// Whether the user is being asked to replace features of other parameters.
     pub replace_features: bool,
     /// A burst that could be cut, and that the user chose not to cut.
     pub stays_whole: Option<BurstId>,
 }
 
 impl Overlays {
-    /// The calibration that is being set; its dialog is opened if it is not.
     pub fn calibration_draft(&mut self, now: &OpenOptions) -> &mut OpenOptions {
         self.calibration.get_or_insert_with(|| now.clone())
     }
@@ -67,23 +60,19 @@ impl Overlays {
         true
     }
 
-    /// Asks for a path with a field that holds `text`.
     pub fn open_path_field(&mut self, purpose: Purpose, text: String, instead_of_dialog: bool) {
         self.path_field = Some(PathField::new(purpose, text, instead_of_dialog));
     }
 
-    /// Whether cutting the open film is offered: it was not declined, and how it is cut is not being asked.
     pub fn offers_cut(&self, model: &Model) -> bool {
         let open = model.slots.a.burst.as_ref().map(|open| open.id);
         model.is_film() && self.stays_whole != open && self.cut.is_none()
     }
 
-    /// Keeps the open film as one burst: cutting it is not offered any more.
     pub fn keep_whole(&mut self, model: &Model) {
         self.stays_whole = model.slots.a.burst.as_ref().map(|open| open.id);
     }
 
-    /// Whether a dialog is open that gets all keys.
     pub fn are_modal(&self, lessons: &Lessons) -> bool {
         self.palette.is_open()
             || self.sheet_open
@@ -99,7 +88,6 @@ impl Overlays {
             || !self.choice.is_empty()
     }
 
-    /// Draws the open overlays, and returns what they change beyond themselves and the project.
     pub fn ui(
         &mut self,
         ctx: &egui::Context,
@@ -144,7 +132,6 @@ impl Overlays {
         effects
     }
 
-    /// Draws the field for a path, or the question whether the file there may be replaced.
     fn path_ui(&mut self, ctx: &egui::Context, model: &Model) -> Option<Effect> {
         if let Some(field) = &mut self.path_field {
             let purpose = field.purpose;

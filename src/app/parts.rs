@@ -5,14 +5,12 @@ use crate::teach::Part;
 use egui::{Context, Id, Rect, Ui, Vec2};
 use std::collections::BTreeMap;
 
-/// Parts that are pointed at, and where they were drawn.
 #[derive(Debug, Clone, Default)]
 struct Parts {
     wanted: Vec<Part>,
     /// Size of the area in which a wanted part was last scrolled to. It is scrolled to once, and again when that area
     /// changed: what opens below it must not hide it.
     scrolled_in: BTreeMap<Part, Vec2>,
-    /// The pass in which they were drawn.
     pass: u64,
     drawn: BTreeMap<Part, Rect>,
 }
@@ -21,7 +19,6 @@ fn with<T>(ctx: &Context, use_parts: impl FnOnce(&mut Parts) -> T) -> T {
     ctx.data_mut(|data| use_parts(data.get_temp_mut_or_default(Id::unique("parts of the window"))))
 }
 
-/// Records that `part` was drawn in `rect`, if it is wanted, and scrolls to it.
 pub fn mark(ui: &Ui, part: Part, rect: Rect) {
     let pass = ui.ctx().cumulative_pass_nr();
     let scroll = with(ui.ctx(), |parts| {
@@ -44,12 +41,10 @@ pub fn mark(ui: &Ui, part: Part, rect: Rect) {
     }
 }
 
-/// Whether `part` is pointed at: a fold that holds it is opened then.
 pub fn is_wanted(ctx: &Context, part: Part) -> bool {
     with(ctx, |parts| parts.wanted.contains(&part))
 }
 
-/// Sets the parts that are pointed at from now on, and scrolls to them.
 pub fn want(ctx: &Context, wanted: &[Part]) {
     with(ctx, |parts| {
         if parts.wanted != wanted {
@@ -60,7 +55,6 @@ pub fn want(ctx: &Context, wanted: &[Part]) {
     });
 }
 
-/// The parts that are pointed at, with their visible rectangles, as drawn last.
 pub fn drawn(ctx: &Context) -> Vec<(Part, Rect)> {
     with(ctx, |parts| parts.drawn.iter().map(|(part, rect)| (*part, *rect)).collect())
 }

@@ -19,12 +19,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Options of a drawing of the window.
 #[derive(Debug, Clone)]
 pub struct RenderOptions {
-    /// The burst.
     pub source: BurstSource,
-    /// A second burst beside it.
     pub second: Option<BurstSource>,
     /// A dataset that is drawn instead, on its first burst.
     pub dataset: Option<DatasetSource>,
@@ -32,17 +29,13 @@ pub struct RenderOptions {
     pub session: Option<PathBuf>,
     /// A lesson that is drawn instead, as it begins.
     pub lesson: Option<Arc<Lesson>>,
-    /// The detector's parameters.
     pub params: SearchParams,
-    /// Options with which bursts are opened.
     pub calibration: OpenOptions,
     /// Columns and rows of the window, in points.
     pub size_points: (f32, f32),
     /// Pixels for each point: 2 for a HiDPI screen.
     pub scale: f32,
-    /// Whether the theme is light instead of dark.
     pub light: bool,
-    /// Kind of picture.
     pub kind: ViewKind,
     /// The slope; `None` takes the one with the most features, or (0, 0) when nothing is detected.
     pub slope: Option<Slope>,
@@ -50,9 +43,7 @@ pub struct RenderOptions {
     pub frame: Option<usize>,
     /// Octave of the DoG response; `None` takes the finest.
     pub octave: Option<i32>,
-    /// Level of the DoG response.
     pub level: i32,
-    /// Whether features are detected and drawn.
     pub detect: bool,
     /// Whether the strongest feature, or of two bursts its match, is selected.
     pub select_strongest: bool,
@@ -91,13 +82,10 @@ impl Default for RenderOptions {
     }
 }
 
-/// Reason why there is no picture of the window.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
-    /// The window could not be drawn.
     #[error(transparent)]
     Offscreen(#[from] OffscreenError),
-    /// The picture could not be written.
     #[error(transparent)]
     Export(#[from] ExportError),
     /// The window shows an error.
@@ -106,7 +94,6 @@ pub enum RenderError {
     /// The burst has no such frame, octave or level, or the slope leads out of it.
     #[error(transparent)]
     Param(#[from] ParamError),
-    /// The drawing was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// The window was not ready within the time limit, here in seconds.
@@ -220,7 +207,6 @@ fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), ParamError
     Ok(())
 }
 
-/// Sets the cursor from the options.
 fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     let model = &mut app.model;
     let pane = model.focused_mut();

@@ -21,17 +21,14 @@ use std::time::{Duration, Instant};
 /// The name under which the desktop knows the program, and under which settings are stored.
 const APP_ID: &str = "burstscope";
 
-/// Pixels of the icon on each side; desktops make it smaller.
 const ICON_SIDE: u32 = 256;
 
-/// Subfolder of the program's data folder for the sessions of running windows.
 const RUNNING_FOLDER: &str = "running";
 
 /// Losses of the device within [`LOSSES_WITHIN`] after which it is not set up again.
 const MAX_LOSSES: usize = 3;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
-/// The window, kept across losses of the graphics device.
 type Kept = Rc<RefCell<Option<BurstscopeApp>>>;
 
 /// The kept window, as the toolkit draws it, and whether the window itself is at work.
@@ -62,10 +59,6 @@ impl eframe::App for Shown {
 }
 
 /// Opens the window and returns when it is closed. Stored settings replace those in `startup`.
-///
-/// # Errors
-/// When there is no display, or no graphics card (nor a software one) that can draw the window, or its device is lost
-/// again and again.
 pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     let running = eframe::storage_dir(APP_ID).map(|folder| folder.join(RUNNING_FOLDER));
     startup.kept = running.map(|folder| KeptIn { folder, every: SAVED_EVERY });
@@ -90,7 +83,6 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     }
 }
 
-/// Draws the kept window on a new device until it is closed; without a kept one, creates and keeps it.
 fn draw_until_closed(
     window: &Kept,
     startup: &mut Option<Startup>,
@@ -157,7 +149,6 @@ fn arrow(u: f32, v: f32) -> f32 {
     (u - u.clamp(42.5, 54.0)).hypot(v - 32.0)
 }
 
-/// The icon with `side` pixels on each side.
 pub fn icon(side: u32) -> IconData {
     const BLUE: Color32 = Color32::from_rgb(0x2f, 0x7f, 0xd6);
     const YELLOW: Color32 = Color32::from_rgb(0xff, 0xc8, 0x3c);
@@ -192,24 +183,4 @@ pub fn icon(side: u32) -> IconData {
         }
     }
     IconData { rgba, width: side, height: side }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn its_corners_are_clear_its_ground_dark_and_its_middle_bright() {
-        for side in [16, 64, 256] {
-            let icon = icon(side);
-            assert_eq!(icon.rgba.len(), (4 * side * side) as usize);
-            let at = |u: u32, v: u32| {
-                let start = (4 * (v * side / 64 * side + u * side / 64)) as usize;
-                icon.rgba[start..start + 4].to_vec()
-            };
-            assert_eq!(at(0, 0)[3], 0);
-            assert!(at(32, 6)[..3].iter().all(|x| *x < 60) && at(32, 6)[3] == 255);
-            assert!(at(32, 32)[..3].iter().all(|x| *x > 150));
-        }
-    }
 }

@@ -9,35 +9,22 @@ use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Key under which the settings are stored.
 pub const STORAGE_KEY: &str = "burstscope settings";
 
-/// Largest length of a list of recent sources.
 const MAX_RECENT: usize = 12;
 
-/// Remembered settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// Bursts that were opened, the latest first.
     pub recent: Vec<BurstSource>,
-    /// Datasets that were opened, the latest first.
     pub datasets: Vec<DatasetSource>,
-    /// Frames of a burst when a sequence was last cut.
     pub burst_length: usize,
-    /// Light, dark, or as the system.
     pub theme: egui::ThemePreference,
-    /// Open parts of the window.
     pub panels: Panels,
-    /// Whether a detection starts automatically after a change.
     pub auto_detect: bool,
-    /// Links between the panes of two bursts.
     pub links: Links,
-    /// Display of matches.
     pub match_look: MatchLook,
-    /// Contents and style of figures.
     pub figure: FigureChoice,
-    /// Progress in each lesson, by the lesson's name.
     pub lessons: BTreeMap<String, Progress>,
 }
 
@@ -64,7 +51,6 @@ impl Settings {
         storage.get_string(STORAGE_KEY).and_then(|text| toml::from_str(&text).ok()).unwrap_or_default()
     }
 
-    /// Stores the settings.
     pub fn store(&self, storage: &mut dyn eframe::Storage) {
         if let Ok(text) = toml::to_string(self) {
             storage.set_string(STORAGE_KEY, text);
@@ -78,13 +64,11 @@ impl Settings {
         }
     }
 
-    /// Puts `source` at the top of the list of datasets.
     pub fn remember_dataset(&mut self, source: &DatasetSource) {
         put_first(&mut self.datasets, source);
         self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
-    /// Takes over from the model the settings that it holds.
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
         (self.links, self.match_look) = (model.pair_links(), model.pair.look);
@@ -98,12 +82,9 @@ fn put_first<T: Clone + PartialEq>(list: &mut Vec<T>, item: &T) {
     list.truncate(MAX_RECENT);
 }
 
-/// A source that was opened before, to be opened again.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Recent {
-    /// One burst.
     Burst(BurstSource),
-    /// A dataset of many bursts.
     Dataset(DatasetSource),
 }
 

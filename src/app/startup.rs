@@ -13,33 +13,21 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// Options with which a window starts.
 pub struct Startup {
-    /// Options with which bursts are opened.
     pub calibration: OpenOptions,
     /// Burst that is opened first; `None` opens nothing and shows how to begin.
     pub source: Option<BurstSource>,
-    /// Second burst, opened beside the first.
     pub second: Option<BurstSource>,
-    /// A dataset that is opened instead.
     pub dataset: Option<DatasetSource>,
-    /// The detector's parameters, and how the slopes are chosen.
     pub params: SearchParams,
-    /// A session file that is restored instead.
     pub session: Option<PathBuf>,
-    /// The lesson that is begun.
     pub lesson: Option<Arc<Lesson>>,
-    /// Lessons beside those that are built in.
     pub lessons: Vec<Lesson>,
-    /// Settings remembered from earlier runs.
     pub settings: Settings,
     /// Folder and interval of automatic saving; `None` saves nothing.
     pub kept: Option<KeptIn>,
-    /// Dialogs that ask for files.
     pub dialogs: Arc<dyn FileDialogs>,
-    /// Request from outside to end the window.
     pub end: EndRequest,
-    /// Size of the cache of pictures, bytes.
     pub cache_bytes: usize,
 }
 
@@ -83,7 +71,6 @@ impl std::fmt::Debug for Shared {
 }
 
 impl EndRequest {
-    /// Asks the window to end, from any thread.
     pub fn make(&self) {
         self.0.is_made.store(true, Ordering::SeqCst);
         if let Some(window) = self.0.window.get() {
@@ -91,7 +78,6 @@ impl EndRequest {
         }
     }
 
-    /// Whether the window was asked to end.
     pub fn is_made(&self) -> bool {
         self.0.is_made.load(Ordering::SeqCst)
     }

@@ -36,35 +36,24 @@ use egui::{CentralPanel, Frame, Margin, Panel};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The window.
 pub struct BurstscopeApp {
-    /// The model: everything that is shown.
     pub model: Model,
-    /// The workers.
     pub engine: Engine,
-    /// State of the panes' widgets.
     pub widgets: PaneWidgets,
-    /// State of the panels of the workspace of two bursts.
     pub pair_panels: PairPanels,
     pub(super) selection: SelectionState,
     pub(super) probe: ProbePanel,
-    /// The Lab's chart as a texture.
     pub(super) lab_picture: PlaneTexture,
-    /// Computed values of the measured rectangle.
     pub(super) regions: RegionCache,
     pub(super) thumbnails: Thumbnails,
     pub(super) overlays: Overlays,
     pub(super) restoring: Restoring,
-    /// The lessons, and the one that is open.
     pub lessons: Lessons,
     pub(super) captions: Captions,
     pub(super) desk: Desk,
     pub(super) recovery: Option<Recovery>,
-    /// Reason why the device that drew the window was lost, until another draws it.
     pub(super) lost_device: Option<String>,
-    /// Asks the window to end from outside.
     pub(super) end: EndRequest,
-    /// Whether the window is ending.
     pub(super) is_ending: bool,
     pub(super) settings: Settings,
 }
@@ -128,7 +117,6 @@ impl BurstscopeApp {
         app
     }
 
-    /// Whether everything that is wanted is there and no work runs.
     pub fn is_settled(&self) -> bool {
         self.engine.is_idle()
             && !self.desk.is_asking()
@@ -137,12 +125,10 @@ impl BurstscopeApp {
             && self.lessons.is_settled(&self.model)
     }
 
-    /// Whether a dialog for files is open.
     pub fn is_asking(&self) -> bool {
         self.desk.is_asking()
     }
 
-    /// Runs one pass: takes answers and input, draws the window, and requests what is missing.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.theme);
@@ -189,7 +175,6 @@ impl BurstscopeApp {
         self.keep_session(&ctx);
     }
 
-    /// Takes what the engine and the system's dialogs have answered.
     fn take_answers(&mut self, ctx: &egui::Context) {
         let effects = self.model.take_answers(&self.engine);
         self.apply(effects);
@@ -240,14 +225,12 @@ impl BurstscopeApp {
         parts::want(ctx, self.lessons.highlighted());
     }
 
-    /// Drops the state and the requests of closed panes.
     fn forget_closed_panes(&mut self) {
-        let panes = &self.model.panes;
+        let Model { panes, wanted_pictures, .. } = &mut self.model;
         self.widgets.retain(|id| panes.get(id).is_some());
-        self.model.forget_closed_pictures();
+        wanted_pictures.retain(|id, _| panes.get(*id).is_some());
     }
 
-    /// Saves the session in the background, if it is due and has changed.
     fn keep_session(&mut self, ctx: &egui::Context) {
         let waits_for = self.restoring.waits_for(&self.model);
         let Some(recovery) = &mut self.recovery else { return };
@@ -269,7 +252,6 @@ impl BurstscopeApp {
         }
     }
 
-    /// Draws the whole window except its overlays. Returns the wish of the user about the open lesson.
     fn layout_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<Wish> {
         let mut open_recent = None;
         let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
@@ -293,7 +275,7 @@ impl BurstscopeApp {
         let mut open_burst = None;
         if self.model.datasets.open.is_some() && self.model.panels.filmstrip {
             Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
-                open_burst = filmstrip::filmstrip_ui(ui, &mut self.model, &mut self.thumbnails, queue).open;
+                open_burst = filmstrip::filmstrip_ui(ui, &mut self.model, &mut self.thumbnails, queue);
             });
         }
         let wish = self.lesson_panel_ui(ui);
@@ -323,7 +305,6 @@ impl BurstscopeApp {
         wish
     }
 
-    /// Draws the offers to restore a session and to cut a film.
     fn offers_ui(&mut self, ui: &mut egui::Ui, bar: Frame, queue: &mut Queue) {
         if let Some(recovery) = &mut self.recovery
             && let Some(offer) = recovery.offer()
@@ -344,7 +325,6 @@ impl BurstscopeApp {
         }
     }
 
-    /// Draws the panel of the open lesson, if there is one.
     fn lesson_panel_ui(&mut self, ui: &mut egui::Ui) -> Option<Wish> {
         self.lessons.open.as_ref()?;
         let width = (0.27 * ui.available_width()).clamp(290.0, 360.0);
@@ -361,7 +341,6 @@ impl BurstscopeApp {
         clicks.wish
     }
 
-    /// Draws the open workspace, and fulfils its requests.
     fn workspace_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) {
         let mut parts = WorkspaceParts {
             model: &mut self.model,
@@ -383,7 +362,6 @@ impl BurstscopeApp {
         }
     }
 
-    /// Draws where files are opened that are being dragged over the window.
     fn drop_hint_ui(&self, ui: &egui::Ui) {
         let places = drop_places(&self.model, &self.widgets);
         if places.is_empty() {
@@ -400,45 +378,35 @@ impl BurstscopeApp {
         self.widgets.pos_ui(self.model.focus(), pos_image)
     }
 
-    /// Window place (points) of an image place (pixels) in the pane of the burst of `side`, as last drawn.
     pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
         self.widgets.pos_ui(PaneId::of(side), pos_image)
     }
 
-    /// The value under the pointer; with several panes those of all that are linked.
     fn readout(&self) -> Option<String> {
         if self.model.panes.are_many() {
-            let (first, rest) = self.widgets.values.split_first()?;
+            let first = &self.widgets.values.first()?.readout;
             let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
-            let values: Vec<String> = std::iter::once(first).chain(rest).map(value).collect();
-            return Some(format!(
-                "u {}  v {}   {}",
-                fixed(first.readout.u, 1),
-                fixed(first.readout.v, 1),
-                values.join("  ")
-            ));
+            let values: Vec<String> = self.widgets.values.iter().map(value).collect();
+            let [u, v] = [first.u, first.v].map(|at| fixed(at, 1));
+            return Some(format!("u {u}  v {v}   {}", values.join("  ")));
         }
-        let readouts = self.model.visible_panes().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
+        let readouts = self.model.panes.shown().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
         readouts.into_iter().next().map(|readout: Readout| readout.to_string())
     }
 
-    /// Settings remembered from earlier runs.
     pub fn remembered(&self) -> &Settings {
         &self.settings
     }
 
-    /// Bursts that were opened before, the latest first.
     pub fn recent(&self) -> &[BurstSource] {
         &self.settings.recent
     }
 
-    /// Bursts of which the user has to choose one before anything is opened; usually none.
     pub fn choice(&self) -> &[BurstSource] {
         &self.overlays.choice
     }
 
-    /// Whether the device is lost. If so, saves the session, in case no other device is found, and closes the window to
-    /// be opened again.
+    /// Saves the session, in case no other device is found, and closes the window to be opened again.
     fn leaves_lost_device(&mut self, ctx: &egui::Context) -> bool {
         let Some(gpu) = super::gpu::Gpu::of(ctx) else { return false };
         let Some(why) = gpu.lost() else { return false };
@@ -447,7 +415,6 @@ impl BurstscopeApp {
         true
     }
 
-    /// Notes that the device is lost, and saves the session.
     pub(super) fn lose_device(&mut self, why: &str) {
         if self.lost_device.is_none() {
             self.lost_device = Some(why.to_owned());
@@ -467,8 +434,6 @@ impl BurstscopeApp {
         true
     }
 
-    /// Takes the reason why the device was lost, if it was, and shows it as an error: another device draws the window
-    /// from now on.
     pub(super) fn take_lost_device(&mut self) -> Option<String> {
         let why = self.lost_device.take()?;
         let text = format!("the driver gave it up ({why}); the window was opened again, and nothing else has changed");

@@ -1,7 +1,5 @@
 //! Links from tooltips to the glossary: the tooltip describes an item in a line, its link explains the term.
 
-use crate::app::pane::{Content, KindOfPicture};
-use crate::app::project::cursor::ViewKind;
 use crate::teach::glossary::{Word, glossary};
 use egui::{Context, Id, Label, Response, Ui, WidgetText};
 
@@ -30,11 +28,6 @@ pub fn asked_for(ctx: &Context) -> Option<String> {
 /// The glossary entry of this name.
 pub fn word(name: &str) -> Option<&'static Word> {
     glossary().find(name)
-}
-
-/// The glossary entry for a kind of picture.
-pub fn picture_word(content: Content, kind: ViewKind) -> Option<&'static Word> {
-    glossary().of_picture(KindOfPicture::of_content(content, kind).word)
 }
 
 fn asked_id() -> Id {

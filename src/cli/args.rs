@@ -178,7 +178,6 @@ pub struct CalibrationArgs {
 }
 
 impl CalibrationArgs {
-    /// Options with which bursts are opened.
     pub fn options(&self) -> OpenOptions {
         OpenOptions {
             bias: self.bias.clone(),

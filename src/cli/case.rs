@@ -1,11 +1,10 @@
 //! `case` writes a burst, its settings and the question about it into one file.
 
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
-use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{open_options, resolve_one};
+use super::inputs::{OneBurst, check_ending};
 use super::probe::parse_place;
-use crate::export::case::{CASE_EXTENSION, Case, Enclosed, is_case, write_case};
+use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
 use crate::inspect::truth::truth_of;
 use clap::Args;
@@ -50,15 +49,9 @@ JSON (--json): {\"version\", \"command\": \"case\", \"file\", \"case\": {as case
 
 pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     let search = args.run.search.params()?;
-    if !is_case(&args.out) {
-        return Err(Failure::usage(format!("--out: name the file .{CASE_EXTENSION}: {}", args.out.display())));
-    }
-    let console = Console::new(&args.run.output)?;
-    let input = resolve_one(&args.inputs, "case")?;
-    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    rules.check(&args.out)?;
-    console.begin(format!("{}: ", input.name));
+    check_ending(&args.out, &[CASE_EXTENSION], "--out: name the file .burstcase")?;
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("case", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.5))?;
     let (width, height) = burst.size();
     if let Some([u, v]) = args.at
@@ -83,11 +76,12 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
         bytes as f64 * 1e-6,
         args.out.display()
     ))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "case",
-        "file": path_text(&args.out),
-        "case": case,
-        "bytes": bytes,
-    }))
+    console.say_document(
+        "case",
+        &json!({
+            "file": path_text(&args.out),
+            "case": case,
+            "bytes": bytes,
+        }),
+    )
 }

@@ -1,7 +1,7 @@
-//! Arguments of the studies on charts (the charts, and the methods compared on them), and readers of the values that
-//! synthetic bursts take.
+//! Arguments of the studies on charts: the charts, and the methods compared on them.
 
 use crate::evaluate::{BurstMethod, Ranking};
+use crate::synth::options::{motions, parse_range, words};
 use crate::synth::{ChartParams, Motion, RadiusLaw};
 use clap::Args;
 use std::ops::RangeInclusive;
@@ -27,7 +27,7 @@ pub struct DiscsArgs {
     #[arg(long, value_name = "MIN:MAX", default_value = "3.6:19", value_parser = parse_range)]
     pub radius: RangeInclusive<f64>,
     /// Law of the radii: uniform, or log, by which every octave of radii is equally likely.
-    #[arg(long, value_name = "LAW", default_value = "uniform", value_parser = radius_laws())]
+    #[arg(long, value_name = "LAW", default_value = "uniform", value_parser = words::<RadiusLaw>(&["uniform", "log"]))]
     pub radius_law: RadiusLaw,
 }
 
@@ -52,7 +52,6 @@ pub struct ChartsArgs {
     /// Directions of motion: 1d is horizontal, 2d any.
     #[arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions())]
     pub motion: Motion,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub discs: DiscsArgs,
 }
@@ -82,38 +81,4 @@ pub struct ComparedArgs {
     /// Largest slope of the discs on each axis that moves, pixels per frame.
     #[arg(long, value_name = "SLOPE", default_value_t = chart().max_slope)]
     pub max_slope: f64,
-}
-
-pub(super) fn motions() -> impl clap::builder::TypedValueParser<Value = Motion> {
-    use clap::builder::{PossibleValuesParser, TypedValueParser};
-    PossibleValuesParser::new(["1d", "2d"]).map(|word| if word == "2d" { Motion::TwoD } else { Motion::OneD })
-}
-
-pub(super) fn radius_laws() -> impl clap::builder::TypedValueParser<Value = RadiusLaw> {
-    use clap::builder::{PossibleValuesParser, TypedValueParser};
-    PossibleValuesParser::new(RadiusLaw::ALL.map(RadiusLaw::name)).try_map(|word| word.parse::<RadiusLaw>())
-}
-
-pub(super) fn parse_range(text: &str) -> Result<RangeInclusive<f64>, String> {
-    let bad = || format!("'{text}' is not MIN:MAX, such as 3.6:19");
-    let (low, high) = text.split_once(':').unwrap_or((text, text));
-    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
-    Ok(number(low)?..=number(high)?)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::synth::ChartParams;
-
-    #[test]
-    fn the_default_radius_is_the_charts() {
-        assert_eq!(parse_range("3.6:19"), Ok(ChartParams::default().radius));
-    }
-
-    #[test]
-    fn ranges_are_two_numbers() {
-        assert_eq!(parse_range("2"), Ok(2.0..=2.0));
-        assert!(parse_range("x:2").is_err() && parse_range("1:nan").is_err());
-    }
 }

@@ -9,23 +9,19 @@ use super::matching_args::MatchingArgs;
 use super::report::FailureReport;
 use crate::burst::BurstFiles;
 use crate::dataset::{
-    CameraChoice, ColmapJob, ColmapReport, Comparison, Event, FeatureJob, FeatureStore, GatherReport, ImageKind,
-    LeftOut, export_colmap_from, gather,
+    BurstEvent, CameraChoice, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore, GatherReport, ImageKind,
+    LeftOut, export_colmap, gather,
 };
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{DetectorParams, NoiseGate, SearchParams};
 use crate::matching::{CameraModel, MatchParams, PairSelection};
 use clap::{Arg, Args};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// JSON document of `colmap`.
 #[derive(Serialize)]
 struct ColmapDocument<'a> {
-    version: &'static str,
-    command: &'static str,
     params: &'a SearchParams,
     matching: &'a MatchParams,
     #[serde(flatten)]
@@ -48,7 +44,6 @@ fn gate_help(arg: Arg) -> Arg {
     arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
 }
 
-/// Maximum number of bursts that one line names.
 const NAMED: usize = 3;
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
@@ -89,31 +84,25 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         gathered = Some(report);
     }
     let mut said = Ok(());
-    let mut on = |event: Event<'_>| match event {
-        Event::Begin { index, count, name } => console.begin(format!("[{}/{count}] {name}: ", index + 1)),
-        Event::Done(burst) => {
+    let mut on = |event: BurstEvent<'_>| match event {
+        BurstEvent::Begin(index) => {
+            console.begin(format!("[{}/{}] {}: ", index + 1, bursts.len(), bursts[index].name));
+        }
+        BurstEvent::Done(_, burst) => {
             let from = if burst.resumed { ", from an earlier run" } else { "" };
             let slopes = burst.slopes.as_ref().map_or(String::new(), |found| format!("; slopes {}", found.summary()));
             let line = format!("{}: {} features{from}{slopes}\n", burst.name, burst.keypoints.len());
             said = std::mem::replace(&mut said, Ok(())).and_then(|()| console.say(&line));
         }
-        Event::Failed { name, error } => fail(name, error.to_string()),
-        Event::Matching { pairs } => console.begin(format!("{pairs} pairs: ")),
+        BurstEvent::Failed(index, error) => fail(&bursts[index].name, error.to_string()),
+        BurstEvent::Matching(pairs) => console.begin(format!("{pairs} pairs: ")),
     };
-    let report = export_colmap_from(&mut store, &bursts, &job, &mut on, &console.monitor)?;
+    let report = export_colmap(&mut store, &bursts, &job, &mut on, &console.monitor)?;
     said?;
     let next = next_commands(&args.out);
     console.say(&summary(&report, &next))?;
-    console.say_json(&ColmapDocument {
-        version: env!("CARGO_PKG_VERSION"),
-        command: "colmap",
-        params: &job.features.detector,
-        matching: &job.matching,
-        report: &report,
-        gathered,
-        failures: &failures,
-        next,
-    })?;
+    let (params, matching, report, failures) = (&job.features.detector, &job.matching, &report, &failures[..]);
+    console.say_document("colmap", &ColmapDocument { params, matching, report, gathered, failures, next })?;
     if failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
@@ -157,27 +146,21 @@ fn next_commands(out: &Path) -> [String; 2] {
 
 fn summary(report: &ColmapReport, next: &[String]) -> String {
     let mut text = String::new();
-    // Writing into a string cannot fail.
-    let _ = write_summary(&mut text, report, next);
-    text
-}
-
-fn write_summary(out: &mut String, report: &ColmapReport, next: &[String]) -> std::fmt::Result {
     for camera in &report.cameras {
         let guessed = if report.known_camera { "" } else { " (guessed: give --camera if you know it)" };
-        writeln!(out, "camera {camera}{guessed}")?;
+        text += &format!("camera {camera}{guessed}\n");
     }
     let putative: usize = report.pairs.iter().map(|p| p.counts.putative).sum();
     let inliers: usize = report.pairs.iter().filter_map(|p| p.counts.inliers).sum();
     let verified = report.pairs.iter().filter(|p| p.counts.inliers.is_some_and(|n| n > 0)).count();
-    writeln!(
-        out,
-        "{} images, {} pairs: {putative} matches, {inliers} inliers in {verified} verified pairs",
+    text += &format!(
+        "{} images, {} pairs: {putative} matches, {inliers} inliers in {verified} verified pairs\nwrote {}\n\nNext:\n",
         report.images.len(),
-        report.pairs.len()
-    )?;
-    writeln!(out, "wrote {}\n\nNext:", report.database.display())?;
-    next.iter().try_for_each(|command| writeln!(out, "  {command}"))
+        report.pairs.len(),
+        report.database.display()
+    );
+    text.extend(next.iter().map(|command| format!("  {command}\n")));
+    text
 }
 
 /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
@@ -212,13 +195,10 @@ pub struct ColmapArgs {
     #[arg(long, value_name = "MODEL", default_value = "SIMPLE_RADIAL", conflicts_with = "camera",
         value_parser = words::<CameraModel>(CAMERA_MODELS))]
     pub camera_model: CameraModel,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub matching: MatchingArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
 }

@@ -113,7 +113,6 @@ pub struct CompletionsArgs {
     pub shell: clap_complete::Shell,
 }
 
-/// Name of the program, as typed.
 const NAME: &str = "burstscope";
 
 pub(super) fn run(args: &CompletionsArgs) -> Result<(), Failure> {

@@ -8,10 +8,10 @@ use crate::detector::memory;
 use crate::monitor::Monitor;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
 use std::io::IsTerminal;
 use std::time::Duration;
 
-/// Terminal of a command.
 pub(super) struct Console {
     /// Carries progress to the bar, and Ctrl-C to the work.
     pub monitor: Monitor,
@@ -25,9 +25,6 @@ const STEPS: u64 = 1000;
 impl Console {
     /// Sets up threads, the memory budget, the progress bar (only where the standard error is a terminal), and the
     /// signals that ask the program to end: the first cancels the work, the second ends the program at once.
-    ///
-    /// # Errors
-    /// When threads cannot be started, or signals cannot be listened for.
     pub fn new(output: &OutputArgs) -> Result<Self, Failure> {
         if let Some(threads) = output.threads {
             rayon::ThreadPoolBuilder::new()
@@ -81,28 +78,34 @@ impl Console {
         }
     }
 
-    /// Prints a JSON document, if JSON was asked for.
-    pub fn say_json(&self, value: &impl serde::Serialize) -> Result<(), Failure> {
+    /// Prints the JSON document of `command`: its version, its name, and the fields of `report`, if JSON was asked for.
+    pub fn say_document(&self, command: &str, report: &impl Serialize) -> Result<(), Failure> {
+        #[derive(Serialize)]
+        struct Document<'a, R> {
+            version: &'a str,
+            command: &'a str,
+            #[serde(flatten)]
+            report: &'a R,
+        }
         if !self.output.json {
             return Ok(());
         }
-        let text =
-            serde_json::to_string_pretty(value).context("cannot put the results into JSON").map_err(Failure::Failed)?;
+        let document = Document { version: env!("CARGO_PKG_VERSION"), command, report };
+        let text = serde_json::to_string_pretty(&document)
+            .context("cannot put the results into JSON")
+            .map_err(Failure::Failed)?;
         self.bar.suspend(|| print_json(&(text + "\n"))).map_err(Failure::output)
     }
 
-    /// Prints an error on the standard error.
     pub fn complain(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("error: {text}")));
     }
 
-    /// Prints a note on the standard error.
     #[cfg(feature = "colmap")]
     pub fn note(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("note: {text}")));
     }
 
-    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }

@@ -25,15 +25,11 @@ pub(super) struct DetectJob<'a> {
     params: &'a SearchParams,
     /// Camera that took the bursts, where known. Bursts of another size are refused.
     camera: CameraChoice,
-    /// Rules for overwriting files.
     pub rules: OutputRules,
 }
 
 impl<'a> DetectJob<'a> {
     /// Creates the job of finding features with `params` and writing them into the folder `out` in `formats`.
-    ///
-    /// # Errors
-    /// When `out` is not a folder.
     pub fn new(out: &'a Path, formats: &[ExportFormat], params: &'a SearchParams) -> Result<Self, Failure> {
         if out.exists() && !out.is_dir() {
             let problem = "--out: this is not a folder; name a folder for the features";
@@ -48,9 +44,6 @@ impl<'a> DetectJob<'a> {
 
     /// Locks the folder for this process, after checking that the features of `inputs` and the files `others` may be
     /// written there.
-    ///
-    /// # Errors
-    /// When a file there must not be overwritten, or another process has locked the folder.
     pub fn take_folder(&self, inputs: &[Input], others: &[PathBuf]) -> Result<FolderLock, Failure> {
         for file in inputs.iter().flat_map(|input| self.files(&input.name)).chain(others.iter().cloned()) {
             self.rules.check(&file)?;
@@ -58,7 +51,6 @@ impl<'a> DetectJob<'a> {
         Ok(FolderLock::take(self.out)?)
     }
 
-    /// Paths of the files for the features of the burst `name`.
     fn files(&self, name: &str) -> Vec<PathBuf> {
         detection_files(self.out, name, &self.formats)
     }
@@ -78,7 +70,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
     let folder = job.take_folder(&inputs, &[])?;
     let count = inputs.len();
-    let mut report = DetectReport::new(&params);
+    let mut report = DetectReport { params: &params, bursts: Vec::new(), failures: Vec::new() };
     for (index, input) in inputs.into_iter().enumerate() {
         let name = input.name.clone();
         console.begin(if count > 1 { format!("[{}/{count}] {name}: ", index + 1) } else { format!("{name}: ") });
@@ -100,15 +92,11 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
         let done = report.bursts.len();
         console.say(&format!("{done} of {count} bursts done, {features} features in {}\n", args.out.display()))?;
     }
-    console.say_json(&report)?;
+    console.say_document("detect", &report)?;
     if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
 /// Opens a burst, finds its features, writes them and prints the summary.
-///
-/// # Errors
-/// When the burst cannot be opened or its size is not the camera's, when the parameters make no sense for it, when
-/// files cannot or must not be written, and when the work is interrupted.
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,
@@ -139,10 +127,8 @@ pub(super) fn detect_burst(
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files.iter().map(|file| path_text(file))).collect();
     let advice = explain(&detection, &params, burst.size());
-    let report = BurstReport::new(&name, paths, &burst, &detection, files, [open_secs, slopes_secs, write_secs])
-        .with_slopes(finding)
-        .with_judgement(judged)
-        .with_advice(advice);
+    let times = [open_secs, slopes_secs, write_secs];
+    let report = BurstReport::new(&name, paths, &burst, &detection, files, finding, judged, advice, times);
     console.say(&summary(&report, &job.params.detector))?;
     Ok((report, burst, detection))
 }

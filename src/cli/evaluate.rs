@@ -2,16 +2,16 @@
 
 use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
+use super::evaluate_frames;
 use super::evaluate_matches;
 use super::evaluate_poses;
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
-use super::study::{Document, Searched, chart_study, check_plot, searched, write_plot};
-use super::{evaluate_frames, inputs};
+use super::study::{Searched, chart_study, check_plot, searched, write_plot};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
-use crate::evaluate::figure::roc_svg;
+use crate::evaluate::curves::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
 use crate::evaluate::{AccuracyStudy, NoiseStudy};
 use crate::synth::NoiseCase;
@@ -32,14 +32,14 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         check_plot(path)?;
     }
-    let study = chart_study((&args.charts, &args.compared), &args.search, args.snr.clone())?;
+    let study = chart_study(&args.charts, &args.compared, &args.search, args.snr.clone())?;
     let console = Console::new(&args.output)?;
     let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
-    inputs::check(&rules, args.plot.as_deref())?;
+    args.plot.iter().try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || roc_svg(&report))?;
-    console.say_json(&Document::new("evaluate chart", &report))
+    console.say_document("evaluate chart", &report)
 }
 
 fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
@@ -60,10 +60,9 @@ fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
     };
     let report = AccuracyDocument { crowded, apart };
     console.say(&accuracy_tables(&report.crowded, report.apart.as_ref()))?;
-    console.say_json(&Document::new("evaluate accuracy", &report))
+    console.say_document("evaluate accuracy", &report)
 }
 
-/// JSON document of `evaluate accuracy`.
 #[derive(Serialize)]
 struct AccuracyDocument {
     #[serde(flatten)]
@@ -90,18 +89,9 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
         [] => white.chain(NoiseCase::ALL.iter().filter(|&&case| case != NoiseCase::White).map(of_case)).collect(),
         cases => cases.iter().map(of_case).collect(),
     };
-    let study = NoiseStudy {
-        levels,
-        searches,
-        width: args.width,
-        height: args.height,
-        megapixels: args.megapixels,
-        seeds: args.seeds,
-        first_seed: args.seed,
-        ..NoiseStudy::default()
-    };
+    let study = NoiseStudy { levels, searches, ..args.study.clone() };
     let console = Console::new(&args.output)?;
     let report = study.run(&console.monitor)?;
     console.say(&noise_table(&report))?;
-    console.say_json(&Document::new("evaluate noise", &report))
+    console.say_document("evaluate noise", &report)
 }

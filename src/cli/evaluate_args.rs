@@ -6,7 +6,8 @@ use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
 use super::search_options::SearchArgs;
-use crate::synth::{ChartParams, NoiseCase};
+use crate::evaluate::NoiseStudy;
+use crate::synth::NoiseCase;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -48,22 +49,17 @@ pub struct EvaluateChartArgs {
     /// Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO,…", value_delimiter = ',', default_value = "0.2,0.35,0.6")]
     pub snr: Vec<f64>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub compared: ComparedArgs,
     /// Draw the curves of true against false features, one panel a ratio, as an SVG figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub charts: ChartsArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -107,13 +103,10 @@ pub struct AccuracyArgs {
     /// pixels, and as many for their area on others.
     #[arg(long, value_name = "N")]
     pub apart_discs: Option<usize>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub charts: ChartsArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -145,31 +138,14 @@ pub struct NoiseArgs {
     /// Grey level of the kinds of --case, fraction of full scale, except where they are about black or white.
     #[arg(long, value_name = "LEVEL", default_value_t = NoiseCase::LEVEL)]
     pub case_level: f64,
-    /// Millions of pixels of the image to be searched for each number of the table, at least.
-    #[arg(long, value_name = "MPX", default_value_t = 50.0)]
-    pub megapixels: f64,
-    /// Number of bursts for each number of the table, instead of --megapixels; the table then shows the largest count
-    /// of one of them.
-    #[arg(long, value_name = "N", conflicts_with = "megapixels")]
-    pub seeds: Option<usize>,
-    /// The first burst's seed.
-    #[arg(long, value_name = "FIRST", default_value_t = 1)]
-    pub seed: u64,
-    /// Columns.
-    #[arg(long, value_name = "PIXELS", default_value_t = ChartParams::default().width)]
-    pub width: usize,
-    /// Rows.
-    #[arg(long, value_name = "PIXELS", default_value_t = ChartParams::default().height)]
-    pub height: usize,
-    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub study: NoiseStudy,
     #[command(flatten)]
     pub search: SearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
 }
 
-/// Bits of a converter, or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bits(pub Option<u32>);
 

@@ -5,12 +5,11 @@ use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
 use super::evaluate_tables::{burst_frames_table, frames_table};
 use super::failure::Failure;
-use super::inputs;
 use super::inputs::{Input, open_options, resolve_one, resolve_pair};
-use super::study::{Document, chart_study, check_plot, write_plot};
+use super::study::{chart_study, check_plot, write_plot};
 use crate::burst::Burst;
 use crate::detector::params::doc;
-use crate::evaluate::figure::{burst_frames_svg, frames_svg};
+use crate::evaluate::curves::{burst_frames_svg, frames_svg};
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{BurstFramesStudy, FramesStudy};
 use crate::export::OutputRules;
@@ -29,7 +28,6 @@ use std::path::{Path, PathBuf};
 pub struct FramesArgs {
     // clap gives no group to a struct that flattens another, so the arguments of ChartsArgs are named one by one.
     #[arg(value_name = "INPUT", help = INPUT_HELP, conflicts_with_all = ["seeds", "seed", "motion", "DiscsArgs", "ComparedArgs", "snr"])]
-    #[allow(missing_docs)]
     pub input: Option<PathBuf>,
     /// A second burst of the same scene, to be matched with INPUT by the parameters that 'match' has without options.
     #[arg(value_name = "SECOND")]
@@ -40,19 +38,15 @@ pub struct FramesArgs {
     /// Signal-to-noise ratio of one pixel in one frame of a chart; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO", default_value_t = 0.6)]
     pub snr: f64,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub compared: ComparedArgs,
     /// Draw what was found over the number of frames as an SVG figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub charts: ChartsArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -90,16 +84,16 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
         ));
     }
     let study = FramesStudy {
-        charts: chart_study((&args.charts, &args.compared), &args.run.search, vec![args.snr])?,
+        charts: chart_study(&args.charts, &args.compared, &args.run.search, vec![args.snr])?,
         frame_counts: if args.frame_counts.is_empty() { FRAME_COUNTS.to_vec() } else { args.frame_counts.clone() },
     };
     let console = Console::new(&args.run.output)?;
     let rules = rules(args, &[]);
-    inputs::check(&rules, args.plot.as_deref())?;
+    args.plot.iter().try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
     console.say(&frames_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || frames_svg(&report))?;
-    console.say_json(&Document::new("evaluate frames", &report))
+    console.say_document("evaluate frames", &report)
 }
 
 fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
@@ -115,12 +109,12 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
     };
     let options = open_options(&inputs, &args.run.calibration)?;
     let rules = rules(args, &inputs);
-    inputs::check(&rules, args.plot.as_deref())?;
+    args.plot.iter().try_for_each(|path| rules.check(path))?;
     let silent = console.monitor.silent();
     let bursts = inputs.iter().map(|i| i.open(&options, &silent)).collect::<Result<Vec<Burst>, _>>()?;
     let truth = truth_of(&bursts[0]).map_err(|e| Failure::Failed(e.into()))?;
     let report = study.run(&bursts[0], bursts.get(1), truth.as_ref(), &console.monitor)?;
     console.say(&burst_frames_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || burst_frames_svg(&report))?;
-    console.say_json(&Document::new("evaluate frames", &report))
+    console.say_document("evaluate frames", &report)
 }

@@ -2,19 +2,19 @@
 
 use super::args::{BurstSearchArgs, SequenceArgs};
 use super::console::Console;
+use super::evaluate_tables::{or_dash, table};
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
-use super::study::{Document, Searched, once_each, searched_by};
+use super::study::{Searched, once_each, searched_by};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
-use crate::evaluate::{BurstMethod, MatchMethod, MatchReport, MatchStudy, Shot, slopes_of};
+use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Shot, slopes_of};
 use crate::matching::PairSelection;
 use crate::synth::{FrameLevels, NoisyExposure, NoisyParams};
 use clap::Args;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -36,8 +36,8 @@ pub struct MatchesArgs {
     /// Rows of the table, separated by commas: gold, sift-frame, sift-mean, sift-merge, buff-1d, buff-2d, buff-auto
     /// (each burst's slopes found) [default: gold if there is one, sift-frame, sift-merge, and buff-auto, or with given
     /// slopes buff-1d, buff-2d].
-    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = MatchMethod::from_str)]
-    pub methods: Vec<MatchMethod>,
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',', value_parser = parse_method)]
+    pub methods: Vec<BurstMethod>,
     /// Sharp images of the same views, in the bursts' order: a dataset as the bursts are, or with one image for each;
     /// SIFT on its middle frames is the gold standard.
     #[arg(long, value_name = "DATASET", conflicts_with = "snr")]
@@ -58,13 +58,10 @@ pub struct MatchesArgs {
     /// Which bursts are matched: all, or each with the next K (sequential:K).
     #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
     pub pairs: PairSelection,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub matching: MatchingArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
 }
@@ -84,7 +81,6 @@ JSON (--json):
      \"by_pair\": [{\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"on_gold_geometry\"}]}]}
   frame_noise is that of a frame at the mean signal, a fraction of full scale.";
 
-/// Noise that was added to the frames.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct AddedNoise {
     snr: f64,
@@ -106,8 +102,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     }
     let has_gold = args.gold.is_some() || args.snr.is_some();
     let methods = methods(args, has_gold)?;
-    let of_bursts: Vec<BurstMethod> = methods.iter().filter_map(|method| method.of_burst()).collect();
-    let Searched { detector, slopes, direction_deg } = searched_by(&args.run.search, &of_bursts)?;
+    let Searched { detector, slopes, direction_deg } = searched_by(&args.run.search, &methods)?;
     let (slopes_1d, slopes_2d) = match slopes {
         Some(slopes) => slopes_of(slopes),
         None => slopes_of(detector.slopes),
@@ -155,20 +150,26 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         gain: e.gain,
         frame_noise: e.camera.sigma(e.mean_signal),
     });
-    console.say(&table(&report, noise))?;
-    console.say_json(&Document::new("evaluate matches", &MatchesDocument { noise, report: &report }))
+    console.say(&text(&report, noise))?;
+    console.say_document("evaluate matches", &MatchesDocument { noise, report: &report })
 }
 
-fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<MatchMethod>, Failure> {
+fn parse_method(text: &str) -> Result<BurstMethod, String> {
+    match text {
+        "gold" => Ok(BurstMethod::Gold),
+        text => text.parse().map_err(|error: String| error.replace("give ", "give gold, ")),
+    }
+}
+
+fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<BurstMethod>, Failure> {
     if !args.methods.is_empty() {
         return Ok(once_each(&args.methods));
     }
     use BurstMethod::{Buff1d, Buff2d, BuffAuto, SiftFrame, SiftMerge};
     let finds_slopes = args.run.search.params()?.slopes.is_auto();
     let buff: &[BurstMethod] = if finds_slopes { &[BuffAuto] } else { &[Buff1d, Buff2d] };
-    let gold = has_gold.then_some(MatchMethod::Gold);
-    let compared = [SiftFrame, SiftMerge].iter().chain(buff).map(|&method| MatchMethod::Burst(method));
-    Ok(gold.into_iter().chain(compared).collect())
+    let gold = has_gold.then_some(&BurstMethod::Gold);
+    Ok(gold.into_iter().chain(&[SiftFrame, SiftMerge]).chain(buff).copied().collect())
 }
 
 /// Sharp images of the bursts, where `--gold` names them: cut as the bursts are, or one for each burst.
@@ -210,50 +211,36 @@ fn exposure(
     Ok(Some(params.exposure(&levels)?))
 }
 
-fn table(report: &MatchReport, noise: Option<AddedNoise>) -> String {
-    let mut text = String::new();
-    // Writing into a string cannot fail.
-    let _ = write_table(&mut text, report, noise);
-    text
-}
-
-fn write_table(out: &mut String, report: &MatchReport, noise: Option<AddedNoise>) -> std::fmt::Result {
-    writeln!(
-        out,
-        "{} bursts of {} frames of {}×{}, {} pairs",
-        report.bursts.len(),
-        report.frames,
-        report.size.0,
-        report.size.1,
-        report.pairs.len()
-    )?;
+fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
+    let (bursts, pairs, (width, height)) = (report.bursts.len(), report.pairs.len(), report.size);
+    let mut text = format!("{bursts} bursts of {} frames of {width}×{height}, {pairs} pairs\n", report.frames);
     if let Some(AddedNoise { snr, seed, frame_noise, .. }) = noise {
-        writeln!(out, "noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}")?;
+        text +=
+            &format!("noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}\n");
     }
-    let has = |method| report.methods.iter().any(|row| row.method == MatchMethod::Burst(method));
     for (method, slopes) in [(BurstMethod::Buff1d, report.slopes_1d), (BurstMethod::Buff2d, report.slopes_2d)] {
-        if has(method) {
-            writeln!(out, "slopes of {} {} (min:max:count, px/frame)", method.label(), grid_text(&slopes))?;
+        if report.methods.iter().any(|row| row.method == method) {
+            text += &format!("slopes of {} {} (min:max:count, px/frame)\n", method.label(), grid_text(&slopes));
         }
     }
     for found in report.methods.iter().filter_map(|row| row.slopes_found.as_ref()) {
-        writeln!(out, "slopes found (min:max:count, px/frame)")?;
+        text += "slopes found (min:max:count, px/frame)\n";
         for (name, slopes) in report.bursts.iter().zip(found) {
-            writeln!(out, "  {name}: {}", grid_text(slopes))?;
+            text += &format!("  {name}: {}\n", grid_text(slopes));
         }
     }
-    writeln!(out)?;
-    writeln!(
-        out,
-        "{:18}{:>11}{:>10}{:>10}{:>9}{:>8}{:>11}{:>10}{:>10}",
-        "", "keypoints/", "putative/", "inliers/", "match", "match", "", "pairs", "on gold/"
-    )?;
-    writeln!(
-        out,
-        "{:18}{:>11}{:>10}{:>10}{:>9}{:>8}{:>11}{:>10}{:>10}",
-        "method", "image", "image", "image", "ratio", "score", "precision", "verified", "image"
-    )?;
-    report.methods.iter().try_for_each(|row| write_row(out, row))
+    let heads = [
+        "method",
+        "keypoints/image",
+        "putative/image",
+        "inliers/image",
+        "match ratio",
+        "match score",
+        "precision",
+        "pairs verified",
+        "on gold/image",
+    ];
+    text + "\n" + &table(&heads, report.methods.iter().map(cells))
 }
 
 fn grid_text(grid: &SlopeGrid) -> String {
@@ -261,19 +248,17 @@ fn grid_text(grid: &SlopeGrid) -> String {
     format!("u {} v {}{turned}", grid.u, grid.v)
 }
 
-fn write_row(out: &mut String, row: &MatchRow) -> std::fmt::Result {
-    let or_dash = |x: Option<f64>, digits: usize| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"));
-    writeln!(
-        out,
-        "{:18}{:>11.1}{:>10.1}{:>10.1}{:>9.3}{:>8.3}{:>11}{:>10}{:>10}",
-        row.method.label(),
-        row.counts.keypoints_per_image,
-        row.counts.putative_per_image,
-        row.counts.inliers_per_image,
-        row.counts.match_ratio,
-        row.counts.match_score,
-        or_dash(row.counts.precision, 3),
-        row.counts.verified_pairs,
-        or_dash(row.on_gold_geometry_per_image, 1)
-    )
+fn cells(row: &MatchRow) -> Vec<String> {
+    let counts = &row.counts;
+    vec![
+        row.method.label().to_owned(),
+        format!("{:.1}", counts.keypoints_per_image),
+        format!("{:.1}", counts.putative_per_image),
+        format!("{:.1}", counts.inliers_per_image),
+        format!("{:.3}", counts.match_ratio),
+        format!("{:.3}", counts.match_score),
+        or_dash(counts.precision, |x| format!("{x:.3}")),
+        counts.verified_pairs.to_string(),
+        or_dash(row.on_gold_geometry_per_image, |x| format!("{x:.1}")),
+    ]
 }

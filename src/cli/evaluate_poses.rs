@@ -1,21 +1,13 @@
 //! `evaluate poses`: compares an estimated trajectory with the true one.
 
 use super::args::OutputArgs;
-use super::choices::{ASSOCIATIONS, words};
 use super::console::Console;
+use super::evaluate_tables::table;
 use super::failure::Failure;
-use super::study::Document;
-use crate::evaluate::poses::{
-    Association, ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory,
-};
+use crate::evaluate::poses::{ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory};
 use clap::Args;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
-
-fn study() -> PoseStudy {
-    PoseStudy::default()
-}
 
 /// Compare camera poses that were estimated with the true ones.
 ///
@@ -35,20 +27,8 @@ pub struct PosesArgs {
     /// a sparse model.
     #[arg(long, value_name = "POSES")]
     pub truth: PathBuf,
-    /// What makes two poses belong together: name, time or order [default: names if both sides have them, else times if
-    /// all fit, else order].
-    #[arg(long, value_name = "RULE", value_parser = words::<Association>(ASSOCIATIONS))]
-    pub associate: Option<Association>,
-    /// Max difference of the times of a pair, in the files' unit.
-    #[arg(long, value_name = "TIME", default_value_t = study().max_time_difference)]
-    pub max_time_difference: f64,
-    /// Poses between the start and the end of each motion of the relative pose error.
-    #[arg(long, value_name = "POSES", default_value_t = study().step)]
-    pub step: usize,
-    /// Number of images that the reconstruction began with [default: the number of true poses].
-    #[arg(long, value_name = "N")]
-    pub images: Option<usize>,
-    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub study: PoseStudy,
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -73,50 +53,35 @@ struct PosesDocument<'a> {
 }
 
 pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
-    let PosesArgs { associate, max_time_difference, step, images, .. } = *args;
     let console = Console::new(&args.output)?;
     let estimate = read_trajectory(&args.estimate)?;
     let truth = read_trajectory(&args.truth)?;
-    let report = evaluate_poses(&estimate, &truth, &PoseStudy { associate, max_time_difference, step, images })?;
+    let report = evaluate_poses(&estimate, &truth, &args.study)?;
     if let Some(model) = estimate.model.as_ref().filter(|m| m.other_models > 0) {
         console.say(&format!("took {}, the largest of {} parts\n", model.folder.display(), model.other_models + 1))?;
     }
-    console.say(&table(&report))?;
+    console.say(&text(&report))?;
     let answer = PosesDocument {
         estimate: &args.estimate,
         truth: &args.truth,
         images_pass_percent: report.images_pass_percent(),
         report: &report,
     };
-    console.say_json(&Document::new("evaluate poses", &answer))
+    console.say_document("evaluate poses", &answer)
 }
 
-fn table(report: &PoseReport) -> String {
-    let mut text = String::new();
-    // Writing into a string cannot fail.
-    let _ = write_table(&mut text, report);
-    text
-}
-
-fn write_table(out: &mut String, report: &PoseReport) -> std::fmt::Result {
-    writeln!(
-        out,
-        "{} of {} images registered ({:.0} %)",
-        report.registered,
-        report.images,
-        report.images_pass_percent()
-    )?;
+fn text(report: &PoseReport) -> String {
+    let passed = report.images_pass_percent();
+    let mut text = format!("{} of {} images registered ({passed:.0} %)\n", report.registered, report.images);
     if let Some(ModelSummary { points, points_per_image, mean_track_length, mean_reprojection_error_px, .. }) =
         report.model
     {
-        writeln!(
-            out,
-            "{points} 3D points, {points_per_image:.1} an image, seen in {mean_track_length:.2} images each, mean reprojection error {mean_reprojection_error_px:.3} px"
-        )?;
+        text += &format!(
+            "{points} 3D points, {points_per_image:.1} an image, seen in {mean_track_length:.2} images each, mean reprojection error {mean_reprojection_error_px:.3} px\n"
+        );
     }
-    writeln!(
-        out,
-        "{} poses paired {}, aligned with scale {:.6}{}\n",
+    text += &format!(
+        "{} poses paired {}, aligned with scale {:.6}{}\n\n",
         report.absolute.count,
         report.associated.phrase(),
         report.scale,
@@ -125,17 +90,23 @@ fn write_table(out: &mut String, report: &PoseReport) -> std::fmt::Result {
         } else {
             ""
         }
-    )?;
-    writeln!(out, "{:44}{:>12}{:>12}{:>12}{:>12}", "", "RMSE", "mean", "median", "max")?;
-    let mut row = |words: &str, e: &ErrorSummary| {
-        writeln!(out, "{words:44}{:>12.6}{:>12.6}{:>12.6}{:>12.6}", e.rmse, e.mean, e.median, e.max)
+    );
+    let row = |words: String, e: &ErrorSummary| {
+        let numbers = [e.rmse, e.mean, e.median, e.max].map(|error| format!("{error:.6}"));
+        std::iter::once(words).chain(numbers).collect::<Vec<String>>()
     };
-    row("absolute trajectory error, truth's unit", &report.absolute.translation)?;
-    row("absolute trajectory error, deg", &report.absolute.rotation_deg)?;
-    if report.relative.count == 0 {
-        return writeln!(out, "no motion over {} poses: fewer are paired", report.step);
+    let mut rows = vec![
+        row("absolute trajectory error, truth's unit".to_owned(), &report.absolute.translation),
+        row("absolute trajectory error, deg".to_owned(), &report.absolute.rotation_deg),
+    ];
+    if report.relative.count > 0 {
+        let over = if report.step == 1 { String::new() } else { format!(" over {} poses", report.step) };
+        rows.push(row(format!("relative pose error{over}, truth's unit"), &report.relative.translation));
+        rows.push(row(format!("relative pose error{over}, deg"), &report.relative.rotation_deg));
     }
-    let over = if report.step == 1 { String::new() } else { format!(" over {} poses", report.step) };
-    row(&format!("relative pose error{over}, truth's unit"), &report.relative.translation)?;
-    row(&format!("relative pose error{over}, deg"), &report.relative.rotation_deg)
+    text += &table(&["", "RMSE", "mean", "median", "max"], rows);
+    if report.relative.count == 0 {
+        text += &format!("no motion over {} poses: fewer are paired\n", report.step);
+    }
+    text
 }

@@ -1,58 +1,43 @@
-//! Tables that `evaluate` prints for people.
+//! Tables that reports print for people.
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
-use crate::evaluate::chart::{ChartReport, ChartSummary, MethodReport};
+use crate::evaluate::chart::{ChartReport, ChartSummary, ComparisonSetup, MethodReport};
 use crate::evaluate::frames::FramesReport;
 use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseReport};
 use crate::evaluate::statistics::Errors;
-use crate::inspect::score::Ranking;
 use crate::synth::RadiusLaw;
-use std::fmt::{Result, Write};
 
-pub(super) fn chart_table(report: &ChartReport) -> String {
+/// Heads over rows of cells: the first column stands to the left, the others to the right, as wide as their cells.
+pub(super) fn table(heads: &[impl AsRef<str>], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let heads = heads.iter().map(|head| head.as_ref().to_owned()).collect();
+    let lines: Vec<Vec<String>> = std::iter::once(heads).chain(rows).collect();
+    let width = |column: usize| lines.iter().filter_map(|line| Some(line.get(column)?.chars().count())).max();
     let mut text = String::new();
-    // Writing into a string cannot fail, here and below.
-    let _ = write_chart(&mut text, report);
+    for line in &lines {
+        for (column, cell) in line.iter().enumerate() {
+            let width = width(column).unwrap_or(0);
+            text += &if column == 0 { format!("{cell:<width$}") } else { format!("   {cell:>width$}") };
+        }
+        text += "\n";
+    }
     text
 }
 
-pub(super) fn frames_table(report: &FramesReport) -> String {
-    let mut text = String::new();
-    let _ = write_frames(&mut text, report);
-    text
-}
-
-pub(super) fn burst_frames_table(report: &BurstFramesReport) -> String {
-    let mut text = String::new();
-    let _ = write_burst_frames(&mut text, report);
-    text
-}
-
-/// Tables of the crowded charts, then of those with discs apart.
-pub(super) fn accuracy_tables(crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> String {
-    let mut text = String::new();
-    let _ = write_accuracy(&mut text, crowded, apart);
-    text
-}
-
-pub(super) fn noise_table(report: &NoiseReport) -> String {
-    let mut text = String::new();
-    let _ = write_noise(&mut text, report);
-    text
+/// A number as text, and a dash where there is none.
+pub(super) fn or_dash<T>(value: Option<T>, text: impl Fn(T) -> String) -> String {
+    value.map_or_else(|| "–".to_owned(), text)
 }
 
 /// `frames` is a number of frames, or a range of them; `each` names the setting that has `seeds` charts.
-fn write_charts(
-    out: &mut String,
-    chart: &ChartSummary,
-    (frames, each): (&str, &str),
-    first_seed: u64,
-    seeds: u64,
-) -> Result {
-    writeln!(
-        out,
-        "{} discs of radius {} to {} px{}, contrast {}, in {} frames of {}×{}, {} bits, slopes up to ±{} px/frame in {}",
+fn charts_text(chart: &ChartSummary, frames: &str, each: &str, first_seed: u64, seeds: u64) -> String {
+    let charts = if seeds == 1 {
+        format!("one chart for each {each}, seed {first_seed}")
+    } else {
+        format!("{seeds} charts for each {each}, seeds {first_seed} to {}", first_seed.saturating_add(seeds - 1))
+    };
+    format!(
+        "{} discs of radius {} to {} px{}, contrast {}, in {} frames of {}×{}, {} bits, slopes up to ±{} px/frame in {}\n{charts}\n",
         chart.discs,
         chart.radius[0],
         chart.radius[1],
@@ -64,103 +49,73 @@ fn write_charts(
         chart.bits,
         chart.max_slope,
         chart.motion.to_uppercase()
-    )?;
-    if seeds == 1 {
-        writeln!(out, "one chart for each {each}, seed {first_seed}")
-    } else {
-        writeln!(out, "{seeds} charts for each {each}, seeds {first_seed} to {}", first_seed.saturating_add(seeds - 1))
-    }
+    )
 }
 
-fn write_chart(out: &mut String, report: &ChartReport) -> Result {
-    let frames = report.chart.frames.to_string();
-    write_charts(out, &report.chart, (&frames, "SNR"), report.setup.first_seed, report.setup.seeds)?;
+pub(super) fn chart_table(report: &ChartReport) -> String {
+    let ComparisonSetup { first_seed, seeds, .. } = report.setup;
     let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.snr.to_string(), &row.methods[..])).collect();
-    let judged = (report.chart.discs, report.setup.ranking, report.setup.false_fraction);
-    write_found(out, judged, ("SNR", &rows))
+    charts_text(&report.chart, &report.chart.frames.to_string(), "SNR", first_seed, seeds)
+        + &found_tables(report.chart.discs, &report.setup, "SNR", &rows)
 }
 
-fn write_frames(out: &mut String, report: &FramesReport) -> Result {
+pub(super) fn frames_table(report: &FramesReport) -> String {
     let first = report.rows.first().map_or(report.chart.frames, |row| row.frames);
     let frames = match report.chart.frames {
         last if last == first => last.to_string(),
         last => format!("{first} to {last}"),
     };
-    write_charts(out, &report.chart, (&frames, "number of frames"), report.setup.first_seed, report.setup.seeds)?;
-    writeln!(out, "SNR {}", report.snr)?;
+    let ComparisonSetup { first_seed, seeds, .. } = report.setup;
     let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.frames.to_string(), &row.methods[..])).collect();
-    let judged = (report.chart.discs, report.setup.ranking, report.setup.false_fraction);
-    write_found(out, judged, ("frames", &rows))
+    charts_text(&report.chart, &frames, "number of frames", first_seed, seeds)
+        + &format!("SNR {}\n", report.snr)
+        + &found_tables(report.chart.discs, &report.setup, "frames", &rows)
 }
 
 /// Label of a row, and the methods in it.
 type Row<'a> = (String, &'a [MethodReport]);
 
-/// Writes the tables of discs found: `discs` is their number on a chart, `ranking` the score with the threshold, and
-/// `false_fraction` the share of false detections there.
-fn write_found(
-    out: &mut String,
-    (discs, ranking, false_fraction): (usize, Ranking, f64),
-    rows: (&str, &[Row<'_>]),
-) -> Result {
-    writeln!(
-        out,
-        "\nDiscs found, of {discs}, at the threshold on {} where {} % of the detections are false (mean ± standard error)",
-        ranking.name(),
-        (false_fraction * 1000.0).round() / 10.0
-    )?;
-    write_columns(out, rows, |method| format!("{:.1}", method.true_positives))?;
-    writeln!(out, "\nDiscs found + false features among all that was detected (means)")?;
-    write_columns(out, rows, |method| {
-        format!("{:.1} + {:.1}", method.default_true_positives.mean, method.default_false_features.mean)
-    })?;
-    writeln!(out, "\nFalse features a disc among all that was detected (mean)")?;
-    write_columns(out, rows, |method| {
-        method.default_false_per_disc.map_or_else(|| "–".into(), |n| format!("{:.2}", n.mean))
-    })?;
-    writeln!(out, "\nEstimated over true noise of a frame")?;
-    write_columns(out, rows, |method| {
-        method.noise_estimate_ratio.map_or_else(|| "–".into(), |r| format!("{:.3}", r.mean))
-    })
+/// The tables of discs found, of `discs` on a chart; `first` is the head of the rows' labels.
+fn found_tables(discs: usize, setup: &ComparisonSetup, first: &str, rows: &[Row<'_>]) -> String {
+    let of_methods = |title: String, cell: &dyn Fn(&MethodReport) -> String| {
+        let methods = rows.first().map_or(&[][..], |(_, methods)| methods).iter().map(|method| method.method.label());
+        let heads: Vec<&str> = std::iter::once(first).chain(methods).collect();
+        let cells = |(name, methods): &Row<'_>| std::iter::once(name.clone()).chain(methods.iter().map(cell)).collect();
+        format!("\n{title}\n{}", table(&heads, rows.iter().map(cells)))
+    };
+    let title = format!(
+        "Discs found, of {discs}, at the threshold on {} where {} % of the detections are false (mean ± standard error)",
+        setup.ranking.name(),
+        (setup.false_fraction * 1000.0).round() / 10.0
+    );
+    of_methods(title, &|method| format!("{:.1}", method.true_positives))
+        + &of_methods("Discs found + false features among all that was detected (means)".to_owned(), &|method| {
+            format!("{:.1} + {:.1}", method.default_true_positives.mean, method.default_false_features.mean)
+        })
+        + &of_methods("False features a disc among all that was detected (mean)".to_owned(), &|method| {
+            or_dash(method.default_false_per_disc, |n| format!("{:.2}", n.mean))
+        })
+        + &of_methods("Estimated over true noise of a frame".to_owned(), &|method| {
+            or_dash(method.noise_estimate_ratio, |ratio| format!("{:.3}", ratio.mean))
+        })
 }
 
-fn write_columns(
-    out: &mut String,
-    (first, rows): (&str, &[Row<'_>]),
-    cell: impl Fn(&MethodReport) -> String,
-) -> Result {
-    write!(out, "{first:>8}")?;
-    for method in rows.first().map_or(&[][..], |(_, methods)| methods) {
-        write!(out, "{:>18}", method.method.label())?;
-    }
-    writeln!(out)?;
-    for (name, methods) in rows {
-        write!(out, "{name:>8}")?;
-        for method in *methods {
-            write!(out, "{:>18}", cell(method))?;
-        }
-        writeln!(out)?;
-    }
-    Ok(())
-}
-
-fn write_burst_frames(out: &mut String, report: &BurstFramesReport) -> Result {
+pub(super) fn burst_frames_table(report: &BurstFramesReport) -> String {
     let grid = report.detector.used_slopes();
-    writeln!(
-        out,
-        "{}: the middle frames as a burst, searched at slopes u {} and v {} (min:max:count, px/frame)",
-        report.burst, grid.u, grid.v
-    )?;
-    writeln!(out, "features of all frames: {} (orientations of one keypoint count once)", report.features)?;
+    let mut text = format!(
+        "{}: the middle frames as a burst, searched at slopes u {} and v {} (min:max:count, px/frame)\n\
+         features of all frames: {} (orientations of one keypoint count once)\n",
+        report.burst, grid.u, grid.v, report.features
+    );
     if let Some(discs) = report.discs {
-        writeln!(out, "discs known: {discs}")?;
+        text += &format!("discs known: {discs}\n");
     }
     if let Some(second) = &report.second {
-        writeln!(out, "matched with as many middle frames of {second}")?;
+        text += &format!("matched with as many middle frames of {second}\n");
     }
-    let or_dash = |count: Option<usize>| count.map_or_else(|| "–".to_owned(), |count| count.to_string());
     type Column = (&'static str, fn(&BurstFramesRow) -> Option<usize>);
-    let columns: [Column; 7] = [
+    let columns: [Column; 8] = [
+        ("frames", |row| Some(row.frames)),
         ("features", |row| Some(row.features)),
         ("confirmed", |row| Some(row.confirmed)),
         ("not", |row| Some(row.unconfirmed)),
@@ -169,107 +124,90 @@ fn write_burst_frames(out: &mut String, report: &BurstFramesReport) -> Result {
         ("putative", |row| row.matches.map(|m| m.putative)),
         ("inliers", |row| row.matches.and_then(|m| m.inliers)),
     ];
-    let columns: Vec<Column> =
-        columns.into_iter().filter(|(_, value)| report.rows.iter().any(|row| value(row).is_some())).collect();
-    write!(out, "\n{:>8}", "frames")?;
-    columns.iter().try_for_each(|(name, _)| write!(out, "{name:>11}"))?;
-    writeln!(out)?;
-    for row in &report.rows {
-        write!(out, "{:>8}", row.frames)?;
-        columns.iter().try_for_each(|(_, value)| write!(out, "{:>11}", or_dash(value(row))))?;
-        writeln!(out)?;
-    }
-    Ok(())
+    let is_known = |(_, value): &Column| report.rows.iter().any(|row| value(row).is_some());
+    let columns: Vec<Column> = columns.into_iter().filter(is_known).collect();
+    let heads: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    let cells = |row| columns.iter().map(|(_, value)| or_dash(value(row), |count| count.to_string())).collect();
+    text + "\n" + &table(&heads, report.rows.iter().map(cells))
 }
 
-fn write_accuracy(out: &mut String, crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> Result {
+/// Tables of the crowded charts, then of those with discs apart.
+pub(super) fn accuracy_tables(crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> String {
     let grid = crowded.detector.used_slopes();
-    writeln!(out, "searched at slopes u {} and v {} (min:max:count, px/frame)", grid.u, grid.v)?;
+    let mut text = format!("searched at slopes u {} and v {} (min:max:count, px/frame)\n", grid.u, grid.v);
     let titles = ["Crowded charts: neighbours draw features aside", "Charts of discs that stand apart in all frames"];
     for (title, report) in titles.into_iter().zip([Some(crowded), apart]) {
         let Some(report) = report else { continue };
-        writeln!(out, "\n{title}")?;
         let frames = report.chart.frames.to_string();
-        write_charts(out, &report.chart, (&frames, "SNR"), report.first_seed, report.seeds)?;
-        for row in &report.rows {
-            write_accuracy_row(out, row)?;
-        }
+        let charts = charts_text(&report.chart, &frames, "SNR", report.first_seed, report.seeds);
+        text += &format!("\n{title}\n{charts}");
+        text.extend(report.rows.iter().map(accuracy_table));
     }
-    writeln!(
-        out,
-        "\nErrors are those of found discs that are not on the rim of the slopes. Scales are compared with the σ at which a\n\
-         difference of Gaussians answers a disc most strongly, not with r/√2."
-    )
+    text + "\nErrors are those of found discs that are not on the rim of the slopes. Scales are compared with the σ at which a\n\
+        difference of Gaussians answers a disc most strongly, not with r/√2.\n"
 }
 
-fn write_accuracy_row(out: &mut String, row: &AccuracyRow) -> Result {
-    writeln!(out, "\nSNR {}", row.snr)?;
-    let mut counts = |words: &str, count: RangeCount| {
-        let RangeCount { discs, found, marked } = count;
-        writeln!(out, "  {words:36}{discs:>6}, found {found:>5}, of these on the rim of the slopes {marked:>4}")
+fn accuracy_table(row: &AccuracyRow) -> String {
+    let counts = |words: &str, RangeCount { discs, found, marked }: RangeCount| {
+        format!("{words} {discs}, found {found}, of these on the rim of the slopes {marked}\n")
     };
-    counts("discs within the range of slopes", row.within)?;
-    counts("discs beyond the range", row.beyond)?;
-    writeln!(out, "  {:24}{:>16}{:>12}{:>31}", "", "median |error|", "95 %", "mean ± standard error")?;
     // Of no disc there is no error.
-    let or_dash = |x: f64| if x.is_nan() { "–".to_owned() } else { format!("{x:.4}") };
-    let mut line = |words: &str, median: f64, max: f64, signed: String| {
-        writeln!(out, "  {words:24}{:>16}{:>12}{signed:>31}", or_dash(median), or_dash(max))
+    let number = |x: f64| or_dash((!x.is_nan()).then_some(x), |x| format!("{x:.4}"));
+    let line = |words: &str, [median, most]: [f64; 2], signed: String| {
+        vec![words.to_owned(), number(median), number(most), signed]
     };
-    let mut errors = |words: &str, e: &Errors, factor: f64| {
+    let errors = |words: &str, e: &Errors, factor: f64| {
         let signed = match e.signed.standard_error {
             _ if e.count == 0 => "–".to_owned(),
             Some(error) => format!("{:+.4} ± {:.4}", e.signed.mean * factor, error * factor),
             None => format!("{:+.4}", e.signed.mean * factor),
         };
-        line(words, e.median_magnitude * factor, e.magnitude_95 * factor, signed)
+        line(words, [e.median_magnitude * factor, e.magnitude_95 * factor], signed)
     };
-    errors("place u, px", &row.u, 1.0)?;
-    errors("place v, px", &row.v, 1.0)?;
-    errors("scale, %", &row.scale, 100.0)?;
-    errors("slope u, px/frame", &row.slope_u, 1.0)?;
-    errors("slope v, px/frame", &row.slope_v, 1.0)?;
-    line("distance, px", row.distance[0], row.distance[1], format!("of {} discs", row.u.count))?;
-    let apart = format!("of {} discs that stand apart", row.apart);
-    line("distance, px", row.distance_apart[0], row.distance_apart[1], apart)?;
-    line("slope distance, px/frame", row.slope_distance[0], row.slope_distance[1], String::new())
+    let lines = [
+        errors("place u, px", &row.u, 1.0),
+        errors("place v, px", &row.v, 1.0),
+        errors("scale, %", &row.scale, 100.0),
+        errors("slope u, px/frame", &row.slope_u, 1.0),
+        errors("slope v, px/frame", &row.slope_v, 1.0),
+        line("distance, px", row.distance, format!("of {} discs", row.u.count)),
+        line("distance, px", row.distance_apart, format!("of {} discs that stand apart", row.apart)),
+        line("slope distance, px/frame", row.slope_distance, String::new()),
+    ];
+    format!("\nSNR {}\n", row.snr)
+        + &counts("discs within the range of slopes", row.within)
+        + &counts("discs beyond the range", row.beyond)
+        + &table(&["", "median |error|", "95 %", "mean ± standard error"], lines)
 }
 
-fn write_noise(out: &mut String, report: &NoiseReport) -> Result {
-    writeln!(
-        out,
-        "{} bursts of {} frames of {}×{} for each row, {:.1} Mpx of image, seeds from {}",
-        report.bursts, report.frames, report.width, report.height, report.megapixels, report.first_seed
-    )?;
-    writeln!(
-        out,
-        "\nFalse features in a million pixels of the image (± standard error), how many there were, and most in a burst"
-    )?;
-    write!(out, "{:22}{:>8}{:>7}{:>6}", "noise", "sigma", "mean", "bits")?;
+pub(super) fn noise_table(report: &NoiseReport) -> String {
     let columns = report.rows.first().map_or(&[][..], |row| &row.searches);
-    for search in columns {
-        write!(out, "{:>30}", format!("{}, {} slopes", search.label, search.slopes))?;
-    }
-    writeln!(out)?;
-    for row in &report.rows {
+    let heads: Vec<String> = ["noise", "sigma", "mean", "bits"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(columns.iter().map(|search| format!("{}, {} slopes", search.label, search.slopes)))
+        .collect();
+    let rows = report.rows.iter().map(|row| {
         let NoiseLevel { sigma, bits, case, mean } = row.level;
-        write!(
-            out,
-            "{:22}{sigma:>8}{mean:>7}{:>6}",
-            case.name(),
-            bits.map_or("–".to_owned(), |bits| bits.to_string())
-        )?;
-        for search in &row.searches {
+        let level = [case.name(), sigma.to_string(), mean.to_string(), or_dash(bits, |bits| bits.to_string())];
+        let counts = row.searches.iter().map(|search| {
             let most = search.of_bursts.iter().max().unwrap_or(&0);
             let (rate, error, count) = (search.per_megapixel, search.standard_error, search.false_features);
-            let cell = format!("{rate:.2} ± {error:.2} ({count}, {most})");
-            write!(out, "{cell:>30}")?;
-        }
-        writeln!(out)?;
-    }
-    write!(out, "{:43}", "noise gate")?;
-    for search in columns {
-        write!(out, "{:>30}", format!("{:.2} σ", search.noise_gate_factor))?;
-    }
-    writeln!(out)
+            format!("{rate:.2} ± {error:.2} ({count}, {most})")
+        });
+        level.into_iter().chain(counts).collect()
+    });
+    let gates = columns.iter().map(|search| format!("{:.2} σ", search.noise_gate_factor));
+    let gates = std::iter::once("noise gate".to_owned()).chain(std::iter::repeat_n(String::new(), 3)).chain(gates);
+    format!(
+        "{} bursts of {} frames of {}×{} for each row, {:.1} Mpx of image, seeds from {}\n\n\
+         False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{}",
+        report.bursts,
+        report.frames,
+        report.width,
+        report.height,
+        report.megapixels,
+        report.first_seed,
+        table(&heads, rows.chain([gates.collect()]))
+    )
 }

@@ -17,7 +17,6 @@ use crate::synth::{SynthError, WriteBurstError};
 use std::borrow::Cow;
 use std::io::{ErrorKind, Result, Write};
 
-/// Exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;
 
 /// Reason why a command did not finish all of its work.
@@ -44,7 +43,6 @@ impl Failure {
         Self::Failed(anyhow::Error::new(error).context("cannot write to the standard output"))
     }
 
-    /// Exit code of the failure.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Failed(_) | Self::Reported => 1,
@@ -53,7 +51,6 @@ impl Failure {
         }
     }
 
-    /// Prints the failure on the standard error.
     pub fn print(&self) {
         match self {
             Self::Failed(error) => complain(&format!("error: {error:#}")),
@@ -215,17 +212,11 @@ pub(super) fn printable(text: &str) -> Cow<'_, str> {
 }
 
 /// Prints text for people on the standard output. A reader that closed the pipe, such as `head`, is no failure.
-///
-/// # Errors
-/// When writing to the standard output fails for any other reason.
 pub(super) fn print(text: &str) -> Result<()> {
     print_bytes(&printable(text))
 }
 
 /// Prints a JSON document. Control characters occur only inside its strings, where they are written as `\u` escapes.
-///
-/// # Errors
-/// As [`print`].
 pub(super) fn print_json(text: &str) -> Result<()> {
     let mut clean = String::with_capacity(text.len());
     for c in text.chars() {

@@ -3,7 +3,7 @@
 use super::args::OutputArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::study::{Document, once_each};
+use super::study::once_each;
 use crate::figures::{FigureSize, FiguresEvent, FiguresJob, PaperFigure, find_colmap};
 use clap::Args;
 use std::path::PathBuf;
@@ -30,7 +30,6 @@ pub struct FiguresArgs {
     /// Leave COLMAP out even where it is installed.
     #[arg(long)]
     pub no_colmap: bool,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -70,5 +69,5 @@ pub(super) fn run(args: &FiguresArgs) -> Result<(), Failure> {
     let report = job.run(&mut on, &console.monitor)?;
     said?;
     console.say(&format!("\nwrote {}\n", report.page.display()))?;
-    console.say_json(&Document::new("figures", &report))
+    console.say_document("figures", &report)
 }

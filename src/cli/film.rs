@@ -1,15 +1,14 @@
 //! `film` writes a sweep over slope, scale or frames as an animation.
 
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope};
-use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{open_options, resolve_one};
+use super::inputs::OneBurst;
 use super::probe::parse_place;
 use crate::app::figure::rasterise;
 use crate::detect::search;
 use crate::detector::scale_space::searched_octaves;
-use crate::detector::{Method, SearchParams, Slope, SlopeChoice};
-use crate::export::film::{FilmFormat, estimated_film_bytes};
+use crate::detector::{Method, Slope};
+use crate::export::film::{estimated_film_bytes, is_film};
 use crate::files::path_text;
 use crate::requests::{BurstSource, Film, FilmError, FilmPlace, OpenBurst, Sweep};
 use clap::Args;
@@ -26,12 +25,9 @@ use std::sync::Arc;
 #[command(after_long_help = FILM_HELP)]
 pub struct FilmArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// What changes from picture to picture: slope-u=MIN:MAX:COUNT or slope-v=MIN:MAX:COUNT in pixels per frame; scale,
-    /// the DoG of every octave and level; frames, added one by one; flip=A,B, two pictures in turn: frame (the middle
-    /// one, with the features of SIFT), merged (with those of the merge), or a way of 'stack --combine', each of these
-    /// @U:V for a slope of its own.
+    /// the DoG of every octave and level; or frames, added one by one.
     #[arg(long, value_name = "WHAT", value_parser = <Sweep as std::str::FromStr>::from_str)]
     pub sweep: Sweep,
     /// The place whose D is drawn over the steps, in pixels at mid-burst: column and row [default: that of the
@@ -54,13 +50,11 @@ pub struct FilmArgs {
     /// Longest side of the pictures, pixels; larger ones are made smaller by a whole number.
     #[arg(long, value_name = "PX", default_value_t = 640, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub max_side: u32,
-    /// The file to write: .gif, or .apng or .png for an animated PNG.
+    /// The file to write: .gif.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -68,26 +62,17 @@ pub struct FilmArgs {
 const FILM_HELP: &str = "\
 Examples:
   burstscope film night/ --sweep slope-u=-3:3:49 --out sweep.gif
-  burstscope film night/ --sweep frames --slope -2.1,0 --at 412,230 --out frames.apng
-  burstscope film night/ --sweep flip=mean@1.2:0,median@1.2:0 --rate 2 --out some.gif
-  burstscope film night/ --sweep flip=merged,mean --slope 1.2,0 --rate 2 --out methods.gif
+  burstscope film night/ --sweep frames --slope -2.1,0 --at 412,230 --out frames.gif
 
 JSON (--json): {\"version\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
-    let format = FilmFormat::of(&args.out).ok_or_else(|| {
-        Failure::usage(format!(
-            "--out: films are GIF or animated PNG; name the file .gif or .apng: {}",
-            args.out.display()
-        ))
-    })?;
-    let console = Console::new(&args.run.output)?;
-    let input = resolve_one(&args.inputs, "film")?;
-    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    rules.check(&args.out)?;
-    console.begin(format!("{}: ", input.name));
+    if !is_film(&args.out) {
+        return Err(Failure::usage(format!("--out: films are GIF; name the file .gif: {}", args.out.display())));
+    }
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("film", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.1))?;
     params.detector.validate_for(burst.len(), burst.size())?;
     let source = BurstSource::Paths(input.paths().to_vec());
@@ -96,15 +81,18 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         params: params.detector.clone(),
         sweep: args.sweep,
         slope: args.slope,
-        detections: Vec::new(),
+        detection: None,
         place: args.at.map(|at| FilmPlace { at, scale: args.scale }),
         max_side_px: args.max_side as usize,
     };
     if !args.no_features {
-        find_features(&mut film, params, &console)?;
+        let mut params = params;
+        params.detector.method = Method::Buff;
+        let searched = search(&film.burst.burst, &params, &console.monitor.part(0.1, 0.3))?;
+        (film.params, film.detection) = (searched.params, Some(Arc::new(searched.detection)));
     }
     check_place(&film)?;
-    let features: usize = film.detections.iter().map(|(_, detection)| detection.features.len()).sum();
+    let features = film.detection.as_ref().map_or(0, |detection| detection.features.len());
     let failed = |error: FilmError| match error {
         FilmError::Picture(error) => error.into(),
         FilmError::Write(error) => error.into(),
@@ -113,46 +101,30 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let count = film.steps().len();
     let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1)).map_err(failed)?;
     let (width, height) = first.dimensions();
-    let estimated = estimated_film_bytes(format, [&first, &middle], count);
+    let estimated = estimated_film_bytes([&first, &middle], count);
     let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
     console.say(&format!(
         "{count} pictures of {width}×{height}, {} a second, about {}\n",
         args.rate,
         megabytes(estimated)
     ))?;
-    let (file, may_write) = ((&*args.out, format, args.rate), || rules.check(&args.out));
-    film.write(file, &rasterise, &may_write, &console.monitor.part(0.5, 0.5)).map_err(failed)?;
+    let may_write = || rules.check(&args.out);
+    film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5)).map_err(failed)?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     console.say(&format!("wrote {}, {}\n", args.out.display(), megabytes(bytes)))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "film",
-        "file": path_text(&args.out),
-        "pictures": count,
-        "width": width,
-        "height": height,
-        "rate": args.rate,
-        "features": features,
-        "estimated_bytes": estimated,
-        "bytes": bytes,
-    }))
-}
-
-/// Finds the features of each method whose pictures are shown.
-fn find_features(film: &mut Film, mut params: SearchParams, console: &Console) -> Result<(), Failure> {
-    let methods = film.methods();
-    for (index, method) in methods.iter().copied().enumerate() {
-        let share = 0.3 / methods.len() as f32;
-        params.detector.method = method;
-        let monitor = console.monitor.part(0.1 + share * index as f32, share);
-        let searched = search(&film.burst.burst, &params, &monitor)?;
-        if method == Method::Buff {
-            film.params = searched.params;
-            (params.detector, params.slopes) = (film.params.clone(), SlopeChoice::Given);
-        }
-        film.detections.push((method, Arc::new(searched.detection)));
-    }
-    Ok(())
+    console.say_document(
+        "film",
+        &json!({
+            "file": path_text(&args.out),
+            "pictures": count,
+            "width": width,
+            "height": height,
+            "rate": args.rate,
+            "features": features,
+            "estimated_bytes": estimated,
+            "bytes": bytes,
+        }),
+    )
 }
 
 /// Checks that the place whose response is drawn lies in the picture, and its scale in the search.

@@ -3,7 +3,8 @@
 //! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
 //! several pictures are the frames of one burst.
 
-use super::args::{CalibrationArgs, OverwriteArgs, SequenceArgs};
+use super::args::{BurstSearchArgs, CalibrationArgs, OverwriteArgs, SequenceArgs};
+use super::console::Console;
 use super::failure::Failure;
 use crate::burst::{
     Burst, BurstFiles, Entries, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries,
@@ -38,24 +39,16 @@ impl Input {
         Some(Self { name: word.display().to_string(), source: Ok(source) })
     }
 
-    /// Whether the burst is built into the program.
     pub fn is_built_in(&self) -> bool {
         self.source.as_ref().is_ok_and(|source| source.name().is_some())
     }
 
-    /// Opens the burst.
-    ///
-    /// # Errors
-    /// As [`BurstSource::burst`], or when the burst was not found.
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, Failure> {
         Ok(self.source.clone()?.burst(options, monitor)?)
     }
 
     /// Opens the burst to search it with `params`. A search that needs more memory than there is, is refused before any
     /// pixel is read.
-    ///
-    /// # Errors
-    /// As [`Input::open`]; also when the search needs too much memory.
     pub fn open_to_search(
         &self,
         options: &OpenOptions,
@@ -73,7 +66,6 @@ impl Input {
         self.source.as_ref().map_or(&[], BurstSource::paths)
     }
 
-    /// Paths that the burst is read from, as text.
     pub fn path_texts(&self) -> Vec<String> {
         self.paths().iter().map(|path| path_text(path)).collect()
     }
@@ -106,9 +98,6 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
 }
 
 /// Resolves `arguments` to bursts; with `sequence`, to the bursts into which their sequences are cut.
-///
-/// # Errors
-/// When the cut makes no sense. A sequence that cannot be cut becomes an input that cannot be opened.
 pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Vec<Input>, Failure> {
     let inputs = resolve(arguments);
     let Some(length) = sequence.burst_length else {
@@ -164,7 +153,7 @@ fn found(burst: BurstFiles) -> Input {
 fn look(paths: &[PathBuf]) -> Vec<Input> {
     match find_entries(paths) {
         Ok(Entries { bursts, strays }) => {
-            let stray = |path: PathBuf| Input { name: name_of(&path), source: Err(OpenError::Stray { path }) };
+            let stray = |path: PathBuf| Input { name: name_of(&path), source: Err(OpenError::stray(&path)) };
             bursts.into_iter().map(found).chain(strays.into_iter().map(stray)).collect()
         }
         Err(error) => vec![Input { name: name_of(&paths[0]), source: Err(error) }],
@@ -176,9 +165,6 @@ fn name_of(path: &Path) -> String {
 }
 
 /// Resolves `arguments` to one burst.
-///
-/// # Errors
-/// When they name several.
 pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input, Failure> {
     let mut inputs = resolve(arguments);
     match (inputs.pop(), inputs.is_empty()) {
@@ -194,9 +180,6 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
 }
 
 /// Resolves A and B to one burst each, with different names.
-///
-/// # Errors
-/// When either argument names several.
 pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
     let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match");
     let mut inputs = vec![one(a)?, one(b)?];
@@ -205,9 +188,6 @@ pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
 }
 
 /// Options for opening `inputs` with this calibration.
-///
-/// # Errors
-/// When a calibration is given for a built-in burst, which needs none.
 pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> Result<OpenOptions, Failure> {
     let options = calibration.options();
     let given = [
@@ -239,7 +219,6 @@ impl OverwriteArgs {
     }
 }
 
-/// All files that the command opens.
 pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Option<&PathBuf>]) -> OpenedFiles {
     let bursts = inputs.iter().filter_map(|input| input.source.as_ref().ok()).flat_map(BurstSource::files);
     let frames = [&calibration.bias, &calibration.flat]
@@ -250,12 +229,38 @@ pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Op
     OpenedFiles::of(bursts.chain(frames).chain(settings))
 }
 
-/// Checks that `path`, if there is one, may be written.
-///
-/// # Errors
-/// When it must not be overwritten.
-pub(super) fn check(rules: &OutputRules, path: Option<&Path>) -> Result<(), Failure> {
-    Ok(path.map_or(Ok(()), |path| rules.check(path))?)
+/// A command on one burst, before a pixel is read.
+pub(super) struct OneBurst {
+    pub console: Console,
+    pub input: Input,
+    pub options: OpenOptions,
+    /// Rules for the files that it writes.
+    pub rules: OutputRules,
+}
+
+impl BurstSearchArgs {
+    /// Begins `command` on the one burst that `inputs` name; `outputs` may be written.
+    pub(super) fn begin(
+        &self,
+        command: &str,
+        inputs: &[PathBuf],
+        overwrite: OverwriteArgs,
+        outputs: &[Option<&PathBuf>],
+    ) -> Result<OneBurst, Failure> {
+        let console = Console::new(&self.output)?;
+        let input = resolve_one(inputs, command)?;
+        let options = open_options(std::slice::from_ref(&input), &self.calibration)?;
+        let rules = overwrite.rules(std::slice::from_ref(&input), &options, &[self.search.file.params.as_ref()]);
+        outputs.iter().flatten().try_for_each(|path| rules.check(path))?;
+        console.begin(format!("{}: ", input.name));
+        Ok(OneBurst { console, input, options, rules })
+    }
+}
+
+/// Checks that the name of `path` has one of `endings`; `problem` says why and what to do.
+pub(super) fn check_ending(path: &Path, endings: &[&str], problem: &str) -> Result<(), Failure> {
+    let has = |ending: &&str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
+    if endings.iter().any(has) { Ok(()) } else { Err(Failure::usage(format!("{problem}: {}", path.display()))) }
 }
 
 #[cfg(test)]
@@ -305,7 +310,8 @@ mod tests {
         assert_eq!(bursts[2].paths(), [2, 3, 4].map(|t| film("day").join(format!("f{t}.png"))));
         let bursts = resolve_bursts(&[film("day"), film("dusk"), film("night")], args(2, None)).expect("cut");
         assert_eq!(names(&bursts), ["day_f1", "day_f3", "dusk", "night_f1", "night_f3"]);
-        assert!(matches!(bursts[2].source, Err(OpenError::TooShort { frames: 1, length: 2, .. })));
+        let error = bursts[2].source.as_ref().expect_err("one frame");
+        assert!(error.to_string().contains("1 frames, too few for a burst of 2"), "{error}");
         assert!(resolve_bursts(&[film("day")], args(0, None)).is_err());
         assert!(resolve_bursts(&[DEMO.into()], args(2, None)).is_err());
         assert_eq!(resolve_bursts(&[film("day")], SequenceArgs::default()).expect("whole").len(), 1);

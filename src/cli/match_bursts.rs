@@ -4,6 +4,7 @@ use super::args::{BurstSearchArgs, OverwriteArgs};
 use super::choices::{IMAGE_KINDS, words};
 use super::console::Console;
 use super::detect::{DetectJob, detect_burst};
+use super::evaluate_tables::or_dash;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_pair};
 use super::matching_args::MatchingArgs;
@@ -19,14 +20,10 @@ use crate::monitor::Stage;
 use clap::Args;
 use nalgebra::Matrix3;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// JSON document of `match`.
 #[derive(Serialize)]
 struct MatchDocument<'a> {
-    version: &'static str,
-    command: &'static str,
     params: &'a SearchParams,
     matching: &'a MatchParams,
     a: &'a BurstReport,
@@ -104,9 +101,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let model = result.verification.as_ref().and_then(|v| v.model.as_ref());
     console.say(&summary(&result.counts, &matching, model.is_some()))?;
     console.say(&format!("  wrote        {}\n  wrote        {}\n", matches.display(), picture.display()))?;
-    console.say_json(&MatchDocument {
-        version: env!("CARGO_PKG_VERSION"),
-        command: "match",
+    let document = MatchDocument {
         params: &params,
         matching: &matching,
         a: report_a,
@@ -117,7 +112,8 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
         precision: result.counts.precision(),
         model: model.map(Model::from),
         files: Files { matches: &matches, picture: &picture },
-    })
+    };
+    console.say_document("match", &document)
 }
 
 fn match_rows(a: &Detection, b: &Detection, result: &MatchResult) -> Vec<MatchRow> {
@@ -138,28 +134,21 @@ fn match_rows(a: &Detection, b: &Detection, result: &MatchResult) -> Vec<MatchRo
 }
 
 fn summary(counts: &MatchCounts, matching: &MatchParams, agreed: bool) -> String {
-    let mut text = String::new();
-    // Writing into a string cannot fail.
-    let _ = write_summary(&mut text, counts, matching, agreed);
-    text
-}
-
-fn write_summary(out: &mut String, counts: &MatchCounts, matching: &MatchParams, agreed: bool) -> std::fmt::Result {
     let MatchCounts { keypoints_a, keypoints_b, putative, inliers } = *counts;
-    writeln!(out, "matches")?;
-    writeln!(out, "  keypoints    {keypoints_a} and {keypoints_b}")?;
-    writeln!(out, "  putative     {putative}")?;
-    match inliers {
-        None => writeln!(out, "  inliers      not verified")?,
-        Some(inliers) => {
+    let inliers = inliers.map_or_else(
+        || "not verified".to_owned(),
+        |inliers| {
             let why = if agreed { "" } else { "; too few agree on any" };
-            writeln!(out, "  inliers      {inliers} ({}{why})", matching.geometry.word())?;
-        }
-    }
-    writeln!(out, "  match ratio  {:.3}", counts.match_ratio())?;
-    let number = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.3}"));
-    writeln!(out, "  match score  {}", number(counts.match_score()))?;
-    writeln!(out, "  precision    {}", number(counts.precision()))
+            format!("{inliers} ({}{why})", matching.geometry.word())
+        },
+    );
+    let number = |x: f64| format!("{x:.3}");
+    let (score, precision) = (or_dash(counts.match_score(), number), or_dash(counts.precision(), number));
+    format!(
+        "matches\n  keypoints    {keypoints_a} and {keypoints_b}\n  putative     {putative}\n  inliers      {inliers}\n  \
+         match ratio  {:.3}\n  match score  {score}\n  precision    {precision}\n",
+        counts.match_ratio()
+    )
 }
 
 /// Match the features of two bursts, and verify the matches.
@@ -186,13 +175,10 @@ pub struct MatchArgs {
     /// bit.
     #[arg(long, value_name = "KIND", default_value = "middle", value_parser = words::<ImageKind>(IMAGE_KINDS))]
     pub images: ImageKind,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub matching: MatchingArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

@@ -66,9 +66,6 @@ impl MatchingArgs {
     }
 
     /// Parameters, checked. With a camera and no geometry, matches are verified by the essential matrix.
-    ///
-    /// # Errors
-    /// When a parameter makes no sense.
     pub fn params(&self) -> Result<MatchParams, Failure> {
         let given = self.given.iter().map(|(record, text)| (*record, text.as_str()));
         Ok(MatchParams::of_texts(self.camera.clone(), given)?)
@@ -76,9 +73,6 @@ impl MatchingArgs {
 }
 
 /// Reads a camera from words, or from a file whose name ends in `.toml`.
-///
-/// # Errors
-/// The fault, and what would be right.
 pub fn parse_camera(text: &str) -> Result<Camera, String> {
     if text.to_lowercase().ends_with(".toml") {
         return read_camera(Path::new(text)).map_err(|e| format!("{}; {}", e.problem, e.remedy));
@@ -122,28 +116,11 @@ mod tests {
     #[test]
     fn every_option_reaches_its_parameter() {
         let camera = "SIMPLE_PINHOLE,64,48,50,32,24";
-        let got = params(&[
-            "--ratio",
-            "0.7",
-            "--mutual",
-            "false",
-            "--geometry",
-            "homography",
-            "--guided",
-            "true",
-            "--max-error-px",
-            "2",
-            "--min-inliers",
-            "9",
-            "--confidence",
-            "0.99",
-            "--max-iterations",
-            "77",
-            "--seed",
-            "5",
-            "--camera",
-            camera,
-        ]);
+        let line = format!(
+            "--ratio 0.7 --mutual false --geometry homography --guided true --max-error-px 2 --min-inliers 9 \
+             --confidence 0.99 --max-iterations 77 --seed 5 --camera {camera}"
+        );
+        let got = params(&line.split_whitespace().collect::<Vec<_>>());
         let expected = MatchParams {
             ratio: 0.7,
             mutual: false,

@@ -115,14 +115,12 @@ pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) 
     }
 }
 
-/// Path of this program, for starting it again.
 fn this_program() -> Option<PathBuf> {
     // On Linux this is the running program even after its file was replaced.
     let running = Path::new("/proc/self/exe");
     if running.exists() { Some(running.to_owned()) } else { std::env::current_exe().ok() }
 }
 
-/// Runs one command, or opens the window.
 fn done(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
         #[cfg(feature = "app")]

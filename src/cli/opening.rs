@@ -3,7 +3,7 @@
 use super::args::SequenceArgs;
 use super::failure::{Failure, complain};
 use super::inputs::{Input, resolve, resolve_one};
-use crate::burst::{OpenError, SequenceCut};
+use crate::burst::{OpenErrorKind, SequenceCut};
 use crate::dataset::DatasetSource;
 use std::path::PathBuf;
 
@@ -20,21 +20,14 @@ pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
 /// Content that the window opens.
 #[derive(Debug)]
 pub(super) enum Opening {
-    /// One burst.
     Burst(Input),
-    /// Two side by side.
     Two([Input; 2]),
-    /// Dataset of bursts.
     Dataset(DatasetSource),
-    /// Session file that the window saved.
     Session(PathBuf),
 }
 
 /// Resolves `arguments`: a session file, one burst, two bursts if each argument is one, or a dataset if there are more
 /// or a sequence is cut.
-///
-/// # Errors
-/// When a cut makes no sense, when a built-in burst is among others, and when one of several bursts was not found.
 pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
     let SequenceArgs { burst_length, burst_step } = sequence;
     if let [one] = arguments
@@ -62,7 +55,7 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
             }
             Ok(_) => {}
             // The others are opened all the same.
-            Err(error @ OpenError::Stray { .. }) => complain(&error.to_string()),
+            Err(error) if error.kind == OpenErrorKind::Stray => complain(&error.to_string()),
             Err(error) => return Err(error.into()),
         }
     }

@@ -21,7 +21,6 @@ impl<P: Default + 'static> Given<P> {
         Self(records.iter().filter_map(value).collect())
     }
 
-    /// Whether there is a value for `record`.
     pub(super) fn has(&self, record: &Param<P>) -> bool {
         self.0.iter().any(|(given, _)| given == record)
     }
@@ -39,7 +38,7 @@ pub(super) fn option<P: Default + 'static>(record: Param<P>) -> Arg {
         .value_name(record.placeholder)
         .help(record.short_help())
         .long_help(record.long_help());
-    let negative = record.bounds.is_some_and(|bounds| bounds.allow_negative());
+    let negative = record.bounds.is_some_and(|bounds| *bounds.span().start() < 0.0);
     let mut default = P::default();
     let field = (record.field)(&mut default);
     let hyphens = negative || matches!(field, Field::Axis(_));

@@ -3,8 +3,7 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs;
-use super::inputs::{open_options, resolve_one};
+use super::inputs::{OneBurst, check_ending};
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use crate::detector::SlopeChoice;
 use crate::export::write_text;
@@ -19,19 +18,15 @@ use crate::inspect::{ProbeCache, ProbeOptions, probe};
 use crate::monitor::Stage;
 use clap::Args;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
     if let Some(path) = &args.plot {
-        check_svg(path)?;
+        check_ending(path, &["svg"], NO_SVG)?;
     }
-    let console = Console::new(&args.run.output)?;
-    let input = resolve_one(&args.inputs, "probe")?;
-    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    inputs::check(&rules, args.plot.as_deref())?;
-    console.begin(format!("{}: ", input.name));
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("probe", &args.inputs, args.overwrite, &[args.plot.as_ref()])?;
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let (width, height) = burst.size();
     if let Some([u, v]) = args.at {
@@ -68,22 +63,23 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "probe",
-        "params": params,
-        "name": input.name,
-        "inputs": input.path_texts(),
-        "width": width,
-        "height": height,
-        "frames": burst.len(),
-        "slope_grid": cache.params().used_slopes(),
-        "noise_gate_factor": cache.detection().noise_gate_factor,
-        "features": cache.detection().features.len(),
-        "plot": args.plot.as_deref().map(path_text),
-        "probe": answer,
-        "price": price,
-    }))
+    console.say_document(
+        "probe",
+        &json!({
+            "params": params,
+            "name": input.name,
+            "inputs": input.path_texts(),
+            "width": width,
+            "height": height,
+            "frames": burst.len(),
+            "slope_grid": cache.params().used_slopes(),
+            "noise_gate_factor": cache.detection().noise_gate_factor,
+            "features": cache.detection().features.len(),
+            "plot": args.plot.as_deref().map(path_text),
+            "probe": answer,
+            "price": price,
+        }),
+    )
 }
 
 impl From<ProbeError> for Failure {
@@ -97,19 +93,8 @@ impl From<ProbeError> for Failure {
     }
 }
 
-/// Checks that a figure's name ends in `.svg`.
-///
-/// # Errors
-/// When it is not.
-pub(super) fn check_svg(path: &Path) -> Result<(), Failure> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if extension == "svg" {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("--plot: figures are written as SVG; name the file .svg: {}", path.display())))
-}
+const NO_SVG: &str = "--plot: figures are written as SVG; name the file .svg";
 
-/// Share of the progress that the search takes.
 const SEARCH_SHARE: f32 = 0.8;
 
 pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
@@ -124,14 +109,10 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
         return say_slopes(&console, &set_up, &slopes);
     }
     if let Some(path) = &args.plot {
-        check_svg(path)?;
+        check_ending(path, &["svg"], NO_SVG)?;
     }
-    let console = Console::new(&args.run.output)?;
-    let input = resolve_one(&args.inputs, "slopes")?;
-    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    inputs::check(&rules, args.plot.as_deref())?;
-    console.begin(format!("{}: ", input.name));
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("slopes", &args.inputs, args.overwrite, &[args.plot.as_ref()])?;
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let mut asked = None;
     if let Some(set_up) = &set_up {
@@ -157,21 +138,22 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "slopes",
-        "params": params,
-        "name": input.name,
-        "inputs": input.path_texts(),
-        "width": burst.size().0,
-        "height": burst.size().1,
-        "most_features_at": answer.most_features(),
-        "set_up": set_up,
-        "set_up_slopes": asked,
-        "depths": depths,
-        "plot": args.plot.as_deref().map(path_text),
-        "spectrum": answer,
-    }))
+    console.say_document(
+        "slopes",
+        &json!({
+            "params": params,
+            "name": input.name,
+            "inputs": input.path_texts(),
+            "width": burst.size().0,
+            "height": burst.size().1,
+            "most_features_at": answer.most_features(),
+            "set_up": set_up,
+            "set_up_slopes": asked,
+            "depths": depths,
+            "plot": args.plot.as_deref().map(path_text),
+            "spectrum": answer,
+        }),
+    )
 }
 
 /// Say which slopes a burst needs: its spectrum, what lies at the limit, and what to change.
@@ -184,18 +166,14 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
 #[command(after_long_help = SLOPES_HELP)]
 pub struct SlopesArgs {
     #[arg(value_name = "INPUT", help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// Draw the answer as a figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub set_up: SetUpArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -225,7 +203,6 @@ JSON (--json), beside version, params, name and inputs:
 #[command(group(clap::ArgGroup::new("place").required(true).args(["at", "feature"])), after_long_help = PROBE_HELP)]
 pub struct ProbeArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// The place, in pixels at mid-burst: column and row; the centre of the first pixel is 0,0.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
@@ -240,10 +217,8 @@ pub struct ProbeArgs {
     /// and the tests.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

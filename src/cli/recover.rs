@@ -1,21 +1,18 @@
 //! `recover` plants things in a burst and reports which of them the search finds.
 
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
-use super::choices::{CONTRASTS, SHAPES, words};
-use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{self, open_options, resolve_one};
-use super::study::{Document, check_plot, write_plot};
-use crate::detector::{SearchParams, SlopeAxis};
-use crate::export::case::{CASE_EXTENSION, Case, Enclosed, is_case, write_case};
+use super::inputs::{OneBurst, check_ending};
+use super::study::{check_plot, write_plot};
+use crate::detector::SearchParams;
+use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::export::write_whole;
+use crate::recover::RecoverStudy;
 use crate::recover::plots::recover_svg;
 use crate::recover::report::planted_csv;
-use crate::recover::{Contrast, RecoverStudy, Shape};
 use clap::Args;
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::path::PathBuf;
 
 /// Say what the search as it is set would find: things planted in the burst, and counted.
 ///
@@ -27,45 +24,9 @@ use std::str::FromStr;
 #[command(after_long_help = RECOVER_HELP)]
 pub struct RecoverArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
-    /// Shape of the things: disc, or blob, a Gaussian of σ = radius/√2.
-    #[arg(long, value_name = "SHAPE", value_parser = words::<Shape>(SHAPES), default_value = "disc")]
-    pub shape: Shape,
-    /// Brightness of the things relative to what is around them: bright, dark or both.
-    #[arg(long, value_name = "CONTRAST", value_parser = words::<Contrast>(CONTRASTS), default_value = "bright")]
-    pub contrast: Contrast,
-    /// SNRs of one pixel in one frame, separated by commas [default: around the one that the noise gate lets expect].
-    #[arg(long, value_name = "RATIO,…", value_delimiter = ',')]
-    pub snr: Vec<f64>,
-    /// Radii, pixels, separated by commas [default: 2 to 16].
-    #[arg(long, value_name = "PX,…", value_delimiter = ',')]
-    pub radius: Vec<f64>,
-    /// Slopes of the things along the grid's first axis, pixels per frame [default: those of the grid, half-way
-    /// between, and a step beyond].
-    #[arg(long, value_name = "MIN:MAX:COUNT", allow_hyphen_values = true, value_parser = SlopeAxis::from_str)]
-    pub planted_slopes: Option<SlopeAxis>,
-    /// SNR of things of several slopes or radii [default: 1.7 times the one of which half are expected to be found].
-    #[arg(long, value_name = "RATIO")]
-    pub at_snr: Option<f64>,
-    /// Radius of things of several SNRs or slopes, pixels.
-    #[arg(long, value_name = "PX", default_value_t = RecoverStudy::default().at_radius)]
-    pub at_radius: f64,
-    /// Number of copies of the burst.
-    #[arg(long, value_name = "N", default_value_t = RecoverStudy::default().copies)]
-    pub copies: u64,
-    /// Seed of the first copy; the next ones count up.
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    pub seed: u64,
-    /// Number of things in a copy [default: as many as leave each other room].
-    #[arg(long, value_name = "N")]
-    pub per_copy: Option<usize>,
-    /// Plant only where a thing is inside the image in all frames.
-    #[arg(long)]
-    pub inside: bool,
-    /// Plant on strong features of the burst too.
-    #[arg(long)]
-    pub on_features: bool,
+    #[command(flatten)]
+    pub study: RecoverStudy,
     /// Draw the curves and the map as a figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
@@ -76,10 +37,8 @@ pub struct RecoverArgs {
     /// with its truth.
     #[arg(long, value_name = "FILE.burstcase")]
     pub case: Option<PathBuf>,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub run: BurstSearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }
@@ -102,55 +61,14 @@ JSON (--json):
      \"found\": {\"feature\", \"slope\", \"snr\"} or null, \"failed\": test or null, \"why\"}]}
   Amplitudes are fractions of full scale; shares 0 … 1; expected is what the noise of the burst and the gate let expect.";
 
-impl RecoverArgs {
-    fn study(&self) -> Result<RecoverStudy, Failure> {
-        Ok(RecoverStudy {
-            shape: self.shape,
-            contrast: self.contrast,
-            snrs: self.snr.clone(),
-            slopes: self.planted_slopes,
-            radii: self.radius.clone(),
-            at_snr: self.at_snr,
-            at_radius: self.at_radius,
-            copies: self.copies,
-            first_seed: self.seed,
-            per_copy: self.per_copy,
-            inside: self.inside,
-            on_features: self.on_features,
-            search: self.run.search.params()?,
-        })
-    }
-}
-
-/// Checks that a table's name ends in `.csv`.
-fn check_csv(path: &Path) -> Result<(), Failure> {
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("--csv: name the table .csv: {}", path.display())))
-}
-
-/// Checks that a case's name ends in `.burstcase`.
-fn check_case(path: &Path) -> Result<(), Failure> {
-    if is_case(path) {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("--case: name the case .{CASE_EXTENSION}: {}", path.display())))
-}
-
 pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
-    let study = args.study()?;
+    let study = RecoverStudy { search: args.run.search.params()?, ..args.study.clone() };
     args.plot.as_deref().map_or(Ok(()), check_plot)?;
-    args.csv.as_deref().map_or(Ok(()), check_csv)?;
-    args.case.as_deref().map_or(Ok(()), check_case)?;
-    let console = Console::new(&args.run.output)?;
-    let input = resolve_one(&args.inputs, "recover")?;
-    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    for path in [&args.plot, &args.csv, &args.case] {
-        inputs::check(&rules, path.as_deref())?;
-    }
-    console.begin(format!("{}: ", input.name));
+    args.csv.iter().try_for_each(|path| check_ending(path, &["csv"], "--csv: name the table .csv"))?;
+    args.case.iter().try_for_each(|path| check_ending(path, &[CASE_EXTENSION], "--case: name the case .burstcase"))?;
+    let outputs = [args.plot.as_ref(), args.csv.as_ref(), args.case.as_ref()];
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("recover", &args.inputs, args.overwrite, &outputs)?;
     let burst = input.open_to_search(&options, &study.search, &console.monitor.silent())?;
     let report = study.run(&burst, &console.monitor)?;
     console.say(&report.text())?;
@@ -172,5 +90,5 @@ pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
         write_case(path, (&case, &copy), &enclosed, &console.monitor.silent())?;
         console.say(&format!("wrote {}\n", path.display()))?;
     }
-    console.say_json(&Document::new("recover", &report))
+    console.say_document("recover", &report)
 }

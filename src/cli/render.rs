@@ -51,8 +51,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console.begin("Drawing the window: ".to_owned());
     drawn(&options, &args.out)?;
     console.say(&format!("wrote {}\n", args.out.display()))?;
-    console
-        .say_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "command": "render", "file": path_text(&args.out) }))
+    console.say_document("render", &json!({ "file": path_text(&args.out) }))
 }
 
 /// Draws the window into `file`. A panic of the graphics driver is returned as a failure.
@@ -69,20 +68,13 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
 
 /// Content that the window opens: a burst, perhaps with a second one beside it, a dataset, or a session.
 pub(super) struct Sources {
-    /// First burst.
     pub source: Option<BurstSource>,
-    /// Second burst, shown beside the first.
     pub second: Option<BurstSource>,
-    /// Dataset.
     pub dataset: Option<DatasetSource>,
-    /// Session file, in place of all others.
     pub session: Option<PathBuf>,
 }
 
 /// Turns `opening` into the window's sources.
-///
-/// # Errors
-/// When a burst was not found.
 pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
     let none = Sources { source: None, second: None, dataset: None, session: None };
     match opening {
@@ -101,7 +93,6 @@ pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
-    #[allow(missing_docs)]
     pub inputs: Vec<PathBuf>,
     /// The PNG file to write.
     #[arg(long, short, value_name = "PNG")]
@@ -139,19 +130,14 @@ pub struct RenderArgs {
     /// Give up after this many seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub calibration: CalibrationArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub search: SearchArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub output: OutputArgs,
-    #[allow(missing_docs)]
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

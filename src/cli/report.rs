@@ -11,35 +11,21 @@ use crate::files::path_text;
 use crate::inspect::spectrum::SlopeJudgement;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::sync::Arc;
 
-/// The JSON document of `detect`.
 #[derive(Debug, Serialize)]
 pub(super) struct DetectReport<'a> {
-    version: &'static str,
-    command: &'static str,
-    params: &'a SearchParams,
-    /// Bursts that were searched, in the order of the arguments.
+    pub params: &'a SearchParams,
     pub bursts: Vec<BurstReport>,
-    /// Bursts that failed.
     pub failures: Vec<FailureReport>,
 }
 
-impl<'a> DetectReport<'a> {
-    pub fn new(params: &'a SearchParams) -> Self {
-        Self { version: env!("CARGO_PKG_VERSION"), command: "detect", params, bursts: Vec::new(), failures: Vec::new() }
-    }
-}
-
-/// Burst that failed.
 #[derive(Debug, Serialize)]
 pub(super) struct FailureReport {
     pub name: String,
     pub error: String,
 }
 
-/// Burst that was searched.
 #[derive(Debug, Serialize)]
 pub(super) struct BurstReport {
     name: String,
@@ -92,13 +78,12 @@ pub(super) struct BurstReport {
 pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<String> {
     let Searched { detection, params, finding, slopes_secs } = searched;
     let inputs = burst.sources.iter().map(|path| path_text(path)).collect();
-    let report = BurstReport::new(&burst.name, inputs, burst, detection, BTreeMap::new(), [0.0, *slopes_secs, 0.0])
-        .with_slopes(finding.clone())
-        .with_advice(explain(detection, params, burst.size()));
+    let advice = explain(detection, params, burst.size());
+    let (finding, times) = (finding.clone(), [0.0, *slopes_secs, 0.0]);
+    let report = BurstReport::new(&burst.name, inputs, burst, detection, BTreeMap::new(), finding, None, advice, times);
     serde_json::to_string(&report)
 }
 
-/// Description of a problem, and the one option to change.
 #[derive(Debug, Serialize)]
 struct AdviceReport {
     message: String,
@@ -116,7 +101,6 @@ fn shared<S: Serializer>(noise: &Arc<NoiseModel>, serializer: S) -> Result<S::Ok
     noise.serialize(serializer)
 }
 
-/// Number of features found at a slope of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct SlopeCount {
     u: f32,
@@ -148,6 +132,9 @@ impl BurstReport {
         burst: &Burst,
         detection: &Detection,
         files: BTreeMap<String, String>,
+        slopes_found: Option<SlopeFinding>,
+        slopes_judged: Option<SlopeJudgement>,
+        advice: Option<Advice>,
         [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
         let tally = &detection.tally;
@@ -172,7 +159,7 @@ impl BurstReport {
             noise_gate_factor: detection.noise_gate_factor,
             octaves: [detection.octaves.start, detection.octaves.end],
             slope_grid: detection.slopes,
-            slopes_found: None,
+            slopes_found,
             slopes: slope_counts(detection),
             tally: TallyReport {
                 samples: tally.samples,
@@ -187,24 +174,9 @@ impl BurstReport {
                 describe_secs: times.describe_secs,
                 write_secs,
             },
-            slopes_judged: None,
-            advice: None,
+            slopes_judged,
+            advice: advice.map(Into::into),
         }
-    }
-
-    /// Adds the result of finding the slopes.
-    pub fn with_slopes(self, slopes_found: Option<SlopeFinding>) -> Self {
-        Self { slopes_found, ..self }
-    }
-
-    /// Adds the judgement of the slopes.
-    pub fn with_judgement(self, slopes_judged: Option<SlopeJudgement>) -> Self {
-        Self { slopes_judged, ..self }
-    }
-
-    /// Adds the advice.
-    pub fn with_advice(self, advice: Option<Advice>) -> Self {
-        Self { advice: advice.map(Into::into), ..self }
     }
 }
 
@@ -219,72 +191,59 @@ pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
     detection.slopes.slopes().zip(counts).map(|(s, features)| SlopeCount { u: s.u, v: s.v, features }).collect()
 }
 
-/// Maximum number of slopes in the summary.
 const SLOPES_SHOWN: usize = 25;
 /// Width of the longest bar of the histogram, characters.
 const BAR_WIDTH: usize = 30;
 
 /// Summary for people; ends with an empty line.
 pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
-    let mut text = String::new();
-    // Writing into a string cannot fail.
-    let _ = write_summary(&mut text, report, params);
-    text
-}
-
-fn write_summary(out: &mut String, report: &BurstReport, params: &DetectorParams) -> std::fmt::Result {
     let [first, end] = report.frames_used;
     let used = if end - first == report.frames { String::new() } else { format!(", {first}..{end} used") };
-    writeln!(out, "{}: {} frames of {}×{}{used}", report.name, report.frames, report.width, report.height)?;
+    let mut text = format!("{}: {} frames of {}×{}{used}\n", report.name, report.frames, report.width, report.height);
+    let mut line = |head: &str, words: &str| text += &format!("  {head:<9} {words}\n");
     if report.binning > 1 {
-        writeln!(out, "  binned    {0}×{0} pixels of the sensor are one pixel", report.binning)?;
+        line("binned", &format!("{0}×{0} pixels of the sensor are one pixel", report.binning));
     }
-    for note in &report.notes {
-        writeln!(out, "  note      {}", note.for_command())?;
-    }
-    let gate = match params.noise_gate {
-        NoiseGate::Factor(_) => format!("{:.2} σ", report.noise_gate_factor),
-        word => format!("{:.2} σ ({word})", report.noise_gate_factor),
+    report.notes.iter().for_each(|note| line("note", &note.for_command()));
+    let rule = match params.noise_gate {
+        NoiseGate::Factor(_) => String::new(),
+        word => format!(" ({word})"),
     };
-    writeln!(out, "  noise     {:.5} of full scale in a frame; noise gate {gate}", report.frame_noise)?;
-    for warning in &report.noise.warnings {
-        writeln!(out, "  warning   {}", warning.text)?;
-    }
+    let (noise, gate) = (report.frame_noise, report.noise_gate_factor);
+    line("noise", &format!("{noise:.5} of full scale in a frame; noise gate {gate:.2} σ{rule}"));
+    report.noise.warnings.iter().for_each(|warning| line("warning", &warning.text));
     if let Some(finding) = &report.slopes_found {
-        writeln!(out, "  slopes    {}", finding.summary())?;
+        line("slopes", &finding.summary());
     }
     if let Some(SlopeJudgement { sentence, advice }) = &report.slopes_judged {
-        writeln!(out, "  {:<9} {sentence}", if report.slopes_found.is_some() { "" } else { "slopes" })?;
+        line(if report.slopes_found.is_some() { "" } else { "slopes" }, sentence);
         let changes = advice.iter().flat_map(|advice| &advice.changes).map(|change| change.option());
         let options: Vec<String> = changes.collect();
         if !options.is_empty() {
-            writeln!(out, "            try {}", options.join(" "))?;
+            line("", &format!("try {}", options.join(" ")));
         }
     }
-    writeln!(out, "  features  {}", report.features)?;
+    line("features", &report.features.to_string());
     if params.method == Method::Buff && report.features > 0 {
-        write_histogram(out, &report.slopes)?;
+        text += &histogram(&report.slopes);
     }
-    writeln!(out, "  rejected, of {} samples", grouped(report.tally.samples))?;
-    for (test, &count) in &report.tally.rejected {
-        if count > 0 {
-            writeln!(out, "    {:>15}  {}", grouped(count), test.reason())?;
-        }
+    text += &format!("  rejected, of {} samples\n", grouped(report.tally.samples));
+    for (test, &count) in report.tally.rejected.iter().filter(|(_, count)| **count > 0) {
+        text += &format!("    {:>15}  {}\n", grouped(count), test.reason());
     }
+    let mut line = |head: &str, words: &str| text += &format!("  {head:<9} {words}\n");
     if let Some(advice) = &report.advice {
-        writeln!(out, "  note      {}", advice.message)?;
+        line("note", &advice.message);
     }
     let t = &report.times;
     let slopes = report.slopes_found.as_ref().map_or(String::new(), |_| format!("slopes {:.2} s, ", t.slopes_secs));
-    writeln!(
-        out,
-        "  time      open {:.2} s, {slopes}noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
+    let times = format!(
+        "open {:.2} s, {slopes}noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
         t.open_secs, t.noise_secs, t.search_secs, t.describe_secs, t.write_secs
-    )?;
-    for path in report.files.values() {
-        writeln!(out, "  wrote     {path}")?;
-    }
-    writeln!(out)
+    );
+    line("time", &times);
+    report.files.values().for_each(|path| line("wrote", path));
+    text + "\n"
 }
 
 /// `x`, or 0 without a sign where `decimals` decimals would write −0.
@@ -292,29 +251,24 @@ pub(super) fn unsigned_zero(x: f32, decimals: i32) -> f32 {
     if (x * 10f32.powi(decimals)).round() == 0.0 { 0.0 } else { x }
 }
 
-fn write_histogram(out: &mut String, slopes: &[SlopeCount]) -> std::fmt::Result {
+fn histogram(slopes: &[SlopeCount]) -> String {
     let max = slopes.iter().map(|s| s.features).max().unwrap_or(0).max(1);
     let mut counts: Vec<usize> = slopes.iter().map(|s| s.features).filter(|&n| n > 0).collect();
     counts.sort_unstable_by(|a, b| b.cmp(a));
     let min = counts.get(SLOPES_SHOWN - 1).copied().unwrap_or(1);
     let shown: Vec<&SlopeCount> = slopes.iter().filter(|s| s.features >= min).take(SLOPES_SHOWN).collect();
-    writeln!(out, "  by slope (px/frame)")?;
-    for slope in &shown {
-        let bar = "#".repeat((slope.features * BAR_WIDTH).div_ceil(max));
-        writeln!(
-            out,
-            "    ({:>6.2}, {:>6.2}) {:>7}  {bar}",
-            unsigned_zero(slope.u, 2),
-            unsigned_zero(slope.v, 2),
-            slope.features
-        )?;
+    let mut text = "  by slope (px/frame)\n".to_owned();
+    for SlopeCount { u, v, features } in &shown {
+        let bar = "#".repeat((features * BAR_WIDTH).div_ceil(max));
+        let (u, v) = (unsigned_zero(*u, 2), unsigned_zero(*v, 2));
+        text += &format!("    ({u:>6.2}, {v:>6.2}) {features:>7}  {bar}\n");
     }
-    let rest = slopes.iter().filter(|s| s.features > 0).count() - shown.len();
+    let rest = counts.len() - shown.len();
     if rest > 0 {
-        let others = slopes.iter().map(|s| s.features).sum::<usize>() - shown.iter().map(|s| s.features).sum::<usize>();
-        writeln!(out, "    and {rest} more slopes with {others} features")?;
+        let others = counts.iter().sum::<usize>() - shown.iter().map(|s| s.features).sum::<usize>();
+        text += &format!("    and {rest} more slopes with {others} features\n");
     }
-    Ok(())
+    text
 }
 
 #[cfg(test)]
@@ -327,16 +281,14 @@ mod tests {
             [-0.004, -0.0, 0.004, -0.006].map(|x| format!("{:.2}", unsigned_zero(x, 2))),
             ["0.00", "0.00", "0.00", "-0.01"]
         );
-        let mut text = String::new();
-        write_histogram(&mut text, &[SlopeCount { u: -0.0, v: -0.001, features: 3 }]).expect("written");
+        let text = histogram(&[SlopeCount { u: -0.0, v: -0.001, features: 3 }]);
         assert!(text.contains("(  0.00,   0.00)"), "{text}");
     }
 
     #[test]
     fn a_long_histogram_shows_the_largest_and_counts_the_rest() {
         let slopes: Vec<SlopeCount> = (0..40).map(|k| SlopeCount { u: k as f32, v: 0.0, features: k }).collect();
-        let mut text = String::new();
-        write_histogram(&mut text, &slopes).expect("written");
+        let text = histogram(&slopes);
         assert_eq!(text.lines().count(), 1 + SLOPES_SHOWN + 1);
         assert!(text.contains("( 39.00,   0.00)      39"), "{text}");
         assert!(text.ends_with("and 14 more slopes with 105 features\n"), "{text}");

@@ -21,13 +21,11 @@ pub struct ParamsFileArg {
     pub params: Option<PathBuf>,
 }
 
-/// Heading of the search options in help pages.
 const HEADING: &str = "Search options";
 
 /// The search options as they are written: one for each record of a parameter.
 #[derive(Debug, Clone, Default)]
 pub struct SearchArgs {
-    /// The parameter file.
     pub file: ParamsFileArg,
     given: Given<DetectorParams>,
 }
@@ -65,9 +63,6 @@ impl FromArgMatches for SearchArgs {
 
 impl ParamsFileArg {
     /// Parameters in the file, or the defaults without a file.
-    ///
-    /// # Errors
-    /// When the file cannot be read (a failure) or makes no sense (wrong use). Both errors name the file.
     pub fn read(&self) -> Result<SearchParams, Failure> {
         self.read_or(SearchParams::default())
     }
@@ -79,9 +74,6 @@ impl ParamsFileArg {
 }
 
 /// Parameters in the file at `path`; those of a case, if it is one.
-///
-/// # Errors
-/// As [`ParamsFileArg::read`].
 pub fn read_params(path: &Path) -> Result<SearchParams, Failure> {
     if is_case(path) {
         return read_about(path).map(|case| case.search).map_err(|error| Failure::usage(error.to_string()));
@@ -99,23 +91,16 @@ impl SearchArgs {
     /// Parameters, checked, with the choice of slopes.
     ///
     /// The given options replace the values of the file: see [`SearchParams::with_texts`].
-    ///
-    /// # Errors
-    /// When the parameter file cannot be read or makes no sense, or a combination of options makes no sense.
     pub fn params(&self) -> Result<SearchParams, Failure> {
         self.params_over(SearchParams::default())
     }
 
     /// As [`Self::params`], for a command with other `defaults`; those of a parameter file are the usual ones.
-    ///
-    /// # Errors
-    /// As [`Self::params`].
     pub fn params_over(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
         let given = self.given.iter().map(|(record, text)| (*record, text.as_str()));
         Ok(self.file.read_or(defaults)?.with_texts(given)?)
     }
 
-    /// Whether the option of a parameter is given.
     pub fn gives(&self, record: &Param<DetectorParams>) -> bool {
         self.given.has(record)
     }

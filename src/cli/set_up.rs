@@ -1,6 +1,7 @@
 //! `slopes --speed …`: slopes from the set-up of camera and scene, and the depths that slopes then mean.
 
 use super::console::Console;
+use super::evaluate_tables::{or_dash, table};
 use super::failure::Failure;
 use crate::detector::{DetectorParams, Slope};
 use crate::inspect::set_up::{SetUp, SetUpSlopes};
@@ -45,7 +46,6 @@ fn parse_depth(text: &str) -> Result<[f64; 2], String> {
     Ok([number(near)?, number(far)?])
 }
 
-/// Depth that a slope means.
 #[derive(Debug, Serialize)]
 pub(super) struct SlopeDepth {
     slope: Slope,
@@ -54,7 +54,6 @@ pub(super) struct SlopeDepth {
 }
 
 impl SetUpArgs {
-    /// The set-up, if a speed is given.
     pub(super) fn set_up(&self) -> Option<SetUp> {
         Some(SetUp {
             speed_m_s: self.speed?,
@@ -75,13 +74,14 @@ impl SetUpArgs {
 /// Prints the slopes of a set-up, without a burst.
 pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes) -> Result<(), Failure> {
     console.say(&format!("{}\n  {}\n", slopes.sentence(set_up), slopes.options()))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "slopes",
-        "set_up": set_up,
-        "slopes": slopes,
-        "options": slopes.options(),
-    }))
+    console.say_document(
+        "slopes",
+        &json!({
+            "set_up": set_up,
+            "slopes": slopes,
+            "options": slopes.options(),
+        }),
+    )
 }
 
 /// The depths of the slopes of a burst that have features.
@@ -92,12 +92,10 @@ pub(super) fn depths(set_up: &SetUp, spectrum: &Spectrum) -> Vec<SlopeDepth> {
         .collect()
 }
 
-/// The depths as text.
 pub(super) fn depths_text(depths: &[SlopeDepth]) -> String {
-    let mut text = "           slope  features   depth, m\n".to_owned();
-    for SlopeDepth { slope, features, depth_m } in depths {
-        let depth = depth_m.map_or_else(|| "–".to_owned(), |depth| number(depth as f32, 2));
-        text += &format!("  {:>14} {features:>9} {depth:>10}\n", slope_text(*slope));
-    }
-    text
+    let row = |one: &SlopeDepth| {
+        let depth = or_dash(one.depth_m, |depth| number(depth as f32, 2));
+        vec![format!("  {}", slope_text(one.slope)), one.features.to_string(), depth]
+    };
+    table(&["  slope", "features", "depth, m"], depths.iter().map(row))
 }

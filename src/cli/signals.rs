@@ -32,16 +32,12 @@ impl Requests {
     }
 }
 
-/// Ends the program without finishing its work.
 fn exit() {
     std::process::exit(INTERRUPTED.into());
 }
 
 /// Calls `end` at the first signal that asks the program to end, so that it finishes in order. A second request ends
 /// the program at once.
-///
-/// # Errors
-/// When the system does not allow a signal handler.
 pub(super) fn on_end(end: impl Fn() + Send + 'static) -> Result<(), Failure> {
     listen(end).context("cannot listen for Ctrl-C and other requests to end").map_err(Failure::Failed)
 }

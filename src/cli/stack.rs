@@ -4,7 +4,7 @@
 use super::args::{MergeArgs, StackArgs};
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{open_options, resolve_one};
+use super::inputs::{OneBurst, check_ending, open_options, resolve_one};
 use crate::SlopeGrid;
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -15,19 +15,14 @@ use crate::export::write_tiff;
 use crate::files::path_text;
 use crate::monitor::Stage;
 use serde_json::json;
-use std::path::Path;
 
 pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let mut params = args.run.search.params()?.detector;
     // Only this slope is computed, so only this slope is checked.
     params.slopes = SlopeGrid::single(args.slope);
-    check_tiff(&args.out)?;
-    let console = Console::new(&args.run.output)?;
-    let input = resolve_one(&args.inputs, "stack")?;
-    let options = open_options(std::slice::from_ref(&input), &args.run.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[args.run.search.file.params.as_ref()]);
-    rules.check(&args.out)?;
-    console.begin(format!("{}: ", input.name));
+    check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
     let (burst, params) = prepare(&burst, &params, &console.monitor)?;
     let image = match (args.octave, args.level) {
@@ -52,38 +47,29 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
         args.slope.v,
         args.out.display()
     ))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "stack",
-        "file": path_text(&args.out),
-        "slope": args.slope,
-        "combine": args.combine,
-        "octave": args.octave,
-        "level": args.level,
-        "width": width,
-        "height": height,
-        "min": low,
-        "max": high,
-        "mean": mean,
-    }))
+    console.say_document(
+        "stack",
+        &json!({
+            "file": path_text(&args.out),
+            "slope": args.slope,
+            "combine": args.combine,
+            "octave": args.octave,
+            "level": args.level,
+            "width": width,
+            "height": height,
+            "min": low,
+            "max": high,
+            "mean": mean,
+        }),
+    )
 }
 
-/// Checks that a file's name ends in `.tif` or `.tiff`.
-///
-/// # Errors
-/// When it is not.
-pub(super) fn check_tiff(path: &Path) -> Result<(), Failure> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if ["tif", "tiff"].contains(&extension.as_str()) {
-        return Ok(());
-    }
-    Err(Failure::usage(format!("--out: float values are written as TIFF; name the file .tiff: {}", path.display())))
-}
+const NO_TIFF: &str = "--out: float values are written as TIFF; name the file .tiff";
 
 pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     let params = DetectorParams { method: Method::Merge, frames: args.frames, ..DetectorParams::default() };
     params.validate()?;
-    check_tiff(&args.out)?;
+    check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
     let console = Console::new(&args.output)?;
     let input = resolve_one(&args.inputs, "merge")?;
     let options = open_options(std::slice::from_ref(&input), &args.calibration)?;
@@ -110,15 +96,16 @@ pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
         noise_of_frame / (frames as f32).sqrt(),
         args.out.display()
     ))?;
-    console.say_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "command": "merge",
-        "file": path_text(&args.out),
-        "width": width,
-        "height": height,
-        "frames_used": [used.start, used.end],
-        "reference": merged.frame_names[0],
-        "frame_noise": noise_of_frame,
-        "merged_noise": noise_of_merge,
-    }))
+    console.say_document(
+        "merge",
+        &json!({
+            "file": path_text(&args.out),
+            "width": width,
+            "height": height,
+            "frames_used": [used.start, used.end],
+            "reference": merged.frame_names[0],
+            "frame_noise": noise_of_frame,
+            "merged_noise": noise_of_merge,
+        }),
+    )
 }

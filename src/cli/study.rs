@@ -1,38 +1,19 @@
-//! Parts that the studies of `evaluate` share: their search parameters, the form of their
-//! reports, and the study of charts with its plot.
+//! Parts that the studies of `evaluate` share: their search parameters, and the study of charts with its plot.
 
 use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
 use super::failure::Failure;
+use super::inputs::check_ending;
 use super::search_options::SearchArgs;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use crate::evaluate::{BurstMethod, ChartStudy};
 use crate::export::{OutputRules, write_text};
 use crate::files::mark::Kind;
-use serde::Serialize;
 use std::path::Path;
 
-/// JSON document of a report, with version and command.
-#[derive(Serialize)]
-pub(super) struct Document<'a, R> {
-    version: &'static str,
-    command: &'static str,
-    #[serde(flatten)]
-    report: &'a R,
-}
-
-impl<'a, R> Document<'a, R> {
-    pub fn new(command: &'static str, report: &'a R) -> Self {
-        Self { version: env!("CARGO_PKG_VERSION"), command, report }
-    }
-}
-
-/// Search parameters of a study.
 pub(super) struct Searched {
-    /// Parameters of the detector.
     pub detector: DetectorParams,
-    /// Slopes, if any are given.
     pub slopes: Option<SlopeGrid>,
     /// Direction in which slopes are found, degrees from +u towards +v.
     pub direction_deg: Option<f32>,
@@ -76,7 +57,8 @@ pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
 
 /// Makes a study of charts at the signal-to-noise ratios `snrs`.
 pub(super) fn chart_study(
-    (charts, compared): (&ChartsArgs, &ComparedArgs),
+    charts: &ChartsArgs,
+    compared: &ComparedArgs,
     search: &SearchArgs,
     snrs: Vec<f64>,
 ) -> Result<ChartStudy, Failure> {
@@ -100,7 +82,6 @@ pub(super) fn chart_study(
     })
 }
 
-/// Writes the figure, if a path is given.
 pub(super) fn write_plot(
     console: &Console,
     path: Option<&Path>,
@@ -116,16 +97,10 @@ pub(super) fn write_plot(
 /// Checks that `path` can name an SVG figure: no folder, and an ending of `.svg`.
 pub(super) fn check_plot(path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
-        return Err(Failure::usage(format!(
-            "--plot: this is a folder; name a file such as roc.svg: {}",
-            path.display()
-        )));
+        let problem = "--plot: this is a folder; name a file such as roc.svg";
+        return Err(Failure::usage(format!("{problem}: {}", path.display())));
     }
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
-        return Err(Failure::usage(format!(
-            "--plot: the figure is drawn as SVG, which browsers, editors and papers take; name a file that ends in .svg: {}",
-            path.display()
-        )));
-    }
-    Ok(())
+    let problem =
+        "--plot: the figure is drawn as SVG, which browsers, editors and papers take; name a file that ends in .svg";
+    check_ending(path, &["svg"], problem)
 }

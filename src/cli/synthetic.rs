@@ -2,7 +2,7 @@
 
 use super::commands::{Cli, Command};
 use super::failure::Failure;
-use super::synth::{SynthArgs, SynthKind, chart_params, scene_params};
+use super::synth::{SynthArgs, SynthKind};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart, synth_scene};
@@ -17,20 +17,13 @@ pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Result<(Burst
     // The folder is not used.
     let line = ["burstscope", "synth"].into_iter().chain(arguments.iter().map(String::as_str)).chain(["--out", "."]);
     match parsed(line)?.command {
-        Some(Command::Synth(SynthArgs { kind: SynthKind::Chart(args) })) => {
-            Ok(synth_chart(&chart_params(&args), monitor)?)
-        }
-        Some(Command::Synth(SynthArgs { kind: SynthKind::Scene(args) })) => {
-            Ok(synth_scene(&scene_params(&args), monitor)?)
-        }
+        Some(Command::Synth(SynthArgs { kind: SynthKind::Chart(args) })) => Ok(synth_chart(&args.params, monitor)?),
+        Some(Command::Synth(SynthArgs { kind: SynthKind::Scene(args) })) => Ok(synth_scene(&args.params, monitor)?),
         _ => Err(Failure::usage("this makes no burst; make a chart or a scene")),
     }
 }
 
 /// Parses `arguments`, the program's name and what follows it.
-///
-/// # Errors
-/// When they make no sense; the message is one line.
 fn parsed<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<Cli, Failure> {
     Cli::try_parse_from(arguments).map_err(|error| {
         let text = error.to_string();

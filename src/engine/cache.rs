@@ -13,27 +13,22 @@ pub struct PictureCache {
 }
 
 impl PictureCache {
-    /// An empty cache that holds at most `budget_bytes` of pixels.
     pub fn new(budget_bytes: usize) -> Self {
         Self { budget_bytes, bytes: 0, clock: 0, entries: HashMap::new() }
     }
 
-    /// Bytes of pixels held now; never above the budget.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// Number of pictures held.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// Whether no picture is held.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// Finds the picture of `request` and makes it the most recently used; `None` if it is not held.
     pub fn get(&mut self, request: &PictureRequest) -> Option<Picture> {
         self.clock += 1;
         let (picture, used) = self.entries.get_mut(&request.key())?;
@@ -41,8 +36,7 @@ impl PictureCache {
         Some(picture.clone())
     }
 
-    /// Keeps `picture`, dropping others as needed. Frames are not kept: the burst holds them. Nor is a picture that
-    /// exceeds the budget.
+    /// Frames are not kept: the burst holds them. Nor is a picture that exceeds the budget.
     pub fn insert(&mut self, picture: &Picture) {
         let size = picture.bytes();
         if picture.is_frame() || size > self.budget_bytes {

@@ -10,12 +10,10 @@ use std::any::Any;
 use std::collections::HashMap;
 use std::sync::{Mutex, Once, PoisonError};
 
-/// Prefix of the names of threads whose panics have their places recorded.
 pub(super) const THREAD_PREFIX: &str = "burstscope-";
 
 static PLACES: Mutex<Option<HashMap<String, String>>> = Mutex::new(None);
 
-/// Installs the hook, once for the whole program.
 pub(super) fn install_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -38,8 +36,7 @@ fn shared_key(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 
-/// Runs `work`; a panic becomes [`JobError::Panicked`], a refused allocation [`JobError::Failed`]. `key` is the name of
-/// the thread without its prefix.
+/// `key` is the name of the thread without its prefix.
 pub(super) fn guard<T>(key: &str, work: impl FnOnce() -> Result<T, JobError>) -> Result<T, JobError> {
     // The work owns what it changes and is dropped with it, so nothing half-changed can be seen afterwards.
     let work = || memory::refusable(work).unwrap_or_else(|refused| Err(JobError::Failed(refused.to_string())));

@@ -1,6 +1,4 @@
-//! Kinds of background work: each with its requests, its answers, and its urgency.
-//!
-//! A kind is one value of [`Jobs`]: its urgency, a function from requests to answers, and a place where the answers are
+//! Kinds of background work: each with its urgency, a function from requests to answers, and a place where these are
 //! polled. Before the one answer, work may tell partial results.
 
 use super::OnUpdate;
@@ -12,28 +10,23 @@ use std::convert::Infallible;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Result of a request, with its id and duration.
 #[derive(Debug, Clone)]
 pub struct JobAnswer<A> {
-    /// Id of the request.
     pub id: JobId,
-    /// The answer, or why there is none.
     pub result: Result<A, JobError>,
     /// Wall-clock time of the work; zero for an answer that was kept.
     pub elapsed: Duration,
 }
 
 impl<A> JobAnswer<A> {
-    /// Whether a newer request took its place.
     pub fn is_superseded(&self) -> bool {
         matches!(self.result, Err(JobError::Superseded))
     }
 }
 
-/// The news of one kind of work, oldest first.
 struct News<A, P> {
     answers: Vec<(u32, JobAnswer<A>)>,
-    partial: Vec<(u32, JobId, P)>,
+    partial: Vec<(JobId, P)>,
 }
 
 type Work<Q, A, P> = dyn Fn(Q, &(dyn Fn(P) + Sync), &Monitor) -> Result<A, JobError> + Send + Sync;
@@ -54,17 +47,16 @@ impl<Q, A, P> Shared<Q, A, P> {
         let mut news = self.news();
         if matches!(result, Err(JobError::Superseded)) {
             // Partial results of a superseded request are dropped: the newer request tells its own.
-            news.partial.retain(|(_, of, _)| *of != id);
+            news.partial.retain(|(of, _)| *of != id);
         }
         news.answers.push((slot, JobAnswer { id, result, elapsed }));
     }
 }
 
-/// One kind of work: requests `Q`, answers `A`, partial results `P`.
 pub struct Jobs<Q, A, P = Infallible> {
     queue: Arc<JobQueue>,
     kind: u32,
-    manner: Manner,
+    pub(super) manner: Manner,
     shared: Arc<Shared<Q, A, P>>,
 }
 
@@ -85,7 +77,6 @@ impl<Q: Send + 'static, A: Send + 'static> Jobs<Q, A> {
 }
 
 impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
-    /// Creates a kind of work with partial results. They are polled before the answer or with it.
     pub fn telling(
         queue: &Arc<JobQueue>,
         urgency: Urgency,
@@ -102,67 +93,38 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         JobKey { kind: self.kind, slot }
     }
 
-    /// Submits a request for `slot`, which supersedes only requests for the same slot.
     pub fn submit_for(&self, slot: u32, request: Q) -> JobId {
         self.submit_as(self.manner, slot, request)
     }
 
-    /// Submits a request for `slot` in another manner than the kind's own.
     pub(super) fn submit_as(&self, manner: Manner, slot: u32, request: Q) -> JobId {
         let job = TypedJob { request, slot, grace: manner.grace, shared: self.shared.clone() };
         self.queue.submit(self.key(slot), manner, Box::new(job))
     }
 
-    /// Answers a request for `slot` that needs no work, as if it had been submitted and had run.
     pub fn publish_for(&self, slot: u32, answer: A) -> JobId {
         self.queue.publish(self.key(slot), |id| self.shared.answer(slot, id, Ok(answer), Duration::ZERO))
     }
 
     /// Cancels what runs and what waits; the answer of each is [`JobError::Cancelled`].
     pub fn cancel(&self) {
-        self.cancel_for(0);
+        self.queue.cancel(self.key(0));
     }
 
-    /// Cancels what runs and what waits for `slot`.
-    pub fn cancel_for(&self, slot: u32) {
-        self.queue.cancel(self.key(slot));
-    }
-
-    /// The request that runs, or the one that waits to.
     pub fn running(&self) -> Option<Running> {
-        self.running_for(0)
+        self.queue.running(self.key(0))
     }
 
-    /// The request for `slot` that runs, or the one that waits to.
-    pub fn running_for(&self, slot: u32) -> Option<Running> {
-        self.queue.running(self.key(slot))
-    }
-
-    /// Takes the answers since the last call with their slots, oldest first.
     pub fn take_answers_for(&self) -> Vec<(u32, JobAnswer<A>)> {
         std::mem::take(&mut self.shared.news().answers)
     }
 
-    /// Takes the answers since the last call, oldest first.
     pub fn take_answers(&self) -> impl Iterator<Item = JobAnswer<A>> + use<Q, A, P> {
         self.take_answers_for().into_iter().map(|(_, answer)| answer)
     }
 
-    /// Default manner of requests of this kind.
-    pub(super) fn manner(&self) -> Manner {
-        self.manner
-    }
-
-    /// Takes the partial results since the last call, oldest first.
     pub(super) fn take_told(&self) -> Vec<P> {
-        std::mem::take(&mut self.shared.news().partial).into_iter().map(|(.., told)| told).collect()
-    }
-
-    /// Takes, at one moment, the partial results and the answers since the last call, each oldest first.
-    pub fn take_news(&self) -> (Vec<P>, Vec<JobAnswer<A>>) {
-        let mut news = self.shared.news();
-        let told = std::mem::take(&mut news.partial).into_iter().map(|(.., told)| told).collect();
-        (told, std::mem::take(&mut news.answers).into_iter().map(|(_, answer)| answer).collect())
+        std::mem::take(&mut self.shared.news().partial).into_iter().map(|(_, told)| told).collect()
     }
 }
 
@@ -180,7 +142,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for Type
         let tell = |told: P| {
             // Cancelled work may still tell a partial result, which is dropped.
             if !monitor.is_cancelled() {
-                shared.news().partial.push((slot, id, told));
+                shared.news().partial.push((id, told));
                 (shared.on_update)();
             }
         };

@@ -1,13 +1,9 @@
-//! Background work: takes requests and publishes answers, so that the asker never waits. [`crate::requests`] defines
-//! the requests and computes their answers; this module decides when, and on which thread. Nothing here names a kind of
-//! request.
+//! Background work: takes requests and publishes answers, so that the asker never waits. Nothing here names a kind of
+//! request or depends on the window.
 //!
-//! The [`Engine`] has one queue for everything. A part of the window that shows an answer holds a
-//! [`Wanted`], which asks for one thing at a time: the latest request wins, so scrubbing stays live while a detection
-//! runs. Each request is an immutable snapshot with an id, and ends in exactly one answer, which is published before
-//! `on_update` is called. A panic in the work becomes an error with its place.
-//!
-//! The engine does not depend on the window: anything that holds a [`Wanted`] can use it.
+//! A part of the window that shows an answer holds a [`Wanted`], which asks for one thing at a time: the latest request
+//! wins, so scrubbing stays live while a detection runs. Each request ends in exactly one answer, which is published
+//! before `on_update` is called. A panic in the work becomes an error with its place.
 
 mod cache;
 mod fault;
@@ -32,7 +28,6 @@ use stores::Stores;
 /// Callback after something was published; may be called from any thread.
 pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
 
-/// Default budget of the picture cache, bytes.
 pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
 
 /// The background work of one window. Dropping it cancels what runs, finishes the files that are being written, and
@@ -50,19 +45,16 @@ impl std::fmt::Debug for Engine {
 }
 
 impl Engine {
-    /// Starts the threads. `on_update` is called (from any of them) whenever there is news; pictures are kept up to
-    /// `cache_bytes`.
+    /// `on_update` is called, from any thread, whenever there is news.
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let queue = Arc::new(JobQueue::new(on_update));
         Self { tasks: task::Tasks::new(&queue), stores: Stores::new(cache_bytes), queue }
     }
 
-    /// Drops the trails of detections of all bursts but these.
     pub fn keep_trails_of(&self, open: &[BurstId]) {
         self.stores.trails.keep_only(open);
     }
 
-    /// Runs `work`, such as writing a file, and finishes it even when the window closes. `label` names it in messages.
     pub fn task(
         &self,
         label: impl Into<String>,
@@ -83,7 +75,7 @@ impl Engine {
 
     /// Whether nothing runs and nothing waits. Answers may still be there to be polled.
     pub fn is_idle(&self) -> bool {
-        self.queue.is_all_idle()
+        self.queue.len() == 0
     }
 
     /// Waits until nothing runs and nothing waits, or until `timeout` has passed. Returns whether it is idle.

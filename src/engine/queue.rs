@@ -22,65 +22,45 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use threads::{unique_key, work};
 
-/// Lowest urgency that each thread takes. So pictures, files and pictures that take a search have threads of their own,
-/// and searches go on beside datasets.
-pub(super) const THREADS: [Urgency; 8] = [
-    Urgency::Picture,
-    Urgency::Write,
-    Urgency::SlowPicture,
-    Urgency::Search,
-    Urgency::Search,
-    Urgency::Search,
-    Urgency::Dataset,
-    Urgency::Dataset,
-];
+/// Lowest urgency that each thread takes: pictures never wait for files or searches, nor searches for datasets.
+pub(super) const THREADS: [Urgency; 8] = {
+    use Urgency::*;
+    [Picture, Write, SlowPicture, Search, Search, Search, Dataset, Dataset]
+};
 
 /// Kind of work and slot of a request. Of one key the latest request wins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct JobKey {
-    /// Kind of work, as the queue numbers them.
     pub kind: u32,
-    /// Slot that the request is for, a pane for example.
     pub slot: u32,
 }
 
-/// Urgency, grace and lane of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Manner {
-    /// Urgency: the most urgent work goes first.
     pub(super) urgency: Urgency,
-    /// Time for which a superseded request may go on running.
     pub(super) grace: Duration,
     /// Lane: of its requests one runs at a time, in the order in which their keys asked.
     pub(super) lane: Lane,
 }
 
-/// Requests that run one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lane {
-    /// Requests of one kind.
     Kind(u32),
-    /// Requests of one type and urgency.
     Type(TypeId, Urgency),
 }
 
 /// Work that waits: either `run` or `end` is called, once.
 pub(super) trait QueuedJob: Send {
-    /// Does the work on a thread with the given name. Returns a function that publishes the answer, or
-    /// [`JobError::Superseded`] in its place.
+    /// Returns a function that publishes the answer, or [`JobError::Superseded`] in its place.
     fn run(self: Box<Self>, id: JobId, thread: &str, monitor: &Monitor) -> Publish;
 
-    /// Publishes `why` as the answer.
     fn end(self: Box<Self>, id: JobId, why: JobError);
 }
 
-/// Publishes a finished answer; the argument says whether it is still wanted.
 pub(super) type Publish = Box<dyn FnOnce(Standing) + Send>;
 
-/// Whether the answer of a request is still wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Standing {
-    /// It is the latest of its key.
     Latest,
     /// A newer one waits: an answer that comes in time is better than none.
     Superseded,
@@ -109,7 +89,6 @@ pub struct JobQueue {
 }
 
 impl JobQueue {
-    /// Starts the threads. `on_update` is called, from any of them, whenever there is news.
     pub fn new(on_update: OnUpdate) -> Self {
         fault::install_hook();
         let shared = Arc::new(Shared { state: Mutex::default(), wake: Condvar::new(), on_update });
@@ -124,14 +103,12 @@ impl JobQueue {
         Self { shared, threads }
     }
 
-    /// Returns an unused number for a kind of work.
     pub(super) fn new_kind(&self) -> u32 {
         let mut state = self.shared.lock();
         state.kinds += 1;
         state.kinds
     }
 
-    /// Callback that is called when there is news.
     pub(super) fn on_update(&self) -> &OnUpdate {
         &self.shared.on_update
     }
@@ -153,7 +130,6 @@ impl JobQueue {
         id
     }
 
-    /// Answers a request under `key` that needs no work: `publish` puts the answer where it is polled.
     pub(super) fn publish(&self, key: JobKey, publish: impl FnOnce(JobId)) -> JobId {
         let mut state = self.shared.lock();
         let id = state.next_id();
@@ -165,7 +141,6 @@ impl JobQueue {
         id
     }
 
-    /// Cancels the requests that run and wait under `key`.
     pub(super) fn cancel(&self, key: JobKey) {
         let mut state = self.shared.lock();
         state.running.iter().filter(|job| job.key == key).for_each(|job| job.monitor.cancel());
@@ -174,12 +149,10 @@ impl JobQueue {
         (self.shared.on_update)();
     }
 
-    /// Cancels superseded requests whose grace has ended.
     pub(super) fn enforce_grace(&self) {
         self.shared.lock().running.iter().for_each(RunningJob::enforce_grace);
     }
 
-    /// The request of `key` that runs, or the one that waits to.
     pub(super) fn running(&self, key: JobKey) -> Option<Running> {
         let state = self.shared.lock();
         let running = state.running.iter().find(|job| job.key == key).map(|job| Running {
@@ -191,15 +164,9 @@ impl JobQueue {
         running.or_else(|| waiting().map(|job| Running { id: job.id, started: Instant::now(), progress: None }))
     }
 
-    /// Number of requests that wait or run.
     pub(super) fn len(&self) -> usize {
         let state = self.shared.lock();
         state.waiting.len() + state.running.len()
-    }
-
-    /// Whether nothing runs and nothing waits.
-    pub fn is_all_idle(&self) -> bool {
-        self.len() == 0
     }
 }
 

@@ -6,7 +6,6 @@ use super::trails::Trails;
 use crate::requests::{Kept, Picture, PictureRequest, PictureStore};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The stores. Cheap to clone.
 #[derive(Debug, Clone)]
 pub(super) struct Stores {
     pub(super) pictures: Pictures,
@@ -24,7 +23,6 @@ impl Stores {
     }
 }
 
-/// Shared cache of pictures.
 #[derive(Debug, Clone)]
 pub(super) struct Pictures(Arc<Mutex<PictureCache>>);
 
@@ -45,21 +43,16 @@ impl PictureStore for Pictures {
     }
 }
 
-/// Pictures, trails and requests that an engine holds now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Held {
-    /// Bytes of pictures that are kept; never above the cache's budget.
     pub picture_bytes: usize,
-    /// Number of trails of detections that are kept.
     pub trails: usize,
     /// Bytes of the trails, without the open bursts.
     pub trail_bytes: usize,
-    /// Number of requests that wait or run.
     pub requests: usize,
 }
 
 impl Engine {
-    /// Measures what is held now, without news that was not polled yet.
     pub fn held(&self) -> Held {
         let (trails, trail_bytes) = self.stores.trails.held();
         Held { picture_bytes: self.stores.pictures.lock().bytes(), trails, trail_bytes, requests: self.queue.len() }

@@ -9,18 +9,13 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Identifies a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct TaskId(u32);
 
-/// Result of a task.
 #[derive(Debug, Clone)]
 pub struct TaskDone {
-    /// Id of the task.
     pub id: TaskId,
-    /// Label that the task was started with.
     pub label: String,
-    /// Message of the task, or the error with which it failed.
     pub result: Result<String, JobError>,
 }
 

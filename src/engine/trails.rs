@@ -1,9 +1,6 @@
-//! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it.
-//!
-//! A trail costs as much as its detection. So the detection makes it in the same search and stores it here, for the
-//! probe, the spectrum of slopes, the map of winning slopes and the comparison with the truth. If it was not kept, the
-//! detection is repeated once for all of them. A detection that differs from a kept one only in its thresholds is
-//! judged from what that one's search left.
+//! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it. A
+//! trail costs as much as its detection, so the detection makes it in the same search. If it was not kept, the search
+//! is repeated once for all askers; one that differs only in its thresholds is judged from what a kept one left.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;
@@ -12,7 +9,6 @@ use crate::requests::{BurstId, DetectionSource, JobError, OpenBurst, TrailStore,
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// The trails that are kept. Cheap to clone.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Trails {
     state: Arc<Mutex<State>>,
@@ -43,11 +39,9 @@ struct Kept {
     cache: Arc<ProbeCache>,
 }
 
-/// Time between two looks for a trail that another thread is making.
 const WAIT: Duration = Duration::from_millis(5);
 
 impl Trails {
-    /// Keeps trails up to `budget_bytes`.
     #[cfg(test)]
     pub(super) fn new(budget_bytes: usize) -> Self {
         Self { state: Arc::default(), budget_bytes: Some(budget_bytes) }
@@ -62,7 +56,6 @@ impl Trails {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Drops the trails of all bursts but these.
     pub(super) fn keep_only(&self, bursts: &[BurstId]) {
         self.lock().kept.retain(|kept| bursts.contains(&kept.key.burst));
     }
@@ -73,13 +66,11 @@ impl Trails {
         self.lock().repeated
     }
 
-    /// Number of trails that are kept, and their bytes without the open bursts.
     pub(super) fn held(&self) -> (usize, usize) {
         let state = self.lock();
         (state.kept.len(), state.kept.iter().map(Kept::bytes).sum())
     }
 
-    /// Judges a detection that was asked for with `asked` from what the search of a kept one of the same burst left.
     fn judged(
         &self,
         open: &OpenBurst,
@@ -131,7 +122,6 @@ impl Trails {
 }
 
 impl TrailStore for Trails {
-    /// Keeps the trail if the budget allows it; the least recently used are dropped.
     fn put(&self, open: &OpenBurst, cache: &Arc<ProbeCache>) {
         let key = Key { burst: open.id, params: cache.made_with() };
         let kept = Kept { key, open: open.clone(), cache: cache.clone() };
@@ -195,7 +185,6 @@ impl TrailStore for Trails {
 }
 
 impl State {
-    /// Finds the trail for which `is_it` holds, and makes it the most recently used.
     fn used(&mut self, is_it: impl Fn(&Kept) -> bool) -> Option<Arc<ProbeCache>> {
         let index = self.kept.iter().position(is_it)?;
         let kept = self.kept.remove(index);
@@ -222,7 +211,6 @@ impl State {
 }
 
 impl Kept {
-    /// Bytes of the trail without the open burst.
     fn bytes(&self) -> usize {
         self.cache.bytes_beside(&self.open.burst)
     }
@@ -235,7 +223,6 @@ struct Making<'a> {
 }
 
 impl<'a> Making<'a> {
-    /// Marks the trail of `key` as being made; `None` while another thread makes it.
     fn begin(trails: &'a Trails, key: &'a Key) -> Option<Self> {
         let mut state = trails.lock();
         if state.making.contains(key) {

@@ -9,8 +9,7 @@ use std::any::TypeId;
 use std::fmt;
 use std::time::Duration;
 
-/// Grace of superseded requests for pictures, so that the picture follows a slider; one that takes longer is cancelled,
-/// so that the next does not wait for it.
+/// So that the picture follows a slider; one that takes longer is cancelled, so that the next does not wait.
 const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Told>;
@@ -25,19 +24,14 @@ pub struct Wanted<R: Request> {
     jobs: Option<JobsOf<R>>,
     /// Requests without an answer, the latest last.
     pending: Vec<(JobId, R)>,
-    /// The request that ended last, and its error if it failed.
     ended: Option<(R, Option<JobError>)>,
     running: Option<Running>,
 }
 
-/// The end of a request.
 #[derive(Debug, Clone)]
 pub struct Ended<R: Request> {
-    /// Id of the request.
     pub id: JobId,
-    /// The request.
     pub request: R,
-    /// The answer, or why there is none.
     pub result: Result<R::Answer, JobError>,
     /// Wall-clock time of the work; zero for an answer that was kept.
     pub elapsed: Duration,
@@ -71,12 +65,19 @@ impl<R: Request> Wanted<R> {
             return;
         };
         let is_known = match (self.pending(), &self.ended) {
-            (Some(pending), _) => pending.is_same(&wanted),
-            (None, Some((failed, Some(_)))) => failed.is_same(&wanted),
+            (Some(pending), _) => *pending == wanted,
+            (None, Some((failed, Some(_)))) => *failed == wanted,
             (None, _) => false,
         };
         if !is_known {
             self.ask(engine, wanted);
+        }
+    }
+
+    /// Requests `missing`, if anything is missing; otherwise what runs goes on.
+    pub fn want_missing(&mut self, engine: &Engine, missing: Option<R>) {
+        if missing.is_some() {
+            self.want(engine, missing);
         }
     }
 
@@ -92,7 +93,7 @@ impl<R: Request> Wanted<R> {
                 let lane = Lane::Type(TypeId::of::<R>(), urgency);
                 jobs.submit_as(Manner { urgency, grace: PICTURE_GRACE, lane }, 0, request.clone())
             }
-            None => jobs.submit_as(Manner { urgency, grace: Duration::ZERO, ..jobs.manner() }, 0, request.clone()),
+            None => jobs.submit_as(Manner { urgency, grace: Duration::ZERO, ..jobs.manner }, 0, request.clone()),
         };
         self.pending.push((id, request));
         self.ended = None;
@@ -121,17 +122,14 @@ impl<R: Request> Wanted<R> {
         self.jobs.as_ref().map_or_else(Vec::new, Jobs::take_told)
     }
 
-    /// The latest request that has no answer yet.
     pub fn pending(&self) -> Option<&R> {
         self.pending.last().map(|(_, request)| request)
     }
 
-    /// Id of the latest request that has no answer yet.
     pub fn pending_id(&self) -> Option<JobId> {
         self.pending.last().map(|(id, _)| *id)
     }
 
-    /// Whether a request has no answer yet.
     pub fn is_pending(&self) -> bool {
         !self.pending.is_empty()
     }
@@ -141,18 +139,15 @@ impl<R: Request> Wanted<R> {
         self.running
     }
 
-    /// The request that ended last and its error, if it has no answer.
     pub fn failure(&self) -> Option<(&R, &JobError)> {
         let (request, error) = self.ended.as_ref()?;
         Some((request, error.as_ref()?))
     }
 
-    /// Whether `request` ended last and failed.
     pub fn has_failed(&self, request: &R) -> bool {
-        self.failure().is_some_and(|(failed, _)| failed.is_same(request))
+        self.failure().is_some_and(|(failed, _)| failed == request)
     }
 
-    /// Cancels the running request: it ends with [`JobError::Cancelled`].
     pub fn cancel(&self) {
         if let Some(jobs) = self.jobs.as_ref().filter(|_| self.is_pending()) {
             jobs.cancel();
@@ -163,13 +158,12 @@ impl<R: Request> Wanted<R> {
     pub fn forget(&mut self) {
         self.cancel();
         if let Some(jobs) = &self.jobs {
-            drop(jobs.take_news());
+            drop((jobs.take_told(), jobs.take_answers_for()));
         }
         self.pending.clear();
         (self.ended, self.running) = (None, None);
     }
 
-    /// Sets the progress, as if a request ran.
     #[cfg(test)]
     pub(crate) fn set_running(&mut self, running: Option<Running>) {
         self.running = running;
@@ -189,14 +183,9 @@ pub trait Want {
     /// Whether nothing is running and nothing was requested whose end was not taken.
     fn is_settled(&self) -> bool;
 
-    /// Urgency of the running request.
     fn urgency(&self) -> Option<Urgency>;
 
-    /// As [`Wanted::cancel`].
     fn cancel(&self);
-
-    /// As [`Wanted::forget`].
-    fn forget(&mut self);
 }
 
 impl<R: Request> Want for Wanted<R> {
@@ -210,9 +199,5 @@ impl<R: Request> Want for Wanted<R> {
 
     fn cancel(&self) {
         Wanted::cancel(self);
-    }
-
-    fn forget(&mut self) {
-        Wanted::forget(self);
     }
 }

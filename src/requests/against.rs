@@ -12,41 +12,45 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Reference of a comparison.
 #[derive(Debug, Clone)]
 pub enum Reference {
-    /// An earlier result of the same burst.
     Earlier {
-        /// The burst.
         burst: OpenBurst,
-        /// Parameters that were asked for.
         asked: SearchParams,
         /// The result; if it is not kept any more, it is detected again.
         detection: Option<Arc<Detection>>,
     },
-    /// Features of a file.
     File {
-        /// The file.
         path: PathBuf,
-        /// Features of the file, once it was read.
         features: Option<Arc<Vec<ForeignFeature>>>,
     },
-    /// Truth of a synthetic burst.
     Truth {
-        /// The burst.
         burst: OpenBurst,
-        /// The parameters of the detection, with its slopes.
         params: DetectorParams,
     },
 }
 
-/// Features to compare, and the reference.
 #[derive(Debug, Clone)]
 pub struct AgainstRequest {
-    /// The features.
     pub detection: Arc<Detection>,
-    /// The others.
     pub with: Reference,
+}
+
+impl PartialEq for Reference {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Earlier { burst: a, asked: p, .. }, Self::Earlier { burst: b, asked: q, .. }) => (a, p) == (b, q),
+            (Self::File { path: a, .. }, Self::File { path: b, .. }) => a == b,
+            (Self::Truth { burst: a, params: p }, Self::Truth { burst: b, params: q }) => (a, p) == (b, q),
+            _ => false,
+        }
+    }
+}
+
+impl PartialEq for AgainstRequest {
+    fn eq(&self, other: &Self) -> bool {
+        self.with == other.with && Arc::ptr_eq(&self.detection, &other.detection)
+    }
 }
 
 impl Request for AgainstRequest {
@@ -55,20 +59,6 @@ impl Request for AgainstRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        let same_reference = match (&self.with, &other.with) {
-            (Reference::Earlier { burst: a, asked: p, .. }, Reference::Earlier { burst: b, asked: q, .. }) => {
-                a.id == b.id && p == q
-            }
-            (Reference::File { path: a, .. }, Reference::File { path: b, .. }) => a == b,
-            (Reference::Truth { burst: a, params: p }, Reference::Truth { burst: b, params: q }) => {
-                a.id == b.id && p == q
-            }
-            _ => false,
-        };
-        same_reference && Arc::ptr_eq(&self.detection, &other.detection)
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedWith, JobError> {
@@ -106,38 +96,19 @@ impl Request for AgainstRequest {
     }
 }
 
-/// Result of a comparison.
 #[derive(Debug, Clone)]
 pub enum Against {
-    /// Gained, lost and moved.
-    Changes {
-        /// The changes.
-        changes: Changes,
-        /// The others, in the order of their indices.
-        before: Arc<Vec<Spot>>,
-        /// Source of the others.
-        source: OthersSource,
-    },
-    /// Found, missed, repeated and false.
-    Truth {
-        /// The comparison.
-        against: Box<AgainstTruth>,
-        /// The truth.
-        truth: Arc<Truth>,
-    },
+    Changes { changes: Changes, before: Arc<Vec<Spot>>, source: OthersSource },
+    Truth { against: Box<AgainstTruth>, truth: Arc<Truth> },
 }
 
-/// Source of the other features, to be passed to the next comparison.
 #[derive(Debug, Clone)]
 pub enum OthersSource {
-    /// An earlier result.
     Earlier(Arc<Detection>),
-    /// A file.
     File(Arc<Vec<ForeignFeature>>),
 }
 
 impl Against {
-    /// The earlier result that was compared with.
     pub fn found_again(&self) -> Option<&Arc<Detection>> {
         match self {
             Self::Changes { source: OthersSource::Earlier(detection), .. } => Some(detection),
@@ -145,7 +116,6 @@ impl Against {
         }
     }
 
-    /// Features that were read from a file; `None` for other references.
     pub fn read(&self) -> Option<&Arc<Vec<ForeignFeature>>> {
         match self {
             Self::Changes { source: OthersSource::File(read), .. } => Some(read),
@@ -154,12 +124,9 @@ impl Against {
     }
 }
 
-/// Comparison with its request.
 #[derive(Debug, Clone)]
 pub struct ComparedWith {
-    /// The request.
     pub request: AgainstRequest,
-    /// The result.
     pub against: Against,
 }
 

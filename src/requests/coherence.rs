@@ -8,22 +8,22 @@ use crate::inspect::verdict::{Judged, judged};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Request for the coherence of the features, and the verdicts on them, of a detection.
 #[derive(Debug, Clone)]
 pub struct CoherenceRequest {
-    /// The detection that found them.
     pub of: DetectionSource,
-    /// The features.
     pub detection: Arc<Detection>,
 }
 
-/// The coherences of the features of a detection, with the verdicts.
 #[derive(Debug, Clone)]
 pub struct Coherences {
-    /// The detection.
     pub detection: Arc<Detection>,
-    /// One for each feature.
     pub values: Arc<Vec<Judged>>,
+}
+
+impl PartialEq for CoherenceRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.detection, &other.detection)
+    }
 }
 
 impl Request for CoherenceRequest {
@@ -32,10 +32,6 @@ impl Request for CoherenceRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.detection, &other.detection)
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Coherences, JobError> {

@@ -13,12 +13,9 @@ use crate::matching::{MatchParams, MatchResult, match_detections};
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// A burst to be opened, and how.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OpenRequest {
-    /// Source of the burst.
     pub source: BurstSource,
-    /// Options with which it is opened: its calibration.
     pub options: OpenOptions,
 }
 
@@ -30,21 +27,14 @@ impl Request for OpenRequest {
         Urgency::Search
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self.source == other.source && self.options == other.options
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
         self.source.open(&self.options, work.monitor)
     }
 }
 
-/// Request for a detection: snapshot of a burst and of the parameters.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DetectRequest {
-    /// The burst.
     pub burst: OpenBurst,
-    /// The parameters, and how the slopes are chosen.
     pub params: SearchParams,
 }
 
@@ -54,10 +44,6 @@ impl Request for DetectRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.burst.id == other.burst.id && self.params == other.params
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Detected, JobError> {
@@ -87,41 +73,28 @@ impl Request for DetectRequest {
     }
 }
 
-/// Finished detection with its burst and parameters.
 #[derive(Debug, Clone)]
 pub struct Detected {
-    /// The burst it belongs to.
     pub burst: BurstId,
-    /// Parameters that were asked for.
     pub asked: SearchParams,
-    /// The parameters that were used, with the slopes that were found if they were to be found.
     pub params: DetectorParams,
     /// Parameters of the search that left what the features were judged from: `params`, or less strict ones. Those that
     /// [follow](crate::detector::follows) from them need no other search.
     pub searched: DetectorParams,
-    /// Time that that search took, seconds.
     pub search_secs: f32,
-    /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// The features.
     pub detection: Arc<Detection>,
 }
 
-/// Request for one step of the comparison of methods.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum CompareRequest {
-    /// Finding features by the method that the parameters ask for.
     Detect(DetectRequest),
-    /// Matching the features of two bursts.
     Match(MatchRequest),
 }
 
-/// Answer to a `CompareRequest`.
 #[derive(Debug, Clone)]
 pub enum Compared {
-    /// The features.
     Detected(Detected),
-    /// The matches.
     Matched(Matched),
 }
 
@@ -131,14 +104,6 @@ impl Request for CompareRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Detect(a), Self::Detect(b)) => a.is_same(b),
-            (Self::Match(a), Self::Match(b)) => a.is_same(b),
-            _ => false,
-        }
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Compared, JobError> {
@@ -155,15 +120,17 @@ impl Request for CompareRequest {
     }
 }
 
-/// Request for matches: snapshot of the features of two bursts and of the parameters.
 #[derive(Debug, Clone)]
 pub struct MatchRequest {
-    /// The features of A.
     pub a: Arc<Detection>,
-    /// The features of B.
     pub b: Arc<Detection>,
-    /// The parameters.
     pub params: MatchParams,
+}
+
+impl PartialEq for MatchRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
+    }
 }
 
 impl Request for MatchRequest {
@@ -174,21 +141,14 @@ impl Request for MatchRequest {
         Urgency::Search
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
         let result = Arc::new(match_detections(&self.a, &self.b, &self.params, work.monitor)?);
         Ok(Matched { request: self, result })
     }
 }
 
-/// Matches with their request.
 #[derive(Debug, Clone)]
 pub struct Matched {
-    /// The request.
     pub request: MatchRequest,
-    /// The matches, and their geometry.
     pub result: Arc<MatchResult>,
 }

@@ -6,7 +6,6 @@ use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice};
 use std::path::PathBuf;
 
-/// Output folder named in the command.
 const OUT: &str = "features";
 
 /// Writes the `burstscope detect …` line, quoted for a shell, that finds features in `inputs` (paths, or the names of
@@ -24,7 +23,6 @@ pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenO
     words.join(" ")
 }
 
-/// Names and values of the calibration options that are not the default. A switch has no value.
 fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<String>)> {
     let OpenOptions { bias, flat, full_scale, black_level, linearise, accept_damaged, raw_colour, limits: _ } =
         calibration;
@@ -44,7 +42,6 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
     all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
 }
 
-/// Names and values of the search options that are not the default.
 fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
     let mut options = Vec::new();
     let grid = &params.detector.slopes;
@@ -72,7 +69,6 @@ fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
     options.into_iter().map(|(name, value)| (name, Some(value))).collect()
 }
 
-/// Quotes `text` where a shell needs it, so that it is one word.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:+,=@%".contains(c);
     if !text.is_empty() && text.chars().all(plain) {

@@ -9,25 +9,19 @@ use crate::inspect::ProbeError;
 use crate::matching::MatchError;
 use crate::monitor::Cancelled;
 
-/// Reason for which a request has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum JobError {
-    /// The asker cancelled it.
     #[error("cancelled")]
     Cancelled,
-    /// A newer request of the same kind and slot took its place.
     #[error("a newer request took its place")]
     Superseded,
     /// The input, a parameter or a limit is at fault; the message says which and what would be right.
     #[error("{0}")]
     Failed(String),
-    /// There is more than one burst at the place that was to be opened.
     #[error("there are {} bursts here; open one of them", .0.len())]
     Several(Vec<BurstSource>),
-    /// Panic: a mistake in the program.
     #[error("this is a mistake in Burstscope, please report it: {message} (at {place})")]
     Panicked {
-        /// Message of the panic.
         message: String,
         /// File, line and column.
         place: String,
@@ -35,9 +29,12 @@ pub enum JobError {
 }
 
 impl JobError {
-    /// Failure with the message of `error`.
     pub(super) fn failed(error: impl std::fmt::Display) -> Self {
         Self::Failed(error.to_string())
+    }
+
+    fn of(error: &impl std::fmt::Display, is_cancelled: bool) -> Self {
+        if is_cancelled { Self::Cancelled } else { Self::failed(error) }
     }
 }
 
@@ -49,54 +46,36 @@ impl From<Cancelled> for JobError {
 
 impl From<DetectError> for JobError {
     fn from(error: DetectError) -> Self {
-        match error {
-            DetectError::Cancelled(_) => Self::Cancelled,
-            DetectError::Param(error) => Self::failed(error),
-        }
+        Self::of(&error, matches!(error, DetectError::Cancelled(_)))
     }
 }
 
 impl From<MatchError> for JobError {
     fn from(error: MatchError) -> Self {
-        match error {
-            MatchError::Cancelled(_) => Self::Cancelled,
-            MatchError::Param(error) => Self::failed(error),
-        }
+        Self::of(&error, matches!(error, MatchError::Cancelled(_)))
     }
 }
 
 impl From<ProbeError> for JobError {
     fn from(error: ProbeError) -> Self {
-        match error {
-            ProbeError::Cancelled(_) => Self::Cancelled,
-            other => Self::failed(other),
-        }
+        Self::of(&error, matches!(error, ProbeError::Cancelled(_)))
     }
 }
 
 impl From<DatasetError> for JobError {
     fn from(error: DatasetError) -> Self {
-        match error {
-            DatasetError::Cancelled(_) => Self::Cancelled,
-            other => Self::failed(other),
-        }
+        Self::of(&error, matches!(error, DatasetError::Cancelled(_)))
     }
 }
 
 impl From<EvaluateError> for JobError {
     fn from(error: EvaluateError) -> Self {
-        match error {
-            EvaluateError::Cancelled(_) => Self::Cancelled,
-            other => Self::failed(other),
-        }
+        Self::of(&error, matches!(error, EvaluateError::Cancelled(_)))
     }
 }
 
 impl From<FiguresError> for JobError {
     fn from(error: FiguresError) -> Self {
-        match error {
-            FiguresError::Cancelled(_) => Self::Cancelled,
-            other => Self::failed(other),
-        }
+        Self::of(&error, matches!(error, FiguresError::Cancelled(_)))
     }
 }

@@ -18,21 +18,15 @@ use crate::monitor::Monitor;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// Question about a detection. Of one subject the latest question wins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExplainQuestion {
-    /// Which slopes the burst needs.
     Slopes,
-    /// Where the candidates were rejected, and which of them are listed.
     Candidates(SurveyOptions),
 }
 
-/// A question about the detection of a burst.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ExplainRequest {
-    /// The detection.
     pub of: DetectionSource,
-    /// The question.
     pub question: ExplainQuestion,
 }
 
@@ -42,10 +36,6 @@ impl Request for ExplainRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.of.is_same(&other.of) && self.question == other.question
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Explained, JobError> {
@@ -60,40 +50,36 @@ impl Request for ExplainRequest {
     }
 }
 
-/// Answer to a question.
 #[derive(Debug, Clone)]
 pub enum Explanation {
-    /// The slopes.
     Slopes(Arc<Spectrum>),
-    /// The candidates.
     Candidates(Arc<Survey>),
 }
 
-/// Answer with its request.
 #[derive(Debug, Clone)]
 pub struct Explained {
-    /// The request.
     pub request: ExplainRequest,
-    /// The answer.
     pub explanation: Explanation,
 }
 
-/// Request for the losses of a pair.
 #[derive(Debug, Clone)]
 pub struct LossesRequest {
-    /// The features and how they were matched.
     pub request: MatchRequest,
-    /// Result of matching them.
     pub result: Arc<MatchResult>,
     /// (columns, rows) of B.
     pub size_b: (usize, usize),
 }
 
 impl LossesRequest {
-    /// The pair in the form that [`crate::inspect::unmatched`] takes.
     pub fn pair(&self) -> ComparedPair<'_> {
         let MatchRequest { a, b, params } = &self.request;
         ComparedPair { a, b, size_b: self.size_b, result: &self.result, params }
+    }
+}
+
+impl PartialEq for LossesRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.result, &other.result)
     }
 }
 
@@ -105,10 +91,6 @@ impl Request for LossesRequest {
         Urgency::Search
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.result, &other.result)
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FoundLosses, JobError> {
         let losses = Losses::new(self.pair(), work.monitor)?;
         let counts = losses.counts(work.monitor)?;
@@ -118,26 +100,24 @@ impl Request for LossesRequest {
     }
 }
 
-/// Losses of the features of A.
 #[derive(Debug, Clone)]
 pub struct FoundLosses {
-    /// The pair.
     pub request: LossesRequest,
-    /// Step at which each feature of A was lost.
     pub lost: Vec<Lost>,
-    /// Number of features that were lost at each step.
     pub counts: [(Lost, usize); 5],
-    /// Nearest neighbours of both sides, for questions about single features.
     pub nearest: Arc<NearestOfBoth>,
 }
 
-/// Detection of a burst with its trail.
 #[derive(Debug, Clone)]
 pub struct Traced {
-    /// The burst.
     pub burst: BurstId,
-    /// Its detection, with its trail.
     pub cache: Arc<ProbeCache>,
+}
+
+impl PartialEq for Traced {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.cache, &other.cache)
+    }
 }
 
 impl Request for DetectionSource {
@@ -147,10 +127,6 @@ impl Request for DetectionSource {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.burst.id == other.burst.id && self.asked == other.asked && self.params == other.params
     }
 
     fn kept(&self, kept: &Kept<'_>) -> Option<Traced> {
@@ -163,26 +139,19 @@ impl Request for DetectionSource {
     }
 }
 
-/// Question that a probe answers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProbeQuestion {
-    /// The candidates at a place.
     At {
         /// (u, v) at mid-burst, input pixels.
         place: [f32; 2],
-        /// Choice of what is examined more closely.
         wanted: Wanted,
     },
-    /// The strongest candidate of the whole picture, kept or not.
     Strongest,
 }
 
-/// A question about a detection.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProbeRequest {
-    /// Detection that the question is about.
     pub traced: Traced,
-    /// The question.
     pub question: ProbeQuestion,
     /// Scale σ near which candidates come first, input pixels; `None` for all scales alike.
     pub near_sigma: Option<f32>,
@@ -196,18 +165,13 @@ impl Request for ProbeRequest {
         Urgency::Picture
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.traced.cache, &other.traced.cache)
-            && (self.question, self.near_sigma) == (other.question, other.near_sigma)
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Probed, JobError> {
         let (cache, monitor) = (&self.traced.cache, work.monitor);
         let (place, wanted) = match self.question {
             ProbeQuestion::At { place, wanted } => (place, wanted),
             ProbeQuestion::Strongest => {
                 let mark = strongest(cache, monitor)?;
-                (mark.pos_image, Wanted::Candidate(mark.of_sample()))
+                (mark.pos_image, Wanted::Candidate(mark.sample))
             }
         };
         let options = ProbeOptions { wanted, near_sigma: self.near_sigma, ..ProbeOptions::default() };
@@ -223,19 +187,15 @@ impl Request for ProbeRequest {
     }
 }
 
-/// Answer with its request.
 #[derive(Debug, Clone)]
 pub struct Probed {
-    /// The request.
     pub request: ProbeRequest,
-    /// Result for the place.
     pub probe: Arc<Probe>,
     /// Prices of the changes that it proposes, as far as no search is needed to tell them.
     pub prices: Vec<(ParamChange, Price)>,
 }
 
-/// The candidate with the largest |D| over its noise, of those at a maximum of their own; in a burst without noise with
-/// the largest |D|.
+/// The largest |D| over its noise (or |D|) of those at a maximum of their own.
 fn strongest(cache: &ProbeCache, monitor: &Monitor) -> Result<CandidateMark, JobError> {
     let strength = |mark: &CandidateMark| if mark.snr.is_finite() { mark.snr } else { mark.value.abs() };
     for min_snr in [SurveyOptions::default().min_snr, 0.0] {

@@ -1,12 +1,10 @@
-//! Requests for background work and their answers: values, and the function from the one to the other.
+//! Requests for background work and their answers. A request is an immutable snapshot of all that decides its answer;
+//! `compute` makes it on the calling thread and its pool, and stops with [`JobError::Cancelled`] once its
+//! [`Monitor`](crate::monitor::Monitor) is cancelled. Some answers need the trail of a detection, from a
+//! [`TrailStore`].
 //!
-//! A request is an immutable snapshot of all that decides its answer: the burst, the parameters, what is asked. Whether
-//! two requests ask for the same can be told from their values. `compute` makes the answer on the calling thread and
-//! its pool, and stops with [`JobError::Cancelled`] once its [`Monitor`](crate::monitor::Monitor) is cancelled. Some
-//! answers need the trail of a detection; a [`TrailStore`] in which it may be kept is passed in.
-//!
-//! Nothing here runs by itself: when a request is computed, on which thread, and which of several requests wins is
-//! decided above, by [`crate::engine`].
+//! Nothing here runs by itself: when, on which thread, and which of several requests wins is decided by
+//! [`crate::engine`].
 
 mod against;
 mod coherence;
@@ -16,6 +14,7 @@ mod detect_line;
 mod error;
 mod explain;
 mod film;
+mod kind;
 mod map;
 mod open;
 mod picture;
@@ -40,11 +39,12 @@ pub use explain::{
     ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
     Probed, Traced,
 };
-pub use film::{Film, FilmError, FilmPlace, FilmStep, FilmView, Flipped, MAX_FILM_PICTURES, Rasteriser, Sweep};
-pub use map::{AboutMap, MapKind, MotionMap, RangeClass};
+pub use film::{Film, FilmError, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
+pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
+pub use map::MotionMap;
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
-pub use picture::{AboutPicture, Picture, PictureKind, PictureRequest};
+pub use picture::{Picture, PictureRequest};
 pub use pictures::PicturesRequest;
 pub use request::{JobId, Kept, PictureStore, Request, Running, Urgency, Work};
 pub use source::{BurstSource, SourceError};

@@ -1,10 +1,11 @@
 //! Pictures of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the difference of
 //! two of these.
 
-use super::map::{MapKind, MotionMap, RangeClass};
+use super::kind::{PictureKind, RangeClass, ViewKind};
+use super::map::MotionMap;
 use super::open::{BurstId, OpenBurst};
 use crate::detector::params::Stage;
-use crate::detector::{DetectorParams, FrameRange, Method, Slope};
+use crate::detector::{DetectorParams, FrameRange, Method};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
@@ -15,94 +16,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::mem::{Discriminant, discriminant};
 use std::sync::Arc;
 
-/// Kind of a picture, with its parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PictureKind {
-    /// One frame, counted from 0.
-    Frame(usize),
-    /// The motion-stack image at a slope, on the grid or between.
-    Stack {
-        /// Pixels per frame.
-        slope: Slope,
-    },
-    /// The DoG response of the motion-stack image at a slope.
-    Dog {
-        /// Octave; −1 is the doubled image.
-        octave: i32,
-        /// Level within the octave.
-        level: i32,
-        /// Pixels per frame.
-        slope: Slope,
-    },
-    /// The frames that are used, aligned tile by tile and merged into one.
-    Merge,
-    /// Map of a quantity that decides in the search, by place.
-    Map {
-        /// Kind of the map.
-        map: MapKind,
-        /// Octave; −1 is the doubled image.
-        octave: i32,
-        /// Level within the octave.
-        level: i32,
-        /// Pixels per frame.
-        slope: Slope,
-    },
-}
-
-/// Description of a kind of picture with its parameters: all that is decided by the kind.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AboutPicture {
-    /// Stage of the processing that makes it: it depends on the parameters of this stage and of those before it. `None`
-    /// where it depends on no parameter.
-    pub stage: Option<Stage>,
-    /// Slope that it shows, pixels per frame.
-    pub slope: Option<Slope>,
-    /// Octave and level that it shows; it has the octave's pixels then.
-    pub scale: Option<(i32, i32)>,
-    /// Class of its value range.
-    pub range: RangeClass,
-    /// Whether it needs a search of the burst or all of its frames, which takes too long to repeat at every step of a
-    /// slider.
-    pub is_slow: bool,
-}
-
-impl PictureKind {
-    /// Description of the kind.
-    pub fn about(self) -> AboutPicture {
-        let frame =
-            AboutPicture { stage: None, slope: None, scale: None, range: RangeClass::Intensity, is_slow: false };
-        match self {
-            Self::Frame(_) => frame,
-            Self::Stack { slope } => AboutPicture { stage: Some(Stage::Stack), slope: Some(slope), ..frame },
-            Self::Dog { octave, level, slope } => AboutPicture {
-                stage: Some(Stage::Response),
-                slope: Some(slope),
-                scale: Some((octave, level)),
-                range: RangeClass::Response,
-                is_slow: false,
-            },
-            Self::Merge => AboutPicture { stage: Some(Stage::Frames), is_slow: true, ..frame },
-            Self::Map { map, octave, level, slope } => {
-                let about = map.about();
-                AboutPicture {
-                    stage: Some(if map.combine().is_some() { Stage::Stack } else { Stage::Search }),
-                    slope: about.of_slope.then_some(slope),
-                    scale: about.of_scale.then_some((octave, level)),
-                    range: about.range,
-                    is_slow: map.combine().is_none(),
-                }
-            }
-        }
-    }
-
-    /// Input pixels for one pixel of this picture: 2^octave for a picture of an octave, else 1.
-    pub fn input_px_per_pixel(self) -> f32 {
-        self.about().scale.map_or(1.0, |(octave, _)| (octave as f32).exp2())
-    }
-}
-
 impl RangeClass {
-    /// The class of a picture.
     pub fn of(request: &PictureRequest) -> Self {
         if request.minus().is_some() { Self::Difference } else { request.kind.about().range }
     }
@@ -111,9 +25,7 @@ impl RangeClass {
 /// Request for a picture of a burst: an immutable snapshot.
 #[derive(Debug, Clone)]
 pub struct PictureRequest {
-    /// The burst.
     pub burst: OpenBurst,
-    /// Kind of the picture.
     pub kind: PictureKind,
     /// The parameters; only those that decide the picture make two requests differ.
     pub params: DetectorParams,
@@ -136,15 +48,20 @@ pub(crate) struct PictureKey {
 struct KindKey {
     kind: Discriminant<PictureKind>,
     frame: Option<usize>,
-    map: Option<MapKind>,
+    map: Option<ViewKind>,
     slope_bits: Option<(u32, u32)>,
     scale: Option<(i32, i32)>,
     /// Hash of the parameters that decide the picture.
     params: u64,
 }
 
+impl PartialEq for PictureRequest {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+
 impl PictureRequest {
-    /// Picture `kind` of `burst`, made with `params`.
     pub fn new(burst: OpenBurst, kind: PictureKind, params: DetectorParams) -> Self {
         Self { burst, kind, params, smoothing_px: 0.0, minus: None }
     }
@@ -164,7 +81,6 @@ impl PictureRequest {
         Self { minus: Some(Box::new(other.alone())), ..self }
     }
 
-    /// Picture that is subtracted, if this is a difference.
     pub fn minus(&self) -> Option<&Self> {
         self.minus.as_deref()
     }
@@ -182,15 +98,14 @@ impl PictureRequest {
     }
 
     fn kind_key(&self) -> KindKey {
-        let about = self.kind.about();
         KindKey {
             kind: discriminant(&self.kind),
             frame: if let PictureKind::Frame(index) = self.kind { Some(index) } else { None },
             map: if let PictureKind::Map { map, .. } = self.kind { Some(map) } else { None },
             // Adding 0 makes −0 and 0 one slope.
-            slope_bits: about.slope.map(|slope| ((slope.u + 0.0).to_bits(), (slope.v + 0.0).to_bits())),
-            scale: about.scale,
-            params: about.stage.map_or(0, |stage| self.hash_of_params(stage)),
+            slope_bits: self.kind.slope().map(|slope| ((slope.u + 0.0).to_bits(), (slope.v + 0.0).to_bits())),
+            scale: self.kind.scale(),
+            params: self.kind.about().stage.map_or(0, |stage| self.hash_of_params(stage)),
         }
     }
 
@@ -214,7 +129,6 @@ impl PictureRequest {
 /// Picture with its request. Cheap to clone.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    /// Request that it answers.
     pub request: PictureRequest,
     /// Its pixels; fraction of full scale.
     pub plane: Arc<Plane>,
@@ -225,7 +139,6 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Bytes of its pixels.
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
         // Three planes and the colours, a number for each pixel.

@@ -1,11 +1,14 @@
 //! Computation of pictures, one or several at a time.
 
 use super::error::JobError;
-use super::picture::{Picture, PictureKind, PictureRequest};
+use super::kind::{PictureKind, ViewKind};
+use super::map::MotionMap;
+use super::picture::{Picture, PictureRequest};
 use super::request::{Kept, Request, Urgency, Work};
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
-use crate::detector::view::{dog_view, stack_view};
+use crate::detector::view::{combined_view, coverage_view, dog_view, gate_noise_map, stack_view};
+use crate::inspect::candidates::winning_slopes;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -35,11 +38,20 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
             }
             merge_burst(burst, used, monitor)?.frames[0].clone()
         }
+        PictureKind::Map { map: ViewKind::Motion, octave, level, .. } => {
+            let cache = trails.get_or_make_for(&request.burst, &request.params, monitor)?;
+            let winning = winning_slopes(&cache.trail, octave, level, monitor)?;
+            let snr = Arc::new(winning.snr.clone());
+            motion = Some(Arc::new(MotionMap::new(winning, request.params.used_slopes())));
+            snr
+        }
         PictureKind::Map { map, octave, level, slope } => {
-            let at = (slope, octave, level);
-            let (plane, colours) = map.compute(&request.burst, &request.params, at, (trails, monitor))?;
-            motion = colours.map(Arc::new);
-            Arc::new(plane)
+            let (burst, params) = prepare(burst, &request.params, monitor)?;
+            Arc::new(match map.about().combine {
+                Some(combine) => combined_view(&burst, &params, slope, combine, monitor)?,
+                None if map == ViewKind::Coverage => coverage_view(&burst, &params, slope, monitor)?,
+                None => gate_noise_map(&burst, &params, slope, octave, level, monitor)?,
+            })
         }
     };
     Ok(Picture { request, drawn: plane.clone(), plane, motion })
@@ -52,11 +64,6 @@ impl Request for PictureRequest {
     fn urgency(&self) -> Urgency {
         let own = if self.kind.about().is_slow { Urgency::SlowPicture } else { Urgency::Picture };
         self.minus().map_or(own, |minus| own.max(minus.urgency()))
-    }
-
-    /// Whether both have the same pixels.
-    fn is_same(&self, other: &Self) -> bool {
-        self.key() == other.key()
     }
 
     fn kept(&self, kept: &Kept<'_>) -> Option<Picture> {
@@ -83,20 +90,15 @@ impl Request for PictureRequest {
 }
 
 /// Several pictures that are shown together, such as the two from which the patches of a match are cut.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PicturesRequest(pub Vec<PictureRequest>);
 
 impl Request for PicturesRequest {
-    /// The pictures, in the order of their requests.
     type Answer = Vec<Picture>;
     type Told = Infallible;
 
     fn urgency(&self) -> Urgency {
         self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(|(a, b)| a.is_same(b))
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<Picture>, JobError> {

@@ -6,29 +6,19 @@ use super::trail::{NothingKept, TrailStore};
 use crate::monitor::{Monitor, Progress};
 use std::time::{Duration, Instant};
 
-/// Request with all that decides its answer.
-pub trait Request: Clone + Send + 'static {
-    /// The answer.
+/// Two requests are equal if they have the same answer.
+pub trait Request: Clone + PartialEq + Send + 'static {
     type Answer: Send + 'static;
-    /// A result that is told before the answer, such as one burst of many;
-    /// [`Infallible`](std::convert::Infallible) where there is none.
+    /// A result that is told before the answer, such as one burst of many.
     type Told: Send + 'static;
 
-    /// Urgency of the answer.
     fn urgency(&self) -> Urgency;
 
-    /// Whether `other` has the same answer.
-    fn is_same(&self, other: &Self) -> bool;
-
-    /// The answer, if it is kept already and needs no work.
+    /// The answer, if it is kept and needs no work.
     fn kept(&self, _kept: &Kept<'_>) -> Option<Self::Answer> {
         None
     }
 
-    /// Computes the answer on the calling thread and its pool.
-    ///
-    /// # Errors
-    /// [`JobError::Cancelled`] once the monitor was cancelled; otherwise the reason for which there is no answer.
     fn compute(self, work: &Work<'_, Self::Told>) -> Result<Self::Answer, JobError>;
 }
 
@@ -41,31 +31,18 @@ pub enum Urgency {
     Write,
     /// Pictures that take a search, such as the map of winning slopes.
     SlowPicture,
-    /// Opening, detecting, matching.
     Search,
-    /// Work on many bursts.
     Dataset,
 }
 
-/// Results of earlier requests.
 #[derive(Clone, Copy)]
 pub struct Kept<'a> {
-    /// Trails of detections.
     pub trails: &'a dyn TrailStore,
-    /// Pictures.
     pub pictures: &'a dyn PictureStore,
 }
 
 /// Pictures that were computed before.
 pub trait PictureStore {
-    /// The picture of `request`, if it is kept.
-    fn get(&self, request: &PictureRequest) -> Option<Picture>;
-
-    /// Keeps `picture`.
-    fn put(&self, picture: &Picture);
-}
-
-impl PictureStore for NothingKept {
     fn get(&self, _: &PictureRequest) -> Option<Picture> {
         None
     }
@@ -73,13 +50,11 @@ impl PictureStore for NothingKept {
     fn put(&self, _: &Picture) {}
 }
 
-/// Context in which a request is computed.
+impl PictureStore for NothingKept {}
+
 pub struct Work<'a, T> {
-    /// Results of earlier requests.
     pub kept: Kept<'a>,
-    /// Reports progress, and tells of cancellation.
     pub monitor: &'a Monitor,
-    /// Takes results that are told before the answer.
     pub tell: &'a (dyn Fn(T) + Sync),
 }
 
@@ -89,13 +64,6 @@ impl<'a, T> Work<'a, T> {
         Self { kept: Kept { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
     }
 
-    /// Uses the trails in `trails`.
-    #[must_use]
-    pub fn with_trails(self, trails: &'a dyn TrailStore) -> Self {
-        Self { kept: Kept { trails, ..self.kept }, ..self }
-    }
-
-    /// Passes results before the answer to `tell`.
     #[must_use]
     pub fn telling(self, tell: &'a (dyn Fn(T) + Sync)) -> Self {
         Self { tell, ..self }
@@ -106,26 +74,20 @@ impl<'a, T> Work<'a, T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct JobId(pub(crate) u64);
 
-/// Progress of a running request.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Running {
-    /// Id of the request.
     pub id: JobId,
-    /// Time at which it began.
     pub started: Instant,
-    /// The stage and fraction it last reported.
     pub progress: Option<Progress>,
 }
 
 impl Running {
-    /// Estimate of the time left at the present speed; `None` while there is none.
     pub fn time_left(&self) -> Option<Duration> {
         time_left(self.started.elapsed(), self.progress?.fraction)
     }
 }
 
-/// Estimate of the time left of work that has done `fraction` in `gone`, at the present speed; `None` below a
-/// fraction of 0.03 and within the first 0.5 s.
+/// `None` below a fraction of 0.03 and within the first 0.5 s.
 fn time_left(gone: Duration, fraction: f32) -> Option<Duration> {
     let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
     can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))

@@ -11,57 +11,31 @@ use crate::synth::{
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Source of a burst.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BurstSource {
-    /// The demo burst that is built into the program.
     Demo,
-    /// The second built-in demo burst: the same street a little later.
     DemoLater,
-    /// A built-in example of a failure.
     Example(Example),
-    /// A chart of discs whose truth is known.
     Chart(Box<ChartParams>),
-    /// A copy of another burst with the noise of less light.
-    DarkCopy {
-        /// The burst that is copied.
-        of: Box<BurstSource>,
-        /// Light and noise of the copy.
-        noise: NoisyParams,
-    },
-    /// A copy of another burst with things planted in it.
-    Planted {
-        /// The burst that is copied.
-        of: Box<BurstSource>,
-        /// The study that plants them.
-        study: Box<RecoverStudy>,
-        /// Seed of the copy.
-        seed: u64,
-    },
-    /// A folder of frames, image files, a multi-page TIFF, or a `.npy` stack.
+    DarkCopy { of: Box<BurstSource>, noise: NoisyParams },
+    Planted { of: Box<BurstSource>, study: Box<RecoverStudy>, seed: u64 },
     Paths(Vec<PathBuf>),
 }
 
-/// Reason why a source gives no burst.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SourceError {
-    /// The files cannot be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The burst cannot be made.
     #[error(transparent)]
     Synth(#[from] SynthError),
-    /// The case cannot be opened.
     #[error("{0}")]
     Case(String),
-    /// Nothing can be planted in it.
     #[error(transparent)]
     Plant(#[from] EvaluateError),
 }
 
 impl SourceError {
-    /// Whether the work was cancelled, rather than failed.
     pub fn is_cancelled(&self) -> bool {
         match self {
             Self::Open(error) => error.is_cancelled(),
@@ -88,7 +62,6 @@ impl From<Cancelled> for SourceError {
 }
 
 impl BurstSource {
-    /// The bursts that are built into the program.
     pub fn built_in() -> Vec<Self> {
         [Self::Demo, Self::DemoLater].into_iter().chain(Example::ALL.map(Self::Example)).collect()
     }
@@ -103,7 +76,6 @@ impl BurstSource {
         }
     }
 
-    /// The burst that is built into the program under this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::built_in().into_iter().find(|source| source.name() == Some(name))
     }
@@ -150,10 +122,6 @@ impl BurstSource {
         }
     }
 
-    /// Checks the numbers by which the burst is made, as far as they can be checked without it.
-    ///
-    /// # Errors
-    /// The first one that makes no sense.
     pub fn check(&self) -> Result<(), SourceError> {
         match self {
             Self::Demo | Self::DemoLater | Self::Example(_) | Self::Paths(_) => Ok(()),
@@ -170,17 +138,10 @@ impl BurstSource {
     }
 
     /// Reads or makes the burst on the calling thread, with the calibration in `options`; built-in bursts need none.
-    ///
-    /// # Errors
-    /// See [`OpenError`] and [`SynthError`]; also when `monitor` was cancelled.
     pub fn burst(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, SourceError> {
         Ok(self.burst_and_planted(options, monitor)?.0)
     }
 
-    /// Reads or makes the burst, with the truth of what is planted in it, if anything is.
-    ///
-    /// # Errors
-    /// As [`Self::burst`].
     pub(super) fn burst_and_planted(
         &self,
         options: &OpenOptions,

@@ -12,10 +12,8 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Request for a study.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StudyRequest {
-    /// The study.
     pub study: Study,
     /// The open burst; a study of it uses its truth, if there is one.
     pub open: Option<OpenBurst>,
@@ -27,11 +25,6 @@ impl Request for StudyRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        let open = |request: &Self| request.open.as_ref().map(|open| open.id);
-        self.study == other.study && open(self) == open(other)
     }
 
     fn compute(self, work: &Work<'_, StudyReport>) -> Result<StudyReport, JobError> {
@@ -53,10 +46,6 @@ impl Request for ChartOfStudy {
         Urgency::Search
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ShownChart, JobError> {
         Ok(self.show(work.monitor)?)
     }
@@ -71,10 +60,6 @@ impl Request for FiguresJob {
         Urgency::Dataset
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
-    }
-
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FiguresReport, JobError> {
         Ok(self.run(&mut |_| {}, work.monitor)?)
     }
@@ -85,12 +70,10 @@ impl Request for FiguresJob {
 pub enum TrajectorySource {
     /// The folder of a sparse model or a trajectory file.
     Path(PathBuf),
-    /// A trajectory that was read, with its path.
     Read(PathBuf, Arc<Trajectory>),
 }
 
 impl TrajectorySource {
-    /// Path of the trajectory's file.
     pub fn path(&self) -> &PathBuf {
         match self {
             Self::Path(path) | Self::Read(path, _) => path,
@@ -108,14 +91,17 @@ impl TrajectorySource {
     }
 }
 
+impl PartialEq for TrajectorySource {
+    fn eq(&self, other: &Self) -> bool {
+        self.path() == other.path()
+    }
+}
+
 /// Trajectories to read, and to compare if both are given.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PosesRequest {
-    /// The estimate.
     pub estimate: Option<TrajectorySource>,
-    /// The truth.
     pub truth: Option<TrajectorySource>,
-    /// Parameters of the comparison.
     pub study: PoseStudy,
 }
 
@@ -125,12 +111,6 @@ impl Request for PosesRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        let path = |source: &Option<TrajectorySource>| source.as_ref().map(|source| source.path().clone());
-        let paths = |request: &Self| [path(&request.estimate), path(&request.truth)];
-        paths(self) == paths(other) && self.study == other.study
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {
@@ -152,12 +132,9 @@ impl Request for PosesRequest {
     }
 }
 
-/// Trajectories that were read, and their comparison.
 #[derive(Debug, Clone, Default)]
 pub struct ComparedPoses {
-    /// The estimate, with its path.
     pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
-    /// The truth, with its path.
     pub truth: Option<(PathBuf, Arc<Trajectory>)>,
     /// The comparison, or why there is none; `None` as long as one of them is missing.
     pub report: Option<Result<Arc<PoseReport>, String>>,

@@ -10,111 +10,42 @@ use std::sync::Arc;
 /// Source of a detection: its burst, and the parameters that were asked for and used.
 #[derive(Debug, Clone)]
 pub struct DetectionSource {
-    /// The burst.
     pub burst: OpenBurst,
-    /// Parameters that were asked for.
     pub asked: SearchParams,
-    /// The parameters that it was made with, with its slopes.
     pub params: DetectorParams,
-    /// Result of the search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
 }
 
+impl PartialEq for DetectionSource {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.burst, &self.asked, &self.params) == (&other.burst, &other.asked, &other.params)
+    }
+}
+
 impl DetectionSource {
-    /// Repeats the detection and returns its trail. The slopes are known: they are not searched for again.
-    ///
-    /// # Errors
-    /// As [`ProbeCache::new`].
+    /// The slopes are known: they are not searched for again.
     pub fn trail(&self, monitor: &Monitor) -> Result<ProbeCache, JobError> {
         Ok(trail_of(&self.burst, &self.params, monitor)?.asked_as(&self.asked, self.finding.as_ref()))
     }
 }
 
-/// Searches `burst` with `params` and returns the trail of the search.
-///
-/// # Errors
-/// As [`ProbeCache::new`].
 pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -> Result<ProbeCache, JobError> {
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// Store of the trails of detections, which the next request may need. [`NothingKept`] keeps none. The answers are the
-/// same with every store, but for the tally of a detection that is [judged](TrailStore::rejudged) from an earlier one.
+/// Without any of its functions it keeps nothing, and every trail is made anew. The answers are the same with every
+/// store, but for the tally of a detection that is judged from an earlier one.
 pub trait TrailStore {
-    /// Keeps the trail of a detection.
-    fn put(&self, burst: &OpenBurst, trail: &Arc<ProbeCache>);
-
-    /// Drops trails above the budget, before another one is made.
-    fn make_room(&self);
-
-    /// Trail of a detection that was asked for with `asked`, if it is kept.
-    fn asked(&self, burst: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>>;
-
-    /// Trail of the detection that was asked for with `asked`, judged from what the search of a kept one left, see
-    /// [`ProbeCache::rejudged`]. It then stands for that one too.
-    ///
-    /// # Errors
-    /// [`JobError::Cancelled`] once `monitor` was cancelled.
-    fn rejudged(
-        &self,
-        burst: &OpenBurst,
-        asked: &SearchParams,
-        monitor: &Monitor,
-    ) -> Result<Option<Arc<ProbeCache>>, JobError>;
-
-    /// Trail of `source`, if it is kept.
-    fn get(&self, source: &DetectionSource) -> Option<Arc<ProbeCache>>;
-
-    /// Trail of `source`: kept, or made now.
-    ///
-    /// # Errors
-    /// As [`ProbeCache::new`].
-    fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError>;
-
-    /// Trail of the detection of `burst` with `params`, however it was asked for: kept, or made now.
-    ///
-    /// # Errors
-    /// As [`ProbeCache::new`].
-    fn get_or_make_for(
-        &self,
-        burst: &OpenBurst,
-        params: &DetectorParams,
-        monitor: &Monitor,
-    ) -> Result<Arc<ProbeCache>, JobError>;
-}
-
-/// Fraction of the progress that making a trail takes, where it is not kept.
-const TRAIL_SHARE: f32 = 0.6;
-
-/// Trail of `source`, kept or made now, and a monitor for the rest of the work.
-///
-/// # Errors
-/// As [`TrailStore::get_or_make`].
-pub(super) fn trail_and_rest(
-    trails: &dyn TrailStore,
-    source: &DetectionSource,
-    monitor: &Monitor,
-) -> Result<(Arc<ProbeCache>, Monitor), JobError> {
-    let (trail, share) = match trails.get(source) {
-        Some(kept) => (kept, 0.0),
-        None => (trails.get_or_make(source, &monitor.part(0.0, TRAIL_SHARE))?, TRAIL_SHARE),
-    };
-    Ok((trail, monitor.part(share, 1.0 - share)))
-}
-
-/// Store that keeps nothing: every trail is made anew.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct NothingKept;
-
-impl TrailStore for NothingKept {
     fn put(&self, _: &OpenBurst, _: &Arc<ProbeCache>) {}
 
+    /// Drops trails above the budget, before another one is made.
     fn make_room(&self) {}
 
     fn asked(&self, _: &OpenBurst, _: &SearchParams) -> Option<Arc<ProbeCache>> {
         None
     }
 
+    /// Judged from what the search of a kept one left, see [`ProbeCache::rejudged`]. It then stands for that one too.
     fn rejudged(&self, _: &OpenBurst, _: &SearchParams, _: &Monitor) -> Result<Option<Arc<ProbeCache>>, JobError> {
         Ok(None)
     }
@@ -136,3 +67,23 @@ impl TrailStore for NothingKept {
         trail_of(burst, params, monitor).map(Arc::new)
     }
 }
+
+/// Fraction of the progress that making a trail takes, where it is not kept.
+const TRAIL_SHARE: f32 = 0.6;
+
+pub(super) fn trail_and_rest(
+    trails: &dyn TrailStore,
+    source: &DetectionSource,
+    monitor: &Monitor,
+) -> Result<(Arc<ProbeCache>, Monitor), JobError> {
+    let (trail, share) = match trails.get(source) {
+        Some(kept) => (kept, 0.0),
+        None => (trails.get_or_make(source, &monitor.part(0.0, TRAIL_SHARE))?, TRAIL_SHARE),
+    };
+    Ok((trail, monitor.part(share, 1.0 - share)))
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NothingKept;
+
+impl TrailStore for NothingKept {}

@@ -1,8 +1,8 @@
 //! Glossary: the terms that the window uses, each with an explanation in a sentence or two and the paper's symbol.
 
 use super::part::parameters;
-use super::state::Shown;
 use super::values::Text;
+use crate::requests::ViewKind;
 use serde::Deserialize;
 use std::sync::OnceLock;
 
@@ -10,10 +10,9 @@ const TEXT: &str = include_str!("../../assets/glossary.toml");
 
 /// Contents of a pane by their names in the glossary: the kinds of picture, and what is made of several.
 fn pictures() -> impl Iterator<Item = &'static str> {
-    Shown::ALL.into_iter().map(Shown::word).chain(["slice", "difference"])
+    ViewKind::ALL.into_iter().map(|kind| kind.about().key).chain(["slice", "difference"])
 }
 
-/// Entry in the glossary's file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WordTable {
@@ -25,7 +24,6 @@ struct WordTable {
     pictures: Vec<String>,
 }
 
-/// Entry of the glossary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Word {
     /// Name in links: lower-case letters, digits and dashes.
@@ -36,7 +34,6 @@ pub struct Word {
     pub symbol: Option<String>,
     /// Explanation, in CommonMark.
     pub text: String,
-    /// Kinds of picture that the entry explains.
     pub pictures: Vec<String>,
 }
 
@@ -46,7 +43,6 @@ pub struct Glossary {
     words: Vec<Word>,
 }
 
-/// The glossary of the program.
 pub fn glossary() -> &'static Glossary {
     static GLOSSARY: OnceLock<Glossary> = OnceLock::new();
     GLOSSARY.get_or_init(|| match Glossary::read(TEXT) {
@@ -85,7 +81,6 @@ impl Glossary {
         &self.words
     }
 
-    /// Finds an entry by its name in links.
     pub fn find(&self, name: &str) -> Option<&Word> {
         self.words.iter().find(|word| word.name == name)
     }
@@ -95,7 +90,6 @@ impl Glossary {
         self.find(parameters().find(|doc| doc.name == name)?.term)
     }
 
-    /// Finds the entry that explains a kind of picture.
     pub fn of_picture(&self, name: &str) -> Option<&Word> {
         self.words.iter().find(|word| word.pictures.iter().any(|picture| picture == name))
     }

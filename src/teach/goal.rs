@@ -1,10 +1,11 @@
 //! Goals of a lesson's tasks: conditions that all have to hold.
 
 use super::part::{field_of, parameters};
-use super::state::{Layout, Place, Shown, Tab};
+use super::state::{BottomTab, Layout, Workspace};
 use super::values::{Between, finite};
 use crate::detector::{DetectorParams, Slope};
 use crate::matching::MatchParams;
+use crate::requests::ViewKind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -16,39 +17,24 @@ pub struct Goal {
     pub slope_u: Option<Between>,
     /// Vertical component of the slope, px/frame.
     pub slope_v: Option<Between>,
-    /// Content of the focused picture.
-    pub show: Option<Shown>,
-    /// Layout of the pictures.
+    pub show: Option<ViewKind>,
     pub layout: Option<Layout>,
-    /// Frame index, from 0.
     pub frame: Option<Between>,
-    /// The octave.
     pub octave: Option<Between>,
-    /// Level within the octave.
     pub level: Option<Between>,
-    /// Number of frames used.
     pub frames_used: Option<Between>,
-    /// Number of features found.
     pub features: Option<Between>,
-    /// Whether a feature is selected.
     pub selected: Option<bool>,
-    /// Probed place.
     pub probe: Option<Near>,
     /// Required parameter values or ranges, by parameter name.
     pub params: BTreeMap<ParamName, Wanted>,
     /// Range of slopes u that the searched range must contain.
     pub searches_u: Option<Between>,
-    /// Number of slopes searched.
     pub slopes: Option<Between>,
-    /// The open tab.
-    pub tab: Option<Tab>,
-    /// The workspace.
-    pub workspace: Option<Place>,
-    /// Number of inliers of two bursts.
+    pub tab: Option<BottomTab>,
+    pub workspace: Option<Workspace>,
     pub inliers: Option<Between>,
-    /// Whether a match is selected.
     pub selected_match: Option<bool>,
-    /// Whether slopes are read as depths.
     pub reads_depths: Option<bool>,
 }
 
@@ -56,7 +42,6 @@ pub struct Goal {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "[f32; 3]")]
 pub struct Near {
-    /// Column and row.
     pub place: [f32; 2],
     /// Maximum distance from the place, pixels.
     pub radius: f32,
@@ -77,7 +62,6 @@ impl TryFrom<[f32; 3]> for Near {
     }
 }
 
-/// Name of a parameter in a file.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(try_from = "String")]
 pub struct ParamName(String);
@@ -101,66 +85,47 @@ impl TryFrom<String> for ParamName {
     }
 }
 
-/// Required value of a parameter.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum Wanted {
-    /// A number in a range.
     Between(Between),
-    /// A number.
     Number(f64),
-    /// On or off.
     Switch(bool),
-    /// A word.
     Word(String),
 }
 
 /// State of the window that a goal is compared with.
 #[derive(Debug, Clone, Copy)]
 pub struct Holds<'a> {
-    /// Slope of the focused picture.
     pub slope: Slope,
-    /// Content of the focused picture, if lessons have a word for it.
-    pub show: Option<Shown>,
-    /// Layout of the pictures, if lessons have a word for it.
+    /// Content of the focused picture; `None` where it is made of several.
+    pub show: Option<ViewKind>,
+    /// Layout of the pictures, if they have one.
     pub layout: Option<Layout>,
     /// Frame index of the focused picture, from 0.
     pub frame: usize,
-    #[allow(missing_docs)]
     pub octave: i32,
-    #[allow(missing_docs)]
     pub level: i32,
-    /// Number of frames used.
     pub frames_used: usize,
     /// Number of features found with the present parameters.
     pub features: Option<usize>,
-    /// Whether a feature is selected.
     pub selected: bool,
     /// Probed place, pixels at mid-burst, once its answer is there.
     pub probe: Option<[f32; 2]>,
-    /// The detector's parameters.
     pub params: &'a DetectorParams,
-    /// The parameters of matching.
     pub matching: &'a MatchParams,
-    /// Open tab, if lessons have a word for it.
-    pub tab: Option<Tab>,
-    /// Workspace, if lessons have a word for it.
-    pub workspace: Option<Place>,
-    /// Inliers of the present matches.
+    pub tab: Option<BottomTab>,
+    pub workspace: Workspace,
     pub inliers: Option<usize>,
-    /// Whether a match is selected.
     pub selected_match: bool,
-    /// Whether slopes are read as depths.
     pub reads_depths: bool,
 }
 
 impl Goal {
-    /// Whether the goal has any condition.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Whether all conditions hold.
     pub fn is_met(&self, now: &Holds<'_>) -> bool {
         let within = |wanted: Option<Between>, value: f32| wanted.is_none_or(|wanted| wanted.contains(value));
         let counted = |wanted: Option<Between>, value: Option<usize>| {
@@ -185,7 +150,7 @@ impl Goal {
             && self.searches_u.is_none_or(|wanted| grid.u.min <= wanted.min && wanted.max <= grid.u.max)
             && within(self.slopes, grid.len() as f32)
             && same(self.tab, now.tab)
-            && same(self.workspace, now.workspace)
+            && same(self.workspace, Some(now.workspace))
             && counted(self.inliers, now.inliers)
             && self.selected_match.is_none_or(|wanted| wanted == now.selected_match)
             && self.reads_depths.is_none_or(|wanted| wanted == now.reads_depths)
@@ -242,7 +207,7 @@ mod tests {
         let matching = MatchParams::default();
         let mut now = Holds {
             slope: Slope::new(-2.0, 0.5),
-            show: Some(Shown::Stack),
+            show: Some(ViewKind::Stack),
             layout: None,
             frame: 3,
             octave: 1,
@@ -253,8 +218,8 @@ mod tests {
             probe: Some([100.0, 50.0]),
             params: &params,
             matching: &matching,
-            tab: Some(Tab::Tally),
-            workspace: Some(Place::Inspect),
+            tab: Some(BottomTab::Tally),
+            workspace: Workspace::Inspect,
             inliers: None,
             selected_match: false,
             reads_depths: false,

@@ -3,7 +3,7 @@
 
 use super::goal::Goal;
 use super::part::Part;
-use super::state::{Layout, Place, State};
+use super::state::{Layout, State, Workspace};
 use super::values::Text;
 use crate::files::read_text;
 use serde::Deserialize;
@@ -11,12 +11,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use toml::Spanned;
 
-/// A lesson.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lesson {
     /// Name on the command line: the file's name without its ending.
     pub name: String,
-    /// Title of the lesson.
     pub title: String,
     /// Learning goal, in a sentence.
     pub about: String,
@@ -26,34 +24,27 @@ pub struct Lesson {
     pub steps: Vec<Step>,
 }
 
-/// One step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Title of the step.
     pub title: String,
     /// Explanation, in CommonMark. Links to `word:NAME` lead to the glossary.
     pub caption: String,
-    /// Parts of the window to highlight.
     pub highlight: Vec<Part>,
-    /// Task, if the step has one.
     pub task: Option<Task>,
     /// State of the window to set up first.
     pub state: State,
 }
 
-/// Task of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Task {
     /// Instruction, in CommonMark.
     pub text: String,
-    /// Condition under which the task is done.
     pub goal: Goal,
 }
 
 /// Maximum size of a lesson's file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Mistake in a lesson.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{}: {problem}", line.map_or_else(String::new, |line| format!(", line {line}")))]
 pub struct LessonError {
@@ -139,7 +130,7 @@ impl StepTable {
             return Err(format!("step '{title}' highlights '{part}', which needs a 'spot' to measure; set one"));
         }
         let is_hidden = |part: &&Part| match part {
-            Part::Tabs | Part::Below => state.tab.is_none() && state.workspace != Some(Place::Pair),
+            Part::Tabs | Part::Below => state.tab.is_none() && state.workspace != Some(Workspace::Pair),
             Part::Probe | Part::Response | Part::Shares => state.probe.is_none() || state.layout == Some(Layout::Slice),
             _ => false,
         };

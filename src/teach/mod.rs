@@ -14,5 +14,5 @@ mod values;
 pub use goal::{Goal, Holds, Near, ParamName, Wanted};
 pub use lesson::{Lesson, LessonError, Step, Task, built_in, built_in_names, lessons_at};
 pub use part::Part;
-pub use state::{InView, Layout, Place, Shown, Spot, State, Tab};
+pub use state::{BottomTab, InView, Layout, Spot, State, Workspace};
 pub use values::Between;

@@ -5,32 +5,22 @@ use crate::matching::params::doc as matching_doc;
 use serde::{Deserialize, Deserializer, de};
 use std::fmt;
 
-/// A part of the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Part {
     /// All pictures, with their headers.
     Pictures,
-    /// The frame's slider.
     Frame,
     /// The slider of slope u, with the bars below it.
     SlopeU,
-    /// The slider of slope v.
     SlopeV,
-    /// The octave's slider.
     Octave,
-    /// The level's slider.
     Level,
     /// The switch between frame, motion stack and DoG.
     Kinds,
-    /// The switch between the workspaces.
     Workspaces,
-    /// The button that detects.
     Detect,
-    /// The tabs below the pictures.
     Tabs,
-    /// Content of the open tab.
     Below,
-    /// The panel of the probe.
     Probe,
     /// The probe's response over slope and scale.
     Response,
@@ -45,7 +35,6 @@ pub enum Part {
 }
 
 impl Part {
-    /// All parts except parameters.
     pub const NAMED: [Self; 16] = [
         Self::Pictures,
         Self::Frame,
@@ -65,12 +54,10 @@ impl Part {
         Self::Snr,
     ];
 
-    /// Row of the parameter that `doc` describes.
     pub fn parameter(doc: &ParamDoc) -> Self {
         Self::Parameter(doc.name)
     }
 
-    /// Name in a lesson's file.
     pub fn name(self) -> String {
         match self {
             Self::Pictures => "pictures",
@@ -100,7 +87,6 @@ pub(super) fn parameters() -> impl Iterator<Item = ParamDoc> {
     doc::ALL.into_iter().map(|record| record.doc).chain(matching_doc::ALL.map(|record| record.doc))
 }
 
-/// Name of a parameter in a file.
 pub(super) fn field_of(name: &str) -> String {
     name.replace('-', "_")
 }

@@ -8,125 +8,72 @@ use super::values::finite;
 use crate::detector::{SearchParams, Slope};
 use crate::inspect::set_up::SetUp;
 use crate::matching::MatchParams;
-use crate::requests::BurstSource;
-use serde::{Deserialize, Deserializer, de};
+use crate::requests::{BurstSource, ViewKind};
+use serde::{Deserialize, Deserializer, Serialize, de};
 
-/// Workspace of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// A task of the window: each workspace has its own arrangement of the middle of the window and of the panels around
+/// it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Place {
-    /// One burst.
+pub enum Workspace {
+    /// One burst, its pictures and features.
+    #[default]
     Inspect,
-    /// Two bursts and their matches.
+    /// Two bursts side by side, and the matches between them.
     Pair,
     /// Several methods on the same burst.
     Methods,
+    /// The matches of a dataset's pairs.
+    Matches,
+    /// An estimated and a true trajectory.
+    Trajectories,
+    /// Studies of charts whose truth is known.
+    Lab,
 }
 
-/// Content of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Shown {
-    /// One frame.
-    Frame,
-    /// The motion stack.
-    Stack,
-    /// The DoG response.
-    Dog,
-    /// The merged frames.
-    Merge,
-    /// The local noise.
-    Noise,
-    /// The coverage.
-    Coverage,
-    /// The winning slope.
-    Motion,
-    /// The median of the shifted frames.
-    Median,
-    /// The mean of the shifted frames without outliers.
-    ClippedMean,
-    /// The largest value of the shifted frames.
-    Max,
-    /// The smallest value of the shifted frames.
-    Min,
-    /// The standard deviation of the shifted frames.
-    Deviation,
-    /// The mean of the shifted frames minus their median.
-    MeanMinusMedian,
-}
-
-impl Shown {
-    /// All of them, in the order of menus.
-    pub const ALL: [Self; 13] = [
-        Self::Frame,
-        Self::Stack,
-        Self::Dog,
-        Self::Merge,
-        Self::Noise,
-        Self::Coverage,
-        Self::Motion,
-        Self::Median,
-        Self::ClippedMean,
-        Self::Max,
-        Self::Min,
-        Self::Deviation,
-        Self::MeanMinusMedian,
-    ];
-
-    /// Name in the glossary's file.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Frame => "frame",
-            Self::Stack => "stack",
-            Self::Dog => "dog",
-            Self::Merge => "merge",
-            Self::Noise => "noise",
-            Self::Coverage => "coverage",
-            Self::Motion => "motion",
-            Self::Median => "median",
-            Self::ClippedMean => "clipped_mean",
-            Self::Max => "max",
-            Self::Min => "min",
-            Self::Deviation => "deviation",
-            Self::MeanMinusMedian => "mean_minus_median",
-        }
+impl Workspace {
+    /// Whether it shows a burst, and has nothing to show while none is open.
+    pub fn needs_burst(self) -> bool {
+        matches!(self, Self::Inspect | Self::Pair | Self::Methods)
     }
 }
 
-/// Layout of the pictures.
+/// Arrangement of the pictures of *Inspect*, made from the one in focus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
-    /// One picture.
     Single,
-    /// A frame beside the motion stack.
     FrameAndStack,
-    /// Two slopes, each moved on its own.
+    /// The slope beside the grid's next one, with their cursors not linked.
     TwoSlopes,
-    /// Three neighbouring slopes.
+    /// Neighbouring slopes of the grid.
     ThreeSlopes,
-    /// Five neighbouring slopes.
     FiveSlopes,
+    SevenSlopes,
+    NineSlopes,
     /// The DoG responses of all levels of the octave.
     Scales,
-    /// The motion stack above the slice through the probed place.
-    Slice,
-    /// Frame, motion stack, DoG and merged frames.
+    /// Frame, motion stack, DoG response and merged frames.
     TwoByTwo,
+    /// The motion stack above slices through the frames at the probed place.
+    Slice,
 }
 
-/// A tab below the pictures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Tab {
+pub enum BottomTab {
     /// Features, one row each.
+    #[default]
     Table,
     /// Numbers of candidates that each test rejected.
     Tally,
-    /// The noise.
     Noise,
     /// Slopes that the burst needs.
     Slopes,
+    /// Values along a line.
+    Profile,
+    /// Values in a rectangle.
+    Region,
     /// Features compared with others.
     Compared,
 }
@@ -138,7 +85,6 @@ pub enum Tab {
 pub struct Spot {
     /// Centre: column and row at mid-burst.
     pub place: [f32; 2],
-    /// Radius of the spot, pixels.
     pub inner: f32,
     /// Inner and outer radius of the background ring, pixels from the centre.
     pub ground: [f32; 2],
@@ -168,30 +114,22 @@ pub enum InView {
     Region([f32; 4]),
 }
 
-/// State that a step sets up.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct State {
     /// Burst; the demo by default.
     #[serde(deserialize_with = "built_in_burst")]
     pub burst: Option<BurstSource>,
-    /// The second burst.
     #[serde(deserialize_with = "built_in_burst")]
     pub second: Option<BurstSource>,
-    /// The workspace.
-    pub workspace: Option<Place>,
-    /// Content of the picture.
-    pub show: Option<Shown>,
+    pub workspace: Option<Workspace>,
+    pub show: Option<ViewKind>,
     /// Layout of the pictures, beginning with that one.
     pub layout: Option<Layout>,
-    /// Frame index, from 0.
     pub frame: Option<usize>,
-    /// Slope, px/frame.
     #[serde(deserialize_with = "slope")]
     pub slope: Option<Slope>,
-    /// The octave.
     pub octave: Option<i32>,
-    /// Level within the octave.
     pub level: Option<i32>,
     /// Part of the picture in view; the whole picture by default.
     #[serde(deserialize_with = "view")]
@@ -202,12 +140,10 @@ pub struct State {
     /// Parameters of matching; absent ones have their defaults.
     #[serde(deserialize_with = "matching")]
     pub matching: Option<MatchParams>,
-    /// Whether features are searched.
     pub detect: Option<bool>,
-    /// Whether features are drawn over the pictures.
     pub features: Option<bool>,
     /// Open tab below the pictures; the tabs are hidden without it.
-    pub tab: Option<Tab>,
+    pub tab: Option<BottomTab>,
     /// Probed place, pixels at mid-burst.
     #[serde(deserialize_with = "place")]
     pub probe: Option<[f32; 2]>,
@@ -248,7 +184,6 @@ impl State {
         }
     }
 
-    /// Burst to open.
     pub fn burst(&self) -> BurstSource {
         self.burst.clone().unwrap_or(BurstSource::Demo)
     }

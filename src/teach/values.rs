@@ -6,19 +6,15 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "[f32; 2]")]
 pub struct Between {
-    /// Minimum.
     pub min: f32,
-    /// Maximum.
     pub max: f32,
 }
 
 impl Between {
-    /// Whether `value` lies in the range.
     pub fn contains(self, value: f32) -> bool {
         (self.min..=self.max).contains(&value)
     }
 
-    /// Centre of the range.
     pub fn middle(self) -> f32 {
         0.5 * (self.min + self.max)
     }

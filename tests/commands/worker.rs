@@ -12,7 +12,7 @@ mod dng;
 
 use super::support::{names, program, run_badly, run_well};
 use burstscope::Monitor;
-use burstscope::burst::{Burst, DecodeWorker, Limits, OpenError, OpenOptions};
+use burstscope::burst::{Burst, DecodeWorker, Limits, OpenError, OpenErrorKind, OpenOptions};
 use dng::Dng;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -85,28 +85,26 @@ fn errors_say_what_they_say_without_a_process() {
     let sound = Dng::new((24, 16), |u, v| (64 + u + v) as u16).bytes();
     std::fs::write(&path, &sound[..sound.len() - 9]).expect("written");
     let error = open(&path).expect_err("cut");
-    assert!(matches!(error, OpenError::Corrupt { kind: "raw", .. }) && error.to_string().contains("a.dng"), "{error}");
+    assert!(error.kind == OpenErrorKind::Damaged && error.to_string().contains("a.dng"), "{error}");
     std::fs::write(&path, b"FUJIFILM and nothing more").expect("written");
     let error = open(&path.with_extension("raf")).expect_err("missing");
-    assert!(matches!(error, OpenError::NotFound { .. }), "{error}");
+    assert_eq!(error.kind, OpenErrorKind::NotFound, "{error}");
     // Contradictory levels: the error of the decoder's caller.
     std::fs::write(&path, &sound).expect("written");
     let options = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
     let error =
         Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default()).expect_err("black above white");
-    assert!(matches!(error, OpenError::Unsupported { kind: "raw", .. }), "{error:?}");
+    assert!(error.problem.contains("this raw file cannot be opened"), "{error:?}");
     let limits = Limits { max_side_px: 20, ..Limits::default() };
     let options = OpenOptions { limits, ..OpenOptions::default() };
     let error = Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default()).expect_err("too wide");
-    assert!(matches!(error, OpenError::BeyondLimit { .. }) && error.to_string().contains("24×16"), "{error:?}");
+    assert!(error.kind == OpenErrorKind::TooLarge && error.to_string().contains("24×16"), "{error:?}");
     // Frames of two sizes.
     let second = folder.path().join("b.dng");
     std::fs::write(&second, Dng::new((24, 18), |_, _| 70).bytes()).expect("written");
     let error = open(folder.path()).expect_err("two sizes");
-    assert!(
-        matches!(&error, OpenError::DifferentSizes { first, path: odd, size: (12, 9), .. } if *first == path && *odd == second),
-        "{error:?}"
-    );
+    let named = [("12×8", &path), ("12×9", &second)].map(|(size, path)| format!("{size}: {}", path.display()));
+    assert!(named.iter().all(|name| error.problem.contains(name)), "{error:?}");
 }
 
 #[test]
@@ -115,7 +113,7 @@ fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
     let path = folder.path().join("bad.raf");
     std::fs::write(&path, crafted::huge_count_raf()).expect("written");
     let error = open(&path).expect_err("34 GB");
-    assert!(matches!(error, OpenError::Corrupt { kind: "raw", .. }), "{error:?}");
+    assert_eq!(error.kind, OpenErrorKind::Damaged, "{error:?}");
     let words = error.to_string();
     assert!(words.contains("bad.raf") && words.contains("damaged"), "{words}");
     if cfg!(target_os = "linux") {
@@ -167,7 +165,7 @@ fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
             opening.join().expect("no panic").expect_err("it was ended")
         });
         let words = error.to_string();
-        assert!(matches!(error, OpenError::DecoderEnded { .. }), "{error:?}");
+        assert_eq!(error.kind, OpenErrorKind::System, "{error:?}");
         assert!(words.contains(number) && words.contains("ended.dng") && !words.contains("damaged"), "{words}");
     }
 }

@@ -33,7 +33,6 @@ struct Window {
     hovered: Option<usize>,
     stale: bool,
     full_scale: f32,
-    grid: bool,
     changes: usize,
     canvas_rect: Rect,
     visible: Option<Rect>,
@@ -89,7 +88,6 @@ fn window() -> Window {
         hovered: None,
         stale: false,
         full_scale: 255.0,
-        grid: false,
         changes: 0,
         canvas_rect: Rect::NOTHING,
         visible: None,
@@ -111,8 +109,9 @@ fn window_ui(ui: &mut egui::Ui, w: &mut Window) {
         scale.legend_ui(ui);
     });
     egui::CentralPanel::no_frame().show(ui, |ui| {
-        let canvas = Canvas::new("Picture").picture(w.picture.as_ref()).display(&w.display).dim(w.stale);
-        let output = canvas.full_scale(w.full_scale).pixel_grid(w.grid).show(ui, &mut w.view);
+        let (picture, display, dim, full_scale) = (w.picture.as_ref(), w.display, w.stale, w.full_scale);
+        let canvas = Canvas { picture, display, dim, full_scale, ..Canvas::new("Picture") };
+        let output = canvas.show(ui, &mut w.view);
         w.hovered = output.pointer_ui.and_then(|p| overlay::feature_at(&w.features, None, output.ui_from_image, p));
         if output.response.clicked() {
             w.selected = w.hovered;
@@ -285,7 +284,7 @@ fn exposure_changes_the_picture_without_an_upload() {
     for max in [1.0, 0.1, 0.05] {
         let display = Display { max, ..Display::default() };
         window.frame(Vec::new(), |ui| {
-            Canvas::new("Picture").picture(Some(&picture)).display(&display).show(ui, &mut View::fit());
+            Canvas { picture: Some(&picture), display, ..Canvas::new("Picture") }.show(ui, &mut View::fit());
         });
         images.push(window.image().unwrap());
     }
@@ -321,7 +320,6 @@ fn values_in_large_pixels_light() {
     w.view = View::new(Zoom::PointsPerPixel(48.0), [60.2, 50.4]);
     w.display = Display { max: 0.09, gamma: 1.4, map: ColourMap::Viridis, ..Display::default() };
     w.colour_by = ColourBy::Scale;
-    w.grid = true;
     let mut harness = harness(egui::Theme::Light, w);
     pictures::compare(&mut harness, "flat/canvas_values_light");
 }
@@ -372,7 +370,8 @@ fn thousands_of_features_draw_with_few_triangles() {
     // In the second pass the layout is complete.
     for _ in 0..2 {
         let mut output = ctx.run_ui(input(), |ui| {
-            let output = Canvas::new("Picture").picture(Some(&picture)).show(ui, &mut View::fit());
+            let canvas = Canvas { picture: Some(&picture), ..Canvas::new("Picture") };
+            let output = canvas.show(ui, &mut View::fit());
             overlay::draw_features(&output, &features, &OverlayStyle::new(&scale, 10));
         });
         output.textures_delta.clear();

@@ -44,16 +44,18 @@ struct UntilCancelled {
     release: Arc<Mutex<Option<mpsc::Sender<()>>>>,
 }
 
+impl PartialEq for UntilCancelled {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 impl Request for UntilCancelled {
     type Answer = ();
     type Told = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, _: &Self) -> bool {
-        true
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<(), JobError> {
@@ -178,7 +180,7 @@ fn figures_that_are_being_made_are_whole_or_not_there() {
 #[test]
 fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
     use crate::datasets::{dataset, few_slopes, start, walk};
-    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, ImageKind, export_colmap};
+    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, FeatureStore, ImageKind, export_colmap};
     use burstscope::matching::{CameraModel, MatchParams, PairSelection};
     let home = tempfile::tempdir().unwrap();
     let mut window = start(walk(home.path())).open();
@@ -198,7 +200,8 @@ fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
         camera: CameraChoice::Guessed(CameraModel::SimpleRadial),
     };
     for out in [&ours, &theirs] {
-        export_colmap(&bursts, out, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
+        let mut store = FeatureStore::open(out, &job.features).unwrap();
+        export_colmap(&mut store, &bursts, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
     }
     let database = |folder: &Path| std::fs::read(folder.join("database.db")).unwrap();
     assert_eq!(database(&ours), database(&theirs));

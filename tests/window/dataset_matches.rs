@@ -124,7 +124,7 @@ fn trajectory_matrix() {
     // More bursts than a test has time for: copies of one film, the more matches the nearer they are.
     let many = 20;
     let (bursts, states) = (open.bursts.clone(), open.states.clone());
-    open.bursts = std::sync::Arc::new(
+    open.opened.bursts = std::sync::Arc::new(
         (0..many)
             .map(|k| burstscope::burst::BurstFiles { name: format!("frame_{:03}", 2 + 5 * k), ..bursts[k % 3].clone() })
             .collect(),
@@ -145,7 +145,7 @@ fn trajectory_matrix() {
             finished.features *= 9;
         }
     }
-    open.folder = Some("/data/film-burstscope-5".into());
+    open.opened.folder = Some("/data/film-burstscope-5".into());
     model.messages.note("190 pairs matched");
     window.snapshot("trajectory_matrix");
 }

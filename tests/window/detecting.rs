@@ -1,9 +1,8 @@
 //! Detecting, cancelling, selecting, sorting, filtering.
 
 use crate::support::{Start, noisy_stack};
-use burstscope::app::project::filter::Column;
 use burstscope::app::project::look::FeaturesShown;
-use burstscope::detector::{Method, SlopeGrid};
+use burstscope::detector::{Method, Quantity, SlopeGrid};
 use burstscope::inspect::words::counted;
 use egui::Key;
 use egui::accesskit::Role;
@@ -164,7 +163,7 @@ fn headings_sort_and_the_filter_leaves_out() {
     window.click("Sort by σ");
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.order.column, Column::Sigma);
+    assert_eq!(model.order.column, Quantity::Sigma);
     let sigmas: Vec<f32> = model.listed.iter().map(|&i| model.features()[i].sigma).collect();
     assert!(sigmas.is_sorted() && sigmas.len() > 5);
     let total = sigmas.len();

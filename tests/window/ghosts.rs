@@ -2,10 +2,10 @@
 
 use crate::probe::answer;
 use crate::support::{Start, Window};
-use burstscope::app::project::filter::{Column, Order};
+use burstscope::app::project::filter::Order;
 use burstscope::app::project::side::Side;
 use burstscope::app::project::{BottomTab, Visibility};
-use burstscope::detector::{NoiseGate, Test};
+use burstscope::detector::{NoiseGate, Quantity, Test};
 use burstscope::inspect::verdict::Verdict;
 use burstscope::requests::BurstSource;
 use burstscope::synth::Example;
@@ -30,7 +30,7 @@ fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it(
     assert!(count(Verdict::Real) > 200 && count(Verdict::Ghost) > 10, "{}", count(Verdict::Ghost));
     assert!(window.shows("real"), "the first rows are seen");
     window.click("Sort by Coher.");
-    assert_eq!(window.app().model.order, Order { column: Column::Coherence, descending: false });
+    assert_eq!(window.app().model.order, Order { column: Quantity::Coherence, descending: false });
     let coherence = |index: &usize| judged[*index].coherence.unwrap_or(f32::INFINITY);
     assert!(window.app().model.listed.iter().map(coherence).is_sorted());
     // Only ghosts.

@@ -10,7 +10,7 @@ use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
-use burstscope::teach::{Between, Goal, Layout, Lesson, Near, Place, Shown, Tab, Wanted, built_in};
+use burstscope::teach::{Between, BottomTab, Goal, Layout, Lesson, Near, Wanted, Workspace, built_in};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -50,6 +50,8 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             Layout::TwoSlopes => "layout: two slopes",
             Layout::ThreeSlopes => "layout: 3 slopes",
             Layout::FiveSlopes => "layout: 5 slopes",
+            Layout::SevenSlopes => "layout: 7 slopes",
+            Layout::NineSlopes => "layout: 9 slopes",
             Layout::Scales => "layout: scales",
             Layout::Slice => "stack and slice",
             Layout::TwoByTwo => "2 × 2",
@@ -57,20 +59,15 @@ fn fulfil(window: &mut Window, goal: &Goal) {
     }
     if let Some(show) = show {
         let (modifiers, letter) = match show {
-            Shown::Frame => (Modifiers::NONE, Key::Num1),
-            Shown::Stack => (Modifiers::NONE, Key::Num2),
-            Shown::Dog => (Modifiers::NONE, Key::Num3),
-            Shown::Merge => (Modifiers::NONE, Key::Num4),
-            Shown::Noise => (Modifiers::SHIFT, Key::N),
-            Shown::Coverage => (Modifiers::SHIFT, Key::C),
-            Shown::Motion => (Modifiers::SHIFT, Key::V),
-            // No lesson shows these.
-            Shown::Median
-            | Shown::ClippedMean
-            | Shown::Max
-            | Shown::Min
-            | Shown::Deviation
-            | Shown::MeanMinusMedian => panic!("{show:?} has no key"),
+            ViewKind::Frame => (Modifiers::NONE, Key::Num1),
+            ViewKind::Stack => (Modifiers::NONE, Key::Num2),
+            ViewKind::Dog => (Modifiers::NONE, Key::Num3),
+            ViewKind::Merge => (Modifiers::NONE, Key::Num4),
+            ViewKind::Noise => (Modifiers::SHIFT, Key::N),
+            ViewKind::Coverage => (Modifiers::SHIFT, Key::C),
+            ViewKind::Motion => (Modifiers::SHIFT, Key::V),
+            // No lesson shows others.
+            _ => panic!("{show:?} has no key"),
         };
         key(window, modifiers, letter);
     }
@@ -117,7 +114,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
         }
     }
     match goal.tab {
-        Some(Tab::Compared) => window.run_action("compare with the truth"),
+        Some(BottomTab::Compared) => window.run_action("compare with the truth"),
         Some(tab) => {
             let label = format!("{tab:?}");
             window.harness.get_by_role_and_label(Role::Button, &label).click();
@@ -126,9 +123,10 @@ fn fulfil(window: &mut Window, goal: &Goal) {
         None => {}
     }
     match goal.workspace {
-        Some(Place::Methods) => window.ctrl(Key::Num3),
-        Some(Place::Pair) => window.ctrl(Key::Num2),
-        Some(Place::Inspect) => window.ctrl(Key::Num1),
+        Some(Workspace::Methods) => window.ctrl(Key::Num3),
+        Some(Workspace::Pair) => window.ctrl(Key::Num2),
+        Some(Workspace::Inspect) => window.ctrl(Key::Num1),
+        Some(other) => panic!("no lesson asks for {other:?}"),
         None => {}
     }
 }

@@ -67,7 +67,7 @@ fn features_of_other_parameters_are_replaced_only_after_a_question() {
 #[test]
 fn the_window_writes_the_database_that_the_command_writes() {
     use burstscope::burst::OpenOptions;
-    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, ImageKind, export_colmap};
+    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, FeatureStore, ImageKind, export_colmap};
     use burstscope::matching::{CameraModel, MatchParams, PairSelection};
     let home = tempfile::tempdir().unwrap();
     let mut window = start(walk(home.path())).open();
@@ -87,7 +87,8 @@ fn the_window_writes_the_database_that_the_command_writes() {
         camera: CameraChoice::Guessed(CameraModel::SimpleRadial),
     };
     let bursts = dataset(&window).bursts.clone();
-    let report = export_colmap(&bursts, &theirs, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
+    let mut store = FeatureStore::open(&theirs, &job.features).unwrap();
+    let report = export_colmap(&mut store, &bursts, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
     assert_eq!(report.images.len(), 3);
     let read = |path: std::path::PathBuf| std::fs::read(path).unwrap();
     for image in &report.images {

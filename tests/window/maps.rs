@@ -6,7 +6,7 @@ use burstscope::app::pane::Content;
 use burstscope::app::session::Session;
 use burstscope::detector::view::{coverage_view, gate_noise_map};
 use burstscope::detector::{DetectorParams, SlopeGrid};
-use burstscope::requests::MapKind;
+use burstscope::requests::ViewKind;
 use burstscope::synth::random::Stream;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
@@ -55,7 +55,7 @@ fn the_local_noise_is_a_picture_of_its_own() {
     shift(&mut window, Key::N);
     let model = &window.app().model;
     let cursor = *model.cursor();
-    assert_eq!(model.focused().content, Content::Map(MapKind::Noise));
+    assert_eq!(model.focused().content, Content::Map(ViewKind::Noise));
     let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let (params, monitor) = (&model.slots.a.usable_params, Monitor::default());
     let expected = gate_noise_map(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
@@ -79,7 +79,7 @@ fn the_local_noise_is_a_picture_of_its_own() {
     window.key(Key::CloseBracket);
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.focused().content, Content::Map(MapKind::Noise));
+    assert_eq!(model.focused().content, Content::Map(ViewKind::Noise));
     let coarser = &model.picture().unwrap().plane;
     assert_eq!((coarser.width(), model.cursor().octave), (map.width() / 2, cursor.octave + 1));
     // The frame slider shows frames again.
@@ -125,7 +125,7 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     window.settle();
     let model = &window.app().model;
     let second = model.panes.shown()[1];
-    assert_eq!(model.panes.get(second).unwrap().content, Content::Map(MapKind::Noise));
+    assert_eq!(model.panes.get(second).unwrap().content, Content::Map(ViewKind::Noise));
     // The other pane still shows the stack.
     assert_eq!(model.panes.get(model.panes.shown()[0]).unwrap().content, Content::Cursor);
     let session = Session::of(model).unwrap();
@@ -134,6 +134,6 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     let contents = |session: &Session| -> Vec<Content> {
         session.panes.as_ref().unwrap().panes.iter().map(|pane| pane.content).collect()
     };
-    assert_eq!(contents(&read), [Content::Cursor, Content::Map(MapKind::Noise)], "{text}");
+    assert_eq!(contents(&read), [Content::Cursor, Content::Map(ViewKind::Noise)], "{text}");
     assert!(text.contains("map = \"noise\""), "{text}");
 }

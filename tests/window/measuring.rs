@@ -86,7 +86,7 @@ fn a_rectangle_is_measured_in_all_linked_panes() {
     let rect = model.measure.region.expect("a rectangle was drawn").rect_image;
     let stack = model.focused().picture.as_ref().unwrap().plane.clone();
     let pixels = |low: f32, high: f32| (low + 0.5).floor() as usize..(high + 0.5).ceil() as usize;
-    let region = Region { u: pixels(rect.min.x, rect.max.x), v: pixels(rect.min.y, rect.max.y) };
+    let region = Region { columns: pixels(rect.min.x, rect.max.x), rows: pixels(rect.min.y, rect.max.y) };
     let expected = region_statistics(&stack, &region).unwrap();
     assert!(window.shows(&expected.count.to_string()));
     assert!(window.shows(&burstscope::app::canvas::number(expected.mean as f32, 5)));

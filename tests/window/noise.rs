@@ -5,7 +5,7 @@ use crate::support::{Start, Window};
 use burstscope::Monitor;
 use burstscope::app::pane::Content;
 use burstscope::detector::{DetectorParams, SlopeGrid};
-use burstscope::requests::MapKind;
+use burstscope::requests::ViewKind;
 use burstscope::synth::NoiseCase;
 use ndarray::Array3;
 use std::path::Path;
@@ -40,7 +40,7 @@ fn the_curve_and_the_map_are_shown_and_opened_in_the_picture() {
     assert!(window.shows("σ of a frame over brightness") && window.shows("σ² = a·I + b"));
     window.click("Show σ in the picture");
     window.settle();
-    assert_eq!(window.app().model.focused().content, Content::Map(MapKind::Noise));
+    assert_eq!(window.app().model.focused().content, Content::Map(ViewKind::Noise));
     window.snapshot("noise_tab");
 }
 

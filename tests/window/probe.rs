@@ -303,7 +303,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     window.click("Go to candidate");
     window.settle();
     let cursor = *window.app().model.cursor();
-    assert_eq!((cursor.octave, cursor.level), (chosen.octave, chosen.level));
+    assert_eq!((cursor.octave, cursor.level), (chosen.sample.octave, chosen.sample.level));
     // Another row replaces it; the same row again hides them.
     switch(&mut window, Test::Edge);
     let edge = window.app().model.survey().unwrap().clone();

@@ -6,7 +6,6 @@ use burstscope::app::pane::{Content, SliceAxis};
 use burstscope::app::project::cursor::ViewKind;
 use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
 use burstscope::inspect::candidates::winning_slopes;
-use burstscope::requests::MapKind;
 use burstscope::synth::random::Stream;
 use burstscope::{Feature, Monitor};
 use egui::accesskit::Role;
@@ -148,7 +147,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     window.harness.run_steps(2);
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.focused().content, Content::Map(MapKind::Motion));
+    assert_eq!(model.focused().content, Content::Map(ViewKind::Motion));
     let picture = model.picture().unwrap();
     let motion = picture.motion.clone().expect("a map of the motion");
     // It equals the library's map of this detection.

@@ -130,7 +130,7 @@ fn filmstrip() {
             finished.seconds = 0.3;
         }
     }
-    dataset.folder = Some("/data/film-burstscope-5".into());
+    dataset.opened.folder = Some("/data/film-burstscope-5".into());
     model.messages.note("2 bursts done");
     window.snapshot("filmstrip");
 }

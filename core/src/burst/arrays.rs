@@ -88,7 +88,7 @@ impl Burst {
     ) -> Result<Self, OpenError> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
-        let frames = decoded("frames", arrays.frames, options)?.ok_or(OpenError::NothingGiven)?;
+        let frames = decoded("frames", arrays.frames, options)?.ok_or_else(OpenError::nothing_given)?;
         let calibration = [decoded("bias", arrays.bias, options)?, decoded("flat", arrays.flat, options)?];
         let count = frames.frames.len();
         let raw = RawBurst {
@@ -112,12 +112,7 @@ fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result
         if size == (width, height) {
             frame.decoded(&path, t)
         } else {
-            Err(OpenError::DifferentSizes {
-                first: path.clone(),
-                first_size: (width, height),
-                path: PathBuf::from(format!("{name} (frame {t})")),
-                size,
-            })
+            Err(OpenError::different_sizes((name, (width, height)), (&format!("{name} (frame {t})"), size)))
         }
     });
     Ok(Some(Measured { frames: frames.collect::<Result<_, _>>()?, path }))

@@ -120,8 +120,20 @@ impl Burst {
             let text = format!("no value of these 16-bit files is above {value}, as of a camera of {bits} bits");
             notes.push(Note { text, option: Some("full-scale"), value: Some(*value) });
         }
-        let texts = [self.note_of_damaged(), self.note_of_misnamed()];
-        notes.extend(texts.into_iter().flatten().map(|text| Note { text, option: None, value: None }));
+        let damaged: Vec<String> = self.damaged_frames().map(|(name, reason)| format!("{name} ({reason})")).collect();
+        let misnamed = self.remarks.iter().filter_map(|remark| match remark.kind {
+            RemarkKind::Misnamed(kind) => Some(format!("{} is {kind}", self.frame_names[remark.frame])),
+            RemarkKind::Damaged(_) => None,
+        });
+        for (frames, remark) in [
+            (damaged, "damaged, and a part of each is made up"),
+            (misnamed.collect(), "of another kind than their names say"),
+        ] {
+            if !frames.is_empty() {
+                let text = format!("{} of {} frames are {remark}: {}", frames.len(), self.len(), list(&frames));
+                notes.push(Note { text, option: None, value: None });
+            }
+        }
         notes
     }
 
@@ -131,34 +143,6 @@ impl Burst {
             RemarkKind::Damaged(reason) => Some((&*self.frame_names[remark.frame], &**reason)),
             RemarkKind::Misnamed(_) => None,
         })
-    }
-
-    /// Note on damaged frames.
-    fn note_of_damaged(&self) -> Option<String> {
-        let damaged: Vec<String> = self.damaged_frames().map(|(name, reason)| format!("{name} ({reason})")).collect();
-        let count = damaged.len();
-        let text =
-            format!("{count} of {} frames are damaged, and a part of each is made up: {}", self.len(), list(&damaged));
-        (count > 0).then_some(text)
-    }
-
-    /// Note on frames of another kind than their extensions name.
-    fn note_of_misnamed(&self) -> Option<String> {
-        let misnamed: Vec<String> = self
-            .remarks
-            .iter()
-            .filter_map(|remark| match remark.kind {
-                RemarkKind::Misnamed(kind) => Some(format!("{} is {kind}", self.frame_names[remark.frame])),
-                RemarkKind::Damaged(_) => None,
-            })
-            .collect();
-        let text = format!(
-            "{} of {} frames are of another kind than their names say: {}",
-            misnamed.len(),
-            self.len(),
-            list(&misnamed)
-        );
-        (!misnamed.is_empty()).then_some(text)
     }
 }
 

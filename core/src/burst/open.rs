@@ -7,10 +7,10 @@
 
 use super::Burst;
 use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
-use super::error::OpenError;
+use super::error::{OpenError, OpenErrorKind};
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
-use super::source::find_bursts;
+use super::source::only_burst;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -51,7 +51,7 @@ impl Burst {
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
-        let raw = read(inputs, options, monitor, &|frames| Ticker::new(monitor, frames))?;
+        let raw = read(inputs, options, monitor)?;
         let measured =
             |path: &Option<PathBuf>| path.as_ref().map(|path| Measured::read(path, options, monitor)).transpose();
         let measured = [measured(&options.bias)?, measured(&options.flat)?];
@@ -109,7 +109,7 @@ impl Measured {
     /// Decodes the frames at `path`.
     fn read(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
         // Quiet, because its progress would begin again after the burst's own.
-        let frames = read(&[path.to_path_buf()], options, monitor, &|_| Ticker::quiet(monitor))?.frames;
+        let frames = read(&[path.to_path_buf()], options, &monitor.silent())?.frames;
         Ok(Self { frames, path: path.to_owned() })
     }
 }
@@ -142,26 +142,15 @@ pub(super) struct RawBurst {
     pub origins: Vec<(PathBuf, usize)>,
 }
 
-/// Decodes the burst that `inputs` name. `ticker` makes the counter for a number of frames.
-fn read<'a>(
-    inputs: &[PathBuf],
-    options: &OpenOptions,
-    monitor: &Monitor,
-    ticker: &dyn Fn(usize) -> Ticker<'a>,
-) -> Result<RawBurst, OpenError> {
+/// Decodes the burst that `inputs` name.
+fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, OpenError> {
     let limits = &options.limits;
-    let mut sources = find_bursts(inputs)?;
-    if sources.len() > 1 {
-        return Err(OpenError::SeveralBursts { names: sources.into_iter().map(|s| s.name).collect() });
-    }
-    let source = sources.pop().ok_or(OpenError::NothingGiven)?;
+    let source = only_burst(inputs)?;
     let files = source.files()?;
-    let Some(first) = files.first() else {
-        return Err(OpenError::NothingGiven);
-    };
+    let first = files.first().ok_or_else(OpenError::nothing_given)?;
     let (header, decoded) = decode::header(first, options, monitor)?;
     if files.len() == 1 {
-        let ticker = ticker(header.frames);
+        let ticker = Ticker::new(monitor, header.frames);
         let frames = match decoded {
             Some(frame) => {
                 ticker.tick();
@@ -181,7 +170,7 @@ fn read<'a>(
     }
     let size = (header.width, header.height);
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
-    let ticker = ticker(files.len());
+    let ticker = Ticker::new(monitor, files.len());
     let expected = Expected { first, size };
     let decoded = Mutex::new(decoded);
     let frames = in_order(files.len(), |i| {
@@ -201,14 +190,20 @@ fn read<'a>(
 fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<(), OpenError> {
     let Some((first, others)) = frames.split_first() else { return Ok(()) };
     for (t, frame) in others.iter().enumerate() {
+        let mismatch = |problem: String, remedy: String| Err(OpenError::new(OpenErrorKind::Mismatch, problem, remedy));
+        let paths = || [path(0), path(t + 1)].map(|path| path.display().to_string());
         let (first_kind, kind) = (std::mem::discriminant(&first.scale), std::mem::discriminant(&frame.scale));
         if first_kind != kind || first.binning != frame.binning {
-            return Err(OpenError::MixedSamples { first: path(0), path: path(t + 1) });
+            let problem = "frames of 8 or 16 bit and frames of float or 32-bit values have no unit in common";
+            return mismatch(problem.into(), format!("save all frames alike: {}", paths().join(" and ")));
         }
         // A given full scale is a value of all files alike.
         let (first_samples, samples) = (first.scale.samples(), frame.scale.samples());
         if first_samples != samples && options.full_scale.is_none() {
-            return Err(OpenError::MixedBits { first: path(0), first_samples, path: path(t + 1), samples });
+            let [first, path] = paths();
+            let problem = format!("this frame has {first_samples}: {first}, and this one has {samples}: {path}");
+            let remedy = "save all frames alike, or say with a full scale which value is white in all of them";
+            return mismatch(problem, remedy.into());
         }
     }
     Ok(())
@@ -223,8 +218,7 @@ fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result
     let bad = frames.par_iter().map(|plane| plane.data().iter().position(|v| !v.is_finite())).collect::<Vec<_>>();
     for ((plane, (path, frame)), index) in frames.iter().zip(origins).zip(bad) {
         if let Some(index) = index {
-            let (u, v, value) = (index % plane.width(), index / plane.width(), plane.data()[index]);
-            return Err(OpenError::NotFinite { path: path.clone(), frame: *frame, u, v, value });
+            return Err(OpenError::not_finite(path, *frame, plane.width(), index, plane.data()[index]));
         }
     }
     Ok(())
@@ -256,12 +250,16 @@ impl Levels {
     /// A full scale that is not finite and positive, or a black level that is not finite or not below the full scale.
     pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self, OpenError> {
         if let Some(value) = given.filter(|s| !(s.is_finite() && *s > 0.0)) {
-            return Err(OpenError::FullScale { value });
+            let problem = "the full scale is the file's value that becomes 1.0";
+            let remedy = format!("it must be a positive number, not {value}");
+            return Err(OpenError::new(OpenErrorKind::Request, problem, remedy));
         }
         let full_scale = given.unwrap_or_else(|| natural_full_scale(frames));
         let black = black.unwrap_or(0.0);
         if !(black.is_finite() && black < full_scale) {
-            return Err(OpenError::BlackLevel { value: black, full_scale });
+            let problem = "the black level is the file's value that becomes 0";
+            let remedy = format!("it must be a number below the full scale, {full_scale}, not {black}");
+            return Err(OpenError::new(OpenErrorKind::Request, problem, remedy));
         }
         Ok(Self { given, full_scale, black })
     }
@@ -368,14 +366,16 @@ pub(super) fn mean_in_unit_of(
     frames: &[RawFrame],
     levels: Levels,
     of: &[RawFrame],
-    kind: &'static str,
+    kind: &str,
     path: &Path,
 ) -> Result<Plane, OpenError> {
     let (own_size, frame_size) = (of[0].plane.size(), frames[0].plane.size());
     if own_size != frame_size {
-        return Err(OpenError::CalibrationSize { kind, path: path.into(), size: own_size, frame_size });
+        let ((width, height), (frame_width, frame_height)) = (own_size, frame_size);
+        let problem = format!("the {kind} frame is {width}×{height}, but the frames are {frame_width}×{frame_height}");
+        let remedy = "take it with the same camera settings";
+        return Err(OpenError::new(OpenErrorKind::Mismatch, problem, remedy).about(path));
     }
-    let unit = |reason: &'static str| OpenError::CalibrationUnit { kind, path: path.into(), reason };
     // The unit of float files is that of the largest of all values.
     let whole = |frames: &[RawFrame]| {
         let largest = |scale| if let FileScale::Data { largest, .. } = scale { largest } else { 0.0 };
@@ -391,7 +391,7 @@ pub(super) fn mean_in_unit_of(
     let count = of.len() as f32;
     for frame in of {
         let scale = if let FileScale::Data { .. } = frame.scale { whole(of) } else { frame.scale };
-        let factor = factor(burst, levels, scale).map_err(unit)?;
+        let factor = factor(burst, levels, scale).map_err(|reason| OpenError::calibration(path, kind, reason))?;
         for (sum, value) in mean.data_mut().iter_mut().zip(frame.plane.data()) {
             *sum += value * factor / count;
         }
@@ -418,7 +418,7 @@ pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path:
     let mean = mean_of(bias);
     if mean > f64::from(brightest) && mean > 0.0 {
         let reason = "it is brighter than everything in the frames; save it in their unit";
-        return Err(OpenError::CalibrationUnit { kind: "bias", path: path.into(), reason });
+        return Err(OpenError::calibration(path, "bias", reason));
     }
     Ok(())
 }
@@ -437,7 +437,7 @@ pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Pat
         None => flat.data_mut().iter_mut().for_each(|f| *f -= black),
     }
     let mean = mean_of(&flat) as f32;
-    let dark = |reason| OpenError::CalibrationUnit { kind: "flat", path: path.into(), reason };
+    let dark = |reason| OpenError::calibration(path, "flat", reason);
     if mean.is_nan() || mean <= 0.0 {
         return Err(dark("there is no light in it; take a picture of an even, bright surface"));
     }

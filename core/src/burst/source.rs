@@ -14,7 +14,7 @@
 //! recording. The cut is between files: each burst lists its own frames and is opened alone.
 
 use super::decode;
-use super::error::OpenError;
+use super::error::{OpenError, OpenErrorKind};
 use super::options::OpenOptions;
 use crate::files::path_text;
 use crate::monitor::Monitor;
@@ -55,12 +55,8 @@ pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>, OpenError> {
 
 /// Extensions (lower case, without a dot) of files that are taken for pictures in a folder.
 pub fn supported_extensions() -> Vec<&'static str> {
-    let raw = if cfg!(feature = "raw") { decode::RAW_EXTENSIONS } else { &[] };
-    [PICTURE_EXTENSIONS, raw].concat()
+    decode::extensions().collect()
 }
-
-const PICTURE_EXTENSIONS: &[&str] =
-    &["png", "tif", "tiff", "npy", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"];
 
 /// Bursts that `inputs` name, in natural order (folders and stacks named one by one keep their order). Reads folders
 /// and the headers of possible stacks, no pixels.
@@ -69,6 +65,19 @@ const PICTURE_EXTENSIONS: &[&str] =
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
 pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstFiles>, OpenError> {
     Ok(find_entries(inputs)?.bursts)
+}
+
+/// The burst that `inputs` name, if they name one.
+pub(super) fn only_burst(inputs: &[PathBuf]) -> Result<BurstFiles, OpenError> {
+    let mut bursts = find_bursts(inputs)?;
+    if bursts.len() > 1 {
+        const FEW: usize = 8;
+        let names: Vec<&str> = bursts.iter().take(FEW).map(|burst| &*burst.name).collect();
+        let more = if bursts.len() > FEW { ", …" } else { "" };
+        let problem = format!("there are {} bursts here, open one of them: {}{more}", bursts.len(), names.join(", "));
+        return Err(OpenError::new(OpenErrorKind::SeveralBursts, problem, ""));
+    }
+    bursts.pop().ok_or_else(OpenError::nothing_given)
 }
 
 /// Bursts and stray pictures of an input.
@@ -86,7 +95,7 @@ pub struct Entries {
 /// As [`find_bursts`].
 pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
     if inputs.is_empty() {
-        return Err(OpenError::NothingGiven);
+        return Err(OpenError::nothing_given());
     }
     let (mut folders, mut files) = (Vec::new(), Vec::new());
     for path in inputs {
@@ -96,17 +105,21 @@ pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
         } else if metadata.is_file() {
             files.push(path.clone());
         } else {
-            return Err(OpenError::NotAFile { path: path.clone() });
+            return Err(OpenError::not_a_file(path));
         }
     }
     if let (Some(folder), Some(file)) = (folders.first(), files.first()) {
-        return Err(OpenError::MixedInput { folder: folder.clone(), file: file.clone() });
+        let (folder, file) = (folder.display(), file.display());
+        let problem = format!("open either folders or files, not both: {folder} is a folder and {file} is a file");
+        return Err(OpenError::new(OpenErrorKind::Request, problem, ""));
     }
     let mut entries = Entries::default();
     for folder in &folders {
         let found = entries_of_folder(folder, true)?;
         if found.bursts.is_empty() {
-            return Err(OpenError::NoPictures { path: folder.clone() });
+            let problem = "this folder holds no pictures, nor do its subfolders";
+            let remedy = format!("a burst is a folder of {} files", supported_extensions().join(", "));
+            return Err(OpenError::new(OpenErrorKind::Request, problem, remedy).about(folder));
         }
         entries.bursts.extend(found.bursts);
         entries.strays.extend(found.strays);
@@ -160,7 +173,7 @@ fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, OpenError> {
     if stacks > 0 {
         let path = files.iter().find(|f| is_stack(f)).expect("there is at least one stack").clone();
         let frames = decode::frame_count(&path).unwrap_or(2);
-        return Err(OpenError::StackAmongFrames { path, frames });
+        return Err(OpenError::stack_among_frames(&path, frames));
     }
     let parent = files[0].parent().unwrap_or(Path::new(""));
     let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
@@ -212,7 +225,7 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), OpenError> {
 
 fn has_picture_extension(path: &Path) -> bool {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    extension.is_some_and(|e| supported_extensions().contains(&&*e))
+    extension.is_some_and(|e| decode::extensions().any(|known| known == e))
 }
 
 /// Natural order of file names; names that differ only in leading zeros are ordered by their bytes, so that the order
@@ -250,11 +263,15 @@ impl SequenceCut {
     /// them are left out.
     ///
     /// # Errors
-    /// [`OpenError::Cut`] if either is 0.
+    /// If either is 0.
     pub fn new(length: usize, step: Option<usize>) -> Result<Self, OpenError> {
         let step = step.unwrap_or(length);
         if length == 0 || step == 0 {
-            return Err(OpenError::Cut { length, step });
+            let problem = format!(
+                "a sequence is cut into bursts of 1 or more frames that begin 1 or more frames apart, \
+                 not {length} frames that begin {step} apart"
+            );
+            return Err(OpenError::new(OpenErrorKind::Request, problem, ""));
         }
         Ok(Self { length, step })
     }
@@ -288,14 +305,22 @@ impl SequenceCut {
 pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<BurstFiles>, OpenError> {
     let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f)) {
-        return Err(OpenError::CutStack { path: path.clone(), frames: decode::frame_count(path).unwrap_or(2) });
+        let held = decode::frame_count(path).unwrap_or(2);
+        let problem = format!("a sequence is cut into bursts between its files, but this one file holds {held} frames");
+        let remedy = "save each frame as a file of its own";
+        return Err(OpenError::new(OpenErrorKind::Request, problem, remedy).about(path));
     }
     let ranges = cut.ranges(frames.len());
     if ranges.len() == 0 {
         let path = sequence.paths.first().cloned().unwrap_or_default();
-        return Err(OpenError::TooShort { path, frames: frames.len(), length: cut.length });
+        let problem = format!("this has {} frames, too few for a burst of {}", frames.len(), cut.length);
+        return Err(OpenError::new(OpenErrorKind::Request, problem, "cut it into shorter bursts").about(&path));
     }
-    let mut bursts: Vec<BurstFiles> = ranges.map(|range| burst_of(&frames[range])).collect();
+    let burst_of = |range: Range<usize>| {
+        let frames = &frames[range];
+        BurstFiles { name: stem(&frames[frames.len() / 2]), paths: frames.to_vec() }
+    };
+    let mut bursts: Vec<BurstFiles> = ranges.map(burst_of).collect();
     make_names_unique(&mut bursts);
     Ok(bursts)
 }
@@ -303,10 +328,6 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<Burst
 /// Name of a burst of one of several sequences.
 pub fn name_among_several(sequence: &str, burst: &str) -> String {
     format!("{sequence}_{burst}")
-}
-
-fn burst_of(frames: &[PathBuf]) -> BurstFiles {
-    BurstFiles { name: stem(&frames[frames.len() / 2]), paths: frames.to_vec() }
 }
 
 /// Number and size of a burst's frames.
@@ -326,14 +347,8 @@ impl Declared {
     ///
     /// [`Burst::open_with`]: super::Burst::open_with
     pub fn of(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, OpenError> {
-        let mut sources = find_bursts(inputs)?;
-        let source = sources.pop().ok_or(OpenError::NothingGiven)?;
-        if !sources.is_empty() {
-            sources.push(source);
-            return Err(OpenError::SeveralBursts { names: sources.into_iter().map(|s| s.name).collect() });
-        }
-        let files = source.files()?;
-        let first = files.first().ok_or(OpenError::NothingGiven)?;
+        let files = only_burst(inputs)?.files()?;
+        let first = files.first().ok_or_else(OpenError::nothing_given)?;
         let (header, _) = decode::header(first, options, &Monitor::default())?;
         let frames = if files.len() == 1 { header.frames } else { files.len() };
         Ok(Self { frames, size: (header.width, header.height) })
@@ -365,37 +380,11 @@ mod tests {
         }
     }
 
-    fn cut(length: usize, step: Option<usize>) -> SequenceCut {
-        SequenceCut::new(length, step).expect("it can be cut like this")
-    }
-
-    #[test]
-    fn bursts_follow_one_another_overlap_or_leave_gaps() {
-        let ranges = |cut: SequenceCut, frames| cut.ranges(frames).collect::<Vec<_>>();
-        assert_eq!(ranges(cut(3, None), 10), [0..3, 3..6, 6..9]);
-        assert_eq!(ranges(cut(3, Some(2)), 7), [0..3, 2..5, 4..7]);
-        assert_eq!(ranges(cut(2, Some(5)), 10), [0..2, 5..7]);
-        assert!(ranges(cut(4, None), 3).is_empty());
-        assert!(matches!(SequenceCut::new(0, None), Err(OpenError::Cut { .. })));
-        assert!(matches!(SequenceCut::new(3, Some(0)), Err(OpenError::Cut { .. })));
-    }
-
-    #[test]
-    fn bursts_are_named_after_their_middle_frames() {
-        let frame = |t: usize| PathBuf::from(format!("film/f_{t:02}.png"));
-        let film = BurstFiles { name: "film".into(), paths: (0..9).map(frame).collect() };
-        let bursts = cut_sequence(&film, cut(4, None)).expect("two bursts");
-        let names: Vec<&str> = bursts.iter().map(|b| b.name.as_str()).collect();
-        assert_eq!(names, ["f_02", "f_06"]);
-        assert_eq!(bursts[1].paths, (4..8).map(frame).collect::<Vec<_>>());
-        let error = cut_sequence(&film, cut(10, None)).expect_err("too short").to_string();
-        assert!(error.contains("9 frames") && error.contains("10"), "{error}");
-    }
-
     proptest! {
         #[test]
         fn every_burst_is_whole_and_the_last_one_is_the_last_that_fits(frames in 0usize..200, length in 1usize..20, step in 1usize..20) {
-            let ranges: Vec<_> = cut(length, Some(step)).ranges(frames).collect();
+            let cut = SequenceCut::new(length, Some(step)).expect("it can be cut like this");
+            let ranges: Vec<_> = cut.ranges(frames).collect();
             prop_assert!(ranges.iter().enumerate().all(|(k, r)| r.start == k * step && r.len() == length && r.end <= frames));
             let next = ranges.len() * step + length;
             prop_assert!(next > frames);

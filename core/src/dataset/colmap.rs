@@ -20,9 +20,8 @@ use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use serde::Serialize;
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Name of the database in the dataset's folder.
 const DATABASE_FILE: &str = "database.db";
 
 /// Parameters of an export.
@@ -36,34 +35,6 @@ pub struct ColmapJob {
     pub pairs: PairSelection,
     /// The camera.
     pub camera: CameraChoice,
-}
-
-/// Event of an export.
-#[derive(Debug)]
-pub enum Event<'a> {
-    /// A burst was started.
-    Begin {
-        /// Index in the dataset, from 0.
-        index: usize,
-        /// Number of bursts.
-        count: usize,
-        /// Name of the burst.
-        name: &'a str,
-    },
-    /// A burst was finished.
-    Done(&'a BurstFeatures),
-    /// A burst cannot be opened; the export continues with the others.
-    Failed {
-        /// Name of the burst.
-        name: &'a str,
-        /// Reason.
-        error: &'a DatasetError,
-    },
-    /// All bursts are finished, and matching begins.
-    Matching {
-        /// Number of pairs.
-        pairs: usize,
-    },
 }
 
 /// Report of one image of the database.
@@ -110,45 +81,40 @@ pub struct ColmapReport {
     pub pairs: Vec<PairReport>,
 }
 
-/// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder `out`. `on` is
-/// called with every event. A burst that cannot be opened is left out.
+/// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
+/// which was opened with [`ColmapJob::features`]. `on` is called with every event. A burst that cannot be opened is left
+/// out.
 ///
 /// # Errors
 /// [`DatasetError`]. Files are written completely or not at all; finished bursts stay finished.
 pub fn export_colmap(
-    bursts: &[BurstFiles],
-    out: &Path,
-    job: &ColmapJob,
-    on: &mut dyn FnMut(Event<'_>),
-    monitor: &Monitor,
-) -> Result<ColmapReport, DatasetError> {
-    export_colmap_from(&mut FeatureStore::open(out, &job.features)?, bursts, job, on, monitor)
-}
-
-/// Exports as `export_colmap` does, into the folder of `store`, which was opened with [`ColmapJob::features`].
-///
-/// # Errors
-/// As [`export_colmap`].
-pub fn export_colmap_from(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],
     job: &ColmapJob,
-    on: &mut dyn FnMut(Event<'_>),
+    on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
 ) -> Result<ColmapReport, DatasetError> {
     let matching = job.verified_matching()?;
     if bursts.len() < 2 {
-        return Err(DatasetError::TooFew { count: bursts.len() });
+        return Err(DatasetError::TooFew(bursts.len()));
     }
     let out = store.folder().to_path_buf();
     store.protect(bursts)?;
     store.check_output(&out.join(DATABASE_FILE))?;
-    let done = features_of_all(bursts, store, job, on, monitor)?;
+    // The index of each burst whose features are in the folder, and whether an earlier run had found them.
+    let mut done: Vec<(usize, bool)> = Vec::with_capacity(bursts.len());
+    let mut tell = |event: BurstEvent<'_>| {
+        if let BurstEvent::Done(index, features) = event {
+            done.push((index, features.resumed));
+        }
+        on(event);
+    };
+    detect_all(store, bursts, &job.camera, &mut tell, monitor)?;
     if done.len() < 2 {
-        return Err(DatasetError::TooFew { count: done.len() });
+        return Err(DatasetError::TooFew(done.len()));
     }
     let pairs = job.pairs.pairs(done.len());
-    on(Event::Matching { pairs: pairs.len() });
+    on(BurstEvent::Matching(pairs.len()));
     store.begin_writing()?;
     let mut report = ColmapReport {
         database: out.join(DATABASE_FILE),
@@ -160,7 +126,7 @@ pub fn export_colmap_from(
     };
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
-        for DoneBurst { index, resumed } in done {
+        for (index, resumed) in done {
             monitor.check()?;
             let burst = store.written(&bursts[index])?;
             add_burst(database, &BurstFeatures { resumed, ..burst }, job, &mut report)?;
@@ -170,35 +136,6 @@ pub fn export_colmap_from(
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
     Ok(report)
-}
-
-/// A burst whose features are in the folder.
-struct DoneBurst {
-    /// Index in the dataset.
-    index: usize,
-    /// Whether an earlier run had found them.
-    resumed: bool,
-}
-
-/// Finds the features of all bursts that can be opened.
-fn features_of_all(
-    bursts: &[BurstFiles],
-    store: &mut FeatureStore,
-    job: &ColmapJob,
-    on: &mut dyn FnMut(Event<'_>),
-    monitor: &Monitor,
-) -> Result<Vec<DoneBurst>, DatasetError> {
-    let mut done = Vec::with_capacity(bursts.len());
-    let mut tell = |event: BurstEvent<'_>| match event {
-        BurstEvent::Begin { index } => on(Event::Begin { index, count: bursts.len(), name: &bursts[index].name }),
-        BurstEvent::Done { index, features } => {
-            on(Event::Done(&features));
-            done.push(DoneBurst { index, resumed: features.resumed });
-        }
-        BurstEvent::Failed { index, error } => on(Event::Failed { name: &bursts[index].name, error }),
-    };
-    detect_all(store, bursts, &job.camera, &mut tell, monitor)?;
-    Ok(done)
 }
 
 /// Adds a burst to the database and the report, with its camera if that is new.
@@ -213,7 +150,13 @@ fn add_burst(
     let camera_id = match known {
         Some(index) => index as u32 + 1,
         None => {
-            let id = database.add_camera(&database_camera(&camera, report.known_camera))?;
+            let id = database.add_camera(&DatabaseCamera {
+                model_id: model_id(camera.model),
+                width: camera.width,
+                height: camera.height,
+                params: camera.params.clone(),
+                prior_focal_length: report.known_camera,
+            })?;
             report.cameras.push(camera);
             id
         }
@@ -249,7 +192,8 @@ fn match_all(
         // COLMAP also has no row for a pair without a match.
         if !result.matches.is_empty() {
             let geometry = database_geometry(sides, result);
-            database.borrow_mut().add_pair(pair[0], pair[1], &match_indices(result), geometry.as_ref())?;
+            let indices: Vec<[u32; 2]> = result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect();
+            database.borrow_mut().add_pair(pair[0], pair[1], &indices, geometry.as_ref())?;
         }
         Ok(())
     };
@@ -287,22 +231,6 @@ fn model_id(model: CameraModel) -> u32 {
         CameraModel::SimpleRadial => 2,
         CameraModel::OpenCv => 4,
     }
-}
-
-/// The camera for the database. `known` is whether its focal length was given.
-fn database_camera(camera: &Camera, known: bool) -> DatabaseCamera {
-    DatabaseCamera {
-        model_id: model_id(camera.model),
-        width: camera.width,
-        height: camera.height,
-        params: camera.params.clone(),
-        prior_focal_length: known,
-    }
-}
-
-/// The index pairs of all putative matches.
-fn match_indices(result: &MatchResult) -> Vec<[u32; 2]> {
-    result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect()
 }
 
 /// The geometry that the verified matches of the bursts `a` and `b` agree on; `None` where they were not verified.

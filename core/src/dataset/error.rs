@@ -29,12 +29,9 @@ pub enum DatasetError {
     Occupied(PathBuf),
     /// Fewer than two bursts have features.
     #[error(
-        "{count} bursts have features, and matching needs two or more; name a folder of bursts, or cut a long sequence with --burst-length"
+        "{0} bursts have features, and matching needs two or more; name a folder of bursts, or cut a long sequence with --burst-length"
     )]
-    TooFew {
-        /// Number of bursts with features.
-        count: usize,
-    },
+    TooFew(usize),
     /// The images have a size that the camera does not have.
     #[error("the camera is given for images of {}×{}, but this burst has {}×{}; give the camera of these images", camera.0, camera.1, images.0, images.1)]
     CameraSize {

@@ -17,7 +17,7 @@ use crate::files::lock::FolderLock;
 use crate::files::mark::{Checksum, Kind};
 use crate::files::unfinished::remove_abandoned;
 use crate::monitor::Monitor;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -74,28 +74,17 @@ pub const IMAGES_FOLDER: &str = "images";
 /// Folder of feature files in the dataset's folder.
 pub const FEATURES_FOLDER: &str = "features";
 
-/// Event of finding the features of bursts.
+/// Event of the work on a dataset; the bursts are named by their indices in it, from 0.
 #[derive(Debug)]
 pub enum BurstEvent<'a> {
     /// A burst was started.
-    Begin {
-        /// Index in the dataset, from 0.
-        index: usize,
-    },
-    /// A burst was finished.
-    Done {
-        /// Index in the dataset, from 0.
-        index: usize,
-        /// Features, found now or earlier.
-        features: BurstFeatures,
-    },
+    Begin(usize),
+    /// A burst was finished; its features were found now or earlier.
+    Done(usize, &'a BurstFeatures),
     /// A burst cannot be opened; the work continues with the others.
-    Failed {
-        /// Index in the dataset, from 0.
-        index: usize,
-        /// Reason.
-        error: &'a DatasetError,
-    },
+    Failed(usize, &'a DatasetError),
+    /// All bursts are finished, and so many pairs are matched.
+    Matching(usize),
 }
 
 /// The files of a dataset, with the state of its bursts.
@@ -109,7 +98,6 @@ pub struct FeatureStore {
     comparison: Comparison,
     /// Files that were opened beside frames and calibration, such as parameters.
     opened: Vec<PathBuf>,
-    /// Rules for overwriting files.
     rules: OutputRules,
     /// Lock of the folder, taken with the first write.
     lock: Option<FolderLock>,
@@ -126,21 +114,27 @@ impl FeatureStore {
             let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
             Ok(stamps.iter().map(FileStamp::content).collect())
         };
-        // Through text, because that is the file's form: a number may look different as a value.
-        let mut settings = Map::new();
-        settings.insert(DETECTOR_KEY.to_owned(), Value::String(job.detector.to_toml()));
-        settings.insert("bias".to_owned(), json!(contents(&job.open.bias)?));
-        settings.insert("full_scale".to_owned(), json!(job.open.full_scale));
-        settings.insert("flat".to_owned(), json!(contents(&job.open.flat)?));
-        settings.insert("black_level".to_owned(), json!(job.open.black_level));
-        settings.insert("raw_colour".to_owned(), json!(job.open.raw_colour));
-        settings.insert("linearise".to_owned(), json!(job.open.linearise));
-        settings.insert("accept_damaged".to_owned(), json!(job.open.accept_damaged));
+        let settings = json!({
+            // Through text, because that is the file's form: a number may look different as a value.
+            DETECTOR_KEY: job.detector.to_toml(),
+            "bias": contents(&job.open.bias)?,
+            "full_scale": job.open.full_scale,
+            "flat": contents(&job.open.flat)?,
+            "black_level": job.open.black_level,
+            "raw_colour": job.open.raw_colour,
+            "linearise": job.open.linearise,
+            "accept_damaged": job.open.accept_damaged,
+        });
         check_folder(folder, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])?;
-        let made_with = MadeFrom::new(Value::Object(settings));
-        let (comparison, rules) = (Comparison::default(), OutputRules::default());
-        let (folder, opened) = (folder.into(), Vec::new());
-        Ok(Self { folder, job: job.clone(), made_with, comparison, opened, rules, lock: None })
+        Ok(Self {
+            folder: folder.into(),
+            job: job.clone(),
+            made_with: MadeFrom::new(settings),
+            comparison: Comparison::default(),
+            opened: Vec::new(),
+            rules: OutputRules::default(),
+            lock: None,
+        })
     }
 
     /// This store, which also never writes over the files `opened`.
@@ -155,18 +149,15 @@ impl FeatureStore {
 
     /// The store of another folder, for the same job.
     pub(super) fn like(&self, folder: &Path) -> Self {
-        let (comparison, rules) = (self.comparison, OutputRules::default());
         let (job, made_with) = (self.job.clone(), self.made_with.clone());
-        let (folder, opened) = (folder.into(), Vec::new());
-        Self { folder, job, made_with, comparison, opened, rules, lock: None }
+        let (opened, rules) = (Vec::new(), OutputRules::default());
+        Self { folder: folder.into(), job, made_with, comparison: self.comparison, opened, rules, lock: None }
     }
 
-    /// The records of finished bursts.
     pub(super) fn records(&self) -> Records {
         Records::of(&self.folder)
     }
 
-    /// The dataset's folder.
     pub(super) fn folder(&self) -> &Path {
         &self.folder
     }
@@ -199,10 +190,7 @@ impl FeatureStore {
         self.check_output(&self.folder.join(Kind::Dataset.file()))
     }
 
-    /// Checks whether `file` of the dataset's folder may be written.
-    ///
-    /// # Errors
-    /// As [`Self::protect`].
+    /// Checks whether `file` of the dataset's folder may be written; errors as of [`Self::protect`].
     pub(super) fn check_output(&self, file: &Path) -> Result<(), DatasetError> {
         Ok(self.rules.check_own(file, &[])?)
     }
@@ -250,9 +238,8 @@ impl FeatureStore {
         })
     }
 
-    /// Reads the features of `source` that `record` describes.
     fn read(&self, source: &BurstFiles, record: &KeptBurst) -> Result<BurstFeatures, NotKept> {
-        let (name, image_name) = (source.name.clone(), image_name(source));
+        let image_name = image_name(source);
         let path = self.feature_file(&image_name);
         // A file of another length was altered; it is not read.
         let bytes = record.content.is_as_long_as(&path).then(|| std::fs::read(&path).ok()).flatten();
@@ -262,7 +249,7 @@ impl FeatureStore {
         if keypoints.len() != record.features {
             return Err(NotKept::Altered);
         }
-        let (size, seconds) = (record.size, record.seconds);
+        let (name, size, seconds) = (source.name.clone(), record.size, record.seconds);
         Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, slopes: None, seconds })
     }
 
@@ -288,7 +275,6 @@ impl FeatureStore {
         }
     }
 
-    /// Finds the features of `source`, and writes them with its picture and record.
     fn make(
         &mut self,
         source: &BurstFiles,
@@ -464,11 +450,11 @@ pub fn detect_all(
     store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;
     for (index, source) in bursts.iter().enumerate() {
-        on(BurstEvent::Begin { index });
+        on(BurstEvent::Begin(index));
         match store.features(source, camera, &monitor.part(index as f32 * share, share)) {
-            Ok(features) => on(BurstEvent::Done { index, features }),
+            Ok(features) => on(BurstEvent::Done(index, &features)),
             Err(error) if error.is_final() => return Err(error),
-            Err(error) => on(BurstEvent::Failed { index, error: &error }),
+            Err(error) => on(BurstEvent::Failed(index, &error)),
         }
     }
     Ok(monitor.check()?)

@@ -18,7 +18,6 @@ use std::path::Path;
 /// Key of the detector's parameters in the settings.
 pub(super) const DETECTOR_KEY: &str = "detector";
 
-/// Record of a finished burst.
 pub(super) type BurstRecord = Record<KeptBurst>;
 
 /// Facts about a finished burst, kept in its record.
@@ -64,23 +63,14 @@ pub enum NotKept {
     Failed(#[from] DatasetError),
 }
 
-/// Checks that `folder` is free or holds a dataset that this command began.
-///
-/// # Errors
-/// [`DatasetError::Occupied`] when `folder` holds files but no manifest: it belongs to somebody else;
-/// [`ExportError::Link`] when one of its `parts` is a link.
+/// Checks that `folder` is free or holds a dataset that this command began, and that none of its `parts` is a link.
 pub(super) fn check_folder(folder: &Path, parts: &[&str]) -> Result<(), DatasetError> {
     if may_begin(folder, Kind::Dataset, parts)? { Ok(()) } else { Err(DatasetError::Occupied(folder.into())) }
 }
 
-/// The manifest in `folder`, if it can be read.
-fn read_manifest(folder: &Path) -> Option<MadeFrom> {
-    claims(folder, Kind::Dataset)
-}
-
 /// Writes the manifest into `folder`, unless it is there already.
 pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), ExportError> {
-    if read_manifest(folder).as_ref() == Some(manifest) {
+    if claims(folder, Kind::Dataset).as_ref() == Some(manifest) {
         Ok(())
     } else {
         let text = claiming(Kind::Dataset, manifest);
@@ -91,7 +81,7 @@ pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), E
 /// The detector's parameters, as text, with which this program found the features in `folder`; `None` where another
 /// one did.
 pub(super) fn detector_text(folder: &Path) -> Option<String> {
-    let manifest = read_manifest(folder).filter(MadeFrom::is_of_this_program)?;
+    let manifest = claims(folder, Kind::Dataset).filter(MadeFrom::is_of_this_program)?;
     manifest.settings().get(DETECTOR_KEY)?.as_str().map(str::to_owned)
 }
 
@@ -117,8 +107,6 @@ pub(super) fn differences(ours: &MadeFrom, other: &MadeFrom) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::detector::REVISION;
-    use crate::export::Records;
-    use crate::monitor::Monitor;
     use serde_json::{Value, json};
 
     /// A folder with a manifest, changed by `change`.
@@ -159,38 +147,5 @@ mod tests {
         assert_eq!(other(|s| s["black_level"] = json!(3)), ["black-level"]);
         assert_eq!(other(|s| s[DETECTOR_KEY] = json!(3)), ["detector"]);
         assert_eq!(other(|s| *s = json!(null)), ["bias", "detector"]);
-    }
-
-    #[test]
-    fn a_folder_of_other_files_is_refused() {
-        let home = tempfile::tempdir().expect("a folder");
-        let check_folder = |folder: &Path| check_folder(folder, &[]);
-        assert_eq!(check_folder(home.path()), Ok(()));
-        std::fs::write(home.path().join("holiday.png"), "").expect("written");
-        assert_eq!(check_folder(home.path()), Err(DatasetError::Occupied(home.path().into())));
-        let begun = begun(|_| ());
-        assert_eq!(check_folder(begun.path()), Ok(()));
-        std::fs::write(begun.path().join(Kind::Dataset.file()), "{\"name\": \"a page\"}").expect("written");
-        assert_eq!(check_folder(begun.path()), Err(DatasetError::Occupied(begun.path().into())));
-    }
-
-    #[test]
-    fn the_record_of_a_burst_comes_back() {
-        let home = tempfile::tempdir().expect("a folder");
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
-        let of = KeptBurst {
-            files: FileStamp::with_checksums(&[file], &Monitor::default()).expect("it is there"),
-            size: (8, 6),
-            features: 3,
-            content: Checksum::of(b"3 128\n"),
-            picture: ImageKind::Middle,
-            picture_content: Checksum::of(b"PNG"),
-            seconds: 0.25,
-        };
-        let record = Record { made_from: MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4" })), of };
-        let records = Records::of(home.path());
-        records.write("night.png", &record).expect("written");
-        assert_eq!(records.read("night.png"), Some(record));
-        assert!(home.path().join("records/night.png.json").is_file());
     }
 }

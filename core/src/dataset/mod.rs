@@ -18,7 +18,7 @@ mod stamp;
 
 pub use camera::{CameraChoice, GUESSED_FOCAL_FACTOR};
 #[cfg(feature = "colmap")]
-pub use colmap::{ColmapJob, ColmapReport, Event, ImageReport, PairReport, export_colmap, export_colmap_from};
+pub use colmap::{ColmapJob, ColmapReport, ImageReport, PairReport, export_colmap};
 pub use error::DatasetError;
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};

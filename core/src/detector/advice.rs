@@ -7,7 +7,8 @@
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, Param, Word, doc};
-use crate::detector::params::slope_grid::{SlopeAxis, SlopeGrid};
+use super::test::{LOWEST_GATE, wider_axis};
+use crate::detector::params::slope_grid::SlopeAxis;
 
 /// Reason for a poor detection, and a setting to change.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,25 +38,20 @@ const LITTLE_PER_MEGAPIXEL: f64 = 50.0;
 /// Fewer features than this are too few in an image of any size.
 const LITTLE: usize = 8;
 /// Minimum number of samples above both thresholds for one feature: one of 650 to 1000 became a keypoint wherever
-/// [`usual_share`] was measured.
+/// the usual shares were measured.
 const SAMPLES_PER_FEATURE: u64 = 500;
 /// A test that lets pass less than this fraction of its usual share is to blame.
 const BLAMED_BELOW: f64 = 0.5;
 /// Gate's share of rejected samples below which it had little noise to reject, because the peak threshold before it
 /// took that.
 const GATE_REJECTS_NOISE: f64 = 0.999;
-/// Gate factor below which so much noise passes that lowering it further does not help.
-const LOWEST_GATE: f32 = 4.0;
 
 /// Explains why `detection`, found with `params` in images of `size` (columns, rows), has few or no features; `None`
 /// where it has enough, or where the parameters ask for few.
 pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usize)) -> Option<Advice> {
     let found = detection.features.len();
     let wanted = LITTLE.max((LITTLE_PER_MEGAPIXEL * 1e-6 * size.0 as f64 * size.1 as f64) as usize);
-    if found >= wanted {
-        return None;
-    }
-    if detection.tally.rejected_by(Test::MaxFeatures) > 0 {
+    if found >= wanted || detection.tally.rejected_by(Test::MaxFeatures) > 0 {
         return None;
     }
     let what = match found {
@@ -70,22 +66,6 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
 fn widened(axis: SlopeAxis, below: bool, above: bool) -> SlopeAxis {
     let more = axis.count.saturating_sub(1).div_ceil(2).max(1);
     axis.with_more(more * usize::from(below), more * usize::from(above))
-}
-
-/// Usual share of the candidates that pass a test, in a detection that finds enough. Measured without a peak threshold
-/// on a chart, the demo, two trajectories and two real scenes, all dark: they differ by a fifth at most, by a third for
-/// slopes. `None` for the thresholds, which are judged apart, and for the maximum number of features.
-fn usual_share(test: Test) -> Option<f64> {
-    match test {
-        Test::PeakThreshold | Test::NoiseGate | Test::MaxFeatures => None,
-        Test::SpaceExtremum => Some(0.04),
-        Test::ScaleExtremum => Some(0.09),
-        Test::SlopeExtremum => Some(0.3),
-        Test::Refinement => Some(0.97),
-        Test::InterpolatedContrast | Test::Outside => Some(0.99),
-        Test::Edge => Some(0.93),
-        Test::Duplicate => Some(0.45),
-    }
 }
 
 /// Advice where there are few or no features.
@@ -126,7 +106,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
         };
     }
     let (test, reached) = to_blame(tally)?;
-    let (parameter, value) = remedy(test, params)?;
+    let (parameter, value) = (test.record().advised)(params)?;
     advice(took(test, reached), parameter, value)
 }
 
@@ -137,7 +117,7 @@ fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     let mut worst: Option<(f64, Test, u64)> = None;
     for test in Test::ALL {
         let passed = reached.saturating_sub(tally.rejected_by(test));
-        if let Some(usual) = usual_share(test).filter(|_| reached > 0) {
+        if let Some(usual) = test.record().usual_share.filter(|_| reached > 0) {
             let over_usual = passed as f64 / reached as f64 / usual;
             if over_usual < BLAMED_BELOW && worst.is_none_or(|(min, ..)| over_usual < min) {
                 worst = Some((over_usual, test, reached));
@@ -148,35 +128,8 @@ fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     worst.map(|(_, test, reached)| (test, reached))
 }
 
-/// Setting to change where `test` rejected too much; `None` where none would help.
-fn remedy(test: Test, params: &DetectorParams) -> Option<(Param<DetectorParams>, String)> {
-    match test {
-        Test::PeakThreshold | Test::InterpolatedContrast => {
-            (params.peak_threshold > 0.0).then(|| (doc::PEAK_THRESHOLD, "0".to_owned()))
-        }
-        Test::NoiseGate => Some((doc::NOISE_GATE, LOWEST_GATE.to_string())),
-        // More levels make neighbours more alike in scale, fewer make them differ; a candidate that moves away in the
-        // refinement lies between two levels.
-        Test::ScaleExtremum | Test::Refinement => {
-            Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
-        }
-        Test::SlopeExtremum => {
-            let (parameter, axis) = wider_axis(&params.slopes);
-            (axis.count > 3).then(|| (parameter, SlopeAxis { count: axis.count.div_ceil(2), ..axis }.to_string()))
-        }
-        Test::Edge => Some((doc::EDGE_THRESHOLD, (1.5 * params.edge_threshold).to_string())),
-        Test::Outside => (params.first_octave > -1).then(|| (doc::FIRST_OCTAVE, (params.first_octave - 1).to_string())),
-        Test::Duplicate => Some((doc::DISTINCT, "off".to_owned())),
-        Test::SpaceExtremum | Test::MaxFeatures => None,
-    }
-}
-
-/// The axis with more slopes, and its parameter.
-fn wider_axis(grid: &SlopeGrid) -> (Param<DetectorParams>, SlopeAxis) {
-    if grid.v.count > grid.u.count { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) }
-}
-
-fn capitalised(text: &str) -> String {
+/// `text` with a capital at its start.
+pub fn capitalised(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
@@ -199,122 +152,61 @@ mod tests {
     use super::*;
     use crate::burst::Burst;
     use crate::detector::NoiseGate;
-    use crate::detector::feature::{Feature, StageTimes};
     use crate::detector::pipeline::search;
     use crate::monitor::Monitor;
     use crate::plane::Plane;
     use crate::synth::{ChartParams, synth_chart};
 
-    const SIZE: (usize, usize) = (1000, 1000);
-
-    /// Detection with features at the given slopes of the grid, and a tally of 10 million samples.
-    fn detection(grid: SlopeGrid, slope_indices: &[usize], rejected: &[(Test, u64)]) -> Detection {
-        let feature = |&slope_index: &usize| {
-            let (i, j) = grid.coordinates(slope_index);
-            Feature {
-                u: 10.0,
-                v: 10.0,
-                sigma: 2.0,
-                orientation: 0.0,
-                slope: grid.slope(slope_index),
-                response: -0.01,
-                snr: 9.0,
-                octave: 0,
-                level: 1,
-                slope_index,
-                at_slope_limit: grid.on_rim(i, j),
-            }
-        };
-        let mut tally = Tally { samples: 10_000_000, kept: slope_indices.len() as u64, ..Tally::default() };
-        for &(test, count) in rejected {
-            tally.reject(test, count);
-        }
-        Detection {
-            features: slope_indices.iter().map(feature).collect(),
-            descriptors: vec![[0; 128]; slope_indices.len()],
-            tally,
-            frame_noise: 0.01,
-            noise: std::sync::Arc::default(),
-            noise_gate_factor: 4.96,
-            slopes: grid,
-            frames_used: 0..10,
-            octaves: 0..6,
-            times: StageTimes::default(),
-        }
-    }
-
-    fn advice(params: &DetectorParams, indices: &[usize], rejected: &[(Test, u64)]) -> Option<Advice> {
-        explain(&detection(params.used_slopes(), indices, rejected), params, SIZE)
+    /// Advice where no feature was found in 10 million samples, of which `rejected` were.
+    fn advice(params: &DetectorParams, gate: f32, rejected: &[(Test, u64)]) -> Option<Advice> {
+        let mut tally = Tally { samples: 10_000_000, ..Tally::default() };
+        rejected.iter().for_each(|&(test, count)| tally.reject(test, count));
+        little("no feature was found", 50, &tally, params, gate)
     }
 
     #[test]
-    fn enough_features_away_from_the_limit_need_no_advice() {
-        let spread: Vec<usize> = (0..70).map(|k| k % 7).collect();
-        assert_eq!(advice(&DetectorParams::default(), &spread, &[(Test::NoiseGate, 9_999_000)]), None);
-        // On a plane of 7×7 slopes half of them are on the rim, and half of the features by chance.
-        let plane = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
-        let spread: Vec<usize> = (0..490).map(|k| k % 49).collect();
-        assert_eq!(advice(&DetectorParams { slopes: plane, ..DetectorParams::default() }, &spread, &[]), None);
-    }
-
-    #[test]
-    fn a_search_without_slopes_is_given_no_advice_on_them() {
-        let sift = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
-        assert_eq!(advice(&sift, &[0; 90], &[]), None);
-    }
-
-    #[test]
-    fn the_peak_threshold_is_to_blame_where_the_gate_had_nothing_left_to_do() {
-        let params = DetectorParams { peak_threshold: 0.0003, ..DetectorParams::default() };
-        let rejected = [(Test::PeakThreshold, 9_999_926), (Test::NoiseGate, 60), (Test::SpaceExtremum, 14)];
-        let found = advice(&params, &[], &rejected).expect("advice");
-        assert_eq!((found.parameter, found.value.as_str()), (doc::PEAK_THRESHOLD, "0"));
-        assert_eq!(
-            found.for_command(),
-            "no feature was found: of 10 000 000 samples 9 999 926 were rejected as below the peak threshold of 0.0003; \
-         try --peak-threshold 0"
-        );
-        // Where it let much noise pass, the gate is.
-        let rejected = [(Test::PeakThreshold, 4_000_000), (Test::NoiseGate, 5_999_990), (Test::SpaceExtremum, 10)];
-        let found = advice(&params, &[], &rejected).expect("advice");
-        assert_eq!((found.parameter, found.value.as_str()), (doc::NOISE_GATE, "4"));
-        assert!(
-            found.problem.contains("of 6 000 000 samples 5 999 990 were rejected as below the noise gate of 4.96 σ")
-        );
-    }
-
-    #[test]
-    fn the_gate_names_what_would_see_more() {
-        let rejected = [(Test::NoiseGate, 9_999_990), (Test::SpaceExtremum, 10)];
-        let none = DetectorParams { peak_threshold: 0.0, ..DetectorParams::default() };
-        assert_eq!(advice(&none, &[], &rejected).expect("advice").parameter, doc::NOISE_GATE);
-        let sift = DetectorParams { method: Method::Sift, ..none.clone() };
-        assert_eq!(advice(&sift, &[], &rejected).expect("advice").value, "buff");
-        let low = DetectorParams { noise_gate: NoiseGate::Factor(3.5), ..none };
-        let found = Detection { noise_gate_factor: 3.5, ..detection(low.slopes, &[3], &rejected) };
-        let found = explain(&found, &low, SIZE).expect("advice");
-        assert_eq!((found.parameter, found.value.as_str()), (doc::SLOPES_U, "-6:6:13"));
-        assert!(found.problem.starts_with("only 1 feature was found: "), "{}", found.problem);
-    }
-
-    #[test]
-    fn a_later_test_that_takes_more_than_usual_is_named() {
+    fn the_test_that_took_more_than_usual_is_named_with_a_setting_that_sees_more() {
         let params = DetectorParams::default();
+        let peak = DetectorParams { peak_threshold: 0.0003, ..params.clone() };
+        let sift = DetectorParams { method: Method::Sift, ..params.clone() };
+        let gate = [(Test::NoiseGate, 9_999_990), (Test::SpaceExtremum, 10)];
         let above = [(Test::NoiseGate, 9_900_000), (Test::SpaceExtremum, 95_000), (Test::ScaleExtremum, 2_000)];
-        let edge = [&above[..], &[(Test::SlopeExtremum, 1_000), (Test::Edge, 1_990)]].concat();
-        let found = advice(&params, &[3; 10], &edge).expect("advice");
-        assert_eq!((found.parameter, found.value.as_str()), (doc::EDGE_THRESHOLD, "18"));
-        assert!(
-            found
-                .problem
-                .starts_with("only 10 features were found: of 2 000 samples 1 990 were rejected as on an edge")
-        );
-        let slope = [&above[..], &[(Test::SlopeExtremum, 2_990)]].concat();
-        let found = advice(&params, &[3; 10], &slope).expect("advice");
-        assert_eq!((found.parameter, found.value.as_str()), (doc::SLOPES_U, "-3:3:4"));
-        // A search that asks for few features has enough.
-        let cut = [&above[..], &[(Test::MaxFeatures, 2_990)]].concat();
-        assert_eq!(advice(&params, &[3; 10], &cut), None);
+        let with = |more: &[(Test, u64)]| [&above[..], more].concat();
+        for (params, factor, rejected, parameter, value, words) in [
+            // Where the gate had nothing left to do, the peak threshold is to blame; where that let noise pass, it is.
+            (
+                &peak,
+                4.96,
+                vec![(Test::PeakThreshold, 9_999_926), (Test::NoiseGate, 60), (Test::SpaceExtremum, 14)],
+                doc::PEAK_THRESHOLD,
+                "0",
+                "of 10 000 000 samples 9 999 926 were rejected as below the peak threshold of 0.0003",
+            ),
+            (
+                &peak,
+                4.96,
+                vec![(Test::PeakThreshold, 4_000_000), (Test::NoiseGate, 5_999_990), (Test::SpaceExtremum, 10)],
+                doc::NOISE_GATE,
+                "4",
+                "of 6 000 000 samples 5 999 990 were rejected as below the noise gate of 4.96 σ",
+            ),
+            (&sift, 4.96, gate.to_vec(), doc::METHOD, "buff", "noise gate"),
+            (&params, 3.5, gate.to_vec(), doc::SLOPES_U, "-6:6:13", "noise gate"),
+            (
+                &params,
+                4.96,
+                with(&[(Test::SlopeExtremum, 1_000), (Test::Edge, 1_990)]),
+                doc::EDGE_THRESHOLD,
+                "18",
+                "of 2 000 samples 1 990 were rejected as on an edge",
+            ),
+            (&params, 4.96, with(&[(Test::SlopeExtremum, 2_990)]), doc::SLOPES_U, "-3:3:4", "in slope"),
+        ] {
+            let found = advice(params, factor, &rejected).expect("advice");
+            assert_eq!((found.parameter, found.value.as_str()), (parameter, value), "{}", found.problem);
+            assert!(found.problem.starts_with("no feature was found: of ") && found.problem.contains(words));
+            assert_eq!(found.for_command(), format!("{}; try --{} {value}", found.problem, parameter.name));
+        }
     }
 
     #[test]
@@ -337,6 +229,11 @@ mod tests {
         // An even picture has no remedy, and nothing breaks.
         let even = Burst::from_planes("even", vec![Plane::zeros(64, 48); 4]);
         assert!(found(&even, &DetectorParams::default()).is_none_or(|advice| !advice.problem.is_empty()));
+        // A search that finds enough, or asks for few, needs no advice.
+        let clear = ChartParams { snr: 8.0, discs: 10, radius: 3.6..=9.0, ..dark };
+        let (clear, _) = synth_chart(&clear, &Monitor::default()).expect("a chart");
+        assert_eq!(found(&clear, &DetectorParams::default()), None);
+        assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
     }
 
     #[test]

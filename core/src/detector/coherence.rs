@@ -5,15 +5,13 @@
 //! Features are judged as they are reported, at their refined place and slope: at the grid's slope the outermost frames
 //! of a true feature would miss it.
 
-use crate::detector::describe::patch::{FramesOfOctaves, point_response, response_of};
+use crate::detector::along::Along;
 use crate::detector::feature::Feature;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::search::setup::Inputs;
-use crate::detector::stack::{coverage, frame_offsets};
-use crate::kernel::stack::FrameOffset;
+use crate::detector::stack::coverage;
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
-use std::ops::Range;
 
 /// Response of one frame along a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,62 +28,29 @@ pub struct FrameResponse {
     pub sigma_d: f32,
 }
 
-/// Source of responses along any motion.
-pub(in crate::detector) struct Along<'a, 'f> {
-    pub frames: &'a FramesOfOctaves<'f>,
-    pub inputs: &'a Inputs,
-    /// Factor of the noise gate.
-    pub gate_factor: f32,
-}
-
-impl Along<'_, '_> {
-    /// Offsets at which the frames that took part are read at `slope`.
-    pub fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
-        offsets(self.inputs, slope)
-    }
-
-    /// See [`crate::detector::Trail::point_response`].
-    pub fn point_response(
+impl Along<'_> {
+    /// See [`crate::detector::Trail::frame_responses`].
+    pub(super) fn each_frame(
         &self,
-        (octave, levels): (i32, Range<i32>),
-        (place, slope): ((f32, f32), Slope),
-        chosen: &[usize],
-    ) -> Vec<f32> {
-        let Inputs { space, params, size_image, .. } = self.inputs;
-        let frames = self.frames.of(octave);
-        point_response(frames, (space, octave, levels), *size_image, (place, slope), params.rules.interpolation, chosen)
-    }
-
-    /// The response of each frame at the scale (octave, DoG level), along the motion through `place` (input pixels, at
-    /// mid-burst) at `slope`, in time order.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
-    pub fn each_frame(
-        &self,
-        scale: (i32, i32),
+        (octave, level): (i32, i32),
         place: [f32; 2],
         slope: Slope,
         monitor: &Monitor,
     ) -> Result<Vec<FrameResponse>, Cancelled> {
-        let Inputs { times, frames_used, size_image: size, .. } = self.inputs;
-        let t0 = 0.5 * (times.frame_count as f32 - 1.0);
-        let offsets = self.offsets(slope);
+        let Inputs { times, frames_used, size_image: size, noise, .. } = self.inputs;
+        let offsets = self.inputs.offsets(slope);
         let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
         let at = (pixel(place[0], size.0), pixel(place[1], size.1));
-        let (octave, level) = scale;
-        let Inputs { space, params, noise, .. } = self.inputs;
-        let frames = self.frames.of(octave);
-        let (planes, in_octave) = (frames.planes(), frames.offsets(slope, params.rules.interpolation));
+        let frames = self.of(octave);
+        let in_octave = frames.offsets(slope);
         let factor = noise.place_factor(octave, &offsets, floor_pixel((place[0], place[1]), *size), *size);
-        let response = |(index, &t): (usize, &usize)| {
+        let response = |(index, (&t, dt)): (usize, (&usize, f32))| {
             monitor.check()?;
-            let dt = t as f32 - t0;
             let covers = offsets[index].covers(at.0, at.1, *size);
-            let of_frame = index..index + 1;
+            let own = index..index + 1;
             let value = if covers {
-                let one = (&planes[of_frame.clone()], &in_octave[of_frame.clone()]);
-                response_of(frames, one, (space, octave, level..level + 1), *size, (place[0], place[1]))[0]
+                let (planes, offsets) = (&frames.planes[own.clone()], &in_octave[own.clone()]);
+                frames.response(planes, offsets, level..level + 1, (place[0], place[1]))[0]
             } else {
                 f32::NAN
             };
@@ -94,26 +59,17 @@ impl Along<'_, '_> {
                 pos_frame: [place[0] + dt * slope.u, place[1] + dt * slope.v],
                 covers,
                 value,
-                sigma_d: noise.sigma_d(space, scale, (slope, &offsets[of_frame]), self.gate_factor) * factor,
+                sigma_d: self.inputs.sigma_d(octave, level, slope, &offsets[own]) * factor,
             })
         };
-        times.kept.iter().enumerate().map(response).collect()
+        times.kept.iter().zip(times.from_middle()).enumerate().map(response).collect()
     }
 
     /// Evenness of the frames' responses along the motion of a feature.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
-    pub fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
+    pub(super) fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
         let (scale, place) = ((feature.octave, feature.level), [feature.u, feature.v]);
         Ok(evenness_of(&self.each_frame(scale, place, feature.slope, monitor)?))
     }
-}
-
-/// Offsets at which the frames that took part are read at `slope`.
-pub(in crate::detector) fn offsets(inputs: &Inputs, slope: Slope) -> Vec<FrameOffset> {
-    let times = &inputs.times;
-    times.of(frame_offsets(times.frame_count, slope, inputs.params.rules.interpolation))
 }
 
 /// Pixel in whose columns and rows `place` lies, inside an image of `size`.
@@ -122,21 +78,22 @@ fn floor_pixel(place: (f32, f32), size: (usize, usize)) -> (usize, usize) {
     (pixel(place.0, size.0), pixel(place.1, size.1))
 }
 
-/// See [`crate::detector::Trail::sigma_d_at`]; `all` are the frames' offsets at the slope.
-pub(in crate::detector) fn sigma_d_at(
-    inputs: &Inputs,
-    gate_factor: f32,
-    (octave, level): (i32, i32),
-    ((place, slope), all): (((f32, f32), Slope), &[FrameOffset]),
-    chosen: &[usize],
-) -> f32 {
-    let Inputs { space, noise, size_image: size, .. } = inputs;
-    let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| all[index]).collect();
-    let at = floor_pixel(place, *size);
-    let min = noise.sigma_d(space, (octave, level), (slope, &offsets), gate_factor);
-    // The place factor samples all frames that took part.
-    let covering = coverage(&offsets, at.0, at.1, *size).max(1);
-    min * (offsets.len() as f32 / covering as f32).sqrt() * noise.place_factor(octave, all, at, *size)
+impl Inputs {
+    /// See [`crate::detector::Trail::sigma_d_at`].
+    pub(super) fn sigma_d_at(
+        &self,
+        (octave, level): (i32, i32),
+        (place, slope): ((f32, f32), Slope),
+        chosen: &[usize],
+    ) -> f32 {
+        let (all, size) = (self.offsets(slope), self.size_image);
+        let offsets: Vec<_> = chosen.iter().map(|&index| all[index]).collect();
+        let at = floor_pixel(place, size);
+        let min = self.sigma_d(octave, level, slope, &offsets);
+        // The place factor samples all frames that took part.
+        let covering = coverage(&offsets, at.0, at.1, size).max(1);
+        min * (offsets.len() as f32 / covering as f32).sqrt() * self.noise.place_factor(octave, &all, at, size)
+    }
 }
 
 /// Unevenness, in standard deviations, above which the responses differ.
@@ -166,7 +123,7 @@ pub fn evenness_of(answers: &[FrameResponse]) -> Evenness {
 }
 
 /// Evenness of responses.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Evenness {
     /// Mean of the responses.
     pub mean: f32,
@@ -208,9 +165,15 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
         }
     };
     let uneven = unevenness > f64::from(UNEVEN);
+    // The frames that respond lie next to each other and are not all.
+    let is_one_bump = || {
+        let on = responding(answers);
+        let starts = (0..on.len()).filter(|&i| on[i] && (i == 0 || !on[i - 1])).count();
+        starts == 1 && on.contains(&false)
+    };
     let shape = match coherence {
         _ if answers.len() < 3 => Shape::Unclear,
-        Some(coherence) if uneven && coherence < BUMP_COHERENCE && is_one_bump(answers) => Shape::Bump,
+        Some(coherence) if uneven && coherence < BUMP_COHERENCE && is_one_bump() => Shape::Bump,
         _ if uneven => Shape::Uneven,
         Some(_) => Shape::Level,
         None => Shape::Unclear,
@@ -218,26 +181,15 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     Evenness { mean: mean as f32, coherence, unevenness: unevenness as f32, shape }
 }
 
-/// Whether the frames that respond lie next to each other and are not all.
-fn is_one_bump(answers: &[(f32, f32)]) -> bool {
-    let on = responding(answers);
-    let starts = (0..on.len()).filter(|&i| on[i] && (i == 0 || !on[i - 1])).count();
-    starts == 1 && on.iter().any(|&x| !x)
-}
-
 /// For each of the responses, whether its frame responds: those averaged with their neighbours that are at least half
-/// the largest. None where the mean has no sign.
+/// the largest, all with the sign of their mean. None where the mean has no sign.
 pub fn responding(answers: &[(f32, f32)]) -> Vec<bool> {
-    let smooth = answering(answers);
-    let max = smooth.iter().copied().fold(0.0, f32::max);
-    smooth.iter().map(|&x| max > 0.0 && x >= ANSWERS * max).collect()
-}
-
-/// The responses with the sign of their mean, each averaged with its neighbours.
-fn answering(answers: &[(f32, f32)]) -> Vec<f32> {
     let sign = answers.iter().map(|a| a.0).sum::<f32>().signum();
     let at = |i: i64| answers[i.clamp(0, answers.len() as i64 - 1) as usize].0;
-    (0..answers.len() as i64).map(|i| sign * (0.25 * at(i - 1) + 0.5 * at(i) + 0.25 * at(i + 1))).collect()
+    let smooth: Vec<f32> =
+        (0..answers.len() as i64).map(|i| sign * (0.25 * at(i - 1) + 0.5 * at(i) + 0.25 * at(i + 1))).collect();
+    let max = smooth.iter().copied().fold(0.0, f32::max);
+    smooth.iter().map(|&x| max > 0.0 && x >= ANSWERS * max).collect()
 }
 
 #[cfg(test)]

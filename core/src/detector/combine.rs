@@ -165,24 +165,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn what_is_in_one_frame_only_stands_out_from_mean_minus_median() {
-        let frame =
-            |t: usize| Plane::from_fn(40, 30, |u, v| 0.2 + if t == 3 && (u, v) == (20, 15) { 0.7 } else { 0.0 });
-        let frames: Vec<Plane> = (0..8).map(frame).collect();
-        let frames: Vec<&Plane> = frames.iter().collect();
-        let at = |combine| {
-            combined_stack(&frames, Slope::default(), Interpolation::Linear, combine, &Monitor::default())
-                .expect("not cancelled")
-                .at(20, 15)
-        };
-        let near = |value: f32, should: f32| assert!((value - should).abs() < 1e-5, "{value} {should}");
-        near(at(Combine::Median), 0.2);
-        near(at(Combine::ClippedMean), 0.2);
-        near(at(Combine::Max), 0.9);
-        near(at(Combine::Min), 0.2);
-        near(at(Combine::MeanMinusMedian), 0.7 / 8.0);
-        near(at(Combine::Deviation), 0.7 / 8f32.sqrt());
-    }
 }

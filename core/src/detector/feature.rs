@@ -1,9 +1,10 @@
-//! Keypoints that the search finds, and the results of the detector: features, their descriptors, the tally of rejected
-//! samples, and the errors.
+//! Keypoints that the search finds, and the results of the detector: features, their descriptors, and the errors.
 //!
 //! Features are stored in files beside a dataset and reused. Those of an older detector are a little displaced, or have
 //! other descriptors, and match new ones less well; mixed, they would degrade a reconstruction without a message. So
 //! code that stores features writes the [`REVISION`] beside them, and reuses only those with an equal number.
+
+pub use super::test::{Tally, Test};
 
 use super::noise_model::NoiseModel;
 use super::params::{DetectorParams, ParamError, SlopeExtrema};
@@ -13,7 +14,7 @@ use crate::monitor::Cancelled;
 use std::sync::Arc;
 
 /// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Feature {
     /// Column at `t0`, input pixels; the centre of the first pixel is 0.
     pub u: f32,
@@ -27,8 +28,7 @@ pub struct Feature {
     pub slope: Slope,
     /// The interpolated DoG value with its sign, fraction of full scale; bright blobs are negative.
     pub response: f32,
-    /// |response| divided by the standard deviation of the noise in D at its octave and level; infinite for a noiseless
-    /// burst.
+    /// |response| over the noise in D at its octave and level; infinite for a noiseless burst.
     pub snr: f32,
     /// Octave in which it was found; −1 is the doubled image.
     pub octave: i32,
@@ -60,102 +60,6 @@ impl Feature {
 /// A 128-element descriptor: 4×4 cells (rows of cells from the top in the feature's own frame, u fastest) × 8
 /// orientations, L1-root normalised, ×512, clamped to 255, in UBC/COLMAP's order.
 pub type Descriptor = [u8; 128];
-
-/// Tests of a sample of D, in order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Test {
-    /// |D| is below 0.8 times the peak threshold.
-    PeakThreshold,
-    /// |D| is below a part of the noise gate, or its refined value below the gate.
-    NoiseGate,
-    /// A neighbour in the image at its own slope and level is as strong.
-    SpaceExtremum,
-    /// A neighbour at an adjacent level is as strong; in octaves after the first, clearly stronger.
-    ScaleExtremum,
-    /// A neighbour at another slope is as strong.
-    SlopeExtremum,
-    /// The quadratic fit or the ascent did not converge, or leads to another level.
-    Refinement,
-    /// The interpolated |D| is below the peak threshold.
-    InterpolatedContrast,
-    /// The principal curvatures differ too much.
-    Edge,
-    /// The refined place is outside the image or the refined scale outside the octave.
-    Outside,
-    /// A stronger keypoint shows this blob.
-    Duplicate,
-    /// Its features are weaker than the strongest `max_features`. Keypoints weaker than all of these come to this test
-    /// without the one before it.
-    MaxFeatures,
-}
-
-impl Test {
-    /// All tests, in order.
-    pub const ALL: [Self; 11] = [
-        Self::PeakThreshold,
-        Self::NoiseGate,
-        Self::SpaceExtremum,
-        Self::ScaleExtremum,
-        Self::SlopeExtremum,
-        Self::Refinement,
-        Self::InterpolatedContrast,
-        Self::Edge,
-        Self::Outside,
-        Self::Duplicate,
-        Self::MaxFeatures,
-    ];
-
-    /// Reason why a sample failed this test, in words.
-    pub fn reason(self) -> &'static str {
-        match self {
-            Self::PeakThreshold => "below the peak threshold",
-            Self::NoiseGate => "below the noise gate",
-            Self::SpaceExtremum => "not an extremum in space",
-            Self::ScaleExtremum => "not an extremum in scale",
-            Self::SlopeExtremum => "not an extremum in slope",
-            Self::Refinement => "refinement did not converge",
-            Self::InterpolatedContrast => "interpolated contrast below the threshold",
-            Self::Edge => "on an edge",
-            Self::Outside => "outside the image or the scales",
-            Self::Duplicate => "the same blob as a stronger one",
-            Self::MaxFeatures => "weaker than the strongest kept",
-        }
-    }
-}
-
-/// Numbers of samples that each test rejected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Tally {
-    /// Number of samples of D that were examined: over all octaves the pixels (except the outermost of each border,
-    /// which lack neighbours) × the levels that have one above and one below × the slopes.
-    pub samples: u64,
-    /// Number of samples that each test rejected, in the order of [`Test::ALL`].
-    pub rejected: [u64; 13],
-    /// Number of keypoints that passed every test; a keypoint may have several features.
-    pub kept: u64,
-}
-
-impl Tally {
-    /// Number of samples that `test` rejected.
-    pub fn rejected_by(&self, test: Test) -> u64 {
-        self.rejected[test as usize]
-    }
-
-    /// Counts `count` samples as rejected by `test`.
-    pub fn reject(&mut self, test: Test, count: u64) {
-        self.rejected[test as usize] += count;
-    }
-
-    /// Adds another tally.
-    pub fn merge(&mut self, other: &Self) {
-        self.samples += other.samples;
-        self.kept += other.kept;
-        for (mine, theirs) in self.rejected.iter_mut().zip(other.rejected) {
-            *mine += theirs;
-        }
-    }
-}
 
 /// Wall-clock time spent in each stage of a detection, seconds. Where threads search and describe at once, the elapsed
 /// time is divided in proportion to the threads' time on each.

@@ -11,14 +11,9 @@
 //! standard deviation σ_D·√(2·loss). A feature is at the limit if the rise exceeds `RISE_SIGMAS` of these. A feature
 //! of noise alone, chosen because it is strong at its slope, is weaker beyond: it does not rise so far by chance.
 
-use crate::detector::describe::patch::{FramesOfOctaves, point_response};
+use crate::detector::along::Along;
 use crate::detector::feature::Feature;
-use crate::detector::params::Interpolation;
-use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
-use crate::detector::scale_space::ScaleSpace;
-use crate::detector::stack::{FrameTimes, frame_offsets};
-use crate::kernel::stack::FrameOffset;
-use crate::monitor::{Cancelled, Monitor};
+use crate::detector::params::slope_grid::{Slope, SlopeAxis};
 
 /// Minimum rise of the response beyond the rim, in standard deviations of the difference that noise makes.
 const RISE_SIGMAS: f32 = 2.0;
@@ -27,67 +22,55 @@ const RISE_RATIO: f32 = 1.02;
 /// Minimum number of frames that show the place at both slopes.
 const MIN_FRAMES: usize = 2;
 
-/// Inputs besides the features.
-pub(super) struct Limit<'a, 'f> {
-    /// Slopes that were searched.
-    pub grid: SlopeGrid,
-    /// Frames at the resolution of each octave.
-    pub frames: &'a FramesOfOctaves<'f>,
-    /// Frames that take part.
-    pub times: &'a FrameTimes,
-    /// Size (columns, rows) of the image.
-    pub size_image: (usize, usize),
-    /// Scales of the search.
-    pub space: &'a ScaleSpace,
-    /// Interpolation between pixels.
-    pub interpolation: Interpolation,
-    /// Monitor for cancellation.
-    pub monitor: &'a Monitor,
+/// Rise of a feature's response from the rim of the slopes to a slope a step beyond; it does not depend on the noise.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rise {
+    difference: f32,
+    /// Ratio of the noise in D of the frames that show the place at both slopes to that of all, times the response.
+    noise: f32,
+    /// √(2·loss).
+    spread: f32,
 }
 
-impl Limit<'_, '_> {
-    /// Value of [`Feature::at_slope_limit`] for a feature; all features of one keypoint have the same.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once the monitor was cancelled.
-    pub fn is_at_limit(&self, feature: &Feature) -> Result<bool, Cancelled> {
-        self.monitor.check()?;
-        Ok(self.rises_beyond(feature))
+impl Rise {
+    /// Whether the rise is none of noise's, for a feature of signal-to-noise ratio `snr`.
+    pub(super) fn exceeds_noise(self, snr: f32) -> bool {
+        let sigma_d = self.noise / snr;
+        self.difference > RISE_SIGMAS * sigma_d * self.spread
     }
+}
 
-    /// Whether the response of `feature` rises from the rim of the slopes to a slope a step beyond.
-    fn rises_beyond(&self, feature: &Feature) -> bool {
-        let Some((rim, beyond)) = self.rim_and_beyond(feature.slope) else { return false };
+impl Along<'_> {
+    /// Rises of the response of `feature` that are large enough but for the noise; all features of one keypoint have
+    /// the same. It is [at the limit](Feature::at_slope_limit) if one of them exceeds the noise.
+    pub(super) fn rises(&self, feature: &Feature) -> Vec<Rise> {
+        let Some((rim, beyond)) = self.rim_and_beyond(feature.slope) else { return Vec::new() };
         let place = (feature.u, feature.v);
         let on_rim = self.covering(place, rim);
-        let gaps = self.times.frame_count;
-        beyond.into_iter().any(|slope| {
+        let rise = |slope: Slope| {
             let there = self.covering(place, slope);
             let both: Vec<usize> = on_rim.iter().copied().filter(|index| there.contains(index)).collect();
             if both.len() < MIN_FRAMES {
-                return false;
+                return None;
             }
+            let levels = feature.level..feature.level + 1;
             let of = |slope: Slope| {
-                let levels = feature.level..feature.level + 1;
-                let octave = self.frames.of(feature.octave);
-                let at = (self.space, feature.octave, levels);
-                let path = (place, slope);
-                feature.response.signum()
-                    * point_response(octave, at, self.size_image, path, self.interpolation, &both)[0]
+                feature.response.signum() * self.response(feature.octave, levels.clone(), place, slope, &both)[0]
             };
             let (here, there) = (of(rim), of(slope));
             let apart = (slope.u - rim.u).hypot(slope.v - rim.v);
-            let loss = response_loss(apart, gaps, feature.sigma);
+            let loss = response_loss(apart, self.inputs.times.frame_count, feature.sigma);
             let frames = (on_rim.len() as f32 / both.len() as f32).sqrt();
-            let sigma_d = frames * feature.response.abs() / feature.snr;
-            there > RISE_RATIO * here.abs() && there - here > RISE_SIGMAS * sigma_d * (2.0 * loss).sqrt()
-        })
+            let (noise, spread) = (frames * feature.response.abs(), (2.0 * loss).sqrt());
+            (there > RISE_RATIO * here.abs()).then_some(Rise { difference: there - here, noise, spread })
+        };
+        beyond.into_iter().filter_map(rise).collect()
     }
 
     /// The slope on the rim nearest to `slope`, and those a step beyond it: three at a corner of a plane, one
     /// elsewhere. `None` where the grid's slope nearest to `slope` is not on the rim.
     fn rim_and_beyond(&self, slope: Slope) -> Option<(Slope, Vec<Slope>)> {
-        let grid = &self.grid;
+        let grid = self.inputs.params.used_slopes();
         if !grid.nearest_on_rim(slope) {
             return None;
         }
@@ -106,8 +89,9 @@ impl Limit<'_, '_> {
         if axis.count < 2 {
             return (0.0, vec![0.0]);
         }
-        let gaps = self.times.frame_count.max(2) - 1;
-        let finest = 2.0 * self.space.sigma_image(self.space.first_octave, 0.0) as f32 / gaps as f32;
+        let gaps = self.inputs.times.frame_count.max(2) - 1;
+        let space = &self.inputs.space;
+        let finest = 2.0 * space.sigma_image(space.first_octave, 0.0) as f32 / gaps as f32;
         let step = (finest / axis.step()).max(1.0);
         match at.round().clamp(0.0, last) {
             0.0 => (0.0, vec![0.0, -step]),
@@ -118,10 +102,11 @@ impl Limit<'_, '_> {
 
     /// Indices, among the frames that take part, of those that show the place at a slope.
     fn covering(&self, (u, v): (f32, f32), slope: Slope) -> Vec<usize> {
+        let size = self.inputs.size_image;
         let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
-        let at = (pixel(u, self.size_image.0), pixel(v, self.size_image.1));
-        let offsets: Vec<FrameOffset> = self.times.of(frame_offsets(self.times.frame_count, slope, self.interpolation));
-        (0..offsets.len()).filter(|&index| offsets[index].covers(at.0, at.1, self.size_image)).collect()
+        let at = (pixel(u, size.0), pixel(v, size.1));
+        let offsets = self.inputs.offsets(slope);
+        (0..offsets.len()).filter(|&index| offsets[index].covers(at.0, at.1, size)).collect()
     }
 }
 

@@ -78,7 +78,6 @@ pub fn estimate(params: &DetectorParams, frames: usize, size: (usize, usize)) ->
     estimate_on(rayon::current_num_threads(), params, frames, size)
 }
 
-/// As [`estimate`], for a search on `threads` threads.
 fn estimate_on(threads: usize, params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
     let slopes = params.used_slopes().len() as u64;
     slopes.saturating_mul(bytes_of_slope(params, size)).saturating_add(bytes_beside_slopes(threads, frames, size))
@@ -92,7 +91,6 @@ fn bytes_beside_slopes(threads: usize, frames: usize, size: (usize, usize)) -> u
     of_frames.saturating_add(windows as u64)
 }
 
-/// Memory held for one slope, bytes.
 fn bytes_of_slope(params: &DetectorParams, size: (usize, usize)) -> u64 {
     searched_octaves(params, size).skip(1).map(|octave| plane_bytes(octave_size(size, octave))).sum()
 }
@@ -101,14 +99,12 @@ fn plane_bytes((width, height): (usize, usize)) -> u64 {
     (width as u64).saturating_mul(height as u64).saturating_mul(size_of::<f32>() as u64)
 }
 
-/// Memory taken by searches that share a budget.
+/// Memory taken by searches that share a budget, bytes.
 #[derive(Debug, Default)]
 pub(crate) struct Account {
-    /// Sum of the shares, bytes.
     taken: Mutex<u64>,
 }
 
-/// The account of all searches of the process.
 pub(crate) static OF_PROCESS: Account = Account::new();
 
 /// Memory of a search, released when dropped.
@@ -136,9 +132,6 @@ impl Account {
     }
 
     /// Plans as [`Plan::new`], within the part of `budget` that the other searches of this account leave.
-    ///
-    /// # Errors
-    /// As [`Plan::new`] within the whole budget.
     pub(crate) fn plan(
         &self,
         params: &DetectorParams,
@@ -171,10 +164,8 @@ pub(crate) struct Plan {
 
 impl Plan {
     /// Plans a search with `params` of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a
-    /// bound. Uses as many of the pool's threads as there is memory for.
-    ///
-    /// # Errors
-    /// The search needs more than `budget` even in its smallest form: the error gives its least memory, and a remedy.
+    /// bound. Uses as many of the pool's threads as there is memory for. Where even the smallest form needs more, the
+    /// error gives its least memory, and a remedy.
     pub(crate) fn new(
         params: &DetectorParams,
         frames: usize,
@@ -188,9 +179,6 @@ impl Plan {
     }
 
     /// Plan that takes the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
-    ///
-    /// # Errors
-    /// As [`Plan::new`].
     pub(crate) fn smallest(
         params: &DetectorParams,
         frames: usize,
@@ -202,7 +190,6 @@ impl Plan {
         Self::on(1, params, frames, size, Some(budget.map_or(min, |budget| budget.min(min))))
     }
 
-    /// Plans as [`Plan::new`], on `threads` threads.
     fn on(
         threads: usize,
         params: &DetectorParams,
@@ -227,21 +214,23 @@ impl Plan {
             let bytes = beside.saturating_add(of_slope.saturating_mul(visited as u64));
             return Ok(Self { search, describe, threads, bytes });
         }
-        let min_slopes = min_slopes(params);
-        let min = beside.saturating_add(of_slope.saturating_mul(min_slopes as u64));
-        Err(refusal(params, (frames, size), (min, budget), (min_slopes, fitting)))
+        let min = beside.saturating_add(of_slope.saturating_mul(min_slopes(params) as u64));
+        Err(refusal(params, frames, size, min, budget, fitting))
     }
 
     /// Runs `work` on the threads that the plan allows.
     pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        if self.threads >= rayon::current_num_threads() {
-            return work();
-        }
-        match rayon::ThreadPoolBuilder::new().num_threads(self.threads).build() {
-            Ok(pool) => pool.install(work),
-            // If the system gives no more threads, those of the pool are used, and the search may take more memory.
-            Err(_) => work(),
-        }
+        // If the system gives no more threads, those of the pool are used, and the search may take more memory.
+        if self.threads >= rayon::current_num_threads() { work() } else { on_threads(self.threads, work) }
+    }
+}
+
+/// Calls `work` in a pool of `threads` threads of its own, 0 for as many as usual; in the current one where the system
+/// gives no more threads.
+pub(super) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
     }
 }
 
@@ -252,14 +241,16 @@ fn min_slopes(params: &DetectorParams) -> usize {
     reach.map_or(grid.len(), |reach| (2 * reach.max(slopes_around(params, &grid)) + 1).min(grid.len()))
 }
 
-/// Error for a search that needs at least `min` bytes, for `min_slopes` slopes that must be held at once.
+/// Error for a search that needs at least `min` bytes where `budget` bytes hold `fitting` slopes.
 fn refusal(
     params: &DetectorParams,
-    (frames, size): (usize, (usize, usize)),
-    (min, budget): (u64, u64),
-    (min_slopes, fitting): (usize, usize),
+    frames: usize,
+    size: (usize, usize),
+    min: u64,
+    budget: u64,
+    fitting: usize,
 ) -> ParamError {
-    let grid = params.used_slopes();
+    let (grid, min_slopes) = (params.used_slopes(), min_slopes(params));
     let less = match fitting {
         0 => "a larger first octave, fewer frames or a smaller picture would take less".to_owned(),
         count => format!("{count} slopes fit, and a larger first octave takes less"),
@@ -284,7 +275,6 @@ fn refusal(
     }
 }
 
-/// Text of a number of bytes, in MB or GB.
 fn said(bytes: u64) -> String {
     match bytes as f64 {
         b if b < 1e9 => format!("{:.0} MB", b / 1e6),
@@ -304,8 +294,7 @@ mod tests {
             DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 64, -3.0..=3.0, 64), ..DetectorParams::default() };
         let fine = DetectorParams { first_octave: -1, ..plane.clone() };
         let of = |params: &DetectorParams| estimate(params, 10, size) as f64 / 1e9;
-        assert!((8.0..13.0).contains(&of(&plane)), "{}", of(&plane));
-        assert!((32.0..45.0).contains(&of(&fine)), "{}", of(&fine));
+        assert!((8.0..13.0).contains(&of(&plane)) && (32.0..45.0).contains(&of(&fine)));
         assert!(of(&DetectorParams::default()) < 0.5);
         assert!(estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
     }
@@ -360,8 +349,7 @@ mod tests {
     #[test]
     fn a_small_budget_takes_fewer_threads_before_it_refuses() {
         let of = |threads, budget| Plan::on(threads, &plane(), 10, (480, 360), Some(budget));
-        let one =
-            (1..).map(|step| step * 1_000_000).find(|budget| of(1, *budget).is_ok()).expect("some budget is enough");
+        let one = (1..).map(|step| step * 1_000_000).find(|budget| of(1, *budget).is_ok()).expect("one is enough");
         let many = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("a pool");
         let threads =
             |budget| many.install(|| Plan::new(&plane(), 10, (480, 360), Some(budget))).map(|plan| plan.threads);
@@ -369,11 +357,6 @@ mod tests {
         assert_eq!(threads(one), Ok(1));
         assert!(threads(one + 20_000_000).is_ok_and(|threads| (2..8).contains(&threads)));
         assert_eq!(threads(1 << 40), Ok(8));
-        assert_eq!(
-            threads(one - 1_000_000),
-            of(1, one - 1_000_000).map(|plan| plan.threads),
-            "what is needed at least"
-        );
         let plan = many.install(|| Plan::new(&plane(), 10, (480, 360), Some(one))).expect("it fits");
         assert_eq!(many.install(|| plan.run(rayon::current_num_threads)), 1);
     }
@@ -385,12 +368,6 @@ mod tests {
         let error = refused(&all, 1_000_000_000);
         assert!(error.contains("memory: ") && error.contains("2401 slopes at once"), "{error}");
         assert!(error.contains("1.0 GB") && error.contains("other rules than buff"), "{error}");
-        let fitting = error.split(' ').rev().skip_while(|word| *word != "slopes").nth(1);
-        let fitting: usize = fitting.and_then(|n| n.parse().ok()).expect("a number");
-        assert!((200..400).contains(&fitting), "{error}");
-        let fits = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, fitting), ..all };
-        assert_eq!(plan(&fits, Some(1_000_000_000)).expect("it says so").search.len(), 1);
-
         let error = refused(&plane(), 300_000_000);
         assert!(error.contains("101 slopes at once") && error.contains("rows of fewer slopes"), "{error}");
         let error = refused(&plane(), 1000);

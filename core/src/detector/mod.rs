@@ -4,35 +4,39 @@
 //! and average) → [`scale_space`] (Gaussian levels and their differences D, tile by tile) → [`search`] (extrema over
 //! place and scale, at each slope for itself or jointly over slope) → [`refine`] (between the samples) → [`distinct`]
 //! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
-//! slope) → [`orient`] and [`describe`] (on the pixels around the feature) → [`coherence`] (if requested, the single
-//! frames agree) → [`feature`].
+//! slope) → `orient` and [`describe`] (on the pixels around the feature) → `limit` (motion beyond the slopes) →
+//! [`feature`], whose values [`quantity`] lists. From `distinct` on the steps read D along any motion (`along`), and so
+//! does [`coherence`], which tells how alike the single frames respond. [`test`] has a record of each test that a
+//! candidate goes through.
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
-//! [`view`], single steps as pictures; [`limit`], features whose motion lies beyond the slopes; [`advice`], reasons for
-//! poor results. [`pipeline`] puts the steps together.
-//! Everything here is a function from values to values; the costly inner loops are in [`crate::kernel`].
+//! [`view`], single steps as pictures; [`advice`], reasons for poor results. [`pipeline`] puts the steps together.
+//! Everything here is a function from values to values; the costly inner loops are in `crate::kernel`.
 
 pub mod advice;
+mod along;
 pub mod coherence;
 pub mod combine;
 pub mod describe;
-pub mod distinct;
+mod distinct;
 pub mod feature;
 pub mod field;
-pub mod limit;
+pub(crate) mod limit;
 pub mod localise;
 pub mod memory;
 pub mod noise;
 pub mod noise_model;
-pub mod orient;
+mod orient;
 pub mod params;
-pub mod pipeline;
-pub mod refine;
+pub(crate) mod pipeline;
+pub mod quantity;
+pub(crate) mod refine;
 pub mod scale_space;
-pub mod search;
+pub(crate) mod search;
 pub mod slopes;
 pub mod stack;
+pub mod test;
 pub mod view;
 
 pub use advice::{Advice, explain};
@@ -45,4 +49,5 @@ pub use params::{
     SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows};
+pub use quantity::Quantity;
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

@@ -312,18 +312,13 @@ mod tests {
 
     #[test]
     fn coarse_numbers_do_not_spoil_the_estimate() {
-        // 8-bit frames whose noise is half, one and two grey values; rounding adds a twelfth of a step².
-        for grey_values in [0.5f32, 1.0, 2.0] {
+        // 8-bit frames whose noise is none, half, one and two grey values; rounding adds a twelfth of a step².
+        for grey_values in [0.0, 0.5f32, 1.0, 2.0] {
             let step = 1.0 / 255.0;
             let burst = noisy_burst(grey_values * step, 3, |u, _| 0.3 + u as f32 * 1e-4, step);
             let expected = (grey_values * grey_values + 1.0 / 12.0).sqrt() * step;
             let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
-            assert!(
-                (estimate / expected - 1.0).abs() < 0.05,
-                "{grey_values}: {} of {}",
-                estimate / step,
-                expected / step
-            );
+            assert!((estimate / expected - 1.0).abs() < 0.05, "{grey_values}: {} of {expected}", estimate);
         }
     }
 
@@ -338,13 +333,6 @@ mod tests {
         }
         let estimate = frame_noise(&burst, 0..3, &Monitor::default()).expect("not cancelled");
         assert!((estimate / sigma - 1.0).abs() < 0.06, "{}", estimate / sigma);
-    }
-
-    #[test]
-    fn a_noiseless_burst_has_its_rounding_error() {
-        let burst = noisy_burst(0.0, 2, |_, _| 0.2, 1.0 / 255.0);
-        let estimate = frame_noise(&burst, 0..2, &Monitor::default()).expect("not cancelled");
-        assert!(estimate <= 0.3 / 255.0 && estimate > 0.28 / 255.0);
     }
 
     #[test]
@@ -404,10 +392,7 @@ mod tests {
                     let measured = (data.iter().map(|x| x * x).sum::<f64>() / data.len() as f64).sqrt();
                     let predicted = dog_noise_variance(&space, first_octave, level_index as f64 - 1.0, &offsets).sqrt();
                     let tolerance = if first_octave == 1 { 0.12 } else { 0.06 };
-                    assert!(
-                        (measured / predicted - 1.0).abs() < tolerance,
-                        "octave {first_octave} {slope:?} {level_index}: {measured} {predicted}"
-                    );
+                    assert!((measured / predicted - 1.0).abs() < tolerance, "{first_octave} {slope:?} {level_index}");
                 }
             }
         }

@@ -12,16 +12,11 @@ const BINS: usize = 36;
 /// Number of independent histograms, so that an addition need not wait for the one before it.
 const TURNS: usize = 4;
 
-/// Buffers for the windows; reused from feature to feature.
+/// Reused from feature to feature.
 #[derive(Debug, Default)]
 pub struct OrientationScratch {
     along_u: Vec<f32>,
     along_v: Vec<f32>,
-}
-
-/// Radius of the pixels that the orientation of a feature of scale `sigma` depends on, octave pixels.
-fn radius(sigma: f32) -> i64 {
-    (4.5 * sigma).floor().max(1.0) as i64
 }
 
 /// Computes the orientations of a feature at (x, y), scale `sigma`, in octave pixels: radians in [0, 2π), strongest
@@ -36,13 +31,17 @@ pub fn orientations(
     scratch: &mut OrientationScratch,
 ) -> Vec<f32> {
     let mut histogram = histogram(level, size, (x, y), sigma, scratch);
+    let around = |histogram: &[f32; BINS], i: usize| [BINS - 1, 0, 1].map(|step| histogram[(i + step) % BINS]);
     for _ in 0..6 {
-        histogram = smoothed(&histogram);
+        histogram = std::array::from_fn(|i| {
+            let [before, here, after] = around(&histogram, i);
+            (before + here + after) / 3.0
+        });
     }
     let highest = histogram.iter().copied().fold(0.0, f32::max);
     let mut peaks: Vec<(f32, f32)> = Vec::with_capacity(BINS / 2);
     for i in 0..BINS {
-        let (before, here, after) = (histogram[(i + BINS - 1) % BINS], histogram[i], histogram[(i + 1) % BINS]);
+        let [before, here, after] = around(&histogram, i);
         if here > 0.8 * highest && here > before && here > after {
             let offset = -0.5 * (after - before) / (after + before - 2.0 * here);
             peaks.push((here, TAU * (i as f32 + offset + 0.5) / BINS as f32));
@@ -51,14 +50,6 @@ pub fn orientations(
     peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
     peaks.truncate(max);
     if peaks.is_empty() { vec![0.0] } else { peaks.into_iter().map(|(_, angle)| angle.rem_euclid(TAU)).collect() }
-}
-
-/// Mean of each bin and its two neighbours.
-fn smoothed(histogram: &[f32; BINS]) -> [f32; BINS] {
-    let mut padded = [0.0; BINS + 2];
-    padded[1..=BINS].copy_from_slice(histogram);
-    (padded[0], padded[BINS + 1]) = (histogram[BINS - 1], histogram[0]);
-    std::array::from_fn(|i| (padded[i] + padded[i + 1] + padded[i + 2]) / 3.0)
 }
 
 /// Weighted histogram of directions; bin `i` is centred on (i + ½)·10°.
@@ -70,7 +61,7 @@ fn histogram(
     sigma: f32,
     scratch: &mut OrientationScratch,
 ) -> [f32; BINS] {
-    let (spread, radius) = (1.5 * sigma, radius(sigma));
+    let (spread, radius) = (1.5 * sigma, (4.5 * sigma).floor().max(1.0) as i64);
     let (columns, rows) = (reach(x, radius, size.0), reach(y, radius, size.1));
     let limit = (radius * radius) as f32 + 0.6;
     let OrientationScratch { along_u, along_v } = scratch;

@@ -3,17 +3,14 @@
 
 use super::combine::{Combine, combined_stack};
 use super::feature::DetectError;
-use super::noise::gate_factor;
 use super::noise_model::reading::sample_at;
 use super::params::{DetectorParams, ParamError, doc};
-use super::search::place_factor;
 use super::search::setup::{Inputs, known_noise};
 use crate::burst::Burst;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
 use crate::detector::stack::{coverage, frame_offsets, motion_stack};
-use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -25,9 +22,7 @@ use std::ops::Range;
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
 pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Cancelled> {
-    let used = params.used_frames(burst.len());
-    let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
-    motion_stack(&frames, slope, params.rules.interpolation, monitor)
+    motion_stack(&used_frames(burst, params), slope, params.rules.interpolation, monitor)
 }
 
 /// Combination of the shifted frames at any `slope`, as [`stack_view`] shows their mean.
@@ -41,9 +36,7 @@ pub fn combined_view(
     combine: Combine,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
-    let used = params.used_frames(burst.len());
-    let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
-    combined_stack(&frames, slope, params.rules.interpolation, combine, monitor)
+    combined_stack(&used_frames(burst, params), slope, params.rules.interpolation, combine, monitor)
 }
 
 /// DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i,
@@ -64,8 +57,7 @@ pub fn dog_view(
     monitor: &Monitor,
 ) -> Result<Plane, DetectError> {
     let octaves = check_level(params, burst.size(), octave, level)?;
-    let used = params.used_frames(burst.len());
-    let frames: Vec<&Plane> = burst.frames[used].iter().map(|f| &**f).collect();
+    let frames = used_frames(burst, params);
     let offsets = frame_offsets(frames.len(), slope, params.rules.interpolation);
     let space = ScaleSpace::of(params);
     let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: burst.size() };
@@ -78,6 +70,10 @@ pub fn dog_view(
         Base::Level(&first_level)
     };
     Ok(dog_plane(&base, &space, size, (level + 1) as usize, monitor)?)
+}
+
+fn used_frames<'b>(burst: &'b Burst, params: &DetectorParams) -> Vec<&'b Plane> {
+    burst.frames[params.used_frames(burst.len())].iter().map(|frame| &**frame).collect()
 }
 
 /// Checks that the search has `octave` and `level`, and returns all its octaves in images of `size` (columns, rows).
@@ -140,9 +136,9 @@ pub fn gate_noise_map(
 ) -> Result<Plane, DetectError> {
     check_level(params, burst.size(), octave, level)?;
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
-    let offsets = offsets_of(&inputs, slope);
-    let min = inputs.noise.sigma_d(&inputs.space, (octave, level), (slope, &offsets), gate_factor(params));
-    let at = |x, y| min * place_factor(&inputs.noise, octave, &offsets, (x, y), inputs.size_image);
+    let offsets = inputs.offsets(slope);
+    let min = inputs.sigma_d(octave, level, slope, &offsets);
+    let at = |x, y| min * inputs.place_factor(octave, &offsets, (x, y));
     Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
 }
 
@@ -159,15 +155,9 @@ pub fn coverage_view(
     monitor: &Monitor,
 ) -> Result<Plane, DetectError> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
-    let (offsets, size) = (offsets_of(&inputs, slope), inputs.size_image);
+    let (offsets, size) = (inputs.offsets(slope), inputs.size_image);
     let share = |u, v| coverage(&offsets, u, v, size) as f32 / offsets.len().max(1) as f32;
     Ok(plane_of(size, share, monitor)?)
-}
-
-/// Offsets of the frames that take part at `slope`.
-fn offsets_of(inputs: &Inputs, slope: Slope) -> Vec<FrameOffset> {
-    let times = &inputs.times;
-    times.of(frame_offsets(times.frame_count, slope, inputs.params.rules.interpolation))
 }
 
 /// Plane of `size` with the value of `at` at each (column, row); rows in parallel.
@@ -236,21 +226,13 @@ mod tests {
             }
             let slope = Slope::new(2.0, 0.0);
             let share = coverage_view(&burst, &params, slope, &monitor).expect("a map");
-            let counts = crate::detector::stack::coverage;
             for (u, v) in [(0, 3), (80, 60), (159, 119)] {
-                let count = counts(&trail.offsets(slope), u, v, burst.size());
+                let count = coverage(&trail.offsets(slope), u, v, burst.size());
                 assert_eq!(share.at(u, v), count as f32 / all.len() as f32);
             }
             assert!(share.at(0, 3) < 1.0 && share.at(80, 60) == 1.0);
         }
         let wrong = gate_noise_map(&burst, &DetectorParams::default(), Slope::default(), 9, 0, &monitor);
         assert!(matches!(wrong, Err(DetectError::Param(_))));
-    }
-
-    #[test]
-    fn a_map_of_the_noise_needs_parameters_that_fit() {
-        let burst = NoiseCase::White.burst((64, 48), 3, 0.02, 1, &Monitor::default()).expect("not cancelled");
-        let params = DetectorParams { levels: 0, ..DetectorParams::default() };
-        assert!(matches!(noise_map(&burst, &params, &Monitor::default()), Err(DetectError::Param(_))));
     }
 }

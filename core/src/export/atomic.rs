@@ -69,7 +69,7 @@ pub(super) fn replace(path: &Path, fill: impl FnOnce(&Path) -> io::Result<File>)
     let existing = std::fs::symlink_metadata(path).ok();
     let is_other = existing.as_ref().is_some_and(|m| !m.is_file() && !m.is_symlink());
     if is_of_system(path) || is_other || path.file_name().is_none() {
-        return Err(ExportError::NotAFile { path: path.into() });
+        return Err(ExportError::NotAFile(path.into()));
     }
     if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         std::fs::create_dir_all(parent).map_err(fail)?;
@@ -126,8 +126,8 @@ mod tests {
         let path = folder.path().join("a/b/c.txt");
         write_whole(&path, |w| w.write_all(b"new")).expect("written");
         assert_eq!(std::fs::read(&path).expect("read"), b"new");
-        assert!(matches!(write_whole(folder.path(), |_| Ok(())), Err(ExportError::NotAFile { .. })));
-        assert!(matches!(write_whole(Path::new("/"), |_| Ok(())), Err(ExportError::NotAFile { .. })));
+        assert!(matches!(write_whole(folder.path(), |_| Ok(())), Err(ExportError::NotAFile(_))));
+        assert!(matches!(write_whole(Path::new("/"), |_| Ok(())), Err(ExportError::NotAFile(_))));
         // A file in place of a folder.
         let error = write_whole(&path.join("d.txt"), |_| Ok(()));
         assert!(matches!(error, Err(ExportError::Write { .. })), "{error:?}");
@@ -152,6 +152,6 @@ mod tests {
         write_whole(&path, |w| w.write_all(b"new")).expect("written");
         assert_eq!(mode(&path), 0o640);
         // A device is never replaced.
-        assert!(matches!(write_whole(Path::new("/dev/null"), |_| Ok(())), Err(ExportError::NotAFile { .. })));
+        assert!(matches!(write_whole(Path::new("/dev/null"), |_| Ok(())), Err(ExportError::NotAFile(_))));
     }
 }

@@ -5,12 +5,17 @@
 
 use super::atomic::write_whole;
 use super::error::ExportError;
-use crate::detector::Feature;
+use crate::detector::{Feature, Quantity};
 use crate::files::{MAX_TABLE_BYTES, read_bytes, read_text};
 use crate::plane::sample::ProfileSample;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
+
+/// Header of a table of features: the keys of [`Quantity::STORED`].
+pub fn feature_header() -> String {
+    Quantity::STORED.map(|quantity| quantity.record().key).join(",")
+}
 
 /// Writes the features as CSV.
 ///
@@ -18,34 +23,20 @@ use std::path::Path;
 /// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
     write_whole(path, |out| {
-        writeln!(out, "{}", COLUMNS.join(","))?;
+        writeln!(out, "{}", feature_header())?;
         for feature in features {
-            let r = FeatureRow::from(feature);
-            writeln!(
-                out,
-                "{},{},{},{},{},{},{},{},{},{},{}",
-                r.u,
-                r.v,
-                r.sigma,
-                r.orientation,
-                r.slope_u,
-                r.slope_v,
-                r.response,
-                r.snr,
-                r.octave,
-                r.level,
-                u8::from(r.at_slope_limit)
-            )?;
+            writeln!(out, "{}", Quantity::STORED.map(|quantity| quantity.cell(feature)).join(","))?;
         }
         Ok(())
     })
 }
 
-/// Reads a table that [`write_csv`] wrote. Strict: the header must be exact and every line complete.
+/// Reads a table that [`write_csv`] wrote. Strict: the header must be exact and every line complete. The table does not
+/// say at which of the searched slopes a feature was found: `slope_index` is 0.
 ///
 /// # Errors
 /// [`ExportError::Read`], or [`ExportError::Text`] with the line and the problem in it.
-pub fn read_features_csv(path: &Path) -> Result<Vec<FeatureRow>, ExportError> {
+pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>, ExportError> {
     let bytes = read_bytes(path, MAX_TABLE_BYTES)
         .map_err(|e| ExportError::Read { path: path.into(), reason: e.to_string() })?;
     let text = std::str::from_utf8(&bytes).map_err(|e| {
@@ -55,41 +46,27 @@ pub fn read_features_csv(path: &Path) -> Result<Vec<FeatureRow>, ExportError> {
     parse(text).map_err(|(line, problem)| ExportError::Text { path: path.into(), line, problem })
 }
 
-/// Parses the rows; the error is the number of the wrong line and its problem.
-fn parse(text: &str) -> Result<Vec<FeatureRow>, (usize, String)> {
+/// The error is the number of the wrong line and its problem.
+fn parse(text: &str) -> Result<Vec<Feature>, (usize, String)> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
-    let header = COLUMNS.join(",");
+    let header = feature_header();
     if lines.next().is_none_or(|(_, first)| first != header) {
         return Err((1, format!("the header must be {header}")));
     }
     lines.map(|(number, line)| row(line).map_err(|problem| (number, problem))).collect()
 }
 
-fn row(line: &str) -> Result<FeatureRow, String> {
+fn row(line: &str) -> Result<Feature, String> {
     let cells: Vec<&str> = line.split(',').collect();
-    if cells.len() != COLUMNS.len() {
-        return Err(format!("there must be {} cells, not {}", COLUMNS.len(), cells.len()));
+    if cells.len() != Quantity::STORED.len() {
+        return Err(format!("there must be {} cells, not {}", Quantity::STORED.len(), cells.len()));
     }
-    let wrong = |i: usize, right: &str| format!("{} must be {right}, not '{}'", COLUMNS[i], cells[i]);
-    let float = |i: usize| cells[i].parse::<f32>().map_err(|_| wrong(i, "a number"));
-    let integer = |i: usize| cells[i].parse::<i32>().map_err(|_| wrong(i, "a whole number"));
-    Ok(FeatureRow {
-        u: float(0)?,
-        v: float(1)?,
-        sigma: float(2)?,
-        orientation: float(3)?,
-        slope_u: float(4)?,
-        slope_v: float(5)?,
-        response: float(6)?,
-        snr: float(7)?,
-        octave: integer(8)?,
-        level: integer(9)?,
-        at_slope_limit: match cells[10] {
-            "0" => false,
-            "1" => true,
-            _ => return Err(wrong(10, "0 or 1")),
-        },
-    })
+    let mut feature = Feature::default();
+    for (quantity, cell) in Quantity::STORED.into_iter().zip(cells) {
+        let wrong = |right| format!("{} must be {right}, not '{cell}'", quantity.record().key);
+        quantity.read(&mut feature, cell).map_err(wrong)?;
+    }
+    Ok(feature)
 }
 
 /// Header of tables of curves.
@@ -100,8 +77,8 @@ pub const PLANTED_COLUMNS: &str = "seed,id,varied,u,v,radius,slope_u,slope_v,sig
 /// Whether the file at `path` is a table that this program writes: its header is one of ours, every line has as many
 /// cells, and the last one is complete.
 pub(super) fn is_table(path: &Path) -> bool {
-    let (features, matches) = (COLUMNS.join(","), MATCH_COLUMNS.join(","));
-    let headers = [features.as_str(), &matches, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
+    let features = feature_header();
+    let headers = [features.as_str(), MATCH_COLUMNS, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
     // Commas outside of quotes.
     let commas = |line: &str| line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();
     first_line(path).is_some_and(|header| headers.contains(&header.as_str()))
@@ -117,76 +94,6 @@ pub(super) fn first_line(path: &Path) -> Option<String> {
     let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|found| found.is_file()))?;
     BufReader::new(file.take(1024)).read_line(&mut line).ok()?;
     line.strip_suffix('\n').map(str::to_owned)
-}
-
-/// Names of the columns, in order. Positions and scale are in input pixels; orientation in radians; slopes in pixels
-/// per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is |response|/σ_D;
-/// `at_slope_limit` is 1 or 0.
-pub const COLUMNS: [&str; 11] =
-    ["u", "v", "sigma", "orientation", "slope_u", "slope_v", "response", "snr", "octave", "level", "at_slope_limit"];
-
-/// Row of a feature table: the exported values of a feature.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeatureRow {
-    /// Column at mid-burst, input pixels.
-    pub u: f32,
-    /// Row at mid-burst, input pixels.
-    pub v: f32,
-    /// Scale σ, input pixels.
-    pub sigma: f32,
-    /// Orientation, radians, from +u towards +v.
-    pub orientation: f32,
-    /// Apparent motion to the right, pixels per frame.
-    pub slope_u: f32,
-    /// Apparent motion down, pixels per frame.
-    pub slope_v: f32,
-    /// Interpolated DoG value with its sign, fraction of full scale.
-    pub response: f32,
-    /// |response| over the noise in D; infinite for a noiseless burst.
-    pub snr: f32,
-    /// Octave in which the feature was found.
-    pub octave: i32,
-    /// Level at which the feature was found.
-    pub level: i32,
-    /// Whether the feature was found on the rim of the slope grid.
-    pub at_slope_limit: bool,
-}
-
-impl From<&Feature> for FeatureRow {
-    fn from(f: &Feature) -> Self {
-        Self {
-            u: f.u,
-            v: f.v,
-            sigma: f.sigma,
-            orientation: f.orientation,
-            slope_u: f.slope.u,
-            slope_v: f.slope.v,
-            response: f.response,
-            snr: f.snr,
-            octave: f.octave,
-            level: f.level,
-            at_slope_limit: f.at_slope_limit,
-        }
-    }
-}
-
-impl FeatureRow {
-    /// Values of the row as numbers, in the order of [`COLUMNS`].
-    pub fn values(&self) -> [f32; 11] {
-        [
-            self.u,
-            self.v,
-            self.sigma,
-            self.orientation,
-            self.slope_u,
-            self.slope_v,
-            self.response,
-            self.snr,
-            self.octave as f32,
-            self.level as f32,
-            f32::from(u8::from(self.at_slope_limit)),
-        ]
-    }
 }
 
 /// Row of the table of matches.
@@ -206,8 +113,8 @@ pub struct MatchRow {
     pub verified: Option<(f32, bool)>,
 }
 
-/// Names of the columns, in order.
-pub const MATCH_COLUMNS: [&str; 10] = ["a", "b", "u_a", "v_a", "u_b", "v_b", "distance", "ratio", "error_px", "inlier"];
+/// Header of tables of matches.
+pub const MATCH_COLUMNS: &str = "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier";
 
 /// Writes the matches as CSV.
 ///
@@ -215,7 +122,7 @@ pub const MATCH_COLUMNS: [&str; 10] = ["a", "b", "u_a", "v_a", "u_b", "v_b", "di
 /// [`ExportError`] when the file cannot be written; an older one is then unchanged.
 pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), ExportError> {
     write_whole(path, |out| {
-        writeln!(out, "{}", MATCH_COLUMNS.join(","))?;
+        writeln!(out, "{MATCH_COLUMNS}")?;
         for MatchRow { features, a, b, distance, ratio, verified } in matches {
             // As f32, since the positions are those of the feature files.
             let [u_a, v_a, u_b, v_b] = [a[0], a[1], b[0], b[1]].map(|x| x as f32);
@@ -229,7 +136,7 @@ pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), Export
     })
 }
 
-/// Columns of the file.
+/// Header of tables of profiles.
 pub const PROFILE_COLUMNS: &str = "picture,distance_px,u,v,value";
 
 /// Profile of one picture.

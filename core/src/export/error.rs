@@ -21,35 +21,20 @@ pub enum ExportError {
         reason: String,
     },
     /// The target already exists and is no regular file.
-    #[error("this is a folder or a device, not a file; choose another name: {}", path.display())]
-    NotAFile {
-        /// The target.
-        path: PathBuf,
-    },
+    #[error("this is a folder or a device, not a file; choose another name: {}", .0.display())]
+    NotAFile(PathBuf),
     /// The target was opened: frames, calibration, parameters, a session.
-    #[error("files that were opened are never written to, and this is one, or holds one; choose another name: {}", path.display())]
-    Input {
-        /// The target, or the folder that holds the file.
-        path: PathBuf,
-    },
+    #[error("files that were opened are never written to, and this is one, or holds one; choose another name: {}", .0.display())]
+    Input(PathBuf),
     /// The target is a link.
-    #[error("this is a link, and links are not followed; choose another name, or remove it: {}", path.display())]
-    Link {
-        /// The target.
-        path: PathBuf,
-    },
+    #[error("this is a link, and links are not followed; choose another name, or remove it: {}", .0.display())]
+    Link(PathBuf),
     /// The target already exists, and Burstscope did not write it, or it was changed since.
-    #[error("Burstscope did not write this file, or not as it is now, and leaves it as it is; choose another name, or replace it with --force: {}", path.display())]
-    Foreign {
-        /// The target.
-        path: PathBuf,
-    },
+    #[error("Burstscope did not write this file, or not as it is now, and leaves it as it is; choose another name, or replace it with --force: {}", .0.display())]
+    Foreign(PathBuf),
     /// A file in a folder of the program's own has the name of an output, and Burstscope did not write it.
-    #[error("Burstscope did not write this file and leaves it as it is; move it away, or name another folder: {}", path.display())]
-    InTheWay {
-        /// The target.
-        path: PathBuf,
-    },
+    #[error("Burstscope did not write this file and leaves it as it is; move it away, or name another folder: {}", .0.display())]
+    InTheWay(PathBuf),
     /// Another process holds the folder, or the folder no longer exists.
     #[error(transparent)]
     Lock(#[from] LockError),

@@ -1,34 +1,16 @@
-//! Films: pictures of one size one after the other, for ever, as GIF or animated PNG.
-//!
-//! A GIF has 256 colours a picture and is shown everywhere; an animated PNG has all of them, is two to four times as
-//! large, and is shown by browsers; other programs show its first picture.
+//! Films: pictures of one size one after the other, for ever, as GIF, which is shown everywhere.
 
 use super::atomic::write_marked;
 use super::error::ExportError;
-use crate::files::mark::{Kind, SOFTWARE};
+use crate::files::mark::Kind;
 use crate::monitor::{Monitor, Stage};
 use image::RgbaImage;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Format of a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FilmFormat {
-    /// GIF.
-    Gif,
-    /// Animated PNG.
-    Apng,
-}
-
-impl FilmFormat {
-    /// Format by the ending of a file's name: gif, apng or png.
-    pub fn of(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "gif" => Some(Self::Gif),
-            "apng" | "png" => Some(Self::Apng),
-            _ => None,
-        }
-    }
+/// Whether the name of a file ends as that of a film.
+pub fn is_film(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif"))
 }
 
 /// Pictures per second that a film may have.
@@ -42,62 +24,39 @@ const GIF_SPEED: i32 = 10;
 /// Pictures of no size, of several sizes, too few or too large for the format, and errors of `pictures` and `out`.
 pub fn encode_film(
     out: &mut dyn Write,
-    format: FilmFormat,
     (count, pictures): (usize, impl IntoIterator<Item = io::Result<RgbaImage>>),
     per_second: u16,
     monitor: &Monitor,
 ) -> io::Result<()> {
     let mut pictures = pictures.into_iter();
     let first = pictures.next().ok_or_else(|| io::Error::other("a film has at least one picture"))??;
-    let (width, height) = first.dimensions();
-    let mut index = 0;
-    let mut pictures = std::iter::once(Ok(first)).chain(pictures).map(|picture| {
+    let size = first.dimensions();
+    let (Ok(width), Ok(height)) = (u16::try_from(size.0), u16::try_from(size.1)) else {
+        return Err(io::Error::other("a GIF has at most 65535 columns and rows"));
+    };
+    let mut encoder = gif::Encoder::new(out, width, height, &[]).map_err(io::Error::other)?;
+    encoder.set_repeat(gif::Repeat::Infinite).map_err(io::Error::other)?;
+    for (index, picture) in std::iter::once(Ok(first)).chain(pictures).enumerate() {
         let picture = picture?;
-        if width == 0 || height == 0 || picture.dimensions() != (width, height) {
+        if width == 0 || height == 0 || picture.dimensions() != size {
             return Err(io::Error::other("all pictures of a film have one size, of at least one pixel"));
         }
         monitor.check().map_err(io::Error::other)?;
         monitor.report(Stage::Write, index as f32 / count.max(1) as f32);
-        index += 1;
-        Ok(picture)
-    });
-    match format {
-        FilmFormat::Gif => {
-            let [Ok(width), Ok(height)] = [width, height].map(u16::try_from) else {
-                return Err(io::Error::other("a GIF has at most 65535 columns and rows"));
-            };
-            let mut encoder = gif::Encoder::new(out, width, height, &[]).map_err(io::Error::other)?;
-            encoder.set_repeat(gif::Repeat::Infinite).map_err(io::Error::other)?;
-            for picture in pictures {
-                let mut pixels = picture?.into_raw();
-                let mut frame = gif::Frame::from_rgba_speed(width, height, &mut pixels, GIF_SPEED);
-                // Hundredths of a second.
-                frame.delay = 100 / per_second.max(1);
-                encoder.write_frame(&frame).map_err(io::Error::other)?;
-            }
-            Ok(())
-        }
-        FilmFormat::Apng => {
-            let mut encoder = png::Encoder::new(out, width, height);
-            encoder.set_color(png::ColorType::Rgba);
-            encoder.set_depth(png::BitDepth::Eight);
-            encoder.set_compression(png::Compression::Balanced);
-            encoder.set_animated(count as u32, 0).map_err(io::Error::other)?;
-            encoder.set_frame_delay(1, per_second.max(1)).map_err(io::Error::other)?;
-            encoder.add_text_chunk("Software".to_owned(), SOFTWARE.to_owned()).map_err(io::Error::other)?;
-            let mut writer = encoder.write_header().map_err(io::Error::other)?;
-            pictures.try_for_each(|picture| writer.write_image_data(picture?.as_raw()).map_err(io::Error::other))?;
-            writer.finish().map_err(io::Error::other)
-        }
+        let mut frame = gif::Frame::from_rgba_speed(width, height, &mut picture.into_raw(), GIF_SPEED);
+        // Hundredths of a second.
+        frame.delay = 100 / per_second.max(1);
+        encoder.write_frame(&frame).map_err(io::Error::other)?;
     }
+    Ok(())
 }
 
-/// Bytes of a film, about, before all of it is made: the sizes of its `first` and `middle` picture, times their number.
-pub fn estimated_film_bytes(format: FilmFormat, pictures: [&RgbaImage; 2], count: usize) -> u64 {
+/// Bytes of a film of `count` pictures, about, before all of it is made: the mean size of two of them, times their
+/// number.
+pub fn estimated_film_bytes(pictures: [&RgbaImage; 2], count: usize) -> u64 {
     let of_one = |picture: &RgbaImage| {
         let mut bytes = Vec::new();
-        let one = [Ok(picture.clone())];
-        let encoded = encode_film(&mut bytes, format, (1, one), 10, &Monitor::default());
+        let encoded = encode_film(&mut bytes, (1, [Ok(picture.clone())]), 10, &Monitor::default());
         encoded.map_or(0, |()| bytes.len() as u64)
     };
     (of_one(pictures[0]) + of_one(pictures[1])) / 2 * count as u64
@@ -109,12 +68,11 @@ pub fn estimated_film_bytes(format: FilmFormat, pictures: [&RgbaImage; 2], count
 /// As [`encode_film`], and when the file cannot be written; an older one is then unchanged.
 pub fn write_film(
     path: &Path,
-    format: FilmFormat,
     pictures: (usize, impl IntoIterator<Item = io::Result<RgbaImage>>),
     per_second: u16,
     monitor: &Monitor,
 ) -> Result<(), ExportError> {
-    write_marked(path, Kind::Film, |mut out| encode_film(&mut out, format, pictures, per_second, monitor))
+    write_marked(path, Kind::Film, |mut out| encode_film(&mut out, pictures, per_second, monitor))
 }
 
 #[cfg(test)]
@@ -133,7 +91,7 @@ mod tests {
     #[test]
     fn films_come_back_picture_by_picture() {
         let mut bytes = Vec::new();
-        encode_film(&mut bytes, FilmFormat::Gif, given(pictures()), 10, &Monitor::default()).expect("encoded");
+        encode_film(&mut bytes, given(pictures()), 10, &Monitor::default()).expect("encoded");
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut decoder = options.read_info(&bytes[..]).expect("a GIF");
@@ -146,16 +104,7 @@ mod tests {
             count += 1;
         }
         assert_eq!(count, 3);
-        let mut bytes = Vec::new();
-        encode_film(&mut bytes, FilmFormat::Apng, given(pictures()), 10, &Monitor::default()).expect("encoded");
-        let mut reader = png::Decoder::new(io::Cursor::new(&bytes)).read_info().expect("a PNG");
-        assert_eq!(reader.info().animation_control.map(|control| control.num_frames), Some(3));
-        for picture in pictures() {
-            let mut pixels = vec![0; 20 * 10 * 4];
-            reader.next_frame(&mut pixels).expect("a picture");
-            assert_eq!(&pixels, picture.as_raw());
-        }
-        let estimate = estimated_film_bytes(FilmFormat::Apng, [&pictures()[0], &pictures()[1]], 3) as f64;
+        let estimate = estimated_film_bytes([&pictures()[0], &pictures()[1]], 3) as f64;
         assert!((0.4..3.0).contains(&(estimate / bytes.len() as f64)));
     }
 
@@ -163,23 +112,16 @@ mod tests {
     fn wrong_pictures_are_refused_and_cancelling_ends_it() {
         let mut sizes = pictures();
         sizes.push(RgbaImage::new(3, 3));
-        for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], sizes] {
-            for format in [FilmFormat::Gif, FilmFormat::Apng] {
-                let pictures = given(pictures.clone());
-                assert!(encode_film(&mut Vec::new(), format, pictures, 10, &Monitor::default()).is_err());
-            }
+        for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], vec![RgbaImage::new(70_000, 1)], sizes] {
+            assert!(encode_film(&mut Vec::new(), given(pictures), 10, &Monitor::default()).is_err());
         }
         let monitor = Monitor::default();
         monitor.cancel();
-        assert!(encode_film(&mut Vec::new(), FilmFormat::Gif, given(pictures()), 10, &monitor).is_err());
+        assert!(encode_film(&mut Vec::new(), given(pictures()), 10, &monitor).is_err());
         // A picture that cannot be made ends the film.
         let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
-        let error = encode_film(&mut Vec::new(), FilmFormat::Apng, failing, 10, &Monitor::default());
+        let error = encode_film(&mut Vec::new(), failing, 10, &Monitor::default());
         assert!(error.is_err_and(|error| error.to_string() == "no picture"));
-        assert_eq!(FilmFormat::of(Path::new("a/b.GIF")), Some(FilmFormat::Gif));
-        assert_eq!(
-            (FilmFormat::of(Path::new("a.apng")), FilmFormat::of(Path::new("gif"))),
-            (Some(FilmFormat::Apng), None)
-        );
+        assert!(is_film(Path::new("a/b.GIF")) && !is_film(Path::new("a.apng")) && !is_film(Path::new("gif")));
     }
 }

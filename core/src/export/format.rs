@@ -30,22 +30,23 @@ impl ExportFormat {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Csv, Self::Colmap, Self::Npz];
 
+    /// Its name, the extension of its files, and its description.
+    fn words(self) -> [&'static str; 3] {
+        match self {
+            Self::Csv => ["csv", "csv", "Table of features (CSV)"],
+            Self::Colmap => ["colmap", "txt", "Features and descriptors for COLMAP (text)"],
+            Self::Npz => ["npz", "npz", "Features and descriptors for numpy (npz)"],
+        }
+    }
+
     /// Extension of its files, without the dot.
     pub fn extension(self) -> &'static str {
-        match self {
-            Self::Csv => "csv",
-            Self::Colmap => "txt",
-            Self::Npz => "npz",
-        }
+        self.words()[1]
     }
 
     /// Description for a dialog or a help text.
     pub fn description(self) -> &'static str {
-        match self {
-            Self::Csv => "Table of features (CSV)",
-            Self::Colmap => "Features and descriptors for COLMAP (text)",
-            Self::Npz => "Features and descriptors for numpy (npz)",
-        }
+        self.words()[2]
     }
 
     /// Writes the features of `detection` to the file `path` in this format.
@@ -63,11 +64,7 @@ impl ExportFormat {
 
 impl fmt::Display for ExportFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Csv => "csv",
-            Self::Colmap => "colmap",
-            Self::Npz => "npz",
-        })
+        f.pad(self.words()[0])
     }
 }
 

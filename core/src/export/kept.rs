@@ -120,7 +120,7 @@ impl Records {
         let path = self.path(name);
         let is_other = std::fs::metadata(&path).is_ok_and(|file| file.is_file() && file.len() > 0)
             && self.read::<serde_json::Map<String, Value>>(name).is_none();
-        if is_other { Err(ExportError::InTheWay { path }) } else { Ok(()) }
+        if is_other { Err(ExportError::InTheWay(path)) } else { Ok(()) }
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -135,7 +135,7 @@ impl Records {
 /// [`ExportError::Link`] where one of its `parts` is a link, which leads out of the folder.
 pub fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool, ExportError> {
     match parts.iter().map(|part| folder.join(part)).find(|part| part.is_symlink()) {
-        Some(path) => Err(ExportError::Link { path }),
+        Some(path) => Err(ExportError::Link(path)),
         None => Ok(claims::<Value>(folder, kind).is_some() || is_free(folder).unwrap_or(true)),
     }
 }
@@ -180,7 +180,7 @@ mod tests {
         records.begin().expect("made");
         for text in ["about the night", "{}", r#"{"version": "1", "scripts": {}}"#] {
             std::fs::write(at("records/night.json"), text).expect("written");
-            let refused = Err(ExportError::InTheWay { path: at("records/night.json") });
+            let refused = Err(ExportError::InTheWay(at("records/night.json")));
             assert_eq!((records.write("night", &record()), records.remove("night")), (refused.clone(), refused));
         }
         std::fs::remove_dir_all(at("records")).expect("removed");
@@ -197,7 +197,7 @@ mod tests {
         #[cfg(unix)]
         {
             std::os::unix::fs::symlink(home.path(), at("records")).expect("linked");
-            assert_eq!(begins(), Err(ExportError::Link { path: at("records") }));
+            assert_eq!(begins(), Err(ExportError::Link(at("records"))));
         }
     }
 

@@ -32,14 +32,15 @@ pub use colmap::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
 pub use csv::{
-    COLUMNS, CURVE_COLUMNS, FeatureRow, MATCH_COLUMNS, MatchRow, PLANTED_COLUMNS, PROFILE_COLUMNS, PictureProfile,
+    CURVE_COLUMNS, MATCH_COLUMNS, MatchRow, PLANTED_COLUMNS, PROFILE_COLUMNS, PictureProfile, feature_header,
     read_features_csv, write_csv, write_matches_csv, write_profiles_csv,
 };
 pub use density::{Cells, IN_A_CELL};
 pub use error::ExportError;
 pub use figure::{
     Colour, ColourBar, Drawing, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect,
-    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, write_drawing_svg,
+    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, motion_over,
+    write_drawing_svg,
 };
 pub use format::{
     ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection,

@@ -2,9 +2,8 @@
 //! 128]` uint8 in UBC order.
 
 use super::atomic::write_marked;
-use super::csv::{COLUMNS, FeatureRow};
 use super::error::ExportError;
-use crate::detector::{Descriptor, Feature};
+use crate::detector::{Descriptor, Feature, Quantity};
 use crate::files::mark::Kind;
 use ndarray::ArrayView2;
 use ndarray_npy::NpzWriter;
@@ -20,8 +19,10 @@ use std::path::Path;
 /// When the numbers of features and descriptors differ: a mistake of the caller.
 pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
     assert_eq!(features.len(), descriptors.len(), "each feature has one descriptor");
-    let rows: Vec<f32> = features.iter().flat_map(|f| FeatureRow::from(f).values()).collect();
-    let rows = ArrayView2::from_shape((features.len(), COLUMNS.len()), &rows).expect("one row for each feature");
+    let values = |f| Quantity::STORED.into_iter().filter_map(move |quantity| quantity.of(f));
+    let rows: Vec<f32> = features.iter().flat_map(values).collect();
+    let rows =
+        ArrayView2::from_shape((features.len(), Quantity::STORED.len()), &rows).expect("one row for each feature");
     let descriptors =
         ArrayView2::from_shape((descriptors.len(), 128), descriptors.as_flattened()).expect("128 bytes each");
     write_marked(path, Kind::Features, |out| {

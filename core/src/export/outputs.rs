@@ -131,8 +131,7 @@ impl OutputRules {
     /// device; without [`Overwrite::Force`] [`ExportError::Link`] for a link and [`ExportError::Foreign`] for a file
     /// that Burstscope did not write, or not as it is now.
     pub fn check(&self, path: &Path) -> Result<(), ExportError> {
-        self.check_if(path, || is_ours(path))
-            .map_err(|refused| refused.unwrap_or(ExportError::Foreign { path: path.into() }))
+        self.check_if(path, || is_ours(path)).map_err(|refused| refused.unwrap_or(ExportError::Foreign(path.into())))
     }
 
     /// Checks whether `path` may be written in a folder known to be this program's own. What was altered there is made
@@ -143,17 +142,17 @@ impl OutputRules {
     pub fn check_own(&self, path: &Path, known: &[Checksum]) -> Result<(), ExportError> {
         let is_ours =
             || has_mark(path, false) || is_colmap_text(path, false) || known.iter().any(|content| content.is_of(path));
-        self.check_if(path, is_ours).map_err(|refused| refused.unwrap_or(ExportError::InTheWay { path: path.into() }))
+        self.check_if(path, is_ours).map_err(|refused| refused.unwrap_or(ExportError::InTheWay(path.into())))
     }
 
     /// The error is `None` for a file that is not ours.
     fn check_if(&self, path: &Path, is_ours: impl FnOnce() -> bool) -> Result<(), Option<ExportError>> {
         let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
         let refused = match self.overwrite {
-            _ if is_of_system(path) => ExportError::NotAFile { path: path.into() },
-            _ if self.inputs.hold(path, &metadata) => ExportError::Input { path: path.into() },
-            Overwrite::Refuse if metadata.is_symlink() => ExportError::Link { path: path.into() },
-            _ if !(metadata.is_file() || metadata.is_symlink()) => ExportError::NotAFile { path: path.into() },
+            _ if is_of_system(path) => ExportError::NotAFile(path.into()),
+            _ if self.inputs.hold(path, &metadata) => ExportError::Input(path.into()),
+            Overwrite::Refuse if metadata.is_symlink() => ExportError::Link(path.into()),
+            _ if !(metadata.is_file() || metadata.is_symlink()) => ExportError::NotAFile(path.into()),
             Overwrite::Refuse if metadata.len() > 0 && !is_ours() => return Err(None),
             _ => return Ok(()),
         };
@@ -165,7 +164,7 @@ impl OutputRules {
     /// # Errors
     /// [`ExportError::Input`] when an opened file lies in it.
     pub fn check_folder(&self, folder: &Path) -> Result<(), ExportError> {
-        if self.inputs.any_below(folder) { Err(ExportError::Input { path: folder.into() }) } else { Ok(()) }
+        if self.inputs.any_below(folder) { Err(ExportError::Input(folder.into())) } else { Ok(()) }
     }
 }
 
@@ -175,7 +174,7 @@ mod tests {
     use crate::detector::SearchParams;
     use crate::export::atomic::write_text;
     use crate::export::case::{Case, Enclosed, write_case};
-    use crate::export::film::{FilmFormat, write_film};
+    use crate::export::film::write_film;
     use crate::export::{
         CURVE_COLUMNS, ColmapKeypoint, Drawing, Picture, PictureProfile, sheet, write_colmap_keypoints, write_csv,
         write_drawing_svg, write_matches_csv, write_npz, write_png, write_profiles_csv, write_tiff,
@@ -208,13 +207,13 @@ mod tests {
             let rules = rules(&opened, overwrite);
             for name in ["night/f0.png", "night/../night/./f0.png", "a.txt"] {
                 let path = at(name);
-                assert_eq!(rules.check(&path), Err(ExportError::Input { path: path.clone() }), "{name}");
-                assert_eq!(rules.check_own(&path, &[]), Err(ExportError::Input { path }), "{name}");
+                assert_eq!(rules.check(&path), Err(ExportError::Input(path.clone())), "{name}");
+                assert_eq!(rules.check_own(&path, &[]), Err(ExportError::Input(path)), "{name}");
             }
             assert_eq!(rules.check(&at("new/x.png")), Ok(()));
             assert!(rules.check_folder(&at("night")).is_err() && rules.check_folder(&at("")).is_err());
             assert_eq!(rules.check_folder(&at("new")), Ok(()));
-            assert!(matches!(rules.check(&at("night")), Err(ExportError::NotAFile { .. })));
+            assert!(matches!(rules.check(&at("night")), Err(ExportError::NotAFile(_))));
         }
     }
 
@@ -223,11 +222,11 @@ mod tests {
         let (_home, at) = home();
         std::fs::write(at("empty.txt"), "").expect("written");
         let careful = rules(&[], Overwrite::Refuse);
-        assert_eq!(careful.check(&at("notes.txt")), Err(ExportError::Foreign { path: at("notes.txt") }));
+        assert_eq!(careful.check(&at("notes.txt")), Err(ExportError::Foreign(at("notes.txt"))));
         for name in ["a.txt", "empty.txt", "none.txt"] {
             assert_eq!(careful.check(&at(name)), Ok(()), "{name}");
         }
-        assert_eq!(careful.check_own(&at("notes.txt"), &[]), Err(ExportError::InTheWay { path: at("notes.txt") }));
+        assert_eq!(careful.check_own(&at("notes.txt"), &[]), Err(ExportError::InTheWay(at("notes.txt"))));
         assert_eq!(careful.check_own(&at("notes.txt"), &[Checksum::of(b"about the night")]), Ok(()));
         assert_eq!(rules(&[], Overwrite::Force).check(&at("notes.txt")), Ok(()));
     }
@@ -245,17 +244,17 @@ mod tests {
         let names = ["to_frame.png", "to_ours.txt", "to_nowhere.txt", "to_folder"];
         for (overwrite, is_refused) in [(Overwrite::Refuse, true), (Overwrite::Force, false)] {
             let rules = rules(&[at("night/f0.png")], overwrite);
-            assert!(matches!(rules.check(&at("second.png")), Err(ExportError::Input { .. })), "the frame's other name");
-            assert!(matches!(rules.check(&at("to_folder/f0.png")), Err(ExportError::Input { .. })));
+            assert!(matches!(rules.check(&at("second.png")), Err(ExportError::Input(_))), "the frame's other name");
+            assert!(matches!(rules.check(&at("to_folder/f0.png")), Err(ExportError::Input(_))));
             for name in names {
-                let link = Err(ExportError::Link { path: at(name) });
+                let link = Err(ExportError::Link(at(name)));
                 assert_eq!(rules.check(&at(name)), if is_refused { link } else { Ok(()) }, "{name}");
             }
         }
         // A link that was opened as a frame counts as a frame.
         let of_links = rules(&[at("to_frame.png")], Overwrite::Force);
-        assert!(matches!(of_links.check(&at("to_frame.png")), Err(ExportError::Input { .. })));
-        assert!(matches!(of_links.check(&at("night/f0.png")), Err(ExportError::Input { .. })));
+        assert!(matches!(of_links.check(&at("to_frame.png")), Err(ExportError::Input(_))));
+        assert!(matches!(of_links.check(&at("night/f0.png")), Err(ExportError::Input(_))));
     }
 
     #[test]
@@ -264,10 +263,8 @@ mod tests {
         let at = |name: &str| home.path().join(name);
         write_png(&at("a.png"), Picture::rgb(2, 1, &[9; 6])).expect("written");
         write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
-        for (name, format) in [("a.gif", FilmFormat::Gif), ("a.apng", FilmFormat::Apng)] {
-            let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
-            write_film(&at(name), format, pictures, 10, &Monitor::default()).expect("written");
-        }
+        let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
+        write_film(&at("a.gif"), pictures, 10, &Monitor::default()).expect("written");
         let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], shapes: Vec::new() };
         write_drawing_svg(&at("a.svg"), &drawing).expect("written");
         let parts = vec![sheet::Sheet::new(80.0, "b").finish(40.0); 2];
@@ -300,7 +297,7 @@ mod tests {
             }
             known += 1;
         }
-        assert_eq!(known, 14);
+        assert_eq!(known, 13);
     }
 
     const KEYPOINT: ColmapKeypoint = ColmapKeypoint { x: 10.25, y: 0.1, scale: 1.6, orientation: -3.0 };

@@ -48,7 +48,7 @@ pub enum Kind {
     Unfinished,
     /// PNG or TIFF.
     Picture,
-    /// GIF or animated PNG.
+    /// GIF.
     Film,
     /// SVG.
     Drawing,

@@ -5,7 +5,7 @@
 //! detection's tally counts samples; here candidates are counted, which shows how many possible features each test
 //! rejected.
 
-use super::telling::margin_of;
+use super::telling::{keypoint_of, margin_of, over};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
@@ -14,24 +14,18 @@ use crate::detector::{Neighbourhood, Sample, Slope, Tally, Test, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, cuts};
-use serde::Serialize;
+use std::ops::Range;
 
 /// A candidate of the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CandidateMark {
     /// (u, v) of the sample, input pixels.
     pub pos_image: [f32; 2],
-    /// Octave of the sample.
+    /// Scale σ of its level, input pixels.
     pub sigma: f32,
-    /// Octave.
-    pub octave: i32,
-    /// DoG level.
-    pub level: i32,
-    /// Index of its slope in the grid.
-    pub slope_index: usize,
-    /// The sample (column, row), octave pixels.
-    pub sample: [u32; 2],
-    /// D at the sample.
+    /// The sample.
+    pub sample: Sample,
+    /// D there.
     pub value: f32,
     /// Ratio of |D| to its noise.
     pub snr: f32,
@@ -41,16 +35,8 @@ pub struct CandidateMark {
     pub margin: Option<f32>,
 }
 
-impl CandidateMark {
-    /// The sample, for further questions.
-    pub fn of_sample(&self) -> Sample {
-        let [x, y] = self.sample.map(|at| at as usize);
-        Sample { octave: self.octave, level: self.level, slope_index: self.slope_index, x, y }
-    }
-}
-
 /// Rejections of one test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TestCount {
     /// The test.
     pub test: Test,
@@ -61,7 +47,7 @@ pub struct TestCount {
 }
 
 /// The candidates of a picture.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// The listed candidates, in order of octaves, tiles, slopes and levels.
     pub marks: Vec<CandidateMark>,
@@ -93,29 +79,29 @@ const PART_PX: usize = 160;
 /// Approximate maximum size of D for all slopes and levels of one part, bytes.
 const PART_BYTES: usize = 256 << 20;
 
-/// Side of the parts in which the picture of a detection is surveyed, octave pixels.
-fn part_px(trail: &Trail) -> usize {
+/// Parts in which an octave is surveyed.
+fn parts(trail: &Trail, octave: i32) -> Vec<Region> {
     let of_pixel = trail.params().used_slopes().len() * (trail.space().levels + 2) * size_of::<f32>();
     // The margin held around a part does not count, however small the part is.
-    (PART_BYTES / of_pixel.max(1)).isqrt().clamp(PART_PX / 8, PART_PX)
+    let px = (PART_BYTES / of_pixel.max(1)).isqrt().clamp(PART_PX / 8, PART_PX);
+    let (width, height) = trail.octave_size(octave);
+    let columns = cuts(width, px);
+    let row = |rows: Range<usize>| columns.iter().map(move |c| Region { columns: c.clone(), rows: rows.clone() });
+    cuts(height, px).into_iter().flat_map(row).collect()
 }
 
-/// Counts all candidates of the picture by the first test that they fail, and lists those that `options` select. It
-/// searches the picture again.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// Searches the picture again, counts its candidates by the first test that they fail, and lists those of `options`.
 pub fn survey(trail: &Trail, options: &SurveyOptions, monitor: &Monitor) -> Result<Survey, Cancelled> {
     let tally = &trail.detection().tally;
-    let (part_px, mut by_test) = (part_px(trail), [0u64; Test::ALL.len()]);
+    let mut by_test = [0u64; Test::ALL.len()];
     let mut survey = Survey { marks: Vec::new(), counts: Vec::new(), candidates: 0, kept: 0 };
     let all_pixels: f32 = trail.octaves().map(|octave| pixels(trail, octave)).sum();
     let mut done = 0.0;
     for octave in trail.octaves() {
-        let (columns, rows) = (cuts(trail.octave_size(octave).0, part_px), cuts(trail.octave_size(octave).1, part_px));
-        let share = pixels(trail, octave) / all_pixels / (columns.len() * rows.len()) as f32;
-        for (columns, rows) in rows.iter().flat_map(|r| columns.iter().map(move |c| (c.clone(), r.clone()))) {
-            let around = trail.neighbourhood(octave, &Region { columns, rows }, monitor)?;
+        let parts = parts(trail, octave);
+        let share = pixels(trail, octave) / all_pixels / parts.len() as f32;
+        for part in parts {
+            let around = trail.neighbourhood(octave, &part, monitor)?;
             for mark in marks(trail, &around) {
                 survey.candidates += 1;
                 match mark.first_failed {
@@ -141,23 +127,27 @@ fn pixels(trail: &Trail, octave: i32) -> f32 {
     width as f32 * height as f32
 }
 
-/// The candidates of a part of the picture, with their judgements.
-fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
-    let levels = trail.space().levels;
-    let scale_ease = scale_ease(ascends(trail.params(), around.octave));
-    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2], scale_ease };
+/// The samples of a part of the picture that are extrema in place and scale at their own slope, however weak.
+pub(super) fn open_candidates(trail: &Trail, around: &Neighbourhood) -> Vec<Sample> {
+    let octave = around.octave;
+    let scale_ease = scale_ease(ascends(trail.params(), octave));
+    let open = Thresholds { peak: 0.0, gate: vec![0.0; trail.space().levels + 2], scale_ease };
     let mut samples = Vec::new();
+    let mut found: Vec<Candidate> = Vec::new();
     for (slope_index, dog) in around.tiles.iter().enumerate() {
-        let mut found: Vec<Candidate> = Vec::new();
         own_slope_extrema(&dog.levels, &around.region, around.size, &open, &mut Tally::default(), &mut found);
-        samples.extend(found.iter().map(|c| Sample {
-            octave: around.octave,
-            level: c.level_index as i32 - 1,
-            slope_index,
-            x: c.x,
-            y: c.y,
+        let of_slope = found.drain(..);
+        samples.extend(of_slope.map(|Candidate { x, y, level_index, .. }| {
+            let level = level_index as i32 - 1;
+            Sample { octave, level, slope_index, x, y }
         }));
     }
+    samples
+}
+
+/// The candidates of a part of the picture, with their judgements.
+fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
+    let samples = open_candidates(trail, around);
     let pixel = octave_pixel(around.octave);
     let judged = trail.judge(around, &samples);
     samples
@@ -165,10 +155,8 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
         .zip(judged)
         .filter_map(|(sample, judgement)| {
             let judgement = judgement?;
-            let keypoint =
-                judgement.keypoint().and_then(|k| trail.keypoint_at(k.octave, k.level, k.slope_index, k.sample));
             let first_failed = judgement.rejected_by.or_else(|| {
-                let keypoint = keypoint?;
+                let keypoint = keypoint_of(trail, &judgement)?;
                 match trail.covered_by(keypoint) {
                     Some(_) => Some(Test::Duplicate),
                     None if trail.is_cut(keypoint) => Some(Test::MaxFeatures),
@@ -176,16 +164,12 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
                 }
             });
             let margin = first_failed.and_then(|test| margin_of(trail, around, sample, &judgement, test));
-            let (value, sigma_d) = (judgement.value, judgement.sigma_d);
             Some(CandidateMark {
                 pos_image: [sample.x as f32 * pixel, sample.y as f32 * pixel],
                 sigma: trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32,
-                octave: sample.octave,
-                level: sample.level,
-                slope_index: sample.slope_index,
-                sample: [sample.x as u32, sample.y as u32],
-                value,
-                snr: if sigma_d > 0.0 { value.abs() / sigma_d } else { f32::INFINITY },
+                sample: *sample,
+                value: judgement.value,
+                snr: over(judgement.value.abs(), judgement.sigma_d),
                 first_failed,
                 margin: margin.map(|m| m as f32),
             })
@@ -217,25 +201,19 @@ pub struct WinningSlopes {
 }
 
 /// Computes the winning slope at each place, at one searched octave and level: a map of the motion.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor) -> Result<WinningSlopes, Cancelled> {
     let (width, height) = trail.octave_size(octave);
     let grid = trail.params().used_slopes();
     let gate = trail.detection().noise_gate_factor;
     let zeros = || Plane::zeros(width, height);
     let mut out = WinningSlopes { octave, level, slope_index: zeros(), snr: zeros(), confidence: zeros() };
-    let (columns, rows) = (cuts(width, part_px(trail)), cuts(height, part_px(trail)));
-    let parts = columns.len() * rows.len();
+    let parts = parts(trail, octave);
     let index = (level + 1) as usize;
     let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_min((octave, level), slope)).collect();
-    for (part, (columns, rows)) in
-        rows.iter().flat_map(|r| columns.iter().map(move |c| (c.clone(), r.clone()))).enumerate()
-    {
-        let around = trail.neighbourhood(octave, &Region { columns: columns.clone(), rows: rows.clone() }, monitor)?;
-        for y in rows {
-            for x in columns.clone() {
+    for (part, region) in parts.iter().enumerate() {
+        let around = trail.neighbourhood(octave, region, monitor)?;
+        for y in region.rows.clone() {
+            for x in region.columns.clone() {
                 let strength = |slope: usize| {
                     let d = around.tiles[slope].at(index, x, y).abs();
                     if sigma_d[slope] > 0.0 { d / sigma_d[slope] } else { d }
@@ -253,7 +231,7 @@ pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor)
                 out.confidence.row_mut(y)[x] = if max > 0.0 && max >= gate { 1.0 - second / max } else { 0.0 };
             }
         }
-        monitor.report(Stage::Search { octave }, (part + 1) as f32 / parts as f32);
+        monitor.report(Stage::Search { octave }, (part + 1) as f32 / parts.len() as f32);
     }
     Ok(out)
 }

@@ -5,9 +5,10 @@
 //! that it fails is the search's own verdict. The later tests are also evaluated, because they decide what to change
 //! next.
 
+use super::words::{filled, number, slope_text, value_text};
 use crate::detector::feature::Keypoint;
-use crate::detector::params::doc;
-use crate::detector::{DetectorParams, Param, ParamChange, Sample, Slope, Test};
+pub use crate::detector::test::Side;
+use crate::detector::{ParamChange, Sample, Slope, Test};
 use serde::Serialize;
 
 /// Outcome of a test of a candidate.
@@ -24,16 +25,6 @@ pub enum Outcome {
     Unknown,
 }
 
-/// Side of the limit that passes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Side {
-    /// The value must not be below the limit.
-    AtLeast,
-    /// The value must not be above the limit.
-    AtMost,
-}
-
 /// Another sample or keypoint that beats a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rival {
@@ -47,6 +38,13 @@ pub struct Rival {
     pub value: f32,
     /// Index of the feature of the detection, if the rival is one; `None` for a mere sample.
     pub feature: Option<usize>,
+}
+
+impl Rival {
+    /// “feature 3”, or “another keypoint”.
+    pub fn name(&self) -> String {
+        self.feature.map_or_else(|| "another keypoint".to_owned(), |index| format!("feature {index}"))
+    }
 }
 
 /// One test of one candidate.
@@ -69,17 +67,77 @@ pub struct TestReport {
 }
 
 impl TestReport {
-    /// The distance of the value from the limit on the passing side, as a part of the limit: below 0 where the test
-    /// fails. `None` for tests without a limit.
+    /// Report without a rival.
+    pub(super) fn new(test: Test, outcome: Outcome, value: Option<f64>, limit: Option<f64>) -> Self {
+        let record = test.record();
+        Self { test, outcome, value, limit, side: record.side, unit: record.unit, rival: None }
+    }
+
+    /// The distance of the value from the limit, as a part of the limit: below 0 where the test fails.
     pub fn margin(&self) -> Option<f64> {
-        let (value, limit) = (self.value?, self.limit?);
-        if limit == 0.0 {
-            return None;
+        let (value, limit) = (self.value?, self.limit.filter(|limit| *limit != 0.0)?);
+        Some(if self.side == Side::AtLeast { value / limit - 1.0 } else { 1.0 - value / limit })
+    }
+
+    /// The margin in percent; empty without one, and from 1000 % on.
+    pub fn margin_text(&self) -> String {
+        let percent = self.margin().map_or(f64::NAN, |margin| (100.0 * margin).round());
+        let sign = if percent > 0.0 { "+" } else { "" };
+        if percent.abs() < 1000.0 { format!("{sign}{} %", number(percent as f32, 0)) } else { String::new() }
+    }
+
+    /// The limit after the sign of the side that passes; empty without one.
+    pub fn limit_text(&self) -> String {
+        self.limit.map_or_else(String::new, |limit| format!("{} {}", self.side.sign(), value_text(limit)))
+    }
+
+    /// The test and its outcome in words, with the numbers that were compared; a clause without a full stop.
+    pub fn sentence(&self) -> String {
+        let record = self.test.record();
+        let is_off = self.limit.is_none_or(|limit| limit <= 0.0) && self.rival.is_none();
+        let template = match self.outcome {
+            Outcome::Passes if !record.passes.is_empty() => record.passes,
+            Outcome::Passes => record.fails,
+            Outcome::Fails => self.unless_boundless(record.fails),
+            Outcome::NotAsked if is_off => record.off,
+            Outcome::NotAsked => record.waived[usize::from(self.limit > self.value)],
+            Outcome::Unknown => record.unknown,
+        };
+        filled(template, |word| self.word(word))
+    }
+
+    /// `sentence`, or the one for a candidate without a finite value.
+    pub(super) fn unless_boundless(&self, sentence: &'static str) -> &'static str {
+        let boundless = self.test.record().boundless;
+        let is_finite = self.value.is_some_and(f64::is_finite);
+        if is_finite || boundless.is_empty() { sentence } else { boundless }
+    }
+
+    /// What stands for a word in braces in the sentences of [`crate::detector::test::TestRecord`].
+    pub(super) fn word(&self, name: &str) -> String {
+        let (value, limit) = (self.value.unwrap_or(f64::NAN), self.limit.unwrap_or(f64::NAN));
+        match (name, self.rival) {
+            ("value", _) => value_text(value),
+            ("value.1", _) => number(value as f32, 1),
+            ("|D|", _) if value >= 0.01 => number(value as f32, 4),
+            ("|D|", _) => format!("{value:.2e}"),
+            ("limit", _) => value_text(limit),
+            ("by", _) => self.margin().filter(|margin| margin.is_finite()).map_or_else(String::new, |margin| {
+                format!(": {:.0} % {}", 100.0 * margin.abs(), if margin < 0.0 { "too little" } else { "more" })
+            }),
+            // A rival's response is the limit.
+            ("times", _) => number((limit / value) as f32, 2),
+            ("responds", _) if limit / value > 1.0 && limit / value < 100.0 => {
+                format!("responds {} times as strongly", self.word("times"))
+            }
+            ("responds", _) => "responds as strongly or more".to_owned(),
+            ("rival", Some(rival)) => rival.name(),
+            ("slope", Some(rival)) => slope_text(rival.slope),
+            ("sigma", Some(rival)) => number(rival.sigma, 1),
+            ("u", Some(rival)) => number(rival.pos_image[0], 1),
+            ("v", Some(rival)) => number(rival.pos_image[1], 1),
+            _ => String::new(),
         }
-        Some(match self.side {
-            Side::AtLeast => value / limit - 1.0,
-            Side::AtMost => 1.0 - value / limit,
-        })
     }
 }
 
@@ -158,21 +216,69 @@ impl Fate {
     }
 }
 
-/// The parameter that a test compares with; `None` for tests without one.
-pub fn parameter_of(test: Test) -> Option<Param<DetectorParams>> {
-    match test {
-        Test::PeakThreshold | Test::InterpolatedContrast => Some(doc::PEAK_THRESHOLD),
-        Test::NoiseGate => Some(doc::NOISE_GATE),
-        Test::SlopeExtremum => Some(doc::SLOPE_EXTREMA),
-        Test::Edge => Some(doc::EDGE_THRESHOLD),
-        Test::Duplicate => Some(doc::DISTINCT),
-        Test::MaxFeatures => Some(doc::MAX_FEATURES),
-        Test::SpaceExtremum | Test::ScaleExtremum | Test::Refinement | Test::Outside => None,
-    }
-}
-
 /// The distance of two keypoints in σ of the first.
 pub(super) fn apart_sigmas(stronger: &Keypoint, other: &Keypoint) -> f32 {
     let ((su, sv, sigma), (u, v, _)) = (stronger.in_image(), other.in_image());
     (su - u).hypot(sv - v) / sigma
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tests_are_sentences_with_their_numbers() {
+        use Outcome::{Fails, NotAsked, Passes, Unknown};
+        let rival =
+            Rival { pos_image: [3.0, 4.0], sigma: 2.0, slope: Slope::new(1.5, 0.0), value: 0.0036, feature: Some(9) };
+        let nan = f64::NAN;
+        let responds = "slope 1.5 responds 1.8 times as strongly";
+        let waived = format!("{responds}; not required, because each slope is searched for itself");
+        for (test, outcome, value, limit, sentence) in [
+            (Test::SlopeExtremum, NotAsked, 0.002, 0.0036, &*waived),
+            (Test::SlopeExtremum, NotAsked, 0.0036, 0.002, "all other slopes respond less; not required"),
+            (Test::SlopeExtremum, NotAsked, 0.0036, -0.002, "all other slopes respond less; not required"),
+            (Test::SlopeExtremum, NotAsked, 0.0036, nan, "there is no other slope"),
+            (Test::SlopeExtremum, Fails, 0.002, 0.0036, responds),
+            (Test::NoiseGate, Fails, 3.28, 4.0, "3.28 σ of its noise, 4 σ is required: 18 % too little"),
+            (Test::NoiseGate, Passes, 5.0, 4.0, "5 σ of its noise, 4 σ is required: 25 % more"),
+            (Test::NoiseGate, NotAsked, 5.0, 0.0, "no noise gate is set"),
+            (Test::ScaleExtremum, Fails, 0.002, 0.002, "a neighbour at the next scale responds as strongly or more"),
+            (Test::Edge, Fails, 45.9, 12.0, "one curvature is 45.9 times the other; 12 is allowed"),
+            (Test::Edge, Unknown, nan, 12.0, "unknown, because the fit did not settle"),
+            (Test::Refinement, Fails, nan, 1.5, "the fit has no peak"),
+            (Test::Duplicate, Fails, 0.4, 1.25, "feature 9, 0.4 σ away, stands for this blob; 1.25 σ makes two"),
+            (Test::Duplicate, NotAsked, nan, 1.25, "not tested: weaker than the strongest that are kept"),
+            (Test::MaxFeatures, Fails, 501.0, 500.0, "number 501 by strength; 500 are kept"),
+            (Test::MaxFeatures, Unknown, nan, 500.0, "it became no keypoint"),
+        ] {
+            let [value, limit] = [value, limit].map(|x| Some(x).filter(|x| x.is_finite()));
+            let of_others = matches!(test, Test::SlopeExtremum | Test::ScaleExtremum | Test::Duplicate);
+            let rival = Some(rival).filter(|_| of_others && limit.is_some());
+            assert_eq!(TestReport { rival, ..TestReport::new(test, outcome, value, limit) }.sentence(), sentence);
+        }
+    }
+
+    #[test]
+    fn each_test_has_names_of_its_own() {
+        let mut names = Test::ALL.map(|test| test.record().short);
+        assert!(names.iter().all(|name| (1..=14).contains(&name.len())), "{names:?}");
+        names.sort_unstable();
+        assert!(names.windows(2).all(|two| two[0] != two[1]), "{names:?}");
+    }
+
+    #[test]
+    fn margins_are_percents_with_a_real_minus_and_nothing_where_they_say_nothing() {
+        let of = |margin: f64| TestReport::new(Test::NoiseGate, Outcome::Passes, Some(1.0 + margin), Some(1.0));
+        for (margin, text) in
+            [(0.25, "+25 %"), (-0.081, "−8 %"), (0.0, "0 %"), (-0.003, "0 %"), (12.0, ""), (f64::INFINITY, "")]
+        {
+            assert_eq!(of(margin).margin_text(), text);
+        }
+        let edge = TestReport::new(Test::Edge, Outcome::Passes, None, Some(4.64));
+        assert_eq!(
+            (of(0.0).limit_text(), edge.limit_text(), edge.margin_text()),
+            ("≥ 1".into(), "≤ 4.64".into(), String::new())
+        );
+    }
 }

@@ -4,12 +4,12 @@
 //! the tests; that of a burst's slopes the features and evidence at each slope, the range searched, and the advice.
 
 use crate::export::sheet::{Anchor, Area, BLUE, FAINT, GREEN, GRID, INK, RED, Sheet};
-use crate::inspect::fate::{Outcome, Side};
-use crate::inspect::response::ResponseMap;
+use crate::inspect::fate::Outcome;
+use crate::inspect::response::outline;
 use crate::inspect::shares::{Shares, Slice};
 use crate::inspect::spectrum::{SlopeBar, Spectrum};
 use crate::inspect::texture::dirichlet;
-use crate::inspect::words::{counted, number, slope_text};
+use crate::inspect::words::{capitalised, counted, number, sentence, slope_text, value_text};
 use crate::inspect::{Fate, Probe};
 use crate::plane::Plane;
 use crate::plane::display::Display;
@@ -38,8 +38,8 @@ pub fn probe_svg(probe: &Probe, name: &str) -> String {
         end = end.max(tests(&mut sheet, (RIGHT, second), fate));
     }
     for suspicion in &probe.suspicions {
-        end =
-            sheet.paragraph((24.0, end), 12.0, WIDTH - 48.0, &format!("{:?}? {}.", suspicion.kind, suspicion.evidence));
+        let text = format!("{:?}? {}.", suspicion.kind, suspicion.evidence);
+        end = sheet.paragraph((24.0, end), 12.0, WIDTH - 48.0, &text);
     }
     sheet.finish(end + 12.0)
 }
@@ -57,7 +57,7 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     let (columns, rows) = (map.snr.width(), map.snr.height());
     let x_of = |column: f64| area.x + (column + 0.5) / columns as f64 * area.width;
     let y_of = |row: f64| area.y + (row + 0.5) / rows as f64 * area.height;
-    let column_of = |slope: f32| column_of(map, slope);
+    let column_of = |slope: f32| f64::from(map.slopes.column_of(slope));
     for &slope in &map.slopes.grid {
         let x = x_of(column_of(slope));
         sheet.line((x, area.bottom()), (x, area.bottom() + 5.0), INK, "");
@@ -77,7 +77,10 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
         sheet.text((area.x + 0.5 * area.width, area.bottom() + 16.0), 11.0, Anchor::Middle, "a single slope");
     }
     // Outline of the cells whose response reaches the gate.
-    contour(sheet, map, &x_of, &y_of);
+    for ends in outline(&map.snr, map.gate) {
+        let [from, to] = ends.map(|(column, row)| (x_of(column.into()), y_of(row.into())));
+        sheet.line(from, to, INK, r#"stroke-width="1""#);
+    }
     let each = rows.div_ceil(12).max(1);
     for (row, scale) in map.scales.iter().enumerate().step_by(each) {
         sheet.text((area.x - 7.0, y_of(row as f64) + 4.0), 11.0, Anchor::End, &number(scale.sigma, 1));
@@ -85,8 +88,7 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     sheet.label_left(area, "scale σ, px");
     for fate in probe.fates.iter().rev() {
         let Some(row) = map.row_of(fate.octave, fate.level) else { continue };
-        let along = if map.along_v { fate.slope.v } else { along_of(map, fate) };
-        let place = (x_of(column_of(along)), y_of(row as f64));
+        let place = (x_of(map.column_of(fate.slope).into()), y_of(row as f64));
         let style = if fate.is_kept() {
             format!(r#"fill="none" stroke="{INK}" stroke-width="2""#)
         } else {
@@ -101,50 +103,9 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     sheet.text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &legend);
 }
 
-/// The slope of a candidate along the map's axis: that of the nearest column.
-fn along_of(map: &ResponseMap, fate: &Fate) -> f32 {
-    let apart = |column: &usize| {
-        let slope = map.columns[*column];
-        (slope.u - fate.slope.u).hypot(slope.v - fate.slope.v)
-    };
-    let nearest = (0..map.columns.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)));
-    nearest.map_or(0.0, |column| map.slopes.values[column])
-}
-
-/// The column, as a fraction, of a slope along the map's axis.
-fn column_of(map: &ResponseMap, slope: f32) -> f64 {
-    let values = &map.slopes.values;
-    match values[..] {
-        [first, second, ..] => f64::from((slope - first) / (second - first)),
-        _ => 0.0,
-    }
-}
-
-/// Draws lines between cells that reach the gate and cells that do not.
-fn contour(sheet: &mut Sheet, map: &ResponseMap, x_of: &dyn Fn(f64) -> f64, y_of: &dyn Fn(f64) -> f64) {
-    let reaches = |column: usize, row: usize| map.snr.at(column, row).abs() >= map.gate;
-    let (columns, rows) = map.snr.size();
-    let style = r#"stroke-width="1""#;
-    for row in 0..rows {
-        for column in 0..columns {
-            let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
-            if column + 1 < columns && reaches(column, row) != reaches(column + 1, row) {
-                sheet.line((x_of(x), y_of(y - 1.0)), (x_of(x), y_of(y)), INK, style);
-            }
-            if row + 1 < rows && reaches(column, row) != reaches(column, row + 1) {
-                sheet.line((x_of(x - 1.0), y_of(y)), (x_of(x), y_of(y)), INK, style);
-            }
-        }
-    }
-}
-
-/// Draws each frame's response with its noise.
 fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
-    heading(
-        sheet,
-        area,
-        &format!("Each frame's response at slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1)),
-    );
+    let (slope, sigma) = (slope_text(shares.slope), number(shares.sigma, 1));
+    heading(sheet, area, &format!("Each frame's response at slope {slope}, σ {sigma} px"));
     let covering: Vec<_> = shares.frames.iter().filter(|f| f.covers).collect();
     let ends = covering.iter().flat_map(|f| [f.value - f.sigma_d, f.value + f.sigma_d]);
     let (min, max) = ends.fold((0.0f32, 0.0f32), |(a, b), x| (a.min(x), b.max(x)));
@@ -154,7 +115,8 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let x_of = |index: usize| area.x + (index as f64 + 0.5) / count * area.width;
     sheet.rectangle(area, &format!(r#"fill="none" stroke="{GRID}""#));
     sheet.line((area.x, y_of(0.0)), (area.right(), y_of(0.0)), INK, r#"stroke-width="0.7""#);
-    sheet.line((area.x, y_of(shares.mean)), (area.right(), y_of(shares.mean)), BLUE, r#"stroke-dasharray="6 4""#);
+    let mean = y_of(shares.evenness.mean);
+    sheet.line((area.x, mean), (area.right(), mean), BLUE, r#"stroke-dasharray="6 4""#);
     for (index, frame) in shares.frames.iter().enumerate() {
         let x = x_of(index);
         if frame.covers {
@@ -165,15 +127,10 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
         }
     }
     sheet.axis_left(area, range, "D");
-    let _ = sheet.paragraph(
-        (area.x, area.bottom() + 16.0),
-        11.0,
-        area.width,
-        &format!("dashes: their mean. {}.", shares.meaning),
-    );
+    let text = format!("dashes: their mean. {}.", shares.meaning);
+    let _ = sheet.paragraph((area.x, area.bottom() + 16.0), 11.0, area.width, &text);
 }
 
-/// Draws the pixels along the motion, one patch for each frame.
 fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let count = shares.frames.len().max(1);
     let side = (area.width / count as f64).min(area.height);
@@ -222,43 +179,30 @@ fn slice(sheet: &mut Sheet, area: Area, probe: &Probe, slice: &Slice) {
 fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
     let area = Area { x, y, width: WIDTH - x - 24.0, height: 0.0 };
     heading(sheet, area, "The tests, in order");
-    let columns = [x, x + 224.0, x + 310.0, x + 372.0];
     let mut y = y + 12.0;
     for report in fate.tests.iter().filter(|report| report.outcome != Outcome::NotAsked) {
         let fails = report.outcome == Outcome::Fails;
         let weight = if Some(report.test) == fate.first_failed { r#"font-weight="bold""# } else { "" };
         let style = format!(r#"{weight} fill="{}""#, if fails { RED } else { INK });
-        let name = crate::inspect::report::test_name(report.test);
-        sheet.styled_text((columns[0], y), 12.0, Anchor::Start, &style, name);
-        let value = |x: Option<f64>| x.map_or_else(String::new, crate::inspect::report::value_text);
-        sheet.styled_text((columns[1], y), 12.0, Anchor::End, &style, &value(report.value));
-        let sign = if report.side == Side::AtLeast { "≥" } else { "≤" };
-        let limit = report.limit.map_or_else(String::new, |limit| format!("{sign} {}", value(Some(limit))));
-        sheet.styled_text((columns[2], y), 12.0, Anchor::End, &style, &limit);
         let word = match report.outcome {
             Outcome::Passes => "passes",
             Outcome::Fails => "fails",
             Outcome::Unknown => "unknown",
             Outcome::NotAsked => "",
         };
-        sheet.styled_text((columns[3], y), 12.0, Anchor::End, &style, word);
+        sheet.styled_text((x, y), 12.0, Anchor::Start, &style, report.test.record().name);
+        let value = report.value.map(value_text).unwrap_or_default();
+        for (column, text) in [(224.0, &*value), (310.0, &*report.limit_text()), (372.0, word)] {
+            sheet.styled_text((x + column, y), 12.0, Anchor::End, &style, text);
+        }
         y += 17.0;
     }
-    y = sheet.paragraph((x, y + 6.0), 12.0, area.width, &format!("{}.", capitalised(&fate.verdict)));
+    y = sheet.paragraph((x, y + 6.0), 12.0, area.width, &sentence(&fate.verdict));
     if let Some(remedy) = &fate.remedy {
-        y = sheet.paragraph(
-            (x, y),
-            12.0,
-            area.width,
-            &format!("{}: {}", capitalised(&remedy.sentence), remedy.change.option()),
-        );
+        let text = format!("{}: {}", capitalised(&remedy.sentence), remedy.change.option());
+        y = sheet.paragraph((x, y), 12.0, area.width, &text);
     }
     y
-}
-
-fn capitalised(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
 const SLOPES_WIDTH: f64 = 820.0;
@@ -266,8 +210,8 @@ const SLOPES_LEFT: f64 = 76.0;
 
 /// The figure as an SVG document; `name` is the burst's.
 pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
-    let mut sheet = Sheet::new(SLOPES_WIDTH, &format!("Slopes of {name}"));
     let title = format!("Slopes of {name}");
+    let mut sheet = Sheet::new(SLOPES_WIDTH, &title);
     sheet.styled_text((24.0, 30.0), 16.0, Anchor::Start, r#"font-weight="bold""#, &title);
     let found = format!(
         "{} at {}; {} at the limit. What the frames show: {}.",
@@ -284,7 +228,7 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
     }
     end += 18.0;
     if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
-        end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &format!("{}.", capitalised(&fits.sentence)));
+        end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &sentence(&fits.sentence));
     }
     for advice in &spectrum.advice {
         end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &format!("• {}.", advice.sentence));
@@ -339,9 +283,7 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
         }
     }
     // The limits of the searched range.
-    let searched = |at: i64| x_of(at);
-    let count_axis = axis.count as i64;
-    for x in [searched(0), searched(count_axis)] {
+    for x in [x_of(0), x_of(axis.count as i64)] {
         sheet.line((x, upper.y), (x, lower.bottom()), FAINT, r#"stroke-dasharray="3 3""#);
     }
     sheet.line((upper.x, upper.bottom()), (upper.right(), upper.bottom()), INK, "");
@@ -409,12 +351,8 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
         for row in 0..size.1 {
             if row % size.1.div_ceil(8) == 0 {
                 let v = top_v + (row as f64 + 0.5) / size.1 as f64 * (bottom_v - top_v);
-                sheet.text(
-                    (area.x - 7.0, area.y + (row as f64 + 0.5) * side + 4.0),
-                    11.0,
-                    Anchor::End,
-                    &number(v as f32, 2),
-                );
+                let at = (area.x - 7.0, area.y + (row as f64 + 0.5) * side + 4.0);
+                sheet.text(at, 11.0, Anchor::End, &number(v as f32, 2));
             }
         }
         sheet.label_left(area, "slope v");
@@ -424,8 +362,7 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     end + 14.0
 }
 
-/// Draws the response of a texture of a period at slopes around its own: aliases and side lobes. Returns the position
-/// of its end.
+/// Draws the response of a periodic texture at slopes around its own: aliases and side lobes. Returns where it ends.
 fn kernel(sheet: &mut Sheet, top: f64, frames: usize, period: f64) -> f64 {
     let area = Area { x: SLOPES_LEFT, y: top, width: SLOPES_WIDTH - SLOPES_LEFT - 30.0, height: 70.0 };
     let text =

@@ -3,8 +3,8 @@
 //! A detector returns what it found. When that is nothing, or too much, or wrong, people ask: what happened at this
 //! place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the candidates
 //! ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
-//! ([`unmatched`])? Which true discs were missed ([`truth`])? Whether a search would have found a thing that is not there
-//! is asked in the package `burstscope-lab`.
+//! ([`unmatched`])? Which true discs were missed ([`truth`])? Whether a search would have found a thing that is not
+//! there is asked in the package `burstscope-lab`.
 //!
 //! Everything here explains and decides nothing: a verdict about a sample comes from the search's own function
 //! ([`crate::detector::Trail`]), and over a whole picture the verdicts add up to the detection's tally. Where one
@@ -59,10 +59,6 @@ pub struct ProbeCache {
 
 impl ProbeCache {
     /// Detects the features of `burst`, finding its slopes first if requested, and keeps the data that questions need.
-    ///
-    /// # Errors
-    /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once
-    /// `monitor` was cancelled.
     pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
         let PreparedSearch { burst, params: prepared, finding, rest, .. } =
             PreparedSearch::new(burst, params, monitor)?;
@@ -70,11 +66,7 @@ impl ProbeCache {
         Ok(Self { burst, trail, finding, asked: params.clone() })
     }
 
-    /// Detection that was requested with `asked`, from what this one's search left; `None` where it needs a new search,
-    /// see [`Trail::rejudged`].
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// Result of another request from what this search left; `None` where it needs a new one: [`Trail::rejudged`].
     pub fn rejudged(&self, asked: &SearchParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
         let mut judged = self.asked.detector.judged_as(&asked.detector);
         if asked.slopes.is_auto() {
@@ -89,8 +81,7 @@ impl ProbeCache {
         Ok(trail.map(|trail| Self { burst, trail: Arc::new(trail), finding, asked }))
     }
 
-    /// This detection as the result of another request, `asked`; `finding` is the result of finding its slopes, if that
-    /// request has them found.
+    /// This detection as the result of another request, `asked`, with its own finding of slopes.
     pub fn asked_as(&self, asked: &SearchParams, finding: Option<&SlopeFinding>) -> Self {
         let (burst, trail) = (self.burst.clone(), self.trail.clone());
         Self { burst, trail, finding: finding.cloned(), asked: asked.clone() }
@@ -102,8 +93,7 @@ impl ProbeCache {
         DetectorParams { frames: self.asked.detector.frames, ..self.params().clone() }
     }
 
-    /// Approximate bytes that the cache takes now in addition to `open`, the burst that was searched. Some of the data
-    /// is only computed with the first question.
+    /// Approximate bytes that it takes now beside `open`, the burst that was searched; the first question adds some.
     pub fn bytes_beside(&self, open: &Burst) -> usize {
         self.trail.bytes_beside(&open.frames)
     }

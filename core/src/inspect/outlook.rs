@@ -17,7 +17,6 @@ use serde::Serialize;
 pub const NINE_OF_TEN: f64 = 1.2816;
 /// Half the side, pixels, of the square whose mean is the brightness of the place.
 const AROUND_PX: i32 = 4;
-/// Factors beyond which a change is no advice.
 const MAX_FACTOR: f64 = 1000.0;
 
 /// Changes in the world that would keep a candidate that fails the noise gate.
@@ -35,8 +34,7 @@ pub struct Outlook {
     pub exposure: Option<f64>,
     /// Part of the variance at the place that is shot noise, 0 … 1; `None` where the noise model does not tell.
     pub shot_part: Option<f64>,
-    /// Part of the speed at which it passes with as much longer exposures; `None` where it does not move, or where no
-    /// exposure helps.
+    /// Part of the speed at which it passes with as much longer exposures; `None` where that does not help.
     pub speed: Option<f64>,
     /// A sentence without a full stop.
     pub sentence: String,
@@ -86,7 +84,6 @@ pub fn exposure_needed(shot_part: f64, factor: f64) -> Option<f64> {
     exposure.is_finite().then_some(exposure)
 }
 
-/// Number of the frames that took part which show a candidate.
 fn frames_showing(trail: &Trail, fate: &Fate) -> usize {
     let (width, height) = trail.size_image();
     let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
@@ -200,7 +197,6 @@ mod tests {
         (cache, [truth.features[0].u as f32, truth.features[0].v as f32])
     }
 
-    /// Whether the disc at `place` has a feature.
     fn is_found((cache, place): &(ProbeCache, [f32; 2])) -> bool {
         let near = |f: &crate::detector::Feature| (f.u - place[0]).hypot(f.v - place[1]) < 4.0;
         cache.detection().features.iter().any(near)

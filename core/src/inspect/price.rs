@@ -12,6 +12,7 @@ use crate::detector::scale_space::{octave_size, searched_octaves};
 use crate::detector::{DetectError, DetectorParams, ParamChange, Sample, SearchParams, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
+use std::cmp::Ordering;
 
 /// Effect of a change on the features.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -29,14 +30,13 @@ impl Price {
     pub fn sentence(&self) -> String {
         let (own_now, own_then) = self.own.unwrap_or_default();
         let (now, then) = (self.now - own_now.min(self.now), self.then - own_then.min(self.then));
-        let is_removed = own_now > 0 && own_then == 0;
-        let noun = if self.own.is_some() { "other" } else { "feature" };
-        let counted_as = |count: usize, how: &str| counted(count, noun).replacen(noun, &format!("{how}{noun}"), 1);
-        let more = match then.cmp(&now) {
-            std::cmp::Ordering::Equal => None,
-            std::cmp::Ordering::Greater if self.own.is_some() => Some(format!("{} more", grouped((then - now) as u64))),
-            std::cmp::Ordering::Greater => Some(counted_as(then - now, "more ")),
-            std::cmp::Ordering::Less => Some(counted_as(now - then, if is_removed { "" } else { "fewer " })),
+        let more = match (then.cmp(&now), self.own) {
+            (Ordering::Equal, _) => None,
+            (Ordering::Greater, None) => Some(counted(then - now, "more feature")),
+            (Ordering::Greater, Some(_)) => Some(format!("{} more", grouped((then - now) as u64))),
+            (Ordering::Less, None) => Some(counted(now - then, "fewer feature")),
+            (Ordering::Less, Some((1.., 0))) => Some(counted(now - then, "other")),
+            (Ordering::Less, Some(_)) => Some(counted(now - then, "fewer other")),
         };
         let own = match self.own {
             None => return more.unwrap_or_else(|| "the number of features stays".to_owned()),
@@ -49,11 +49,8 @@ impl Price {
     }
 }
 
-/// Price of `change` to the detection of `trail`, from what its search left; `None` where only another search can tell:
-/// see [`Trail::rejudged`]. `sample` is the candidate in question.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// Price of `change` from what the search of `trail` left; `None` where only another search can tell: see
+/// [`Trail::rejudged`]. `sample` is the candidate in question.
 pub fn price_at_once(
     trail: &Trail,
     change: &ParamChange,
@@ -66,9 +63,6 @@ pub fn price_at_once(
 
 /// Price of `change` to the detection of `cache` in `burst`, the burst as it was opened; with a search where it takes
 /// one. `sample` is the candidate in question.
-///
-/// # Errors
-/// [`DetectError::Param`] for a change that makes no sense, [`DetectError::Cancelled`] once `monitor` was cancelled.
 pub fn price(
     cache: &ProbeCache,
     burst: &Burst,
@@ -91,15 +85,13 @@ fn between(before: &Trail, after: &Trail, sample: Option<Sample>) -> Price {
     Price { now, then, own: sample.map(|sample| (own(before, &sample), own(after, &sample))) }
 }
 
-/// Number of features that a sample became.
 fn own(trail: &Trail, sample: &Sample) -> usize {
     let at = [sample.x as u32, sample.y as u32];
     let keypoint = trail.keypoint_at(sample.octave, sample.level, sample.slope_index, at);
     keypoint.map_or(0, |keypoint| trail.ranks_of(keypoint).count())
 }
 
-/// The factor by which `then` takes longer to search frames of `size` (columns, rows) than `now`: the ratio of the
-/// numbers of samples.
+/// Ratio of the samples that searches with `then` and with `now` examine in frames of `size` (columns, rows).
 pub fn time_factor(now: &DetectorParams, then: &DetectorParams, size: (usize, usize)) -> f32 {
     let samples = |params: &DetectorParams| {
         let pixels = |octave: i32| {

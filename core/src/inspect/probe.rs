@@ -2,6 +2,7 @@
 //! words.
 
 use super::ProbeCache;
+use super::candidates::open_candidates;
 use super::fate::Fate;
 use super::outlook::{Outlook, outlook};
 use super::remedy::duplicate_remedy;
@@ -10,9 +11,7 @@ use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Suspicion, suspicions};
 use super::verdict::Judged;
 use crate::detector::scale_space::octave_pixel;
-use crate::detector::search::ascends;
-use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
-use crate::detector::{Sample, Slope, Tally, Test, Trail};
+use crate::detector::{Sample, Slope, Test, Trail};
 use crate::inspect::telling::fate;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
@@ -75,8 +74,7 @@ pub enum Wanted {
         /// Index of the slope in the grid.
         slope_index: usize,
     },
-    /// A candidate near the place, by its sample; as [`Wanted::Best`] where no candidate near the place has this
-    /// sample.
+    /// A candidate near the place, by its sample; as [`Wanted::Best`] where there is none.
     Candidate(Sample),
 }
 
@@ -87,8 +85,7 @@ pub struct ProbeOptions {
     pub reach_sigmas: f32,
     /// Subject to examine more closely.
     pub wanted: Wanted,
-    /// Scale σ near which candidates come first, input pixels: the one in view. For [`Wanted::Feature`] without one,
-    /// the feature's.
+    /// Scale σ near which candidates come first, input pixels. For [`Wanted::Feature`] without one, the feature's.
     pub near_sigma: Option<f32>,
     /// Pixels to each side in the slices.
     pub slice_half_px: usize,
@@ -175,7 +172,6 @@ const LARGE_PX: f32 = 8.0;
 /// Ratio of two scales within which they count as the same.
 const SAME_SCALE: f32 = 1.3;
 
-/// Nearness of candidates to the place and to the scale that are asked about.
 #[derive(Debug, Clone, Copy)]
 struct Nearness {
     place: [f32; 2],
@@ -183,12 +179,10 @@ struct Nearness {
 }
 
 impl Nearness {
-    /// Distance from the place, input pixels.
     fn distance(&self, fate: &Fate) -> f32 {
         (fate.pos_image[0] - self.place[0]).hypot(fate.pos_image[1] - self.place[1])
     }
 
-    /// Whether the candidate lies at the place, as far as a click can tell.
     fn is_here(&self, fate: &Fate) -> bool {
         self.distance(fate) <= AT_PLACE_PX
     }
@@ -232,9 +226,6 @@ fn strength(fate: &Fate) -> f32 {
 }
 
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
-///
-/// # Errors
-/// See [`ProbeError`].
 pub fn probe(
     cache: &ProbeCache,
     place: [f32; 2],
@@ -269,12 +260,12 @@ pub fn probe(
     let response = response_map(trail, subject.pos_image, grid.coordinates(subject.slope_index), scale, monitor)?;
     let shares = shares(trail, scale, subject.pos_image, subject.slope, monitor)?;
     let suspicions = match subject.fate {
-        Some(index) => suspicions(trail, &fates[index], &shares.evenness(), monitor)?,
+        Some(index) => suspicions(trail, &fates[index], &shares.evenness, monitor)?,
         None => Vec::new(),
     };
     let outlook = subject.fate.and_then(|index| outlook(trail, &fates[index]));
     let is_feature = subject.fate.is_some_and(|index| !fates[index].features.is_empty());
-    let judged = is_feature.then(|| Judged::of(&shares.evenness(), &suspicions));
+    let judged = is_feature.then(|| Judged::of(&shares.evenness, &suspicions));
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
     let summary = summary_of(&nearness, &fates, near, &response);
@@ -338,9 +329,6 @@ fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -
 
 /// The fates of all candidates near a place (u, v), input pixels, within `reach_sigmas` of their σ: kept ones first,
 /// then in order of how far they came and of their strength.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn fates_near(
     trail: &Trail,
     place: [f32; 2],
@@ -374,25 +362,17 @@ fn candidates_near(
     let (x, y) = (middle(place[0], size.0), middle(place[1], size.1));
     let region = Region { columns: x..x + 1, rows: y..y + 1 }.widened(widest, size);
     let around = trail.neighbourhood(octave, &region, monitor)?;
-    let scale_ease = scale_ease(ascends(trail.params(), octave));
-    let open = Thresholds { peak: 0.0, gate: vec![0.0; levels + 2], scale_ease };
-    let mut samples = Vec::new();
-    for (slope_index, dog) in around.tiles.iter().enumerate() {
-        let mut found: Vec<Candidate> = Vec::new();
-        own_slope_extrema(&dog.levels, &region, size, &open, &mut Tally::default(), &mut found);
-        samples.extend(found.iter().filter_map(|c| {
-            let level = c.level_index as i32 - 1;
-            let (du, dv) = (c.x as f32 - place[0] / pixel, c.y as f32 - place[1] / pixel);
-            (du.hypot(dv) <= reach(level)).then_some(Sample { octave, level, slope_index, x: c.x, y: c.y })
-        }));
-    }
+    let mut samples = open_candidates(trail, &around);
+    samples.retain(|sample| {
+        let (du, dv) = (sample.x as f32 - place[0] / pixel, sample.y as f32 - place[1] / pixel);
+        du.hypot(dv) <= reach(sample.level)
+    });
     let judged = trail.judge(&around, &samples);
     out.extend(samples.iter().zip(judged).filter_map(|(sample, j)| Some(fate(trail, &around, sample, &j?))));
     Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
 }
 
-/// Appends the fate of a feature whose sample is too far from its refined position to be among the candidates near
-/// that.
+/// Appends the fate of a feature whose sample is too far from its refined position to be near that.
 fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<Fate>) -> Result<(), Cancelled> {
     let keypoint = trail.keypoint_of_feature(index);
     if fates.iter().any(|fate| fate.keypoint == Some(keypoint)) {
@@ -406,9 +386,6 @@ fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<F
 }
 
 /// The fate of one sample; `None` on its octave's border, which the search does not examine.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Option<Fate>, Cancelled> {
     let region = Region { columns: sample.x..sample.x + 1, rows: sample.y..sample.y + 1 };
     let around = trail.neighbourhood(sample.octave, &region, monitor)?;
@@ -441,10 +418,9 @@ fn summary_of(nearness: &Nearness, fates: &[Fate], near: usize, response: &Respo
             Some(sigma) => format!("The candidate nearest to σ {} px", number(sigma, 1)),
             None => "The strongest candidate here".to_owned(),
         };
-        let strength = if first.snr.is_finite() {
-            format!("SNR {}", number(first.snr, 1))
-        } else {
-            format!("|D| {:.2e}", first.value.abs())
+        let strength = match first.snr {
+            snr if snr.is_finite() => format!("SNR {}", number(snr, 1)),
+            _ => format!("|D| {:.2e}", first.value.abs()),
         };
         let sigma = number(first.sigma, 1);
         return format!("Nothing was kept here. {who} has {strength} at σ {sigma} px: {}.", first.verdict);
@@ -503,8 +479,8 @@ mod tests {
     #[test]
     fn the_small_blob_under_the_click_comes_before_the_large_one_over_it() {
         for gate in [NoiseGate::Auto, NoiseGate::Factor(1000.0)] {
-            let place = [81.0, 80.5];
-            let probe = at(&small_under_large(gate), place, ProbeOptions::default());
+            let (cache, place) = (small_under_large(gate), [81.0, 80.5]);
+            let probe = at(&cache, place, ProbeOptions::default());
             let apart = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
             let first = probe.subject_fate().expect("it is at the place");
             assert_eq!(probe.subject.fate, Some(0));
@@ -514,28 +490,13 @@ mod tests {
             let large = probe.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("it reaches over the place");
             assert!(large.snr > first.snr && apart(large) > AT_PLACE_PX, "{large:?}");
             assert!(probe.near_fates().iter().all(|fate| fate.sigma < 10.0 || apart(fate) <= AT_PLACE_PX));
+            // Chosen candidates are examined wherever they are.
+            let wanted = Wanted::Candidate(large.of_sample());
+            let chosen = at(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
+            assert_eq!(chosen.subject_fate().map(Fate::of_sample), Some(large.of_sample()));
             let beyond = probe.near_fates().iter().map(|fate| apart(fate).max(AT_PLACE_PX));
             assert!(beyond.is_sorted(), "the nearest come first");
         }
-    }
-
-    #[test]
-    fn with_a_scale_in_view_candidates_of_that_scale_come_first_but_the_place_stays() {
-        let (cache, place) = (small_under_large(NoiseGate::Auto), [81.0, 80.5]);
-        let plain = at(&cache, place, ProbeOptions::default());
-        let large = plain.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("over the place");
-        let near_sigma = Some(large.sigma);
-        let scaled = at(&cache, place, ProbeOptions { near_sigma, ..ProbeOptions::default() });
-        // Samples that lead to another one's maximum do not count.
-        let first = scaled.fates.iter().find(|fate| fate.first_failed != Some(Test::Refinement)).expect("candidates");
-        assert!((first.sigma / large.sigma).ln().abs() < SAME_SCALE.ln(), "{first:?}");
-        assert!(scaled.near > 0 && scaled.fates.len() == plain.fates.len());
-        let apart = (scaled.subject.pos_image[0] - place[0]).hypot(scaled.subject.pos_image[1] - place[1]);
-        assert!(apart <= AT_PLACE_PX, "{:?}", scaled.subject);
-        // Chosen candidates are examined wherever they are.
-        let wanted = Wanted::Candidate(large.of_sample());
-        let chosen = at(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
-        assert_eq!(chosen.subject_fate().map(Fate::of_sample), Some(large.of_sample()));
     }
 
     #[test]

@@ -4,19 +4,20 @@
 //! a later test, that is stated. Some verdicts have no remedy: a sample that a neighbour beats is no extremum with any
 //! setting.
 
-use super::fate::{Fate, Remedy, apart_sigmas};
-use super::words::{number, rounded_down, rounded_up, slope_text};
-use crate::detector::params::doc;
-use crate::detector::{Distinct, Judgement, NoiseGate, ParamChange, Slope, SlopeAxis, SlopeGrid, Test, Trail};
+use super::fate::{Fate, Remedy, Side, apart_sigmas};
+use super::words::{filled, number, rounded_down, rounded_up};
+use crate::detector::params::{Word, doc};
+use crate::detector::pipeline::FIRST_PEAK_PART;
+use crate::detector::{
+    Distinct, Judgement, NoiseGate, ParamChange, Slope, SlopeAxis, SlopeExtrema, SlopeGrid, Test, Trail,
+};
 
-/// Margin by which a limit is changed further, so that the value passes although the search computes in single
-/// precision.
+/// Margin by which a limit is changed further: the search computes in single precision.
 const EASE: f64 = 1e-4;
 /// Smallest radius of distinct keypoints that is proposed, and smallest ratio of scales.
 const MIN_RADIUS: f64 = 0.05;
 const MIN_RATIO: f64 = 1.02;
 
-/// Adds the verdict and the remedy to the fate.
 pub(super) fn explained(trail: &Trail, judgement: &Judgement, fate: Fate) -> Fate {
     let verdict = verdict(trail, &fate);
     let remedy = change(trail, judgement, &fate).map(|(sentence, change)| Remedy {
@@ -33,7 +34,6 @@ fn fails_uncut(trail: &Trail, fate: &Fate) -> Option<Test> {
     trail.fails_uncut(cut)
 }
 
-/// The verdict as one sentence.
 fn verdict(trail: &Trail, fate: &Fate) -> String {
     let Some(test) = fate.first_failed else {
         let limit = if fate.at_slope_limit { ", at the limit of the slopes" } else { "" };
@@ -45,75 +45,19 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
             }
         };
     };
-    let report = fate.report(test);
-    let (value, limit) = (report.value.unwrap_or(f64::NAN), report.limit.unwrap_or(f64::NAN));
-    let rival = report.rival;
-    match test {
-        Test::PeakThreshold => format!(
-            "below the peak threshold: |D| is {}, at least 0.8 of {} is required",
-            scientific(value),
-            trail.params().peak_threshold
-        ),
-        Test::NoiseGate => {
-            format!("below the noise gate: {} σ of {} σ", number(value as f32, 2), number(limit as f32, 2))
-        }
-        Test::SpaceExtremum => "a neighbour in the image is as strong".to_owned(),
-        Test::ScaleExtremum => "a neighbour at an adjacent level is as strong".to_owned(),
-        Test::SlopeExtremum => rival.map_or_else(
-            || test.reason().to_owned(),
-            |rival| {
-                format!(
-                    "beaten by slope {} {}, {} times as strong: {}",
-                    slope_text(rival.slope),
-                    if away(fate, rival.pos_image) < 1.0 {
-                        "at the same place".to_owned()
-                    } else {
-                        format!("{} px away", number(away(fate, rival.pos_image), 1))
-                    },
-                    number((limit / value) as f32, 2),
-                    if rises_past_the_rim(trail, fate, rival.slope) {
-                        "the motion lies beyond"
-                    } else {
-                        "the same blob"
-                    },
-                )
-            },
-        ),
-        Test::Refinement => match report.value {
-            Some(_) => format!("the fit did not settle: its peak is {} samples away", number(value as f32, 1)),
-            None => "the fit has no peak".to_owned(),
+    let (report, record) = (fate.report(test), test.record());
+    filled(report.unless_boundless(record.verdict), |word| match (word, report.rival) {
+        ("threshold", _) => record.parameter.map_or_else(String::new, |parameter| parameter.text(trail.params())),
+        ("where", Some(rival)) => match away(fate, rival.pos_image) {
+            px if px < 1.0 => "at the same place".to_owned(),
+            px => format!("{} px away", number(px, 1)),
         },
-        Test::InterpolatedContrast => format!(
-            "below the peak threshold after interpolation: |D| is {} of {}",
-            scientific(value),
-            trail.params().peak_threshold
-        ),
-        Test::Edge if value.is_finite() => format!(
-            "on an edge: one curvature is {} times the other, at most {} is allowed",
-            number(value as f32, 1),
-            number(limit as f32, 1)
-        ),
-        Test::Edge => "on a saddle: bright along one direction and dark along the other".to_owned(),
-        Test::Outside => "the fit lies outside the image or the scales of its octave".to_owned(),
-        Test::Duplicate => rival.map_or_else(
-            || test.reason().to_owned(),
-            |rival| {
-                let who = rival.feature.map_or_else(|| "another keypoint".to_owned(), |f| format!("feature {f}"));
-                format!(
-                    "the same blob as {who} at ({}, {}) with σ {} and slope {}, {} σ away",
-                    number(rival.pos_image[0], 1),
-                    number(rival.pos_image[1], 1),
-                    number(rival.sigma, 1),
-                    slope_text(rival.slope),
-                    number(value as f32, 2)
-                )
-            },
-        ),
-        Test::MaxFeatures => format!("weaker than the strongest {limit} that are kept: it is number {value}"),
-    }
+        ("cause", Some(rival)) if rises_past_the_rim(trail, fate, rival.slope) => "the motion lies beyond".to_owned(),
+        ("cause", _) => "the same blob".to_owned(),
+        _ => report.word(word),
+    })
 }
 
-/// The distance of a place from the candidate, input pixels.
 fn away(fate: &Fate, [u, v]: [f32; 2]) -> f32 {
     (u - fate.pos_image[0]).hypot(v - fate.pos_image[1])
 }
@@ -131,67 +75,46 @@ fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
 /// The sentence and the change that make the candidate pass its first failed test.
 fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, ParamChange)> {
     let test = fate.first_failed?;
-    let params = trail.params();
-    let report = fate.report(test);
-    let instead = |what: &str, change: &ParamChange, of: String| format!("{what} {} instead of {of}", change.value);
-    match test {
+    let (params, report, record) = (trail.params(), fate.report(test), test.record());
+    let parameter = record.parameter?;
+    let eased = |value: f64| match record.side {
+        Side::AtLeast => rounded_down((1.0 - EASE) * value, 2).to_string(),
+        Side::AtMost => rounded_up((1.0 + EASE) * value, 2).to_string(),
+    };
+    let value = match test {
         Test::PeakThreshold | Test::InterpolatedContrast => {
             // Both tests use the threshold: for the sample's own value, and for the fit's.
-            let first = f64::from(judgement.value.abs()) / f64::from(crate::detector::pipeline::FIRST_PEAK_PART);
-            let fit = judgement.fit.map_or(f64::INFINITY, |fit| fit.value.abs());
-            let value = rounded_down((1.0 - EASE) * first.min(fit), 2);
-            let change = ParamChange::new(doc::PEAK_THRESHOLD, value);
-            Some((instead("a peak threshold of", &change, params.peak_threshold.to_string()), change))
+            let first = f64::from(judgement.value.abs()) / f64::from(FIRST_PEAK_PART);
+            eased(first.min(judgement.fit.map_or(f64::INFINITY, |fit| fit.value.abs())))
         }
-        Test::NoiseGate => {
-            let value = rounded_down((1.0 - EASE) * report.value?, 2);
-            let change = ParamChange::new(doc::NOISE_GATE, value);
-            let was = match params.noise_gate {
-                NoiseGate::Factor(k) => k.to_string(),
-                word => format!("{} ({word})", number(trail.detection().noise_gate_factor, 2)),
-            };
-            Some((instead("a noise gate of", &change, was), change))
+        Test::SlopeExtremum if rises_past_the_rim(trail, fate, report.rival?.slope) => {
+            let change = widened_towards(&params.used_slopes(), fate)?;
+            return Some((format!("it rises towards the limit of the slopes: widen them to {}", change.value), change));
         }
-        Test::SlopeExtremum => {
-            let rival = report.rival?;
-            if rises_past_the_rim(trail, fate, rival.slope) {
-                let change = widened_towards(&params.used_slopes(), fate)?;
-                return Some((
-                    format!("it rises towards the limit of the slopes: widen them to {}", change.value),
-                    change,
-                ));
-            }
-            let change = ParamChange::new(doc::SLOPE_EXTREMA, "each");
-            Some(("each slope for itself instead of joint extrema".to_owned(), change))
-        }
-        Test::Edge => {
-            let value = rounded_up((1.0 + EASE) * report.value.filter(|ratio| ratio.is_finite())?, 2);
-            let change = ParamChange::new(doc::EDGE_THRESHOLD, value);
-            Some((instead("an edge threshold of", &change, params.edge_threshold.to_string()), change))
-        }
+        Test::SlopeExtremum => SlopeExtrema::Each.word().to_owned(),
         Test::Outside => {
-            let below = judgement.fit.is_some_and(|fit| fit.level_refined < 0.0);
-            let finer = params.first_octave - 1;
-            (below && finer >= -1).then(|| {
-                let change = ParamChange::new(doc::FIRST_OCTAVE, finer);
-                (
-                    instead(
-                        "it is finer than the first octave: a first octave of",
-                        &change,
-                        params.first_octave.to_string(),
-                    ),
-                    change,
-                )
-            })
+            let is_finer = params.first_octave > -1 && judgement.fit.is_some_and(|fit| fit.level_refined < 0.0);
+            is_finer.then(|| (params.first_octave - 1).to_string())?
         }
+        Test::MaxFeatures => report.value?.to_string(),
         // See `duplicate_remedy`.
-        Test::Duplicate => None,
-        Test::MaxFeatures => {
-            let change = ParamChange::new(doc::MAX_FEATURES, report.value? as u64);
-            Some((instead("max features", &change, params.max_features.to_string()), change))
-        }
-        Test::SpaceExtremum | Test::ScaleExtremum | Test::Refinement => None,
+        Test::Duplicate => return None,
+        _ => eased(report.value.filter(|value| value.is_finite())?),
+    };
+    let mut was = parameter.text(params);
+    if test == Test::NoiseGate && !matches!(params.noise_gate, NoiseGate::Factor(_)) {
+        was = format!("{} ({was})", number(trail.detection().noise_gate_factor, 2));
     }
+    Some(remedied(test, ParamChange::new(parameter, value), &was))
+}
+
+fn remedied(test: Test, change: ParamChange, was: &str) -> (String, ParamChange) {
+    let sentence = filled(test.record().remedy, |word| match word {
+        "new" => change.value.clone(),
+        "was" => was.to_owned(),
+        _ => change.parameter.label.to_lowercase(),
+    });
+    (sentence, change)
 }
 
 /// The smallest change that keeps a keypoint beside the stronger one on its blob; `None` for a candidate that is no
@@ -223,8 +146,7 @@ fn distinct_change(trail: &Trail, index: usize) -> Option<(String, ParamChange)>
     let smaller = by_radius.into_iter().chain(by_ratio).max_by(|a, b| a.0.total_cmp(&b.0));
     let (_, change, was) =
         smaller.unwrap_or_else(|| (0.0, ParamChange::new(doc::DISTINCT, Distinct::Off), radius.to_string()));
-    let name = change.parameter.label.to_lowercase();
-    Some((format!("{name} {} instead of {was} would keep both", change.value), change))
+    Some(remedied(Test::Duplicate, change, &was))
 }
 
 /// The index of the grid's slope nearest to a slope.
@@ -234,8 +156,7 @@ pub fn nearest_slope(grid: &SlopeGrid, slope: Slope) -> usize {
     nearest(j, &grid.v) * grid.u.count + nearest(i, &grid.u)
 }
 
-/// The change that extends the axis on whose rim a candidate lies by one step; `None` for a candidate that is not on a
-/// rim.
+/// The change that extends the axis on whose rim a candidate lies by one step.
 pub(super) fn widened_towards(grid: &SlopeGrid, fate: &Fate) -> Option<ParamChange> {
     let rival = fate.report(Test::SlopeExtremum).rival;
     let index = match fate.first_failed {
@@ -249,9 +170,4 @@ pub(super) fn widened_towards(grid: &SlopeGrid, fate: &Fate) -> Option<ParamChan
         return Some(ParamChange::new(doc::SLOPES_U, grid.u.with_more(usize::from(u.0), usize::from(u.1))));
     }
     (v.0 || v.1).then(|| ParamChange::new(doc::SLOPES_V, grid.v.with_more(usize::from(v.0), usize::from(v.1))))
-}
-
-/// |D| with three digits, as text.
-fn scientific(x: f64) -> String {
-    if x >= 0.01 { number(x as f32, 4) } else { format!("{x:.2e}") }
 }

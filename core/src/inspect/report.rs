@@ -1,101 +1,13 @@
 //! Explanations as text, for commands and messages.
 
-use super::fate::{Outcome, Side, TestReport};
+use super::fate::{Outcome, TestReport};
 use super::shares::Shares;
 use super::spectrum::{SlopeBar, Spectrum};
-use super::words::{counted, number, slope_text};
+use super::words::{counted, number, slope_text, snr_text, value_text};
 use super::{Fate, Probe};
 use crate::detector::Test;
 use std::fmt::Write;
 
-/// Name of a test in a table.
-pub fn test_name(test: Test) -> &'static str {
-    match test {
-        Test::PeakThreshold => "peak threshold",
-        Test::NoiseGate => "noise gate, σ",
-        Test::SpaceExtremum => "extremum in space",
-        Test::ScaleExtremum => "extremum in scale",
-        Test::SlopeExtremum => "extremum in slope",
-        Test::Refinement => "fit settles, samples",
-        Test::InterpolatedContrast => "interpolated contrast",
-        Test::Edge => "no edge, curvature ratio",
-        Test::Outside => "inside, samples from the end",
-        Test::Duplicate => "distinct, σ from another",
-        Test::MaxFeatures => "among the strongest",
-    }
-}
-
-/// A number of a test as short text, for any magnitude.
-pub fn value_text(x: f64) -> String {
-    match x.abs() {
-        a if !a.is_finite() => "∞".to_owned(),
-        a if a >= 1000.0 => number(x as f32, 0),
-        a if a >= 0.01 || a == 0.0 => number(x as f32, 2),
-        _ => format!("{x:.1e}").replace('-', "−"),
-    }
-}
-
-/// A test and its outcome in words, with the numbers that were compared; a clause without a full stop.
-pub fn test_sentence(report: &TestReport) -> String {
-    let (value, limit) = (report.value.unwrap_or(f64::NAN), report.limit.unwrap_or(f64::NAN));
-    let (has, needs) = (value_text(value), value_text(limit));
-    let (passes, not_asked) = (report.outcome == Outcome::Passes, report.outcome == Outcome::NotAsked);
-    let by = report.margin().filter(|margin| margin.is_finite()).map_or_else(String::new, |margin| {
-        format!(": {:.0} % {}", 100.0 * margin.abs(), if margin < 0.0 { "too little" } else { "more" })
-    });
-    // A rival, whose response is the limit.
-    let rival_is = |who: &str| match limit / value {
-        times if times > 1.0 && times < 100.0 => {
-            format!("{who} responds {} times as strongly", number(times as f32, 2))
-        }
-        _ => format!("{who} responds as strongly or more"),
-    };
-    match report.test {
-        Test::MaxFeatures if not_asked => "the number of features is not limited".to_owned(),
-        Test::Duplicate if not_asked && report.limit.is_some() => {
-            "not tested: weaker than the strongest that are kept".to_owned()
-        }
-        Test::MaxFeatures if report.value.is_none() => "it became no keypoint".to_owned(),
-        Test::MaxFeatures => format!("number {has} by strength; {needs} are kept"),
-        _ if report.outcome == Outcome::Unknown => "unknown, because the fit did not settle".to_owned(),
-        Test::PeakThreshold | Test::InterpolatedContrast if not_asked => "no peak threshold is set".to_owned(),
-        Test::PeakThreshold => format!("|D| is {has}, {needs} is required{by}"),
-        Test::InterpolatedContrast => format!("|D| of the fit is {has}, {needs} is required{by}"),
-        Test::NoiseGate if not_asked => "no noise gate is set".to_owned(),
-        Test::NoiseGate => format!("{has} σ of its noise, {needs} σ is required{by}"),
-        Test::SpaceExtremum if passes => "all neighbours in the picture respond less".to_owned(),
-        Test::SpaceExtremum => rival_is("a neighbour in the picture"),
-        Test::ScaleExtremum if passes => "all neighbours at the next scales respond less".to_owned(),
-        Test::ScaleExtremum => rival_is("a neighbour at the next scale"),
-        Test::SlopeExtremum => match report.rival.map(|rival| format!("slope {}", slope_text(rival.slope))) {
-            None => "there is no other slope".to_owned(),
-            Some(who) if not_asked && limit > value => {
-                format!("{}; not required, because each slope is searched for itself", rival_is(&who))
-            }
-            Some(_) if not_asked => "all other slopes respond less; not required".to_owned(),
-            Some(_) if passes => "the slopes compared respond less".to_owned(),
-            Some(who) => rival_is(&who),
-        },
-        Test::Refinement if report.value.is_none() => "the fit has no peak".to_owned(),
-        Test::Refinement if passes => format!("the fit settles {has} samples away; {needs} are allowed"),
-        Test::Refinement => format!("the fit does not settle: its peak is {has} samples away; {needs} are allowed"),
-        Test::Edge if !value.is_finite() => "a saddle: bright along one direction and dark along the other".to_owned(),
-        Test::Edge => format!("one curvature is {has} times the other; {needs} is allowed"),
-        Test::Outside if passes => "the fit lies inside the image and the scales".to_owned(),
-        Test::Outside => "the fit lies outside the image or the scales of its octave".to_owned(),
-        Test::Duplicate if not_asked => "duplicates are kept".to_owned(),
-        Test::Duplicate => match report.rival {
-            None => "no other keypoint stands for this blob".to_owned(),
-            Some(rival) => {
-                let who =
-                    rival.feature.map_or_else(|| "another keypoint".to_owned(), |index| format!("feature {index}"));
-                format!("{who}, {has} σ away, stands for this blob; {needs} σ makes two")
-            }
-        },
-    }
-}
-
-/// Maximum number of candidates in the text.
 const LISTED: usize = 12;
 /// Width of the longest bar, characters.
 const BAR_WIDTH: f32 = 30.0;
@@ -161,7 +73,7 @@ fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
                 number(fate.pos_image[1], 1),
                 number(fate.sigma, 1),
                 slope_text(fate.slope),
-                if fate.snr.is_finite() { number(fate.snr, 1) } else { "∞".to_owned() },
+                snr_text(fate.snr),
                 fate.verdict
             )?;
         }
@@ -176,17 +88,17 @@ fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
         }
     }
     for (rival, fates) in groups.iter().take(LISTED) {
-        let who = rival.feature.map_or_else(|| "another keypoint".to_owned(), |index| format!("feature {index}"));
         let strongest = fates.iter().map(|f| f.snr).fold(0.0, f32::max);
         writeln!(
             out,
-            "  {} of {who} at ({}, {}), σ {} px, slope {}: the strongest has {} σ",
+            "  {} of {} at ({}, {}), σ {} px, slope {}: the strongest has {} σ",
             counted(fates.len(), "duplicate"),
+            rival.name(),
             number(rival.pos_image[0], 1),
             number(rival.pos_image[1], 1),
             number(rival.sigma, 1),
             slope_text(rival.slope),
-            if strongest.is_finite() { number(strongest, 1) } else { "∞".to_owned() }
+            snr_text(strongest)
         )?;
     }
     write_larger(out, probe)
@@ -222,7 +134,7 @@ fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
     for report in &fate.tests {
         match report.outcome {
             Outcome::NotAsked if report.test == Test::SlopeExtremum => {
-                writeln!(out, "    {}: {}", test_name(report.test), test_sentence(report))?;
+                writeln!(out, "    {}: {}", report.test.record().name, report.sentence())?;
             }
             Outcome::NotAsked => {}
             _ => writeln!(out, "    {}", report_line(report, Some(report.test) == fate.first_failed))?,
@@ -238,17 +150,8 @@ fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
     Ok(())
 }
 
-/// One test as a line: name, value, limit, margin, and outcome.
 fn report_line(report: &TestReport, is_first_failed: bool) -> String {
     let value = report.value.map_or_else(|| "–".to_owned(), value_text);
-    let sign = if report.side == Side::AtLeast { '≥' } else { '≤' };
-    let limit = report.limit.map_or_else(String::new, |limit| format!("{sign} {}", value_text(limit)));
-    let margin = match report.margin() {
-        Some(margin) if margin.is_finite() && margin.abs() < 10.0 => {
-            format!("{:+.0} %", 100.0 * margin).replace('-', "−")
-        }
-        _ => String::new(),
-    };
     let outcome = match report.outcome {
         Outcome::Passes => "passes",
         Outcome::Fails if is_first_failed => "FAILS",
@@ -256,7 +159,8 @@ fn report_line(report: &TestReport, is_first_failed: bool) -> String {
         Outcome::Unknown => "cannot be decided",
         Outcome::NotAsked => "",
     };
-    format!("{:<32}{value:>9} {limit:<11}{margin:>8}  {outcome}", test_name(report.test))
+    let (name, limit, margin) = (report.test.record().name, report.limit_text(), report.margin_text());
+    format!("{name:<32}{value:>9} {limit:<11}{margin:>8}  {outcome}")
 }
 
 fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
@@ -267,7 +171,7 @@ fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
         number(shares.sigma, 1),
         shares.meaning
     )?;
-    let sign = if shares.mean < 0.0 { -1.0 } else { 1.0 };
+    let sign = if shares.evenness.mean < 0.0 { -1.0 } else { 1.0 };
     let max =
         shares.frames.iter().filter(|f| f.covers).map(|f| (sign * f.value).abs()).fold(f32::MIN_POSITIVE, f32::max);
     for frame in &shares.frames {
@@ -288,7 +192,6 @@ fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
     Ok(())
 }
 
-/// Maximum number of slopes in the text.
 const SLOPES_LISTED: usize = 25;
 
 /// The spectrum as text; ends with an empty line. `name` is the burst's.
@@ -366,83 +269,4 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
         }
     }
     writeln!(out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::detector::Slope;
-    use crate::inspect::fate::Rival;
-
-    #[test]
-    fn tests_are_sentences_with_their_numbers() {
-        let slope = Slope::new(1.5, 0.0);
-        let rival = Rival { pos_image: [3.0, 4.0], sigma: 2.0, slope, value: 0.0036, feature: Some(9) };
-        let report = |test, outcome, value: f64, limit: f64, side| TestReport {
-            test,
-            outcome,
-            value: value.is_finite().then_some(value),
-            limit: limit.is_finite().then_some(limit),
-            side,
-            unit: "",
-            rival: Some(rival),
-        };
-        let (least, most, nan) = (Side::AtLeast, Side::AtMost, f64::NAN);
-        let cases = [
-            (
-                report(Test::SlopeExtremum, Outcome::NotAsked, 0.002, 0.0036, least),
-                "slope 1.5 responds 1.8 times as strongly; not required, because each slope is searched for itself",
-            ),
-            (
-                report(Test::SlopeExtremum, Outcome::NotAsked, 0.0036, 0.002, least),
-                "all other slopes respond less; not required",
-            ),
-            (
-                report(Test::SlopeExtremum, Outcome::Fails, 0.002, 0.0036, least),
-                "slope 1.5 responds 1.8 times as strongly",
-            ),
-            (
-                report(Test::NoiseGate, Outcome::Fails, 3.28, 4.0, least),
-                "3.28 σ of its noise, 4 σ is required: 18 % too little",
-            ),
-            (report(Test::NoiseGate, Outcome::Passes, 5.0, 4.0, least), "5 σ of its noise, 4 σ is required: 25 % more"),
-            (report(Test::NoiseGate, Outcome::NotAsked, 5.0, 0.0, least), "no noise gate is set"),
-            (
-                report(Test::ScaleExtremum, Outcome::Fails, 0.002, 0.002, least),
-                "a neighbour at the next scale responds as strongly or more",
-            ),
-            (
-                report(Test::Edge, Outcome::Fails, 45.9, 12.0, most),
-                "one curvature is 45.9 times the other; 12 is allowed",
-            ),
-            (report(Test::Edge, Outcome::Unknown, nan, 12.0, most), "unknown, because the fit did not settle"),
-            (report(Test::Refinement, Outcome::Fails, nan, 1.5, most), "the fit has no peak"),
-            (
-                report(Test::Duplicate, Outcome::Fails, 0.4, 1.25, least),
-                "feature 9, 0.4 σ away, stands for this blob; 1.25 σ makes two",
-            ),
-            (report(Test::MaxFeatures, Outcome::Fails, 501.0, 500.0, most), "number 501 by strength; 500 are kept"),
-            (report(Test::MaxFeatures, Outcome::Unknown, nan, 500.0, most), "it became no keypoint"),
-        ];
-        for (report, sentence) in cases {
-            assert_eq!(test_sentence(&report), sentence);
-        }
-        let alone = TestReport { rival: None, ..report(Test::SlopeExtremum, Outcome::NotAsked, 0.002, nan, least) };
-        assert_eq!(test_sentence(&alone), "there is no other slope");
-    }
-
-    #[test]
-    fn numbers_of_all_sizes_are_short() {
-        let cases = [
-            (4.643, "4.64"),
-            (0.000_31, "3.1e−4"),
-            (f64::INFINITY, "∞"),
-            (123_456.0, "123456"),
-            (0.0, "0"),
-            (-2.5, "−2.5"),
-        ];
-        for (x, text) in cases {
-            assert_eq!(value_text(x), text);
-        }
-    }
 }

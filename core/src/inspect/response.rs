@@ -31,8 +31,7 @@ pub struct FineAxis {
 }
 
 impl FineAxis {
-    /// The axis with `finer` slopes for each step, and as many beyond both ends. An axis of a single slope keeps that
-    /// one.
+    /// `finer` slopes for each step, and as many beyond both ends; a single slope stays alone.
     fn of(axis: &SlopeAxis, finer: usize) -> Self {
         let grid: Vec<f32> = (0..axis.count).map(|i| axis.value(i as f32)).collect();
         if axis.count == 1 {
@@ -44,6 +43,16 @@ impl FineAxis {
     }
 }
 
+impl FineAxis {
+    /// The column of a slope; fractions lie between columns.
+    pub fn column_of(&self, slope: f32) -> f32 {
+        match self.values[..] {
+            [first, second, ..] => (slope - first) / (second - first),
+            _ => 0.0,
+        }
+    }
+}
+
 /// Response over slope and scale.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResponseMap {
@@ -51,8 +60,7 @@ pub struct ResponseMap {
     pub pos_image: [f32; 2],
     /// Scales, from fine to coarse: the rows.
     pub scales: Vec<Scale>,
-    /// Slopes: the columns. They run along the first axis with several slopes, through the subject's slope on the other
-    /// axis.
+    /// Slopes: the columns, along the first axis with several slopes, through the subject's slope on the other.
     pub slopes: FineAxis,
     /// Whether the columns are slopes of the second axis, v.
     pub along_v: bool,
@@ -83,7 +91,6 @@ pub struct SlopePlane {
     pub snr: Plane,
 }
 
-/// Serialises a plane as a list of its rows.
 fn rows<S: serde::Serializer>(plane: &Plane, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq((0..plane.height()).map(|v| plane.row(v)))
 }
@@ -94,6 +101,29 @@ impl ResponseMap {
         self.scales.iter().position(|s| (s.octave, s.level) == (octave, level))
     }
 
+    /// The row of a scale; fractions lie between rows, which are uniform in the logarithm of σ.
+    pub fn row_at(&self, sigma: f32) -> f32 {
+        let Some(next) = self.scales.iter().position(|scale| scale.sigma >= sigma) else {
+            return self.scales.len() as f32 - 1.0;
+        };
+        let Some(before) = next.checked_sub(1) else { return 0.0 };
+        let (a, b) = (self.scales[before].sigma, self.scales[next].sigma);
+        before as f32 + (sigma / a).ln() / (b / a).ln()
+    }
+
+    /// The column of a slope: the nearest one, plus the slope's distance from it along the axis.
+    pub fn column_of(&self, slope: Slope) -> f32 {
+        let apart = |other: &Slope| (other.u - slope.u).hypot(other.v - slope.v);
+        let nearest =
+            (0..self.columns.len()).min_by(|&a, &b| apart(&self.columns[a]).total_cmp(&apart(&self.columns[b])));
+        let (Some(nearest), [first, .., last]) = (nearest, &self.columns[..]) else { return 0.0 };
+        let (du, dv) = (last.u - first.u, last.v - first.v);
+        let length = du.hypot(dv);
+        let on = self.columns[nearest];
+        let more = if length > 0.0 { ((slope.u - on.u) * du + (slope.v - on.v) * dv) / length } else { 0.0 };
+        self.slopes.column_of(self.slopes.values[nearest] + more)
+    }
+
     /// The strongest response: (column, row, value).
     pub fn strongest(&self) -> (usize, usize, f32) {
         let at = |index: usize| (index % self.snr.width(), index / self.snr.width());
@@ -102,19 +132,32 @@ impl ResponseMap {
     }
 }
 
+/// Lines between cells that reach the gate and cells that do not: both ends as (column, row) from the first's centre.
+pub fn outline(map: &Plane, gate: f32) -> Vec<[(f32, f32); 2]> {
+    let reaches = |column: usize, row: usize| map.at(column, row).abs() >= gate;
+    let (columns, rows) = map.size();
+    let mut lines = Vec::new();
+    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+        let (right, below) = (column as f32 + 0.5, row as f32 + 0.5);
+        if column + 1 < columns && reaches(column, row) != reaches(column + 1, row) {
+            lines.push([(right, below - 1.0), (right, below)]);
+        }
+        if row + 1 < rows && reaches(column, row) != reaches(column, row + 1) {
+            lines.push([(right - 1.0, below), (right, below)]);
+        }
+    }
+    lines
+}
+
 /// Number of slopes for each step of the grid at which the response is computed, for a line of slopes.
 const FINER: usize = 4;
 /// Number of slopes for each step of the grid, for a plane, where the cost grows with its square.
 const FINER_IN_PLANE: usize = 3;
-/// Maximum number of columns and rows of a map: the window shows no more, and a probe should not take long on a grid of
-/// thousands of slopes.
+/// Maximum number of columns and rows of a map: a probe should not take long on a grid of thousands of slopes.
 const MOST: usize = 121;
 
 /// Computes the response at `place` (input pixels) around `through` (a slope, as coordinates in the grid) and, for two
 /// axes, at `scale` over both.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn response_map(
     trail: &Trail,
     place: [f32; 2],

@@ -65,8 +65,13 @@ impl std::str::FromStr for Ranking {
 
 /// Whether `feature` lies where `disc` is and has its scale, by the rule of this module.
 pub fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
-    let distance = (f64::from(feature.u) - disc.u).hypot(f64::from(feature.v) - disc.v);
-    let ratio = f64::from(feature.sigma) / disc.sigma;
+    is_of_disc([feature.u, feature.v], feature.sigma, disc)
+}
+
+/// Whether a place and a scale, input pixels, are those of `disc`.
+pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> bool {
+    let distance = (f64::from(u) - disc.u).hypot(f64::from(v) - disc.v);
+    let ratio = f64::from(sigma) / disc.sigma;
     distance <= REACH_IN_RADII * disc.radius + REACH_PIXELS && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
 }
 
@@ -117,8 +122,7 @@ pub fn judge_by_discs(features: &[Feature], discs: &[FeatureTruth], ranking: Ran
 /// Counts at one threshold.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// Threshold: features of at least this value are kept. Infinite (null in JSON) for the first point, which keeps
-    /// none.
+    /// Features of at least this value are kept; infinite (null in JSON) for the first point, which keeps none.
     pub threshold: f32,
     /// Number of false features.
     pub false_features: usize,
@@ -191,7 +195,6 @@ pub fn mean_curve(curves: &[&Curve], most_false: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::detector::Slope;
-    use crate::synth::TruthKind;
     use crate::synth::truth::disc_sigma;
     use proptest::prelude::*;
 
@@ -211,30 +214,9 @@ mod tests {
         }
     }
 
-    fn truth(discs: &[(f64, f64, f64)]) -> Truth {
-        let disc = |(id, &(u, v, radius)): (usize, &(f64, f64, f64))| FeatureTruth {
-            id,
-            layer: None,
-            u,
-            v,
-            radius,
-            sigma: disc_sigma(radius),
-            slope_u: 0.0,
-            slope_v: 0.0,
-            contrast_sign: 1,
-        };
-        Truth {
-            kind: TruthKind::Chart,
-            width: 100,
-            height: 100,
-            frames: 1,
-            t0: 0.0,
-            seed: 0,
-            noise: None,
-            black_level: 0.0,
-            layers: Vec::new(),
-            features: discs.iter().enumerate().map(disc).collect(),
-        }
+    fn disc(u: f64, v: f64, radius: f64) -> FeatureTruth {
+        let sigma = disc_sigma(radius);
+        FeatureTruth { id: 0, layer: None, u, v, radius, sigma, slope_u: 0.0, slope_v: 0.0, contrast_sign: 1 }
     }
 
     fn discs_of(judged: &[Judged]) -> Vec<(usize, Option<usize>)> {
@@ -242,57 +224,51 @@ mod tests {
     }
 
     #[test]
-    fn the_reach_is_half_the_radius_and_one_and_a_half_pixels() {
-        let truth = truth(&[(50.0, 40.0, 8.0)]);
-        let sigma = disc_sigma(8.0);
+    fn a_feature_finds_a_disc_within_half_its_radius_and_a_pixel_and_a_half_and_twice_its_scale() {
         // 0.5·8 + 1.5 = 5.5 px, in any direction.
-        assert!(finds(&feature(55.5, 40.0, sigma, 1.0), &truth.features[0]));
-        assert!(finds(&feature(50.0, 34.5, sigma, 1.0), &truth.features[0]));
-        assert!(!finds(&feature(55.51, 40.0, sigma, 1.0), &truth.features[0]));
-        assert!(!finds(&feature(54.0, 44.0, sigma, 1.0), &truth.features[0]));
-    }
-
-    #[test]
-    fn the_scale_may_be_wrong_by_a_factor_of_two() {
-        let truth = truth(&[(50.0, 40.0, 8.0)]);
-        for (factor, found) in [(0.499, false), (0.501, true), (1.0, true), (1.999, true), (2.001, false)] {
-            assert_eq!(finds(&feature(50.0, 40.0, factor * disc_sigma(8.0), 1.0), &truth.features[0]), found);
+        for (du, dv, factor, found) in [
+            (5.5, 0.0, 1.0, true),
+            (0.0, -5.5, 1.0, true),
+            (5.51, 0.0, 1.0, false),
+            (4.0, 4.0, 1.0, false),
+            (0.0, 0.0, 0.499, false),
+            (0.0, 0.0, 0.501, true),
+            (0.0, 0.0, 1.999, true),
+            (0.0, 0.0, 2.001, false),
+        ] {
+            let feature = feature(50.0 + du, 40.0 + dv, factor * disc_sigma(8.0), 1.0);
+            assert_eq!(finds(&feature, &disc(50.0, 40.0, 8.0)), found, "{du} {dv} {factor}");
         }
     }
 
     #[test]
     fn repeats_and_strays_are_false_and_the_strongest_counts() {
-        let truth = truth(&[(20.0, 20.0, 5.0), (60.0, 60.0, 10.0)]);
+        let discs = [disc(20.0, 20.0, 5.0), disc(60.0, 60.0, 10.0)];
         let features = [
             feature(60.5, 60.0, disc_sigma(10.0), -0.2),
             feature(20.0, 21.0, disc_sigma(5.0), 0.9),
             feature(20.0, 20.0, disc_sigma(5.0), -0.5), // again
             feature(90.0, 5.0, 3.0, 0.7),               // nothing there
         ];
-        let judged = judge(&features, &truth, Ranking::Response);
+        let judged = judge_by_discs(&features, &discs, Ranking::Response);
         assert_eq!(discs_of(&judged), [(1, Some(0)), (3, None), (2, None), (0, Some(1))]);
         let curve = Curve::of(&judged);
         let counts: Vec<_> = curve.points.iter().map(|p| (p.false_features, p.true_positives)).collect();
         assert_eq!(counts, [(0, 0), (0, 1), (1, 1), (2, 1), (2, 2)]);
         assert_eq!(curve.points[3].threshold, 0.5);
         assert_eq!((curve.at_false_fraction(0.1).true_positives, curve.at_false_fraction(0.5).true_positives), (1, 2));
-    }
-
-    #[test]
-    fn a_feature_between_two_discs_takes_the_nearer_free_one() {
-        let truth = truth(&[(20.0, 20.0, 8.0), (26.0, 20.0, 8.0)]);
-        let sigma = disc_sigma(8.0);
-        let features =
-            [feature(24.0, 20.0, sigma, 0.9), feature(24.0, 20.0, sigma, 0.8), feature(24.0, 20.0, sigma, 0.7)];
-        assert_eq!(discs_of(&judge(&features, &truth, Ranking::Strength)), [(0, Some(1)), (1, Some(0)), (2, None)]);
+        // Between two discs a feature takes the nearer one that is free.
+        let discs = [disc(20.0, 20.0, 8.0), disc(26.0, 20.0, 8.0)];
+        let features = [0.9, 0.8, 0.7].map(|response| feature(24.0, 20.0, disc_sigma(8.0), response));
+        let judged = judge_by_discs(&features, &discs, Ranking::Strength);
+        assert_eq!(discs_of(&judged), [(0, Some(1)), (1, Some(0)), (2, None)]);
     }
 
     #[test]
     fn each_ranking_has_its_own_order() {
-        let truth = truth(&[]);
-        let mut features = [feature(0.0, 0.0, 2.0, 0.3), feature(0.0, 0.0, 2.0, -0.4), feature(0.0, 0.0, 2.0, 0.1)];
+        let mut features = [0.3, -0.4, 0.1].map(|response| feature(0.0, 0.0, 2.0, response));
         (features[0].snr, features[1].snr, features[2].snr) = (9.0, 4.0, 25.0);
-        let order = |ranking| judge(&features, &truth, ranking).iter().map(|j| j.feature).collect::<Vec<_>>();
+        let order = |ranking| judge_by_discs(&features, &[], ranking).iter().map(|j| j.feature).collect::<Vec<_>>();
         assert_eq!(order(Ranking::Response), [1, 0, 2]);
         assert_eq!(order(Ranking::Snr), [2, 0, 1]);
         assert_eq!(order(Ranking::Strength), [0, 1, 2]); // 0.9, 0.8, 0.5
@@ -300,75 +276,53 @@ mod tests {
         assert!("size".parse::<Ranking>().is_err());
     }
 
-    #[test]
-    fn features_of_equal_worth_come_together() {
-        let judged = [(1.0, Some(0)), (0.5, None), (0.5, Some(1)), (0.5, None)].map(|(worth, disc)| Judged {
-            feature: 0,
-            worth,
-            disc,
-        });
-        let counts: Vec<_> = Curve::of(&judged).points.iter().map(|p| (p.false_features, p.true_positives)).collect();
-        assert_eq!(counts, [(0, 0), (0, 1), (2, 2)]);
+    /// The curve of features of falling worth, true or false.
+    fn ranked(pattern: &str) -> Curve {
+        let judged = pattern.chars().enumerate();
+        let judged = judged.map(|(i, c)| Judged { feature: i, worth: -(i as f32), disc: (c == 't').then_some(i) });
+        Curve::of(&judged.collect::<Vec<_>>())
     }
 
     #[test]
     fn a_tenth_false_includes_exactly_a_tenth() {
-        let ranked = |pattern: &str| -> Curve {
-            let judged: Vec<Judged> = pattern
-                .chars()
-                .enumerate()
-                .map(|(i, c)| Judged { feature: i, worth: -(i as f32), disc: (c == 't').then_some(i) })
-                .collect();
-            Curve::of(&judged)
-        };
-        // 9 true of 10: exactly a tenth false; the next false one is too many, even though a true one follows.
-        let curve = ranked("tttttftttfttft");
-        assert_eq!(curve.at_false_fraction(0.10).true_positives, 5);
+        // The next false one is too many, even though a true one follows.
         let curve = ranked("tttttfttttftt");
         let point = curve.at_false_fraction(0.10);
         assert_eq!((point.true_positives, point.false_features), (9, 1));
-        assert_eq!(curve.true_positives_at(0), 5);
-        assert_eq!(curve.true_positives_at(1), 9);
-        assert_eq!(curve.true_positives_at(99), 11);
+        assert_eq!([0, 1, 99].map(|count| curve.true_positives_at(count)), [5, 9, 11]);
         // A bad start is compensated later.
         let late = ranked("ftttttttttttttttttttt");
         assert_eq!(late.at_false_fraction(0.10).true_positives, 20);
-        assert_eq!(Curve::of(&[]).at_false_fraction(0.1).true_positives, 0);
+        assert_eq!(ranked("").at_false_fraction(0.1).true_positives, 0);
         assert_eq!(mean_curve(&[&curve, &late], 1), [2.5, 14.5]);
     }
 
     proptest! {
         #[test]
         fn curves_rise_and_end_at_everything(found in proptest::collection::vec((0u8..20, any::<bool>()), 0..60)) {
-            let mut judged: Vec<Judged> = found
-                .iter()
-                .enumerate()
-                .map(|(i, &(worth, hit))| Judged { feature: i, worth: f32::from(worth), disc: hit.then_some(i) })
-                .collect();
+            let judged = |(i, &(worth, hit)): (usize, &(u8, bool))| {
+                Judged { feature: i, worth: f32::from(worth), disc: hit.then_some(i) }
+            };
+            let mut judged: Vec<Judged> = found.iter().enumerate().map(judged).collect();
             judged.sort_by(|a, b| b.worth.total_cmp(&a.worth));
             let curve = Curve::of(&judged);
             for pair in curve.points.windows(2) {
+                // Features of equal worth come together.
                 prop_assert!(pair[0].threshold > pair[1].threshold);
                 prop_assert!(pair[0].false_features <= pair[1].false_features);
                 prop_assert!(pair[0].true_positives <= pair[1].true_positives);
             }
-            let hits = found.iter().filter(|(_, hit)| *hit).count();
-            prop_assert_eq!(curve.end().true_positives, hits);
-            prop_assert_eq!(curve.end().false_features, found.len() - hits);
-            let mean = mean_curve(&[&curve], 70);
-            prop_assert!(mean.windows(2).all(|w| w[0] <= w[1]));
-            prop_assert_eq!(mean[70], hits as f64);
+            prop_assert_eq!(curve.end().true_positives, found.iter().filter(|(_, hit)| *hit).count());
+            prop_assert_eq!(curve.end().false_features, found.iter().filter(|(_, hit)| !*hit).count());
             for fraction in [0.0, 0.1, 0.5, 1.0] {
-                let point = curve.at_false_fraction(fraction);
-                let all = point.false_features + point.true_positives;
-                prop_assert!(point.false_features as f64 <= fraction * all as f64 + 1e-9);
+                let qualifies = |p: &&CurvePoint| {
+                    p.false_features as f64 <= fraction * (p.false_features + p.true_positives) as f64 + 1e-9
+                };
                 // No threshold that qualifies finds more.
-                for other in &curve.points {
-                    let all = other.false_features + other.true_positives;
-                    if other.false_features as f64 <= fraction * all as f64 {
-                        prop_assert!(other.true_positives <= point.true_positives);
-                    }
-                }
+                let most = curve.points.iter().filter(qualifies).map(|p| p.true_positives).max();
+                let point = curve.at_false_fraction(fraction);
+                prop_assert!(qualifies(&&point));
+                prop_assert_eq!(Some(point.true_positives), most);
             }
         }
     }

@@ -83,7 +83,6 @@ pub mod bounds {
         Bounds::new((Included(1e-6), Included(1e6)), "give NEAR:FAR in metres, up to 1000000, such as 1:8");
 }
 
-/// Largest number of slopes that is proposed.
 const MAX_COUNT: usize = 1024;
 
 impl SetUp {

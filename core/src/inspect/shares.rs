@@ -49,39 +49,18 @@ pub struct Shares {
     pub sigma: f32,
     /// Shares of the frames, in time order.
     pub frames: Vec<FrameShare>,
-    /// Mean of the responses: D of the stack.
-    pub mean: f32,
-    /// Coherence, 0 … 1: the square of the mean over the mean square, both without the contribution of noise. 1 when
-    /// all frames respond equally; m when only a part m of the frames responds. `None` where single frames are too
-    /// noisy to tell.
-    pub coherence: Option<f32>,
-    /// Excess of the responses' spread over that of noise, in standard deviations.
-    pub unevenness: f32,
-    /// Pattern that follows from these.
-    pub shape: Shape,
+    /// Evenness of the responses. Their mean is D of the stack.
+    #[serde(flatten)]
+    pub evenness: Evenness,
     /// Interpretation as a sentence.
     pub meaning: String,
     /// Side of a patch, input pixels.
     pub patch_px: f32,
 }
 
-impl Shares {
-    /// Evenness of the responses.
-    pub fn evenness(&self) -> Evenness {
-        let Self { mean, coherence, unevenness, shape, .. } = *self;
-        Evenness { mean, coherence, unevenness, shape }
-    }
-}
-
-/// Number of samples along a side of a patch.
 const PATCH_SIDE: usize = 33;
-/// Distance from the centre of a patch to its sides, in σ.
 const PATCH_SIGMAS: f32 = 4.0;
-/// Computes the shares of all frames at `octave` and `level`, along the motion through `place` (input pixels, at
-/// mid-burst) at `slope`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// Shares of all frames along the motion through `place` (input pixels, at mid-burst) at `slope`.
 pub fn shares(
     trail: &Trail,
     (octave, level): (i32, i32),
@@ -95,33 +74,21 @@ pub fn shares(
     let answers = trail.frame_responses((octave, level), place, slope, monitor)?;
     let share = |(plane, &answer): (&Arc<Plane>, &FrameResponse)| {
         let FrameResponse { frame, pos_frame, covers, value, sigma_d } = answer;
-        let patch = sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, PATCH_SIDE);
+        let patch = sample_patch(plane, (pos_frame[0], pos_frame[1]), half_px, 0.0, PATCH_SIDE);
         FrameShare { frame, pos_frame, covers, value, sigma_d, patch }
     };
     let frames: Vec<FrameShare> = planes.iter().zip(&answers).map(share).collect();
     monitor.check()?;
-    let Evenness { mean, coherence, unevenness, shape } = evenness_of(&answers);
-    let meaning = meaning(&frames, shape, coherence);
-    Ok(Shares {
-        octave,
-        level,
-        pos_image: place,
-        slope,
-        sigma,
-        frames,
-        mean,
-        coherence,
-        unevenness,
-        shape,
-        meaning,
-        patch_px: 2.0 * half_px,
-    })
+    let evenness = evenness_of(&answers);
+    let meaning = meaning(&frames, &evenness);
+    let patch_px = 2.0 * half_px;
+    Ok(Shares { octave, level, pos_image: place, slope, sigma, frames, evenness, meaning, patch_px })
 }
 
-fn meaning(frames: &[FrameShare], shape: Shape, coherence: Option<f32>) -> String {
-    let number = coherence.map_or_else(String::new, |c| format!("coherence {c:.2}: "));
+fn meaning(frames: &[FrameShare], evenness: &Evenness) -> String {
+    let number = evenness.coherence.map_or_else(String::new, |c| format!("coherence {c:.2}: "));
     let covering: Vec<&FrameShare> = frames.iter().filter(|f| f.covers).collect();
-    match shape {
+    match evenness.shape {
         Shape::Level => format!("{number}all frames respond alike, as for an object with this motion"),
         Shape::Uneven => format!("{number}the frames differ by more than their noise, but no part of them stands out"),
         Shape::Bump => {
@@ -159,16 +126,14 @@ pub struct Slice {
 }
 
 impl Slice {
-    /// The column in row `row` of content that moves at `slope` through the place at mid-burst; only the motion along
-    /// this line counts.
+    /// The column, in a row, of content that moves at `slope` through the place; its motion along the line counts.
     pub fn column_at(&self, slope: Slope, row: usize) -> f32 {
         let along = slope.u * self.direction[0] + slope.v * self.direction[1];
         self.centre_column as f32 + along * self.times[row]
     }
 }
 
-/// Cuts the slice through `place` (input pixels) along `direction` (u, v; of any length but 0), `half_px` pixels to
-/// each side.
+/// Cuts the slice through `place` (input pixels) along `direction` (u, v), `half_px` pixels to each side.
 pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize) -> Slice {
     let length = direction[0].hypot(direction[1]);
     let direction = if length > 0.0 { direction.map(|x| x / length) } else { [1.0, 0.0] };

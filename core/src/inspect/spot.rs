@@ -18,7 +18,6 @@ impl SpotSnr {
     }
 }
 
-/// Minimum number of pixels of spot and of background.
 const MIN_PIXELS: usize = 12;
 
 /// Measures the spot around `place` (u, v): its pixels are nearer than `inner`, those of its background between

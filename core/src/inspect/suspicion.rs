@@ -38,8 +38,7 @@ pub struct Suspicion {
     pub kind: Kind,
     /// Evidence, as a sentence.
     pub evidence: String,
-    /// Number that it is based on: σ apart, coherence, rise beyond the rim, ratio of the response at the other slope to
-    /// this one's.
+    /// σ apart, coherence, rise beyond the rim, or the other slope's response over this one's.
     pub number: f32,
     /// The other feature, where there is one.
     pub other: Option<usize>,
@@ -47,6 +46,12 @@ pub struct Suspicion {
     pub other_slope: Option<Slope>,
     /// Change that would correct it.
     pub change: Option<ParamChange>,
+}
+
+impl Suspicion {
+    fn new(kind: Kind, number: f32, evidence: String) -> Self {
+        Self { kind, evidence, number, other: None, other_slope: None, change: None }
+    }
 }
 
 /// Distance, in σ of the stronger one, within which two features are suspected to share a blob.
@@ -61,8 +66,7 @@ const RISES: f32 = 1.02;
 const PERIOD_PART: f32 = 0.2;
 /// Minimum response of another slope, as a part of the feature's, for an alias.
 const ALIAS_RESPONSE: f32 = 0.7;
-/// Pixels to each side in which a period is searched: in σ, at least, and at most. Longer periods exceed the difference
-/// of any slopes searched.
+/// Pixels to each side in which a period is searched: in σ, at least, and at most, as slopes differ by no more.
 const TEXTURE_SIGMAS: f32 = 8.0;
 /// Distance of slopes, pixels per frame, below which none is a period away, allowing for [`PERIOD_PART`].
 const SHORTEST_PERIOD_PX: f32 = 2.0;
@@ -71,9 +75,6 @@ const TEXTURE_MOST_PX: usize = 64;
 
 /// Suspicions about a kept candidate whose frames respond with `evenness`, each with the change that would correct it.
 /// Empty for one that became no feature.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn suspicions(
     trail: &Trail,
     fate: &Fate,
@@ -84,20 +85,14 @@ pub fn suspicions(
         return Ok(Vec::new());
     };
     let mut found = suspicions_of_feature(trail, index, evenness, monitor)?;
-    for suspicion in &mut found {
-        suspicion.change = match suspicion.kind {
-            Kind::Duplicate => suspicion.other.and_then(|other| wider_distinct(trail, index, other)),
-            Kind::Ghost | Kind::AtLimit | Kind::Alias => None,
-        };
+    for suspicion in found.iter_mut().filter(|suspicion| suspicion.kind == Kind::Duplicate) {
+        suspicion.change = suspicion.other.and_then(|other| wider_distinct(trail, index, other));
     }
     found.extend(at_limit(trail, fate, &trail.detection().features[index]));
     Ok(found)
 }
 
 /// Suspicions about feature `index` of the detection, except that of a slope beyond the range, and without changes.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn suspicions_of_feature(
     trail: &Trail,
     index: usize,
@@ -105,15 +100,11 @@ pub fn suspicions_of_feature(
     monitor: &Monitor,
 ) -> Result<Vec<Suspicion>, Cancelled> {
     let feature = trail.detection().features[index];
-    let mut found: Vec<Suspicion> = Vec::new();
-    found.extend(duplicate(trail, index, &feature));
-    found.extend(ghost(trail, index, &feature, evenness));
-    found.extend(alias(trail, &feature, monitor)?);
-    Ok(found)
+    let found = [duplicate(trail, index, &feature), ghost(trail, index, &feature, evenness)];
+    Ok(found.into_iter().flatten().chain(alias(trail, &feature, monitor)?).collect())
 }
 
-/// The change after which the rule for distinct keypoints removes the keypoint of feature `index`, which shows the blob
-/// of feature `other`; `None` where no single change does.
+/// The single change after which feature `index` is a duplicate of feature `other`.
 fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChange> {
     let params = trail.params();
     let (own, stronger) = (trail.keypoint_of_feature(index), trail.keypoint_of_feature(other));
@@ -146,7 +137,7 @@ fn path_distances<'t>(trail: &'t Trail, a: &Feature, b: &Feature) -> impl Iterat
     })
 }
 
-/// Suspicion that a stronger feature shows the same blob: one that lies on it in most frames.
+/// A stronger feature that lies on this one in most frames shows the same blob.
 fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion> {
     let own = trail.keypoint_of_feature(index);
     let features = &trail.detection().features;
@@ -166,18 +157,12 @@ fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let (other, apart, _) = nearest;
     let stronger = &features[other];
-    Some(Suspicion {
-        kind: Kind::Duplicate,
-        evidence: same_blob(other, stronger, feature, apart),
-        number: apart,
-        other: Some(other),
-        other_slope: Some(stronger.slope),
-        change: None,
-    })
+    let evidence = same_blob(other, stronger, feature, apart);
+    let suspicion = Suspicion::new(Kind::Duplicate, apart, evidence);
+    Some(Suspicion { other: Some(other), other_slope: Some(stronger.slope), ..suspicion })
 }
 
-/// Evidence that feature `other`, which ranks before `feature`, shows the same blob. The one is the stronger by the
-/// number that is given: its SNR, or else its response.
+/// The number that is given is the one by which `other` is stronger: its SNR, or else its response.
 fn same_blob(other: usize, stronger: &Feature, feature: &Feature, apart_sigmas: f32) -> String {
     let by = if stronger.snr.is_finite() && stronger.snr > feature.snr {
         format!("SNR {} against {}", number(stronger.snr, 1), number(feature.snr, 1))
@@ -192,8 +177,7 @@ fn same_blob(other: usize, stronger: &Feature, feature: &Feature, apart_sigmas: 
     )
 }
 
-/// Suspicion that the feature is a ghost of a stronger one whose path crosses its own, where only a part of the frames
-/// responds.
+/// Where only a part of the frames responds, it is a ghost of a stronger feature whose path crosses its own.
 fn ghost(trail: &Trail, index: usize, feature: &Feature, evenness: &Evenness) -> Option<Suspicion> {
     if evenness.shape != Shape::Bump {
         return None;
@@ -221,14 +205,9 @@ fn ghost(trail: &Trail, index: usize, feature: &Feature, evenness: &Evenness) ->
             )
         },
     );
-    Some(Suspicion {
-        kind: Kind::Ghost,
-        evidence: format!("only some of the frames respond (coherence {coherence:.2}); {of_what}"),
-        number: coherence,
-        other: of,
-        other_slope: of.map(|other| features[other].slope),
-        change: None,
-    })
+    let evidence = format!("only some of the frames respond (coherence {coherence:.2}); {of_what}");
+    let other_slope = of.map(|other| features[other].slope);
+    Some(Suspicion { other: of, other_slope, ..Suspicion::new(Kind::Ghost, coherence, evidence) })
 }
 
 fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> {
@@ -238,29 +217,23 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
     let rim = nearest_slope(&trail.params().used_slopes(), feature.slope);
     let rise = beyond_the_rim(trail, [feature.u, feature.v], (feature.octave, feature.level), rim)?;
     let change = widened_towards(&trail.params().used_slopes(), fate)?;
-    (rise > RISES).then(|| Suspicion {
-        kind: Kind::AtLimit,
-        evidence: format!(
-            "it lies at the limit of the slopes, and beyond it the response is {} times as strong: widen them to {}",
-            number(rise, 2),
-            change.value
-        ),
-        number: rise,
-        other: None,
-        other_slope: None,
-        change: Some(change),
-    })
+    let evidence = format!(
+        "it lies at the limit of the slopes, and beyond it the response is {} times as strong: widen them to {}",
+        number(rise, 2),
+        change.value
+    );
+    (rise > RISES).then(|| Suspicion { change: Some(change), ..Suspicion::new(Kind::AtLimit, rise, evidence) })
 }
 
-/// Suspicion that the feature is an alias: another slope of the range, whole periods of the texture away, responds
-/// nearly as strongly, or more.
+/// An alias: another slope of the range, whole periods of the texture away, responds nearly as strongly, or more.
 fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
     let Some((period, direction)) = period_at(trail, feature, monitor)? else {
         return Ok(None);
     };
     let grid = trail.params().used_slopes();
-    let here =
-        snr_at(trail, (feature.octave, feature.level..feature.level + 1), [feature.u, feature.v], feature.slope)[0];
+    let scale = (feature.octave, feature.level..feature.level + 1);
+    let snr = |slope: Slope| snr_at(trail, scale.clone(), [feature.u, feature.v], slope)[0];
+    let here = snr(feature.slope);
     let along = |s: Slope| s.u * direction[0] + s.v * direction[1];
     let mut best: Option<(Slope, f32)> = None;
     for slope in grid.slopes() {
@@ -273,8 +246,7 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
         // The alias itself lies between the grid's slopes.
         let by = (periods.round() - periods) * period.px;
         let slope = Slope::new(slope.u + by * direction[0], slope.v + by * direction[1]);
-        let there = snr_at(trail, (feature.octave, feature.level..feature.level + 1), [feature.u, feature.v], slope)[0];
-        let ratio = there / here;
+        let ratio = snr(slope) / here;
         if best.is_none_or(|(_, max)| ratio > max) {
             best = Some((slope, ratio));
         }
@@ -284,26 +256,18 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
     };
     let (_, kept, _) = trail.frames();
     let lobe = dirichlet(kept.len(), 1.0, 1.5 / kept.len() as f64);
-    Ok(Some(Suspicion {
-        kind: Kind::Alias,
-        evidence: format!(
-            "the texture repeats every {} px (correlation {:.2}), so slopes {} px/frame apart look alike: slope {} responds {} times as strongly, and the side lobes between reach {:.0} %",
-            number(period.px, 1),
-            period.correlation,
-            number(period.px, 1),
-            slope_text(slope),
-            number(ratio, 2),
-            100.0 * lobe
-        ),
-        number: ratio,
-        other: None,
-        other_slope: Some(slope),
-        change: None,
-    }))
+    let px = number(period.px, 1);
+    let evidence = format!(
+        "the texture repeats every {px} px (correlation {:.2}), so slopes {px} px/frame apart look alike: slope {} responds {} times as strongly, and the side lobes between reach {:.0} %",
+        period.correlation,
+        slope_text(slope),
+        number(ratio, 2),
+        100.0 * lobe
+    );
+    Ok(Some(Suspicion { other_slope: Some(slope), ..Suspicion::new(Kind::Alias, ratio, evidence) }))
 }
 
-/// The period of the texture around a feature, in the stack at its own slope, along the direction of the grid in which
-/// it is clearest.
+/// The clearest period around a feature, in the stack at its own slope, and the direction of the grid that has it.
 fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<(Period, [f32; 2])>, Cancelled> {
     let grid = trail.params().used_slopes();
     let axis = |count: usize, towards: Slope, from: Slope| {

@@ -8,13 +8,12 @@ use super::{Fate, ProbeCache};
 use crate::burst::Burst;
 use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
-use crate::inspect::score::{Ranking, finds, judge};
+use crate::inspect::score::{Ranking, finds, is_of_disc, judge};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The name of the demo burst.
 const DEMO: &str = "demo";
 
 /// Reason why there is no truth to compare with.
@@ -49,9 +48,6 @@ pub enum TruthError {
 }
 
 /// Reads a `truth.json`.
-///
-/// # Errors
-/// See [`TruthError`].
 pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     let text =
         read_text(path, MAX_TABLE_BYTES).map_err(|e| TruthError::Read { path: path.into(), reason: e.to_string() })?;
@@ -61,11 +57,7 @@ pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
     Ok(truth)
 }
 
-/// The truth of a burst: the `truth.json` in its folder or case, or that of a built-in burst. `None` where there is
-/// none.
-///
-/// # Errors
-/// A `truth.json` that cannot be read, is invalid, or is of pictures of another size.
+/// The truth of a burst, if it has one: the `truth.json` in its folder or case, or that of a built-in burst.
 pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     let [source] = &burst.sources[..] else {
         let built_in = burst.sources.is_empty();
@@ -145,9 +137,6 @@ impl AgainstTruth {
 }
 
 /// Compares the features with `truth`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Result<AgainstTruth, Cancelled> {
     let features = &cache.detection().features;
     let judged = judge(features, truth, Ranking::Strength);
@@ -185,27 +174,11 @@ pub fn miss(cache: &ProbeCache, index: usize, disc: &FeatureTruth, monitor: &Mon
     let place = [disc.u as f32, disc.v as f32];
     let fates = fates_near(&cache.trail, place, REACH_SIGMAS, monitor)?;
     // A candidate would find it with its position, its size, and its sign (a bright disc is a negative extremum).
-    let would_find = |fate: &&Fate| {
-        let feature = crate::detector::Feature {
-            u: fate.pos_image[0],
-            v: fate.pos_image[1],
-            sigma: fate.sigma,
-            orientation: 0.0,
-            slope: fate.slope,
-            response: fate.value,
-            snr: fate.snr,
-            octave: fate.octave,
-            level: fate.level,
-            slope_index: fate.slope_index,
-            at_slope_limit: fate.at_slope_limit,
-        };
-        finds(&feature, disc) && (fate.value < 0.0) == (disc.contrast_sign > 0)
-    };
+    let would_find =
+        |fate: &&Fate| is_of_disc(fate.pos_image, fate.sigma, disc) && (fate.value < 0.0) == (disc.contrast_sign > 0);
     let best = fates.into_iter().find(|fate| would_find(&fate));
-    let why = match &best {
-        None => "no candidate of its size stands out there at any slope".to_owned(),
-        Some(fate) => fate.verdict.clone(),
-    };
+    let nothing = || "no candidate of its size stands out there at any slope".to_owned();
+    let why = best.as_ref().map_or_else(nothing, |fate| fate.verdict.clone());
     Ok(Miss { disc: index, fate: best, why })
 }
 

@@ -5,7 +5,7 @@
 //! reports the step at which it was lost, and, where a geometry is known, whether B has a keypoint at the expected
 //! place, and why guided matching left it.
 
-use crate::detector::{Descriptor, Detection, Slope};
+use crate::detector::{Descriptor, Detection, Feature, Slope};
 use crate::matching::putative::{Nearest, nearest_two};
 use crate::matching::{GUIDED_RATIO, MatchParams, MatchResult, MatchSide, TwoViewModel, nearest_along};
 use crate::monitor::{Cancelled, Monitor};
@@ -94,13 +94,11 @@ impl ComparedPair<'_> {
     }
 
     fn place_a(&self, index: usize) -> [f64; 2] {
-        let f = &self.a.features[index];
-        [f64::from(f.u), f64::from(f.v)]
+        place(&self.a.features[index])
     }
 
     fn place_b(&self, index: usize) -> [f64; 2] {
-        let f = &self.b.features[index];
-        [f64::from(f.u), f64::from(f.v)]
+        place(&self.b.features[index])
     }
 
     /// The features of B at the place that the geometry expects for feature `index` of A, and of its size.
@@ -116,7 +114,6 @@ impl ComparedPair<'_> {
             .collect()
     }
 
-    /// For each feature of A the index of its match.
     fn matched(&self) -> Vec<Option<usize>> {
         let mut matched = vec![None; self.a.features.len()];
         for (number, m) in self.result.matches.iter().enumerate() {
@@ -126,8 +123,11 @@ impl ComparedPair<'_> {
     }
 }
 
-/// For each feature of both sides its nearest ones on the other. Expensive to compute, so kept while the pair is
-/// examined.
+fn place(feature: &Feature) -> [f64; 2] {
+    [feature.u, feature.v].map(f64::from)
+}
+
+/// For each feature of both sides its nearest ones on the other; kept while the pair is examined.
 #[derive(Debug, Clone)]
 pub struct NearestOfBoth {
     of_a: Vec<Nearest>,
@@ -144,9 +144,6 @@ pub struct Losses<'a> {
 
 impl<'a> Losses<'a> {
     /// Compares the descriptors of `pair`, as matching does.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn new(pair: ComparedPair<'a>, monitor: &Monitor) -> Result<Self, Cancelled> {
         let (a, b) = (&pair.a.descriptors, &pair.b.descriptors);
         let (of_a, of_b) = (nearest_two(a, b, monitor)?, nearest_two(b, a, monitor)?);
@@ -190,9 +187,6 @@ impl<'a> Losses<'a> {
     }
 
     /// The numbers of features of A lost at each step, in the order of [`Lost::ALL`].
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn counts(&self, monitor: &Monitor) -> Result<[(Lost, usize); 5], Cancelled> {
         let mut counts = Lost::ALL.map(|lost| (lost, 0));
         for index in 0..self.pair.a.features.len() {
@@ -223,26 +217,20 @@ fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
     order.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     let model = pair.model();
     let first = order.first().map(|(other, _)| pair.b.features[*other]);
-    let candidates = order
-        .iter()
-        .take(count)
-        .enumerate()
-        .map(|(rank, &(feature, distance))| {
-            let f = &pair.b.features[feature];
-            let next = order.get(rank + 1).map(|(_, next)| *next);
-            let error = model.map(|model| model.error_px(pair.place_a(index), pair.place_b(feature)) as f32);
-            Rivalry {
-                feature,
-                distance,
-                ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
-                error_px: error,
-                slope: f.slope,
-                is_same_blob: first.is_some_and(|first| {
-                    (f.u - first.u).hypot(f.v - first.v) < SAME_BLOB_SIGMAS * first.sigma.max(f.sigma)
-                }),
-            }
-        })
-        .collect::<Vec<_>>();
+    let candidate = |(rank, &(feature, distance)): (usize, &(usize, f32))| {
+        let f = &pair.b.features[feature];
+        let next = order.get(rank + 1).map(|(_, next)| *next);
+        let apart = |first: &Feature| (f.u - first.u).hypot(f.v - first.v) / first.sigma.max(f.sigma);
+        Rivalry {
+            feature,
+            distance,
+            ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
+            error_px: model.map(|model| model.error_px(pair.place_a(index), pair.place_b(feature)) as f32),
+            slope: f.slope,
+            is_same_blob: first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS),
+        }
+    };
+    let candidates: Vec<Rivalry> = order.iter().take(count).enumerate().map(candidate).collect();
     let there = model.map(|model| pair.there(model, index)).unwrap_or_default();
     let ranked = order.iter().enumerate().filter(|(_, (other, _))| there.contains(other));
     let there: Vec<(usize, usize)> = ranked.map(|(rank, (other, _))| (*other, rank)).collect();
@@ -252,7 +240,7 @@ fn unmatched(losses: &Losses<'_>, index: usize, count: usize) -> Unmatched {
     let sentence = if lost == Lost::NoKeypoint && leaves {
         "the geometry puts it outside the other picture".to_owned()
     } else {
-        sentence((pair, index), lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
+        sentence(&pair, index, lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
     };
     Unmatched { lost, candidates, preferred, expected, there, sentence }
 }
@@ -267,7 +255,7 @@ fn rank_name(index: usize) -> String {
     format!("feature #{}", index + 1)
 }
 
-/// Adds why guided matching did not find a feature that was lost before it; empty without guided matching.
+/// Why guided matching did not find it either; empty without guided matching.
 fn along_geometry(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     let is_lost_before = matches!(lost, Lost::RatioTest | Lost::MutualCheck);
     let Some(model) = pair.model().filter(|_| pair.params.guided && is_lost_before) else {
@@ -277,18 +265,20 @@ fn along_geometry(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     let to = MatchSide { places: &places, descriptors: &pair.b.descriptors };
     match nearest_along((pair.place_a(index), pair.a.descriptors[index]), to, model, pair.params) {
         None => "; along the geometry there is none".to_owned(),
-        Some((feature, ratio)) if ratio > GUIDED_RATIO.max(pair.params.ratio) => format!(
-            "; along the geometry {} is nearest, {ratio:.2} times the distance to the next; at most {GUIDED_RATIO:.2} is allowed",
-            rank_name(feature)
-        ),
-        Some((feature, _)) => {
-            format!("; along the geometry {} is nearest, but not the other way round", rank_name(feature))
+        Some((feature, ratio)) => {
+            let why = if ratio > GUIDED_RATIO.max(pair.params.ratio) {
+                format!("{ratio:.2} times the distance to the next; at most {GUIDED_RATIO:.2} is allowed")
+            } else {
+                "but not the other way round".to_owned()
+            };
+            format!("; along the geometry {} is nearest, {why}", rank_name(feature))
         }
     }
 }
 
 fn sentence(
-    (pair, index): (ComparedPair<'_>, usize),
+    pair: &ComparedPair<'_>,
+    index: usize,
     lost: Lost,
     candidates: &[Rivalry],
     preferred: Option<usize>,
@@ -297,73 +287,55 @@ fn sentence(
     let Some(best) = candidates.first() else {
         return "the other picture has no feature to compare with".to_owned();
     };
-    let where_it_is = match there.first() {
-        Some((feature, 0)) => format!("; the nearest, {}, lies where the geometry expects it", rank_name(*feature)),
-        Some((feature, rank)) => {
-            format!(
-                "; {} lies where the geometry expects it, but {}",
-                rank_name(*feature),
-                if *rank == 1 {
-                    "another has a nearer descriptor".to_owned()
-                } else {
-                    format!("{rank} others have nearer descriptors")
-                },
-            )
+    let where_it_is = there.first().map_or_else(String::new, |&(feature, rank)| {
+        let who = rank_name(feature);
+        match rank {
+            0 => format!("; the nearest, {who}, lies where the geometry expects it"),
+            1 => format!("; {who} lies where the geometry expects it, but another has a nearer descriptor"),
+            _ => format!("; {who} lies where the geometry expects it, but {rank} others have nearer descriptors"),
         }
-        None => String::new(),
-    };
+    });
+    let (nearest, distance) = (rank_name(best.feature), best.distance);
+    let own_match = pair.result.matches.iter().find(|m| m.a == index);
     match lost {
         Lost::Not => {
-            let guided = pair.result.matches.iter().find(|m| m.a == index).filter(|m| m.b != best.feature);
-            if let Some(guided) = guided {
-                return format!(
-                    "matched along the geometry with {} at distance {:.0}, ratio {:.2} there; {} is nearer, at {:.0}",
-                    rank_name(guided.b),
-                    guided.distance,
-                    guided.ratio,
-                    rank_name(best.feature),
-                    best.distance
-                );
-            }
+            let Some(guided) = own_match.filter(|m| m.b != best.feature) else {
+                return format!("matched with {nearest} at distance {distance:.0}, ratio {:.2}", best.ratio);
+            };
             format!(
-                "matched with {} at distance {:.0}, ratio {:.2}",
-                rank_name(best.feature),
-                best.distance,
-                best.ratio
+                "matched along the geometry with {} at distance {:.0}, ratio {:.2} there; {nearest} is nearer, at {distance:.0}",
+                rank_name(guided.b),
+                guided.distance,
+                guided.ratio
             )
         }
         Lost::NoKeypoint => "the other picture has no keypoint of its size where the geometry expects it".to_owned(),
         Lost::RatioTest => {
-            let second = candidates.get(1);
-            let twin = match second {
-                Some(second) if second.is_same_blob => ", a duplicate on the same blob",
-                _ => "",
-            };
-            let who = second.map_or_else(String::new, |second| format!(" to {}{twin}", rank_name(second.feature)));
+            let who = candidates.get(1).map_or_else(String::new, |second| {
+                let twin = if second.is_same_blob { ", a duplicate on the same blob" } else { "" };
+                format!(" to {}{twin}", rank_name(second.feature))
+            });
             format!(
-                "ratio test: the nearest is {} at {:.0}, {:.2} times the distance{who}; at most {:.2} is allowed{where_it_is}",
-                rank_name(best.feature),
-                best.distance,
-                best.ratio,
-                pair.params.ratio
+                "ratio test: the nearest is {nearest} at {distance:.0}, {:.2} times the distance{who}; at most {:.2} is allowed{where_it_is}",
+                best.ratio, pair.params.ratio
             )
         }
         Lost::MutualCheck => format!(
-            "mutual check: its nearest, {}, is nearer to {} of this picture{where_it_is}",
-            rank_name(best.feature),
+            "mutual check: its nearest, {nearest}, is nearer to {} of this picture{where_it_is}",
             preferred.map_or_else(|| "another".to_owned(), rank_name)
         ),
-        Lost::Geometry => match pair.result.matches.iter().find(|m| m.a == index) {
+        Lost::Geometry => match own_match {
             Some(matched) => {
-                let error = pair.model().map(|model| model.error_px(pair.place_a(index), pair.place_b(matched.b)));
-                let error =
-                    error.map_or_else(String::new, |error| format!(": {error:.1} px from the place it expects"));
+                let error = pair.model().map_or_else(String::new, |model| {
+                    let error = model.error_px(pair.place_a(index), pair.place_b(matched.b));
+                    format!(": {error:.1} px from the place it expects")
+                });
                 format!("geometry: its match, {}, does not fit{error}", rank_name(matched.b))
             }
             None => {
                 let other = pair.result.matches.iter().find(|m| m.b == best.feature);
                 let other = other.map_or_else(|| "another feature".to_owned(), |m| rank_name(m.a));
-                format!("geometry: its match, {}, goes with {other} of this picture along it", rank_name(best.feature))
+                format!("geometry: its match, {nearest}, goes with {other} of this picture along it")
             }
         },
     }

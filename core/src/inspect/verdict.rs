@@ -70,8 +70,7 @@ impl Verdict {
 pub struct Judged {
     /// Verdict.
     pub verdict: Verdict,
-    /// Coherence of the frames' responses, 0 … 1; `None` where single frames are too noisy to tell. See
-    /// [`Evenness::coherence`].
+    /// See [`Evenness::coherence`].
     pub coherence: Option<f32>,
     /// Reason, a clause without a full stop. Features are counted from 0.
     pub why: String,
@@ -104,9 +103,6 @@ impl Judged {
 }
 
 /// Judges every feature of the detection of `trail`, in their order.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn judged(trail: &Trail, monitor: &Monitor) -> Result<Vec<Judged>, Cancelled> {
     let evenness = trail.evenness_of(&trail.detection().features, &monitor.part(0.0, EVENNESS_SHARE))?;
     let rest = monitor.part(EVENNESS_SHARE, 1.0 - EVENNESS_SHARE);
@@ -120,5 +116,4 @@ pub fn judged(trail: &Trail, monitor: &Monitor) -> Result<Vec<Judged>, Cancelled
     evenness.par_iter().enumerate().map(judge).collect()
 }
 
-/// Part of the time that the frames' responses take, about.
 const EVENNESS_SHARE: f32 = 0.5;

@@ -1,6 +1,7 @@
 //! Number formats of explanations.
 
 use crate::detector::Slope;
+pub use crate::detector::advice::capitalised;
 
 /// A slope in px/frame as short text: one number where it is horizontal, two otherwise.
 pub fn slope_text(slope: Slope) -> String {
@@ -14,8 +15,37 @@ pub fn number(x: f32, digits: usize) -> String {
     if short == "-0" { "0".to_owned() } else { short.replace('-', "−") }
 }
 
-/// The largest number with `significant` digits that is at most `x`, for a limit that `x` must pass; 0 where `x` is not
-/// above 0.
+/// A number as short text, for any magnitude.
+pub fn value_text(x: f64) -> String {
+    match x.abs() {
+        a if !a.is_finite() => "∞".to_owned(),
+        a if a >= 1000.0 => number(x as f32, 0),
+        a if a >= 0.01 || a == 0.0 => number(x as f32, 2),
+        _ => format!("{x:.1e}").replace('-', "−"),
+    }
+}
+
+/// A ratio to the noise as short text: with one decimal, ∞ without noise.
+pub fn snr_text(snr: f32) -> String {
+    if snr.is_finite() { number(snr, 1) } else { "∞".to_owned() }
+}
+
+/// `template` with what `word` gives for each name in braces.
+pub(crate) fn filled(template: &str, word: impl Fn(&str) -> String) -> String {
+    let mut parts = template.split('{');
+    let start = parts.next().unwrap_or_default().to_owned();
+    parts.fold(start, |text, part| match part.split_once('}') {
+        Some((name, rest)) => text + &word(name) + rest,
+        None => text + part,
+    })
+}
+
+/// A sentence: `clause` with a capital at its start and a full stop at its end.
+pub fn sentence(clause: &str) -> String {
+    capitalised(clause) + "."
+}
+
+/// The largest number with `significant` digits that is at most `x`; 0 where `x` is not above 0.
 pub fn rounded_down(x: f64, significant: i32) -> f64 {
     rounded(x, significant, f64::floor)
 }
@@ -78,6 +108,9 @@ mod tests {
         assert_eq!(slope_text(Slope::new(1.0, -0.25)), "(1, −0.25)");
         assert_eq!((number(-0.001, 2), number(100.0, 0)), ("0".to_owned(), "100".to_owned()));
         assert_eq!((counted(1, "feature"), counted(2_345, "feature")), ("1 feature".into(), "2 345 features".into()));
+        let values = [4.643, 0.000_31, f64::INFINITY, 123_456.0, 0.0, -2.5].map(value_text);
+        assert_eq!(values, ["4.64", "3.1e−4", "∞", "123456", "0", "−2.5"]);
+        assert_eq!((sentence("élan is kept"), sentence("σ is 2")), ("Élan is kept.".into(), "Σ is 2.".into()));
     }
 
     #[test]

@@ -13,7 +13,6 @@ const ORDERS: usize = 5;
 const WEIGHTS: usize = 2 * ORDERS;
 /// Derivatives with orders (along u, along v) that sum to 4 at most.
 const TERMS: usize = 15;
-/// Values in a vector register.
 const LANES: usize = 8;
 
 /// Derivatives of a smoothed image at one place: `jet[p][q]` is taken p times along u and q times along v; p + q is at
@@ -28,12 +27,10 @@ pub struct JetPixels {
     along_v: Vec<f32>,
     wider: Vec<f32>,
     stride: usize,
-    /// Column and row of the first pixel.
     first: (i64, i64),
 }
 
 impl JetPixels {
-    /// Reads the pixels up to `radius` from the pixel at `middle`, less `local_mean`.
     pub fn read(&mut self, pixels: &PixelView<'_>, middle: (i64, i64), radius: usize, local_mean: f32) {
         self.first = (middle.0 - radius as i64, middle.1 - radius as i64);
         let count = 2 * radius + 1;
@@ -47,8 +44,7 @@ impl JetPixels {
         }
     }
 
-    /// Jets at the place (x, y) of the image under sampled Gaussians of the two `variances`, square pixels; the pixels
-    /// that were read are all that is summed.
+    /// Jets at the place (x, y) of the image under sampled Gaussians of the two `variances`, square pixels.
     pub fn jets(&mut self, (x, y): (f64, f64), variances: [f64; 2]) -> [Jet; 2] {
         let Self { lines, along_u, along_v, wider, stride, first } = self;
         for (along, d) in [(&mut *along_u, first.0 as f64 - x), (&mut *along_v, first.1 as f64 - y)] {
@@ -68,9 +64,7 @@ impl JetPixels {
     }
 }
 
-/// Smallest variance of a Gaussian whose samples are its weights, square pixels. Samples of narrower ones hold no
-/// longer what the pixels show: their second derivative is wrong by several percent, depending on where the pixels
-/// fall.
+/// Square pixels. Samples of narrower Gaussians give second derivatives that are wrong by several percent.
 const MIN_SAMPLED_VARIANCE: f64 = 1.2;
 /// Terms by which a sampled Gaussian is made as sharp as a narrower one, beside itself.
 const SHARPENING: usize = 4;
@@ -97,8 +91,7 @@ fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Ve
     }
 }
 
-/// Writes derivatives of a Gaussian of `variance` with respect to its centre, as [`weights`] does: as many orders as
-/// `out` holds.
+/// Derivatives of a Gaussian of `variance` with respect to its centre: as many orders as `out` holds.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn derivatives(variance: f64, d: f64, stride: usize, out: &mut [f32]) {
     let inverse = 1.0 / variance;
@@ -160,7 +153,6 @@ mod tests {
     use crate::plane::Plane;
     use proptest::prelude::*;
 
-    /// The sum by its definition: pixels under a Gaussian, moved to another place for the derivatives.
     fn by_definition(plane: &Plane, mean: f32, (x, y): (f64, f64), variance: f64) -> f64 {
         let weight = |d: f64| (-0.5 * d * d / variance).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
         let (width, height) = plane.size();

@@ -10,7 +10,6 @@ use std::ops::Range;
 /// Eighths of a turn in a radian.
 const EIGHTHS: f32 = 4.0 / std::f32::consts::PI;
 
-/// Values of one vector.
 pub(crate) type Lane = [f32; LANES];
 
 /// The smaller of two numbers, neither of which is NaN: unlike [`f32::min`] a single instruction.
@@ -19,7 +18,6 @@ pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The larger of two numbers, neither of which is NaN.
 #[inline(always)]
 pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -62,8 +60,7 @@ fn exp_of_negative(x: f32) -> f32 {
     series * f32::from_bits(whole(doublings + 127.0) << 23)
 }
 
-/// Writes exp(−d²/(2·sigma²)) of the distances of `range` from `centre` to `out`, which ends with at least one more
-/// vector.
+/// exp(−d²/(2·sigma²)) of the distances of `range` from `centre`, and at least one more vector.
 #[inline(always)]
 pub(crate) fn window(range: Range<i64>, centre: f32, sigma: f32, out: &mut Vec<f32>) {
     let scale = -0.5 / (sigma * sigma);
@@ -78,14 +75,12 @@ pub(crate) fn window(range: Range<i64>, centre: f32, sigma: f32, out: &mut Vec<f
     }
 }
 
-/// A vector of `values` from `at` on.
 #[inline(always)]
 pub(crate) fn vector_of(values: &[f32], at: usize) -> &Lane {
     values[at..at + LANES].try_into().expect("a vector")
 }
 
-/// The neighbours on four sides of part of a row of a Gaussian level, for its gradients; each slice begins at the first
-/// pixel's neighbour.
+/// The neighbours on four sides of part of a row of a Gaussian level; each slice begins at the first pixel's.
 pub(crate) struct GradientRow<'a> {
     before: &'a [f32],
     after: &'a [f32],
@@ -162,12 +157,5 @@ mod tests {
         }
         assert_eq!(exp_of_negative(0.0), 1.0);
         assert!(exp_of_negative(-80.0) > 0.0 && exp_of_negative(-1e6) == 0.0);
-    }
-
-    #[test]
-    fn whole_numbers_convert() {
-        for n in [0u32, 1, 7, 224, 4_000_000] {
-            assert_eq!(whole(n as f32), n);
-        }
     }
 }

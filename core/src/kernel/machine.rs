@@ -1,19 +1,8 @@
 //! Sizes tuned to the processor, of tiles, strips and blocks, and rows taken in vectors of its width.
 //!
-//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The benches
-//! named beside each measure it: the single routines in `stages`, a whole detection in `cpu_time` (one thread's CPU
-//! time, so that a busy machine matters little). Run the bench before and after changing one.
-//!
-//! | constant | held to | what it trades | bench |
-//! | --- | --- | --- | --- |
-//! | `MAX_VECTORS` | 16 vector registers | sums that hide one another's latency, against spilled registers | `stages` |
-//! | `BLOCK_COLUMNS`, `WIDEST_VECTOR` | the widest vectors | whole vectors of any kind | `stages` |
-//! | `BATCH_ROWS`, `MAX_LEVEL_ROWS` | second cache, registers | rows that are shared, against their size | `stages` |
-//! | `TILE_COLUMNS`, `TILE_ROWS` | second cache | what the filters need around a tile, against its size | `cpu_time` |
-//! | `WINDOW_BYTES`, `WINDOWS_BYTES` | third cache, memory | slopes held for the joint search | `cpu_time` |
-//! | `STACKED_SLOPES` | second cache | rows of the frames that slopes share | `cpu_time` |
-//! | `STRIP_COLUMNS`, `KEYPOINTS_TOGETHER` | second cache | patches that share pixels of the frames | `cpu_time` |
-//! | `PATCH_ROWS_TOGETHER` | vector registers | rows of a patch that are read once | `stages` |
+//! None of the sizes changes a bit of any result; they decide how much fits into registers and caches. The bench
+//! `stages` measures those of vectors, rows and levels, `cpu_time` (one thread's CPU time of a whole detection, so that
+//! a busy machine matters little) those of tiles, windows, slopes and strips. Run it before and after changing one.
 
 use pulp::Simd;
 
@@ -24,8 +13,7 @@ pub(crate) const MAX_VECTORS: usize = 6;
 pub(crate) const WIDEST_VECTOR: usize = 16;
 /// Columns that the filter bank makes together: two vectors of the widest kind, a whole number of any kind.
 pub(crate) const BLOCK_COLUMNS: usize = 32;
-/// Rows that the filter bank finishes before it begins the next ones: few enough that the values between the passes
-/// stay in the second cache.
+/// Rows that the filter bank finishes at a time: the values between the passes stay in the second cache.
 pub(crate) const BATCH_ROWS: usize = 112;
 /// Maximum number of rows of one level computed at once; half of them where vectors are shorter and registers fewer.
 pub(crate) const MAX_LEVEL_ROWS: usize = 8;
@@ -34,30 +22,25 @@ pub(crate) const PATCH_ROWS_TOGETHER: usize = 4;
 /// Columns of a tile. With the margin held for the moves of the refinement it is five blocks of vectors wide, and the
 /// values between the two passes of its filters stay in the second cache.
 pub(crate) const TILE_COLUMNS: usize = 148;
-/// Rows of a tile where the window does not require fewer: enough that the margin of rows for its filters matters
-/// little.
+/// Rows of a tile at most: enough that the margin for its filters matters little.
 pub(crate) const TILE_ROWS: usize = 548;
 /// Maximum size of the DoG tiles of the windows of slopes of all threads together, bytes.
 pub(crate) const WINDOWS_BYTES: usize = 128 << 20;
 /// Maximum size of one window, bytes: as much as stays in a thread's share of the third cache. Fewer rows than that
 /// repeat too much of the filters' margin around a tile.
 pub(crate) const WINDOW_BYTES: usize = 6 << 20;
-/// Maximum number of slopes whose frames are stacked together: whole rows of the grid where it has two axes, which
-/// share the mixing of rows.
+/// Slopes whose frames are stacked together at most: whole rows of a plane's grid share the mixing of rows.
 pub(crate) const STACKED_SLOPES: usize = 16;
-/// Width of the strips in which keypoints are described, columns, each from top to bottom: pixels of the frames that
-/// their patches share are then still in the cache.
+/// Width of the strips in which keypoints are described, columns: the pixels they share stay in the cache.
 pub(crate) const STRIP_COLUMNS: f32 = 200.0;
 /// Keypoints that one thread describes in a row.
 pub(crate) const KEYPOINTS_TOGETHER: usize = 32;
 
-/// The vector that begins at `row[at]`.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(row: &[f32], at: usize) -> S::f32s {
     S::as_simd_f32s(&row[at..at + S::F32_LANES]).0[0]
 }
 
-/// Writes a vector to `row[at..]`.
 #[inline(always)]
 pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
     S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;

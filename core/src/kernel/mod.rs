@@ -7,7 +7,6 @@
 //! a plain reference of a few lines, and a test that compares the two.
 
 pub mod compact_kernel;
-pub(crate) mod conjugate_products;
 pub mod gaussian_bank;
 pub mod gaussian_jet;
 pub(crate) mod gradient;

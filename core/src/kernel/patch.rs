@@ -12,19 +12,16 @@
 //! Blur: one blur to a level equals the levels' chain of blurs up to the kernels' cut. A few rows are combined from the
 //! rows around them, then convolved, so that the intermediate values stay in the nearest cache.
 
-use super::machine::PATCH_ROWS_TOGETHER as TOGETHER;
 use crate::kernel::compact_kernel::PixelView;
-use crate::kernel::machine::{load, store};
+use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
 use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows};
 use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
-use crate::plane::tile::Region;
 use crate::plane::vectors::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Number of values in a vector. Loops over a patch's rows take whole vectors; values beyond the row's end are computed
-/// and dropped.
+/// Values in a vector. Those beyond the end of a patch's row are computed and dropped.
 pub(crate) const LANES: usize = 16;
 
 /// A rectangle of pixels of an octave, with its place. The buffer keeps its capacity when it is reset.
@@ -37,7 +34,6 @@ pub struct Patch {
     data: Aligned,
 }
 
-/// Buffers for making patches; reused from patch to patch.
 #[derive(Debug, Default)]
 pub struct PatchScratch {
     pub(crate) narrow: Patch,
@@ -60,32 +56,25 @@ impl Patch {
         (self.columns, self.rows) = (columns, rows);
     }
 
-    /// Columns of the octave that are held, some perhaps beyond its border.
     pub fn columns(&self) -> Range<i64> {
         self.columns.clone()
     }
 
-    /// Rows of the octave that are held, some perhaps beyond its border.
     pub fn rows(&self) -> Range<i64> {
         self.rows.clone()
     }
 
-    /// View of the pixels.
     pub fn pixels(&self) -> PixelView<'_> {
         let size = (self.columns.clone().count(), self.rows.clone().count());
         PixelView { data: &self.data, stride: self.stride, size, left: self.columns.start, top: self.rows.start }
     }
 
-    /// Values from one row to the next.
     pub(crate) fn stride(&self) -> usize {
         self.stride
     }
 
     /// All values from pixel (u, v) on: the rest of its row, its padding to whole vectors, and the rows below; at least
     /// a vector from any held pixel.
-    ///
-    /// # Panics
-    /// When the pixel is not held.
     #[inline(always)]
     pub(crate) fn values(&self, u: i64, v: i64) -> &[f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
@@ -93,7 +82,6 @@ impl Patch {
         &self.data[at..]
     }
 
-    /// All values from pixel (u, v) on, mutable.
     pub(crate) fn values_mut(&mut self, u: i64, v: i64) -> &mut [f32] {
         assert!(self.columns.contains(&u) && self.rows.contains(&v), "({u}, {v}) is not held");
         let at = (v - self.rows.start) as usize * self.stride + (u - self.columns.start) as usize;
@@ -101,9 +89,6 @@ impl Patch {
     }
 
     /// Row `v`, one value for each held column.
-    ///
-    /// # Panics
-    /// When the row is not held.
     pub fn row(&self, v: i64) -> &[f32] {
         &self.values(self.columns.start, v)[..self.columns.clone().count()]
     }
@@ -136,17 +121,14 @@ impl Patch {
         (1..=below as usize).for_each(|v| data.copy_within(last * stride..(last + 1) * stride, (last + v) * stride));
     }
 
-    /// Subtracts the value in the middle: only differences matter around a feature, and small numbers have smaller
-    /// rounding errors.
+    /// Subtracts the value in the middle: small numbers have smaller rounding errors.
     pub(crate) fn centre(&mut self) {
         let (columns, rows) = (self.columns(), self.rows());
         let middle = self.values((columns.start + columns.end) / 2, (rows.start + rows.end) / 2)[0];
         let held = self.stride * rows.count();
         self.data[..held].iter_mut().for_each(|x| *x -= middle);
     }
-}
 
-impl Patch {
     /// Fills the patch from `narrow` doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j) of `narrow`.
     pub(crate) fn double(&mut self, narrow: &Self, row: &mut Vec<f32>) {
         let left = self.columns.start;
@@ -167,9 +149,7 @@ impl Patch {
             }
         }
     }
-}
 
-impl Patch {
     /// Fills the patch from `fine` at half its resolution: pixel (i, j) is the mean of pixels 2i and 2i + 1 of rows 2j
     /// and 2j + 1. All pixels are held whose four pixels `fine` holds.
     pub(crate) fn halve(&mut self, fine: &Self) {
@@ -185,25 +165,14 @@ impl Patch {
     }
 }
 
-/// Fills the part of `patch` inside the frames with the motion-stack image of `frames`, which have one size, at their
-/// [`crate::detector::stack::frame_offsets`].
+/// Fills the part of `patch` inside the frames with their motion-stack image.
 pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mut Patch, sums: &mut WeightedRows) {
-    let part = part_inside(patch, frames[0].size());
-    stack_part(frames, offsets, &part, patch, sums);
-}
-
-/// The part of `patch` inside an image of `size`.
-fn part_inside(patch: &Patch, size: (usize, usize)) -> Region {
-    Region { columns: inside(&patch.columns(), size.0), rows: inside(&patch.rows(), size.1) }
-}
-
-/// Fills `part` of `patch`.
-fn stack_part(frames: &[&Plane], offsets: &[FrameOffset], part: &Region, patch: &mut Patch, sums: &mut WeightedRows) {
-    let (size, Region { columns, rows }) = (frames[0].size(), part);
+    let size = frames[0].size();
+    let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
     let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
-    if !offsets.iter().all(|offset| reaches(offset, columns, rows, size)) {
+    if !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
         let mut stacker = RowStacker::new(frames, vec![offsets]);
-        for v in rows.clone() {
+        for v in rows {
             stacker.row(v, columns.clone(), &mut [&mut patch.values_mut(left, v as i64)[..columns.len()]]);
         }
         return;
@@ -230,16 +199,12 @@ fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, si
     covers(columns, offset.whole_u, true, size.0) && covers(rows, offset.whole_v, offset.part_v > 0.0, size.1)
 }
 
-/// Buffer for the values between the passes; reused from patch to patch.
 #[derive(Debug, Default)]
 pub struct BlurScratch(Aligned);
 
 impl Patch {
     /// Blurs columns `columns` and rows `rows` (at least four) by `kernel` into `out`. The patch must extend beyond
     /// them by the kernel's radius.
-    ///
-    /// # Panics
-    /// When it does not, or when there are fewer rows.
     pub fn blurred(
         &self,
         columns: Range<i64>,
@@ -321,8 +286,7 @@ impl WithSimd for BlurRows<'_> {
     }
 }
 
-/// Combines one vector of [`TOGETHER`] rows: Σ taps·values over a symmetric kernel. `from` begins at the first row that
-/// the first one reads.
+/// Combines one vector of [`TOGETHER`] rows; `from` begins at the first row that the first one reads.
 #[inline(always)]
 fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mut [f32], out_stride: usize) {
     let radius = half.len() - 1;

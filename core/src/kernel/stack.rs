@@ -15,18 +15,15 @@
 //! At the sides, where fewer and fewer frames cover the columns, frames are added one after the other and divided by
 //! their number.
 
-use crate::kernel::machine::{MAX_VECTORS, in_vectors, load, store};
+use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::plane::Plane;
-use crate::plane::vectors::{Aligned, BlockSize, LARGE, SMALL, for_blocks};
-use multiversion::multiversion;
+use crate::plane::vectors::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Makes rows of the motion-stack images of some frames at some slopes.
 #[derive(Debug)]
 pub struct RowStacker<'a> {
     frames: &'a [&'a Plane],
-    /// Offsets of the frames for each slope.
     slopes: Vec<&'a [FrameOffset]>,
     groups: Vec<Group<'a>>,
     mixed: Vec<f32>,
@@ -46,11 +43,9 @@ struct Group<'a> {
 struct Run<'a> {
     rows: Range<usize>,
     columns: Range<usize>,
-    /// Indices of the frames that cover them.
     covering: Vec<usize>,
     /// The columns of the frames that any slope of the group reads.
     wide: Range<usize>,
-    /// Whether any of the frames is read between its rows.
     mixes: bool,
     /// For each slope the columns covered by all frames.
     inner: Vec<Range<usize>>,
@@ -70,7 +65,7 @@ impl<'a> Run<'a> {
     fn new(frames: &'a [&'a Plane], slopes: &[&'a [FrameOffset]], v: usize, columns: Range<usize>) -> Self {
         let (width, height) = frames[0].size();
         let first = slopes[0];
-        let covering: Vec<usize> = (0..frames.len()).filter(|&t| first[t].covers_row(v, height)).collect();
+        let covering: Vec<usize> = (0..frames.len()).filter(|&t| first[t].covers_rows(height).contains(&v)).collect();
         let changes = first.iter().map(|offset| offset.covers_rows(height)).flat_map(|rows| [rows.start, rows.end]);
         // Rows before the frame's first one that count as it are all copies of it.
         let reads = covering.iter().map(|&t| usize::try_from(-first[t].whole_v).unwrap_or(0));
@@ -81,7 +76,10 @@ impl<'a> Run<'a> {
         let inner: Vec<Range<usize>> = slopes
             .iter()
             .map(|offsets| {
-                let reads = covering.iter().map(|&frame| offsets[frame].reads_next_columns(width));
+                let reads = covering.iter().map(|&frame| {
+                    // One more to the right, whether or not that is needed.
+                    FrameOffset::covered(offsets[frame].whole_u, 1.0, 0, width)
+                });
                 let inner = reads.fold(columns.clone(), |a, b| a.start.max(b.start)..a.end.min(b.end));
                 if covering.is_empty() || inner.is_empty() { columns.start..columns.start } else { inner }
             })
@@ -102,8 +100,7 @@ impl<'a> Run<'a> {
 }
 
 impl<'a> RowStacker<'a> {
-    /// Stacker for `frames` of one size in time order and, for each slope, their
-    /// [`crate::detector::stack::frame_offsets`].
+    /// Stacker for `frames` of one size in time order and their offsets for each slope.
     pub fn new(frames: &'a [&'a Plane], slopes: Vec<&'a [FrameOffset]>) -> Self {
         let vertical = |slope: &[FrameOffset]| -> Vec<(i64, f32, i64)> {
             slope.iter().map(|o| (o.whole_v, o.part_v, o.before_v)).collect()
@@ -121,8 +118,7 @@ impl<'a> RowStacker<'a> {
         Self { frames, slopes, groups, mixed, counts, sums }
     }
 
-    /// Writes row `v`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, one value for each
-    /// column.
+    /// Writes row `v`, columns `columns`, of each slope's motion-stack image to its slice of `outs`.
     pub fn row(&mut self, v: usize, columns: Range<usize>, outs: &mut [&mut [f32]]) {
         for index in 0..self.groups.len() {
             let Group { slopes, run } = &mut self.groups[index];
@@ -139,7 +135,10 @@ impl<'a> RowStacker<'a> {
         let width = frames[0].width();
         let columns = &run.columns;
         let sided = run.inner.iter().any(|inner| inner != columns);
-        let sources = if run.mixes || sided { sources(frames, slopes[group.start], run, v, mixed) } else { Vec::new() };
+        let sources = match run.mixes || sided {
+            true => sources(frames, slopes[group.start], run, v, mixed, sums),
+            false => Vec::new(),
+        };
         let mut taps: Vec<Tap<'_>> = Vec::with_capacity(if run.mixes { sources.len() } else { 0 });
         for (index, slope) in group.clone().enumerate() {
             let (offsets, out, inner) = (slopes[slope], &mut *outs[slope], &run.inner[index]);
@@ -174,6 +173,7 @@ fn sources<'s>(
     run: &Run<'_>,
     v: usize,
     mixed: &'s mut Vec<f32>,
+    sums: &mut WeightedRows,
 ) -> Vec<Source<'s>> {
     let wide = &run.wide;
     mixed.resize(run.covering.len() * wide.len(), 0.0);
@@ -183,9 +183,9 @@ fn sources<'s>(
         if offset.part_v == 0.0 {
             return Source { frame, pixels: pixels.row(y), left: 0 };
         }
-        let upper = (&pixels.row(y)[wide.clone()], 1.0 - offset.part_v);
-        let lower = (&pixels.row(y + 1)[wide.clone()], offset.part_v);
-        weighted_sum(&[upper, lower], 1.0, mixed);
+        let row = |y: usize, weight: f32| Tap::new(&pixels.row(y)[wide.clone()], weight, 0.0);
+        let n = wide.len();
+        sums.make(&[row(y, 1.0 - offset.part_v), row(y + 1, offset.part_v)], 0, n, 0..1, mixed, n);
         Source { frame, pixels: mixed, left: wide.start }
     };
     run.covering.iter().zip(mixed.chunks_mut(wide.len())).map(source).collect()
@@ -208,7 +208,7 @@ fn side_columns(
     for source in sources {
         let offset = &offsets[source.frame];
         let covered = offset.covers_columns(width);
-        let reads = offset.reads_columns(width);
+        let reads = FrameOffset::covered(offset.whole_u, offset.part_u, 0, width);
         let (start, end) = (covered.start.max(side.start), covered.end.min(side.end));
         // Columns that count as the frame's first one precede those that it reads.
         let first_read = reads.start.clamp(start, end.max(start));
@@ -243,9 +243,6 @@ fn side_columns(
     }
 }
 
-/// Maximum number of values in a vector of any processor.
-const LONGEST: usize = 16;
-
 /// Pixels of one frame in a sum, from the first one that is read.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tap<'a> {
@@ -265,11 +262,9 @@ impl<'a> Tap<'a> {
 /// Fractions of a column at which the taps of a sum are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Between {
-    /// None: one sum.
     Never,
     /// One fraction for all frames, so that their pixels are summed once; the weights of its taps.
     Alike([f32; 2]),
-    /// Several: two sums.
     Apart,
 }
 
@@ -310,10 +305,10 @@ impl WeightedRows {
         stride: usize,
     ) {
         let [here, shifted] = &mut self.sums;
-        here.grow(columns + LONGEST);
-        shifted.grow(columns + LONGEST);
+        here.grow(columns + WIDEST_VECTOR);
+        shifted.grow(columns + WIDEST_VECTOR);
         let between = Between::of(taps);
-        if columns < LONGEST {
+        if columns < WIDEST_VECTOR {
             for (out, v) in out.chunks_mut(stride).zip(rows) {
                 short_row(taps, v * width, between, &mut out[..columns]);
             }
@@ -323,7 +318,6 @@ impl WeightedRows {
     }
 }
 
-/// Computes a row too short for vectors.
 fn short_row(taps: &[Tap<'_>], row: usize, between: Between, out: &mut [f32]) {
     let plain = |i: usize| taps.iter().fold(0.0f32, |sum, tap| sum + tap.pixels[row + i]);
     let sum = |i: usize, which: usize| {
@@ -341,7 +335,7 @@ fn short_row(taps: &[Tap<'_>], row: usize, between: Between, out: &mut [f32]) {
 struct RowsJob<'a> {
     taps: &'a [Tap<'a>],
     width: usize,
-    /// At least [`LONGEST`].
+    /// At least [`WIDEST_VECTOR`].
     columns: usize,
     rows: std::ops::Range<usize>,
     between: Between,
@@ -377,7 +371,7 @@ impl WithSimd for RowsJob<'_> {
                 }
                 Between::Alike(weights) => {
                     in_vectors!(S, self.columns + 1, |V, places| {
-                        let sums = plain_sum::<S, V>(simd, self.taps, row, places);
+                        let sums = one_sum::<S, V, false>(simd, self.taps, row, places);
                         for i in 0..V {
                             store::<S>(self.here, places[i], sums[i]);
                         }
@@ -393,7 +387,7 @@ impl WithSimd for RowsJob<'_> {
                 }
                 Between::Never => {
                     in_vectors!(S, self.columns, |V, places| {
-                        let sums = one_sum::<S, V>(simd, self.taps, row, places);
+                        let sums = one_sum::<S, V, true>(simd, self.taps, row, places);
                         for i in 0..V {
                             store::<S>(out, places[i], sums[i]);
                         }
@@ -420,27 +414,19 @@ fn two_sums<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, plac
     sums
 }
 
-/// Vectors of the first sum alone at `places`.
 #[inline(always)]
-fn one_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [S::f32s; V] {
+fn one_sum<S: Simd, const V: usize, const WEIGHTED: bool>(
+    simd: S,
+    taps: &[Tap<'_>],
+    row: usize,
+    places: [usize; V],
+) -> [S::f32s; V] {
     let mut sums = [simd.splat_f32s(0.0); V];
     for tap in taps {
-        let (weight, pixels) = (simd.splat_f32s(tap.weights[0]), &tap.pixels[row..]);
-        for i in 0..V {
-            sums[i] = simd.mul_add_f32s(weight, load::<S>(pixels, places[i]), sums[i]);
-        }
-    }
-    sums
-}
-
-/// Vectors of the sum of the pixels, without weights, at `places`.
-#[inline(always)]
-fn plain_sum<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, places: [usize; V]) -> [S::f32s; V] {
-    let mut sums = [simd.splat_f32s(0.0); V];
-    for tap in taps {
+        let weight = simd.splat_f32s(if WEIGHTED { tap.weights[0] } else { 1.0 });
         let pixels = &tap.pixels[row..];
         for i in 0..V {
-            sums[i] = simd.add_f32s(sums[i], load::<S>(pixels, places[i]));
+            sums[i] = simd.mul_add_f32s(weight, load::<S>(pixels, places[i]), sums[i]);
         }
     }
     sums
@@ -459,81 +445,29 @@ pub(crate) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: u
     (1.0 - offset.part_v) * upper + offset.part_v * lower
 }
 
-/// `B` values of the weighted sum, from `start` on, held in registers.
-#[inline(always)]
-fn weighted_block<const B: usize>(taps: &[(&[f32], f32)], scale: f32, start: usize, out: &mut [f32]) {
-    let mut acc = [0.0f32; B];
-    for &(row, weight) in taps {
-        let row: &[f32; B] = row[start..start + B].try_into().expect("a block");
-        for i in 0..B {
-            acc[i] = weight.mul_add(row[i], acc[i]);
-        }
-    }
-    acc.iter_mut().for_each(|x| *x *= scale);
-    out[start..start + B].copy_from_slice(&acc);
-}
-
-/// `out = scale·Σ weight·row`, over `(row, weight)`; each row is at least as long as `out`.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-pub(crate) fn weighted_sum(taps: &[(&[f32], f32)], scale: f32, out: &mut [f32]) {
-    for_blocks(
-        out.len(),
-        #[inline(always)]
-        |start, size| match size {
-            BlockSize::Large => weighted_block::<LARGE>(taps, scale, start, out),
-            BlockSize::Small => weighted_block::<SMALL>(taps, scale, start, out),
-            BlockSize::One => weighted_block::<1>(taps, scale, start, out),
-        },
-    );
-}
-
 /// Offset of one frame: whole pixels and a fraction in [0, 1) in each direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameOffset {
-    /// Whole columns.
     pub whole_u: i64,
-    /// Whole rows.
     pub whole_v: i64,
-    /// Fraction of a column.
     pub part_u: f32,
-    /// Fraction of a row.
     pub part_v: f32,
-    /// Number of columns before the first one that still count as it, 0 or 1: see
+    /// Numbers of columns and of rows before the first one that still count as it, 0 or 1: see
     /// [`crate::detector::Interpolation::Truncated`].
     pub before_u: i64,
-    /// Number of rows before the first one that still count as it, 0 or 1.
     pub before_v: i64,
 }
 
 impl FrameOffset {
-    /// Columns of an image `width` wide at which the frame has pixels of its own.
-    pub(crate) fn reads_columns(&self, width: usize) -> Range<usize> {
-        Self::covered(self.whole_u, self.part_u, 0, width)
-    }
-
-    /// Columns of an image `width` wide at which the frame counts.
     pub(crate) fn covers_columns(&self, width: usize) -> Range<usize> {
         Self::covered(self.whole_u, self.part_u, self.before_u, width)
     }
 
-    /// Columns of an image `width` wide at which the frame has pixels of its own, and one more to the right, whether or
-    /// not that is needed.
-    pub(crate) fn reads_next_columns(&self, width: usize) -> Range<usize> {
-        Self::covered(self.whole_u, 1.0, 0, width)
-    }
-
-    /// Rows of an image `height` high that the frame covers.
     pub(crate) fn covers_rows(&self, height: usize) -> Range<usize> {
         Self::covered(self.whole_v, self.part_v, self.before_v, height)
     }
 
-    /// Whether the frame covers row `v` of an image `height` high.
-    pub(crate) fn covers_row(&self, v: usize, height: usize) -> bool {
-        self.covers_rows(height).contains(&v)
-    }
-
-    /// Positions `0 … n−1` that stay inside at whole offset `whole` and fraction `part`, as a half-open range; `before`
-    /// positions before 0 count too.
+    /// Positions `0 … n−1` that stay inside at an offset; `before` positions before 0 count too.
     fn covered(whole: i64, part: f32, before: i64, n: usize) -> Range<usize> {
         let reach = i64::from(part > 0.0);
         let start = (-whole - before).clamp(0, n as i64);
@@ -541,9 +475,8 @@ impl FrameOffset {
         start as usize..end as usize
     }
 
-    /// Whether the frame covers the pixel (u, v) of an image of `size`.
     pub fn covers(&self, u: usize, v: usize, size: (usize, usize)) -> bool {
-        self.covers_columns(size.0).contains(&u) && self.covers_row(v, size.1)
+        self.covers_columns(size.0).contains(&u) && self.covers_rows(size.1).contains(&v)
     }
 }
 

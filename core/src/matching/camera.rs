@@ -33,24 +33,24 @@ impl CameraModel {
     /// All models.
     pub const ALL: [Self; 4] = [Self::SimplePinhole, Self::Pinhole, Self::SimpleRadial, Self::OpenCv];
 
+    /// Names of the model and of its parameters, in order.
+    fn names(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::SimplePinhole => ("SIMPLE_PINHOLE", &["f", "cx", "cy"]),
+            Self::Pinhole => ("PINHOLE", &["fx", "fy", "cx", "cy"]),
+            Self::SimpleRadial => ("SIMPLE_RADIAL", &["f", "cx", "cy", "k"]),
+            Self::OpenCv => ("OPENCV", &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"]),
+        }
+    }
+
     /// The name in COLMAP.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::SimplePinhole => "SIMPLE_PINHOLE",
-            Self::Pinhole => "PINHOLE",
-            Self::SimpleRadial => "SIMPLE_RADIAL",
-            Self::OpenCv => "OPENCV",
-        }
+        self.names().0
     }
 
     /// The parameters' names, in order.
     pub fn param_names(self) -> &'static [&'static str] {
-        match self {
-            Self::SimplePinhole => &["f", "cx", "cy"],
-            Self::Pinhole => &["fx", "fy", "cx", "cy"],
-            Self::SimpleRadial => &["f", "cx", "cy", "k"],
-            Self::OpenCv => &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"],
-        }
+        self.names().1
     }
 }
 
@@ -69,8 +69,7 @@ pub struct Camera {
     pub params: Vec<f64>,
 }
 
-/// Focal lengths and principal point (in COLMAP's convention), pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// In COLMAP's convention, pixels.
 struct Pinhole {
     fx: f64,
     fy: f64,
@@ -78,7 +77,6 @@ struct Pinhole {
     cy: f64,
 }
 
-/// Coefficients of OpenCV's distortion; all 0 for none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Distortion {
     k1: f64,
@@ -98,7 +96,7 @@ impl Distortion {
         ]
     }
 
-    /// The derivatives of [`Self::apply`] with respect to x and y, by rows.
+    /// By rows, the derivatives of [`Self::apply`] with respect to x and y.
     fn jacobian(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let r2 = x * x + y * y;
         let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
@@ -111,8 +109,7 @@ impl Distortion {
         ]
     }
 
-    /// The (x, y) that [`Self::apply`] maps to `distorted`, by Newton's method; the closest point reached where strong
-    /// distortion has no inverse.
+    /// The (x, y) that [`Self::apply`] maps to `distorted`, by Newton's method; else the closest one reached.
     fn remove(&self, distorted: [f64; 2]) -> [f64; 2] {
         if *self == Self::default() {
             return distorted;

@@ -12,6 +12,7 @@
 
 use super::geometry::GuidingBand;
 use super::params::MatchParams;
+use super::putative::Nearest;
 use super::{Match, MatchSide, TwoViewModel};
 use crate::detector::Descriptor;
 use crate::monitor::{Cancelled, Monitor};
@@ -25,28 +26,9 @@ pub const GUIDED_RATIO: f32 = 0.9;
 /// poses (docs/MEASUREMENTS.md).
 const GUIDED_ERROR: f32 = 0.5;
 
-/// The parameters of guided matching after sure matches with `params`: a smaller [`MatchParams::max_error_px`].
+/// The parameters of guided matching after sure matches with `params`.
 pub(super) fn guided_params(params: &MatchParams) -> MatchParams {
     MatchParams { max_error_px: GUIDED_ERROR * params.max_error_px, ..params.clone() }
-}
-
-/// Nearest feature within the band.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct InBand {
-    index: usize,
-    distance_squared: u32,
-    /// Of the nearest one at another place.
-    second_distance_squared: Option<u32>,
-}
-
-impl InBand {
-    fn ratio(&self) -> f32 {
-        match self.second_distance_squared {
-            None => 0.0,
-            Some(0) => 1.0,
-            Some(second) => (f64::from(self.distance_squared) / f64::from(second)).sqrt() as f32,
-        }
-    }
 }
 
 /// Finds the matches that agree with `model` to [`MatchParams::max_error_px`], in the order of A's features: nearest
@@ -64,25 +46,14 @@ pub fn guided_matches(
 ) -> Result<Vec<Match>, Cancelled> {
     let max_error_px = f64::from(params.max_error_px);
     let of_a = nearest_in_band(a, b, &model.band_in_b(a.places, b.places, max_error_px), monitor)?;
-    let of_b = if params.mutual {
-        Some(nearest_in_band(b, a, &model.band_in_a(a.places, b.places, max_error_px), monitor)?)
-    } else {
-        None
-    };
+    let in_a = params.mutual.then(|| model.band_in_a(a.places, b.places, max_error_px));
+    let of_b = in_a.map(|band| nearest_in_band(b, a, &band, monitor)).transpose()?;
     let limit = params.ratio.max(GUIDED_RATIO);
     let mut best: BTreeMap<[u64; 4], Match> = BTreeMap::new();
-    for (index, nearest) in of_a.iter().enumerate().filter_map(|(index, nearest)| Some((index, (*nearest)?))) {
-        let mut ratio = nearest.ratio();
-        if let Some(of_b) = &of_b {
-            let Some(back) = of_b[nearest.index].filter(|back| back.index == index) else { continue };
-            ratio = ratio.max(back.ratio());
-        }
-        if ratio > limit {
-            continue;
-        }
-        let distance = f64::from(nearest.distance_squared).sqrt() as f32;
-        let found = Match { a: index, b: nearest.index, distance, ratio };
-        let ([au, av], [bu, bv]) = (a.places[index], b.places[nearest.index]);
+    let back = of_b.as_ref().map(|of_b| move |b: usize| of_b[b]);
+    let found = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.as_ref()?.matched(a, back));
+    for found in found.filter(|found| found.ratio <= limit) {
+        let ([au, av], [bu, bv]) = (a.places[found.a], b.places[found.b]);
         let of_places = best.entry([au, av, bu, bv].map(f64::to_bits)).or_insert(found);
         if found.ratio < of_places.ratio {
             *of_places = found;
@@ -119,19 +90,20 @@ pub(super) fn with_others(guided: Vec<Match>, putative: &[Match]) -> Vec<Match> 
     all
 }
 
-/// For each feature of `from` the nearest one of `to` within `band`; `None` where the band holds none.
+/// For each feature of `from` the nearest one of `to` within `band`, and the nearest one at another place; `None` where
+/// the band holds none.
 fn nearest_in_band(
     from: MatchSide<'_>,
     to: MatchSide<'_>,
     band: &GuidingBand,
     monitor: &Monitor,
-) -> Result<Vec<Option<InBand>>, Cancelled> {
+) -> Result<Vec<Option<Nearest>>, Cancelled> {
     let nearest = |(index, descriptor): (usize, &Descriptor)| {
         monitor.check()?;
-        let mut best: Option<InBand> = None;
+        let mut best: Option<Nearest> = None;
         band.for_each_within(index, |other| {
             let distance_squared = distance_squared(descriptor, &to.descriptors[other]);
-            let found = |second| Some(InBand { index: other, distance_squared, second_distance_squared: second });
+            let found = |second| Some(Nearest { index: other, distance_squared, second_distance_squared: second });
             best = match best {
                 None => found(None),
                 Some(old) => {
@@ -140,7 +112,7 @@ fn nearest_in_band(
                         found(if elsewhere { Some(old.distance_squared) } else { old.second_distance_squared })
                     } else if elsewhere {
                         let second = old.second_distance_squared.map_or(distance_squared, |x| x.min(distance_squared));
-                        Some(InBand { second_distance_squared: Some(second), ..old })
+                        Some(Nearest { second_distance_squared: Some(second), ..old })
                     } else {
                         Some(old)
                     }
@@ -159,22 +131,23 @@ fn distance_squared(a: &Descriptor, b: &Descriptor) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matching::geometry::tests::{Random, scene_in_space};
+    use crate::matching::geometry::tests::scene_in_space;
     use crate::matching::{MatchParams, match_features};
+    use crate::synth::random::Stream;
 
     /// A scene of `count` points in both images, whose descriptors differ by noise, and `others` in each image alone;
     /// many descriptors are alike, so that few are clearly nearest in the whole image.
     fn noisy_pair(count: usize, others: usize) -> [(Vec<[f64; 2]>, Vec<Descriptor>); 2] {
-        let mut random = Random::new(3);
+        let mut random = Stream::new(0, 3);
         let scene = scene_in_space(&mut random, count);
         let kinds: Vec<Descriptor> =
-            (0..8).map(|_| std::array::from_fn(|_| random.between(40.0, 120.0) as u8)).collect();
-        let near = |random: &mut Random, around: &Descriptor, by: f64| -> Descriptor {
-            around.map(|x| (f64::from(x) + random.between(-by, by)).clamp(0.0, 255.0) as u8)
+            (0..8).map(|_| std::array::from_fn(|_| random.within(40.0, 120.0) as u8)).collect();
+        let near = |random: &mut Stream, around: &Descriptor, by: f64| -> Descriptor {
+            around.map(|x| (f64::from(x) + random.within(-by, by)).clamp(0.0, 255.0) as u8)
         };
         let (mut a, mut b) = ((Vec::new(), Vec::new()), (Vec::new(), Vec::new()));
         for (place_a, place_b) in scene {
-            let kind = random.between(0.0, 8.0) as usize;
+            let kind = random.within(0.0, 8.0) as usize;
             let own = near(&mut random, &kinds[kind], 20.0);
             a.0.push(place_a);
             a.1.push(near(&mut random, &own, 17.0));
@@ -183,8 +156,8 @@ mod tests {
         }
         for side in [&mut a, &mut b] {
             for _ in 0..others {
-                side.0.push([random.between(0.0, 639.0), random.between(0.0, 479.0)]);
-                let kind = random.between(0.0, 8.0) as usize;
+                side.0.push([random.within(0.0, 639.0), random.within(0.0, 479.0)]);
+                let kind = random.within(0.0, 8.0) as usize;
                 side.1.push(near(&mut random, &kinds[kind], 26.0));
             }
         }

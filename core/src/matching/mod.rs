@@ -313,10 +313,6 @@ mod tests {
         assert_eq!(PairSelection::Sequential(2).pairs(4), [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)]);
         assert_eq!(PairSelection::Sequential(usize::MAX).pairs(3).len(), 3);
         assert!(PairSelection::All.pairs(1).is_empty() && PairSelection::Sequential(3).pairs(0).is_empty());
-    }
-
-    #[test]
-    fn choices_are_read_as_they_are_shown() {
         for choice in [PairSelection::All, PairSelection::Sequential(7)] {
             assert_eq!(choice.to_string().parse(), Ok(choice));
         }

@@ -6,15 +6,11 @@
 pub mod blur;
 pub mod display;
 pub mod memory;
-mod pixels;
 pub mod sample;
 pub mod statistics;
-pub mod tile;
-pub mod vectors;
+pub(crate) mod tile;
+pub(crate) mod vectors;
 
-pub use pixels::PixelOwner;
-
-use pixels::Pixels;
 use std::sync::Arc;
 
 /// A float image, row-major, without padding between rows.
@@ -121,5 +117,103 @@ impl Plane {
     pub fn get(&self, u: i64, v: i64) -> Option<f32> {
         let (u, v) = (usize::try_from(u).ok()?, usize::try_from(v).ok()?);
         (u < self.width && v < self.height).then(|| self.data()[v * self.width + u])
+    }
+
+    /// Means of 2×2 pixels; an odd last column or row is left out.
+    pub(crate) fn halved(&self) -> Self {
+        let mut out = Self::zeros(self.width() / 2, self.height() / 2);
+        for v in 0..out.height() {
+            let (upper, lower) = (self.row(2 * v), self.row(2 * v + 1));
+            for ((out, a), b) in out.row_mut(v).iter_mut().zip(upper.chunks_exact(2)).zip(lower.chunks_exact(2)) {
+                *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
+            }
+        }
+        out
+    }
+}
+
+/// Owner of pixels that planes show without a copy, such as an array of another program part. The pixels must stay the
+/// same as long as a plane shows them.
+pub trait PixelOwner: Send + Sync {
+    /// The pixels, row by row.
+    fn pixels(&self) -> &[f32];
+}
+
+#[derive(Clone)]
+enum Pixels {
+    /// The plane's own.
+    Own(Vec<f32>),
+    /// Pixels of another owner; copied before they are changed.
+    Shared(Arc<dyn PixelOwner>),
+}
+
+impl Pixels {
+    #[inline]
+    fn get(&self) -> &[f32] {
+        match self {
+            Self::Own(pixels) => pixels,
+            Self::Shared(owner) => owner.pixels(),
+        }
+    }
+
+    /// All pixels, mutable and the plane's own.
+    fn get_mut(&mut self) -> &mut Vec<f32> {
+        if let Self::Shared(owner) = self {
+            *self = Self::Own(copied(owner.pixels()));
+        }
+        match self {
+            Self::Own(pixels) => pixels,
+            Self::Shared(_) => unreachable!("made its own above"),
+        }
+    }
+
+    fn into_vec(self) -> Vec<f32> {
+        match self {
+            Self::Own(pixels) => pixels,
+            Self::Shared(owner) => copied(owner.pixels()),
+        }
+    }
+}
+
+fn copied(pixels: &[f32]) -> Vec<f32> {
+    let mut copy = memory::with_capacity(pixels.len());
+    copy.extend_from_slice(pixels);
+    copy
+}
+
+impl std::fmt::Debug for Pixels {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.get().fmt(f)
+    }
+}
+
+impl PartialEq for Pixels {
+    fn eq(&self, other: &Self) -> bool {
+        self.get() == other.get()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Array(Vec<f32>);
+
+    impl PixelOwner for Array {
+        fn pixels(&self) -> &[f32] {
+            &self.0
+        }
+    }
+
+    #[test]
+    fn shared_pixels_are_shown_in_place_and_copied_before_a_change() {
+        let array = Arc::new(Array(vec![1.0, 2.0, 3.0, 4.0]));
+        let plane = Plane::from_shared(2, 2, array.clone());
+        assert!(std::ptr::eq(plane.data(), array.pixels()));
+        let mut changed = plane.clone();
+        changed.data_mut()[3] = 9.0;
+        changed.row_mut(0)[0] = 7.0;
+        assert_eq!((changed.data(), array.pixels()), (&[7.0, 2.0, 3.0, 9.0][..], &[1.0, 2.0, 3.0, 4.0][..]));
+        assert_eq!(plane, Plane::from_vec(2, 2, plane.clone().into_vec()));
     }
 }

@@ -36,24 +36,12 @@ pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
     })
 }
 
-/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side,
-/// upright.
+/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side. Its
+/// horizontal axis points along `angle_rad` (from +u towards +v): what a descriptor with that orientation sees.
 ///
-/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`: the samples are the
-/// centres of `size²` equal squares. Samples outside the plane are NaN, which is shown in its own colour.
-pub fn sample_patch(plane: &Plane, centre: (f32, f32), half_width_px: f32, size: usize) -> Plane {
-    sample_patch_turned(plane, centre, half_width_px, 0.0, size)
-}
-
-/// Like [`sample_patch`], but the patch's own horizontal axis points along `angle_rad` (from +u towards +v): what a
-/// descriptor with that orientation sees.
-pub fn sample_patch_turned(
-    plane: &Plane,
-    centre: (f32, f32),
-    half_width_px: f32,
-    angle_rad: f32,
-    size: usize,
-) -> Plane {
+/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`, turned: the samples
+/// are the centres of `size²` equal squares. Samples outside the plane are NaN, which is shown in its own colour.
+pub fn sample_patch(plane: &Plane, centre: (f32, f32), half_width_px: f32, angle_rad: f32, size: usize) -> Plane {
     let (sin, cos) = angle_rad.sin_cos();
     let offset = |i: usize| half_width_px * ((2 * i + 1) as f32 / size as f32 - 1.0);
     Plane::from_fn(size, size, |i, j| {
@@ -124,19 +112,13 @@ pub fn region_statistics(plane: &Plane, region: &Region) -> Option<RegionStatist
     let summary = summary(plane, &region);
     let (min, max) = summary.range()?;
     let mut squares = 0.0;
-    for v in region.v.clone() {
-        let row = &plane.row(v)[region.u.clone()];
+    for v in region.rows.clone() {
+        let row = &plane.row(v)[region.columns.clone()];
         squares += row.iter().filter(|x| x.is_finite()).map(|&x| (f64::from(x) - summary.mean).powi(2)).sum::<f64>();
     }
     let deviation = (squares / (summary.count.max(2) - 1) as f64).sqrt();
-    Some(RegionStatistics {
-        count: summary.count,
-        mean: summary.mean,
-        deviation,
-        min,
-        max,
-        noise: region_noise(plane, &region),
-    })
+    let noise = region_noise(plane, &region);
+    Some(RegionStatistics { count: summary.count, mean: summary.mean, deviation, min, max, noise })
 }
 
 /// The median of |x| of a normal distribution of standard deviation 1.
@@ -146,13 +128,13 @@ const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_196_081_7;
 /// second differences in both directions at once (J. Immerkær, "Fast noise variance estimation", 1996, whose mask this
 /// is; the median in place of his mean leaves edges out).
 fn region_noise(plane: &Plane, region: &Region) -> Option<f64> {
-    if region.u.len() < 3 || region.v.len() < 3 {
+    if region.columns.len() < 3 || region.rows.len() < 3 {
         return None;
     }
-    let mut answers: Vec<f32> = Vec::with_capacity((region.u.len() - 2) * (region.v.len() - 2));
-    for v in region.v.start + 1..region.v.end - 1 {
+    let mut answers: Vec<f32> = Vec::with_capacity((region.columns.len() - 2) * (region.rows.len() - 2));
+    for v in region.rows.start + 1..region.rows.end - 1 {
         let rows = [plane.row(v - 1), plane.row(v), plane.row(v + 1)];
-        for u in region.u.start + 1..region.u.end - 1 {
+        for u in region.columns.start + 1..region.columns.end - 1 {
             let across = |row: &[f32]| row[u - 1] - 2.0 * row[u] + row[u + 1];
             let answer = across(rows[0]) - 2.0 * across(rows[1]) + across(rows[2]);
             if answer.is_finite() {
@@ -213,21 +195,16 @@ mod tests {
     #[test]
     fn a_patch_at_whole_pixels_is_a_crop() {
         let plane = ramp();
-        let patch = sample_patch(&plane, (4.0, 3.0), 1.5, 3);
+        let patch = sample_patch(&plane, (4.0, 3.0), 1.5, 0.0, 3);
         for j in 0..3 {
             for i in 0..3 {
                 assert!((patch.at(i, j) - plane.at(3 + i, 2 + j)).abs() < 1e-5);
             }
         }
-        assert!(sample_patch(&plane, (0.0, 0.0), 3.0, 5).at(0, 0).is_nan());
-    }
-
-    #[test]
-    fn a_quarter_turn_moves_the_patch_axis_from_u_to_v() {
-        let plane = ramp();
-        let patch = sample_patch_turned(&plane, (4.0, 3.0), 1.5, std::f32::consts::FRAC_PI_2, 3);
-        // The patch's right is the plane's down.
-        assert!((patch.at(2, 1) - plane.at(4, 4)).abs() < 1e-5);
+        assert!(sample_patch(&plane, (0.0, 0.0), 3.0, 0.0, 5).at(0, 0).is_nan());
+        // The right of a patch after a quarter turn is the plane's down.
+        let turned = sample_patch(&plane, (4.0, 3.0), 1.5, std::f32::consts::FRAC_PI_2, 3);
+        assert!((turned.at(2, 1) - plane.at(4, 4)).abs() < 1e-5);
     }
 
     proptest! {
@@ -261,13 +238,13 @@ mod tests {
             let step = if u > 60 { 0.5 } else { 0.0 };
             0.003 * u as f32 + 0.002 * v as f32 + step + 0.02 * random.normal() as f32
         });
-        let found = region_statistics(&plane, &Region { u: 10..110, v: 10..80 }).unwrap();
+        let found = region_statistics(&plane, &Region { columns: 10..110, rows: 10..80 }).unwrap();
         assert_eq!(found.count, 100 * 70);
         assert!((found.noise.unwrap() / 0.02 - 1.0).abs() < 0.04, "{found:?}");
         assert!(found.deviation > 0.2 && f64::from(found.min) < found.mean && found.mean < f64::from(found.max));
-        let narrow = region_statistics(&plane, &Region { u: 3..5, v: 3..9 }).unwrap();
+        let narrow = region_statistics(&plane, &Region { columns: 3..5, rows: 3..9 }).unwrap();
         assert_eq!((narrow.count, narrow.noise), (12, None));
-        assert_eq!(region_statistics(&plane, &Region { u: 500..600, v: 0..3 }), None);
+        assert_eq!(region_statistics(&plane, &Region { columns: 500..600, rows: 0..3 }), None);
     }
 
     proptest! {

@@ -12,8 +12,8 @@
 //! | street, street later | textured walls at two depths in the dark, and the same ones later: for matching | a lamp |
 
 use super::capture_burst;
+use super::demo::camera;
 use super::layer::{Layer, draw_layers, visible_landmarks};
-use super::noise::Camera;
 use super::truth::{NoiseTruth, Truth, TruthKind};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
@@ -22,8 +22,7 @@ use crate::synth::random::Stream;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// Columns and rows of an example's frames.
-pub const EXAMPLE_SIZE: (usize, usize) = (240, 180);
+const EXAMPLE_SIZE: (usize, usize) = (240, 180);
 /// Number of frames of an example.
 pub const EXAMPLE_FRAMES: usize = 9;
 
@@ -211,7 +210,6 @@ impl Example {
         if self == Self::StreetLater { LATER_FRAMES } else { 0.0 }
     }
 
-    /// The layers of the example, far to near.
     fn layers(self) -> Vec<Layer> {
         match self {
             Self::Aliasing => vec![garlands()],
@@ -223,11 +221,6 @@ impl Example {
             Self::Street | Self::StreetLater => street(HALF_SPAN + LATER_FRAMES),
         }
     }
-}
-
-/// As dark as the demo's: 200 electrons at full scale, 3 electrons of read noise, 12 bits.
-fn camera() -> Camera {
-    Camera { full_scale_electrons: 200.0, read_noise_electrons: 3.0, black_level: 0.07, bits: Some(12) }
 }
 
 /// Period of the garlands, pixels.
@@ -254,15 +247,13 @@ const GROUND: f32 = 0.03;
 const STREET_SLOPES: [f64; 2] = [1.2, 2.2];
 /// Position of a lamp on the street's far wall.
 const STREET_PLACE: [f32; 2] = [128.0, 48.0];
-/// Position of a disc of the still scene.
 const TRIPOD_PLACE: [f32; 2] = [120.0, 90.0];
 /// Speed of the crossing lamps, to the right and to the left, px/frame.
 const CROSSING_SLOPE: f64 = 1.5;
-/// The end of a lamp's streak, kept as a feature at a slope with which nothing moves: place, and slope in px/frame.
+/// Of a lamp's streak the end, kept as a feature where nothing moves: its place, and its slope in px/frame.
 const GHOST: ([f32; 2], f32) = ([192.1, 89.8], 0.0);
 /// Rows of the lamps at many depths, with their radii, pixels.
 const LAMP_ROWS: [(f32, f64); 3] = [(40.0, 2.5), (90.0, 3.5), (140.0, 5.0)];
-/// Number of depths, with a column of lamps at each.
 const DEPTHS: usize = 9;
 
 /// Place of disc `index` of the low-contrast example.
@@ -348,7 +339,6 @@ fn crossing() -> Vec<Layer> {
     vec![right, lamps("to the left", -CROSSING_SLOPE, [6.0, 9.0, 12.0])]
 }
 
-/// Discs on a textured wall that does not move.
 fn still() -> Layer {
     let mut layer = Layer::new("wall", EXAMPLE_SIZE, (0.0, 0.0), HALF_SPAN);
     layer.sheet.fill(|u, v| 0.02 + 0.02 * fractal_relief(11, u, v, 18.0, 4));
@@ -361,7 +351,6 @@ fn still() -> Layer {
     layer
 }
 
-/// Lamps before an even background, moving to the right.
 fn lamps() -> Layer {
     let mut layer = Layer::new("lamps", EXAMPLE_SIZE, (1.0, 0.0), HALF_SPAN);
     layer.sheet.fill(|_, _| GROUND);

@@ -10,14 +10,11 @@ use super::truth::{FeatureTruth, LayerTruth, disc_sigma};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
-/// Disc painted on a layer, recorded for the truth.
+/// Disc painted on a layer, recorded for the truth: at mid-burst, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Landmark {
-    /// Column at mid-burst, pixels.
     pub u: f64,
-    /// Row at mid-burst, pixels.
     pub v: f64,
-    /// Radius, pixels.
     pub radius: f64,
     /// Whether it is brighter than its surroundings.
     pub bright: bool,
@@ -26,13 +23,10 @@ pub struct Landmark {
 /// A plane of the scene: a sheet with its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
-    /// Name of its content.
     pub name: String,
-    /// Motion to the right, pixels per frame.
+    /// Motion to the right and downwards, pixels per frame.
     pub slope_u: f64,
-    /// Motion downwards, pixels per frame.
     pub slope_v: f64,
-    /// Picture at mid-burst.
     pub sheet: Sheet,
     /// Discs on it, in the order in which they were painted.
     pub landmarks: Vec<Landmark>,
@@ -61,8 +55,7 @@ fn axis_filter(first_sample: f64) -> (i64, [f32; TAPS]) {
 }
 
 impl Layer {
-    /// An empty layer for an image of `width × height` pixels that is visible at most `half_span` frames away from
-    /// mid-burst.
+    /// An empty layer that is visible at most `half_span` frames away from mid-burst.
     pub fn new(name: &str, size: (usize, usize), slope: (f64, f64), half_span: f64) -> Self {
         let margin = |slope: f64| (half_span * slope.abs()).ceil() as usize + 3;
         Self {
@@ -74,16 +67,12 @@ impl Layer {
         }
     }
 
-    /// Paints a disc and records it as a landmark.
     pub fn landmark(&mut self, u: f64, v: f64, radius: f64, value: f32, bright: bool) {
         self.sheet.disc(u as f32, v as f32, radius as f32, value);
         self.landmarks.push(Landmark { u, v, radius, bright });
     }
 
     /// Composites the layer, as it is `dt` frames after mid-burst, over `picture`.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn draw_over(&self, picture: &mut Plane, dt: f64, monitor: &Monitor) -> Result<(), Cancelled> {
         let Some([c0, c1, r0, r1]) = self.sheet.used() else { return Ok(()) };
         let half = 0.5 * (OVERSAMPLING as f64 - 1.0);
@@ -150,16 +139,24 @@ impl Layer {
         Ok(())
     }
 
-    /// The truth of the layer.
+    /// Whether the layer covers any of the image's disc around (u, v) `dt` frames after mid-burst.
+    fn hides(&self, u: f64, v: f64, radius: f64, dt: f64) -> bool {
+        let (u, v) = (u - dt * self.slope_u, v - dt * self.slope_v);
+        let reach = radius.ceil() as i64;
+        (-reach..=reach).any(|j| {
+            (-reach..=reach).any(|i| {
+                let (du, dv) = (i as f64, j as f64);
+                du * du + dv * dv <= radius * radius && self.sheet.alpha_at(u + du, v + dv) > 0.02
+            })
+        })
+    }
+
     pub fn truth(&self) -> LayerTruth {
         LayerTruth { name: self.name.clone(), slope_u: self.slope_u, slope_v: self.slope_v }
     }
 }
 
 /// The signal `dt` frames after mid-burst of `layers` (far to near) in an image of `size` = (columns, rows).
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn draw_layers(layers: &[Layer], size: (usize, usize), dt: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let mut picture = Plane::zeros(size.0, size.1);
     for layer in layers {
@@ -168,8 +165,7 @@ pub fn draw_layers(layers: &[Layer], size: (usize, usize), dt: f64, monitor: &Mo
     Ok(picture)
 }
 
-/// The landmarks that are completely visible in every frame within `half_span` of mid-burst: inside the image, with no
-/// nearer layer over them.
+/// The landmarks inside the image and under no nearer layer in every frame within `half_span` of mid-burst.
 pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), half_span: f64) -> Vec<FeatureTruth> {
     let mut features = Vec::new();
     let steps = (2.0 * half_span).round() as usize;
@@ -200,20 +196,6 @@ pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), half_span: f64)
         }
     }
     features
-}
-
-impl Layer {
-    /// Whether the layer covers any of the image's disc around (u, v) `dt` frames after mid-burst.
-    fn hides(&self, u: f64, v: f64, radius: f64, dt: f64) -> bool {
-        let (u, v) = (u - dt * self.slope_u, v - dt * self.slope_v);
-        let reach = radius.ceil() as i64;
-        (-reach..=reach).any(|j| {
-            (-reach..=reach).any(|i| {
-                let (du, dv) = (i as f64, j as f64);
-                du * du + dv * dv <= radius * radius && self.sheet.alpha_at(u + du, v + dv) > 0.02
-            })
-        })
-    }
 }
 
 #[cfg(test)]

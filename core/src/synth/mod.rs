@@ -22,9 +22,11 @@
 pub mod chart;
 pub mod demo;
 pub mod examples;
-pub mod layer;
+mod layer;
 pub mod noise;
 pub mod noise_case;
+#[cfg(feature = "cli")]
+pub mod options;
 pub mod paint;
 pub mod random;
 pub mod scene;

@@ -90,16 +90,16 @@ impl Stream {
 
     fn poisson_by_inversion(&mut self, mean: f64) -> f64 {
         let u = self.uniform();
-        let mut count = 0;
+        let mut count = 0u8;
         let mut probability = libm::exp(-mean);
         let mut cumulative = probability;
         // Rounding may leave the sum slightly below 1; far in the tail the probability vanishes and the loop must end.
         while u >= cumulative && count < 199 {
             count += 1;
-            probability *= mean * RECIPROCALS[count];
+            probability *= mean * (1.0 / f64::from(count));
             cumulative += probability;
         }
-        count as f64
+        f64::from(count)
     }
 
     fn poisson_by_rejection(&mut self, mean: f64) -> f64 {
@@ -129,17 +129,6 @@ impl Stream {
         }
     }
 }
-
-/// 1/k for k = 0 … 199 (0 for k = 0).
-static RECIPROCALS: [f64; 200] = {
-    let mut table = [0.0; 200];
-    let mut k = 1;
-    while k < 200 {
-        table[k] = 1.0 / k as f64;
-        k += 1;
-    }
-    table
-};
 
 /// End of the ziggurat's blocks and start of the tail, for 128 blocks.
 const TAIL_START: f64 = 3.442_619_855_899;

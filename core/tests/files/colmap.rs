@@ -3,7 +3,7 @@
 
 use burstscope_core::burst::{Burst, BurstFiles, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use burstscope_core::dataset::{
-    CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, ImageKind, export_colmap,
+    BurstEvent, CameraChoice, ColmapJob, ColmapReport, DatasetError, FeatureJob, FeatureStore, ImageKind, export_colmap,
 };
 use burstscope_core::detector::DetectorParams;
 use burstscope_core::export::{pair_id, read_colmap};
@@ -53,12 +53,13 @@ pub fn job() -> ColmapJob {
 /// Runs the job; also returns the names of bursts that failed.
 pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<ColmapReport, DatasetError>, Vec<String>) {
     let mut failed = Vec::new();
-    let mut on = |event: Event<'_>| {
-        if let Event::Failed { name, .. } = event {
-            failed.push(name.to_owned());
+    let mut on = |event: BurstEvent<'_>| {
+        if let BurstEvent::Failed(index, _) = event {
+            failed.push(bursts[index].name.clone());
         }
     };
-    let report = export_colmap(bursts, out, job, &mut on, &Monitor::default());
+    let report = FeatureStore::open(out, &job.features)
+        .and_then(|mut store| export_colmap(&mut store, bursts, job, &mut on, &Monitor::default()));
     (report, failed)
 }
 
@@ -328,12 +329,14 @@ fn an_interrupted_run_is_continued() {
     let home = tempfile::tempdir().expect("a folder");
     let (bursts, out) = (walk(home.path()), home.path().join("out"));
     let monitor = Monitor::default();
-    let mut on = |event: Event<'_>| {
-        if let Event::Done(_) = event {
+    let mut on = |event: BurstEvent<'_>| {
+        if let BurstEvent::Done(..) = event {
             monitor.cancel();
         }
     };
-    let stopped = export_colmap(&bursts, &out, &job(), &mut on, &monitor);
+    let mut store = FeatureStore::open(&out, &job().features).expect("a new folder");
+    let stopped = export_colmap(&mut store, &bursts, &job(), &mut on, &monitor);
+    drop(store);
     assert!(matches!(stopped, Err(DatasetError::Cancelled(_))), "{stopped:?}");
     assert!(!out.join("database.db").exists());
     assert_eq!(resumed(&done(&bursts, &out, &job())), [true, false, false]);
@@ -348,7 +351,7 @@ fn a_broken_burst_is_left_out_and_a_foreign_folder_left_alone() {
     let report = report.expect("written");
     assert_eq!((failed, report.images.len(), report.pairs.len()), (vec!["frame_007".to_owned()], 2, 1));
     let (too_few, _) = export(&bursts[..1], &home.path().join("one"), &job());
-    assert!(matches!(too_few, Err(DatasetError::TooFew { count: 1 })));
+    assert!(matches!(too_few, Err(DatasetError::TooFew(1))));
     let own = home.path().join("own");
     fs::create_dir(&own).expect("made");
     fs::write(own.join("thesis.txt"), "precious").expect("written");

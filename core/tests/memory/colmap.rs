@@ -3,7 +3,9 @@
 use crate::peak_over;
 use burstscope_core::Monitor;
 use burstscope_core::burst::{OpenOptions, SequenceCut, cut_sequence, find_bursts};
-use burstscope_core::dataset::{CameraChoice, ColmapJob, ColmapReport, FeatureJob, ImageKind, export_colmap};
+use burstscope_core::dataset::{
+    CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, export_colmap,
+};
 use burstscope_core::detector::{DetectorParams, Method, NoiseGate};
 use burstscope_core::matching::{MatchParams, PairSelection};
 use burstscope_lab::synth::{SceneParams, synth_scene, write_burst};
@@ -38,7 +40,9 @@ fn the_memory_of_an_export_does_not_grow_with_the_number_of_bursts() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
     let export = |count: usize| {
         let (out, mut report) = (home.path().join(format!("out-{count}")), None::<ColmapReport>);
-        let work = || report = export_colmap(&bursts[..count], &out, &job, &mut |_| (), &Monitor::default()).ok();
+        let mut store = FeatureStore::open(&out, &job.features).expect("a folder of its own");
+        let bursts = &bursts[..count];
+        let work = || report = export_colmap(&mut store, bursts, &job, &mut |_| (), &Monitor::default()).ok();
         (peak_over(|| pool.install(work)), report.expect("exported"))
     };
     let few = 12;

@@ -87,7 +87,6 @@ pub fn discs_apart(chart: &ChartParams) -> usize {
     (chart.width * chart.height / 24_000).max(1)
 }
 
-/// A chart and the features found for its discs.
 #[derive(Debug, Clone)]
 struct SearchedChart {
     /// Index of the ratio.
@@ -96,7 +95,6 @@ struct SearchedChart {
     found: Vec<FoundDisc>,
 }
 
-/// A disc and the strongest feature that found it.
 #[derive(Debug, Clone)]
 struct FoundDisc {
     disc: FeatureTruth,
@@ -254,7 +252,6 @@ pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     })
 }
 
-/// Median and 95 % quantile of the lengths of vectors.
 fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
     let mut lengths: Vec<f64> = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).collect();
     lengths.sort_by(f64::total_cmp);

@@ -64,7 +64,6 @@ impl Default for ChartStudy {
     }
 }
 
-/// Scores of all methods of a study on one chart.
 #[derive(Debug, Clone)]
 struct FinishedChart {
     /// Index of the ratio.
@@ -118,7 +117,6 @@ impl ChartStudy {
         Ok(())
     }
 
-    /// The setup of the comparison, for reports.
     pub(super) fn setup(&self) -> ComparisonSetup {
         ComparisonSetup {
             first_seed: self.first_seed,
@@ -379,29 +377,4 @@ pub struct ChartScore {
     /// True against false features over all thresholds. Not part of the JSON, which holds the mean over the seeds.
     #[serde(skip)]
     pub curve: Curve,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn nonsense_is_named_with_its_remedy() {
-        let good = ChartStudy::default;
-        let cases = [
-            (ChartStudy { snrs: Vec::new(), ..good() }, "snr: "),
-            (ChartStudy { seeds: 0, ..good() }, "seeds: "),
-            (ChartStudy { methods: Vec::new(), ..good() }, "methods: "),
-            (ChartStudy { false_fraction: 1.5, ..good() }, "false-fraction: "),
-            (ChartStudy { detector: DetectorParams { levels: 0, ..DetectorParams::default() }, ..good() }, "levels: "),
-            (ChartStudy { chart: ChartParams { contrast: 1.0, ..ChartParams::default() }, ..good() }, "contrast: "),
-        ];
-        for (study, start) in cases {
-            let error = study.run(&Monitor::default()).expect_err(start).to_string();
-            assert!(error.starts_with(start), "{error}");
-        }
-        let monitor = Monitor::default();
-        monitor.cancel();
-        assert!(matches!(good().run(&monitor), Err(EvaluateError::Cancelled(_))));
-    }
 }

@@ -1,13 +1,12 @@
 //! The plots of a study's report: their titles and axes, and the points of every curve.
 //!
-//! The Lab draws these plots, and its files are written from them, so that a figure, a table and the screen show the
-//! same numbers. The figure is self-contained SVG, for light and dark pages, readable without colour: two plots stand
-//! side by side, each with its legend. Curves of one method have one colour in all sets; those of sets after the first
-//! are thinner and dotted.
+//! The Lab draws these plots, and all files are written from them, so that a figure, a table and the screen show the
+//! same numbers. A figure is self-contained SVG, for light and dark pages, readable without colour: two plots stand
+//! side by side, under one legend where all have the same curves. Curves of one method have one colour in all sets;
+//! those of sets after the first are thinner and dotted.
 
 use super::accuracy::{AccuracyReport, AccuracyRow};
-use super::chart::{ChartReport, MethodReport};
-use super::figure::method_line;
+use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::frames::FramesReport;
 use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use super::methods::BurstMethod;
@@ -20,13 +19,11 @@ use std::fmt::Write;
 const GOOD: (&str, &str) = (BLUE, "");
 /// Colour and dashes of wrong or unconfirmed results.
 const BAD: (&str, &str) = (RED, "7 4");
-/// Label of the axis of ratios.
 const SNR: &str = "SNR of one pixel in one frame";
-/// Label of the axis of numbers of frames.
 const FRAMES: &str = "number of frames";
 
 /// One plot.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct StudyPlot {
     /// Heading of the plot.
     pub title: String,
@@ -43,7 +40,7 @@ pub struct StudyPlot {
 }
 
 /// One curve of a plot.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct StudyCurve {
     /// Method; `None` for the one search of a study of accuracy.
     pub method: Option<BurstMethod>,
@@ -55,6 +52,8 @@ pub struct StudyCurve {
     pub dashes: &'static str,
     /// Points, from left to right.
     pub points: Vec<StudyCurvePoint>,
+    /// Place (x, y) of a dot: of a ROC curve the default threshold, the mean over the charts.
+    pub dot: Option<(f64, f64)>,
 }
 
 /// One point of a curve.
@@ -123,7 +122,13 @@ pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
             Some(StudyCurvePoint { x, y: value(row)? as f64, spread: None, row_value: x })
         };
         let points: Vec<StudyCurvePoint> = report.rows.iter().filter_map(point).collect();
-        (!points.is_empty()).then(|| StudyCurve { method: None, label: label.to_owned(), colour, dashes, points })
+        (!points.is_empty()).then(|| StudyCurve {
+            label: label.to_owned(),
+            colour,
+            dashes,
+            points,
+            ..Default::default()
+        })
     };
     let plot = |title: String, y_label: &str, curves: [Option<StudyCurve>; 2]| {
         let curves: Vec<StudyCurve> = curves.into_iter().flatten().collect();
@@ -148,23 +153,17 @@ pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
     plots.into_iter().flatten().collect()
 }
 
-/// The ROC curves of one row's methods.
 fn roc_plot(methods: &[MethodReport], row_value: f64, title: String, discs: usize) -> StudyPlot {
     let curve = |method: &MethodReport| {
         // No chart has more false features than this; nothing was measured further right.
         let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
         let points = method.roc.iter().take(measured + 1).enumerate();
         let point = |(count, &y): (usize, &f64)| StudyCurvePoint { x: count as f64, y, spread: None, row_value };
-        curve_of(method.method, points.map(point).collect())
+        let dot = Some((method.default_false_features.mean, method.default_true_positives.mean));
+        StudyCurve { dot, ..curve_of(method.method, points.map(point).collect()) }
     };
-    StudyPlot {
-        title,
-        x_label: "false features",
-        y_label: found_label(discs),
-        marks_points: false,
-        spread: "",
-        curves: methods.iter().map(curve).collect(),
-    }
+    let (y_label, curves) = (found_label(discs), methods.iter().map(curve).collect());
+    StudyPlot { title, x_label: "false features", y_label, curves, ..StudyPlot::default() }
 }
 
 /// One number of every method against the value that varies from row to row.
@@ -196,7 +195,7 @@ pub fn accuracy_plots(report: &AccuracyReport) -> Vec<StudyPlot> {
         let mut points: Vec<StudyCurvePoint> = report.rows.iter().map(point).collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         let (colour, dashes) = GOOD;
-        let curve = StudyCurve { method: None, label: "median".to_owned(), colour, dashes, points };
+        let curve = StudyCurve { label: "median".to_owned(), colour, dashes, points, ..StudyCurve::default() };
         StudyPlot {
             title: title.to_owned(),
             x_label: SNR,
@@ -216,8 +215,8 @@ pub fn accuracy_plots(report: &AccuracyReport) -> Vec<StudyPlot> {
 }
 
 fn curve_of(method: BurstMethod, points: Vec<StudyCurvePoint>) -> StudyCurve {
-    let (colour, dashes, _) = method_line(method);
-    StudyCurve { method: Some(method), label: method.label().to_owned(), colour, dashes, points }
+    let (colour, dashes) = method.line();
+    StudyCurve { method: Some(method), label: method.label().to_owned(), colour, dashes, points, dot: None }
 }
 
 fn found_label(discs: usize) -> String {
@@ -260,46 +259,119 @@ pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
 const WIDTH: f64 = 880.0;
 const LEFT: f64 = 70.0;
 const HEIGHT: f64 = 280.0;
+pub(crate) const LINE: f64 = 2.2;
 
-/// The plots of named sets as an SVG document; plots of the same title are overlaid.
+/// The ROC curves of a study in the dark as a figure, one plot for each ratio. A grey line is where the requested share
+/// of the detections is false: the numbers of the table are read near it. The dot at the end of a curve is the method's
+/// default threshold.
+pub fn roc_svg(report: &ChartReport) -> String {
+    let discs = report.chart.discs;
+    let plot = |row: &ChartRow| {
+        let title = if row.snr.is_finite() { format!("SNR {}", row.snr) } else { "no noise".to_owned() };
+        let mut plot = roc_plot(&row.methods, row.snr, title, discs);
+        plot.curves.extend(share_line(report, row.snr));
+        plot
+    };
+    let plots: Vec<StudyPlot> = report.rows.iter().map(plot).collect();
+    let chart = &report.chart;
+    let frames = format!("{discs} discs in {} frames of {}×{}", chart.frames, chart.width, chart.height);
+    let caption = format!("{frames}, moving in {}; {}", chart.motion.to_uppercase(), charts(report.setup.seeds));
+    figure("Discs found against false features", &caption, &plots)
+}
+
+/// The line on which the requested share of the detections is false; none for a share of 0 or 1.
+fn share_line(report: &ChartReport, row_value: f64) -> Option<StudyCurve> {
+    let share = report.setup.false_fraction;
+    let (most_found, most_false) = (report.chart.discs as f64, report.chart.discs.div_ceil(2) as f64);
+    let end = most_found.min(most_false * (1.0 - share) / share);
+    let point = |y: f64| StudyCurvePoint { x: y * share / (1.0 - share), y, spread: None, row_value };
+    let (label, points) = (format!("{} false", percent(share)), vec![point(0.0), point(end)]);
+    (share > 0.0 && share < 1.0).then(|| StudyCurve { label, colour: FAINT, points, ..StudyCurve::default() })
+}
+
+/// Discs found and false features over the number of frames as a figure.
+pub fn frames_svg(report: &FramesReport) -> String {
+    let chart = &report.chart;
+    let discs = format!("{} discs of {}×{} pixels", chart.discs, chart.width, chart.height);
+    let charts = charts(report.setup.seeds);
+    let caption = format!("SNR {}, {charts} each; {discs}, moving in {}", report.snr, chart.motion.to_uppercase());
+    figure("The number of frames of a burst", &caption, &frames_plots(report, usize::MAX))
+}
+
+/// Features, discs and matches of a burst over the number of frames as a figure.
+pub fn burst_frames_svg(report: &BurstFramesReport) -> String {
+    let caption = format!("{}: the middle frames as a burst", report.burst);
+    figure("The number of frames of a burst", &caption, &burst_frames_plots(report))
+}
+
+fn charts(seeds: u64) -> String {
+    if seeds == 1 { "one chart".to_owned() } else { format!("mean of {seeds} charts") }
+}
+
+fn figure(title: &str, caption: &str, plots: &[StudyPlot]) -> String {
+    let with_series = |plot| (plot, series_of(plot, None));
+    drawn(title, caption, &plots.iter().map(with_series).collect::<Vec<_>>())
+}
+
+/// All plots of named sets as an SVG figure, those of one title laid over one another.
 pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
-    let title = "Studies of the detector";
-    let mut sheet = Sheet::new(WIDTH, title);
-    sheet.styled_text((LEFT, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, title);
     let mut plots: Vec<(&StudyPlot, Vec<Series>)> = Vec::new();
     for (index, (set, of_set)) in sets.iter().enumerate() {
         for plot in of_set {
-            let series = plot.curves.iter().map(|curve| series_of(curve, (index > 0).then_some(set.as_str())));
+            let series = series_of(plot, (index > 0).then_some(set.as_str()));
             match plots.iter_mut().find(|(first, _)| first.title == plot.title) {
                 Some((_, all)) => all.extend(series),
-                None => plots.push((plot, series.collect())),
+                None => plots.push((plot, series)),
             }
         }
     }
-    let room = (WIDTH - 24.0) / 2.0;
+    drawn("Studies of the detector", "", &plots)
+}
+
+fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> String {
+    let mut sheet = Sheet::new(WIDTH, title);
+    sheet.styled_text((LEFT, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, title);
     let mut top = 56.0;
+    if !caption.is_empty() {
+        sheet.text((LEFT, 48.0), 12.0, Anchor::Start, caption);
+        top = 70.0;
+    }
+    let labels = |series: &[Series]| series.iter().map(|one| one.label.clone()).collect::<Vec<_>>();
+    let is_shared = plots.windows(2).all(|two| labels(&two[0].1) == labels(&two[1].1));
+    if let Some((_, series)) = plots.first().filter(|_| is_shared) {
+        top = sheet.legend((LEFT, top), WIDTH - LEFT - 20.0, series);
+    }
+    let room = (WIDTH - 24.0) / 2.0;
     for pair in plots.chunks(2) {
         let mut below: f64 = top;
-        for (column, (_, series)) in pair.iter().enumerate() {
+        for (column, (_, series)) in pair.iter().enumerate().filter(|_| !is_shared) {
             below = below.max(sheet.legend((LEFT + room * column as f64, top), room - LEFT, series));
         }
         for (column, (plot, series)) in pair.iter().enumerate() {
             let x = LEFT + room * column as f64;
             let area = Area { x, y: below + 18.0, width: room - LEFT - 8.0, height: HEIGHT };
             let ends = series.iter().flat_map(|s| &s.points).map(|point| point.0).filter(|x| x.is_finite());
+            let range_x = (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max));
+            // Errors may be hundredths.
+            let range_y = range_from_zero(series, 1e-6);
             sheet.plot(
                 area,
                 &Plot {
                     title: &plot.title,
                     label_x: plot.x_label,
                     label_y: &plot.y_label,
-                    range_x: (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max)),
-                    // Errors may be hundredths.
-                    range_y: range_from_zero(series, 1e-6),
+                    range_x,
+                    range_y,
                     has_dots: plot.marks_points,
                     series,
                 },
             );
+            for (curve, (x, y)) in plot.curves.iter().filter_map(|curve| Some((curve, curve.dot?))) {
+                if x <= range_x.1 && y <= range_y.1 {
+                    let place = (area.x + x / range_x.1 * area.width, area.bottom() - y / range_y.1 * area.height);
+                    sheet.circle(place, 3.6, &format!(r#"fill="{}" stroke="white""#, curve.colour));
+                }
+            }
             let note = format!(r#"fill="{FAINT}""#);
             sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &note, plot.spread);
         }
@@ -308,13 +380,15 @@ pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
     sheet.finish(top)
 }
 
-/// The line of a curve, with the spread of its points.
-fn series_of(curve: &StudyCurve, set: Option<&str>) -> Series {
-    let label = set.map_or_else(|| curve.label.clone(), |set| format!("{}, {set}", curve.label));
-    // Curves of sets after the first are thinner and dotted.
-    let (dashes, width) = if set.is_some() { ("2 3", 1.4) } else { (curve.dashes, 2.2) };
-    let points = curve.points.iter().map(|point| (point.x, point.y, point.spread)).collect();
-    Series { label, colour: curve.colour, dashes, width, points }
+/// The lines of a plot; those of a set after the first, which has a name, are thinner and dotted.
+fn series_of(plot: &StudyPlot, set: Option<&str>) -> Vec<Series> {
+    let line = |curve: &StudyCurve| {
+        let label = set.map_or_else(|| curve.label.clone(), |set| format!("{}, {set}", curve.label));
+        let (dashes, width) = if set.is_some() { ("2 3", 1.4) } else { (curve.dashes, LINE) };
+        let points = curve.points.iter().map(|point| (point.x, point.y, point.spread)).collect();
+        Series { label, colour: curve.colour, dashes, width, points }
+    };
+    plot.curves.iter().map(line).collect()
 }
 
 #[cfg(test)]
@@ -367,7 +441,8 @@ mod tests {
     fn plot(method: Option<BurstMethod>, title: &str, most: f64) -> StudyPlot {
         let point = |x: f64| StudyCurvePoint { x, y: 2.0 * x, spread: Some([x, 2.0 * most * x]), row_value: x };
         let points = vec![point(1.0), point(2.0)];
-        let curve = StudyCurve { method, label: "a & b".to_owned(), colour: "#0072b2", dashes: "", points };
+        let label = "a & b".to_owned();
+        let curve = StudyCurve { method, label, colour: "#0072b2", points, ..StudyCurve::default() };
         StudyPlot {
             title: title.to_owned(),
             x_label: "x",

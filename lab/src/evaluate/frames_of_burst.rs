@@ -73,7 +73,6 @@ pub struct BurstFramesRow {
     pub matches: Option<MatchCounts>,
 }
 
-/// A burst and its search.
 struct Searched<'a> {
     burst: &'a Burst,
     params: DetectorParams,
@@ -88,7 +87,6 @@ impl<'a> Searched<'a> {
         Ok(Self { burst, params, frames })
     }
 
-    /// The first of the middle `count` frames.
     fn first_of(&self, count: usize) -> usize {
         self.frames.start + (self.frames.len() - count) / 2
     }

@@ -20,8 +20,7 @@ use burstscope_core::matching::{
 };
 use burstscope_core::monitor::{Monitor, Stage};
 use rayon::prelude::*;
-use serde::{Serialize, Serializer};
-use std::str::FromStr;
+use serde::Serialize;
 
 /// Kind of pictures of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +35,7 @@ pub enum Shot {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatchStudy {
     /// The rows, each at most once.
-    pub methods: Vec<MatchMethod>,
+    pub methods: Vec<BurstMethod>,
     /// Whether there are sharp images.
     pub has_gold: bool,
     /// The detector's parameters, for all methods; method and slopes are set by each of them.
@@ -89,7 +88,7 @@ impl MatchStudy {
             let remedy = "give one or more, such as sift-merge,buff-1d";
             return Err(EvaluateError::param("methods", "none is given", remedy));
         }
-        if self.methods.contains(&MatchMethod::Gold) && !self.has_gold {
+        if self.methods.contains(&BurstMethod::Gold) && !self.has_gold {
             let remedy = "give --gold, or --snr to make noisy bursts of sharp ones; or leave it out";
             return Err(EvaluateError::param("methods", "the gold standard needs sharp images", remedy));
         }
@@ -120,8 +119,8 @@ impl MatchStudy {
         // The sharp images are searched even if their row is not requested, because all rows are judged by their
         // geometry.
         let mut methods = self.methods.clone();
-        if self.has_gold && !methods.contains(&MatchMethod::Gold) {
-            methods.push(MatchMethod::Gold);
+        if self.has_gold && !methods.contains(&BurstMethod::Gold) {
+            methods.push(BurstMethod::Gold);
         }
         let steps = (names.len() + 1) * methods.len();
         let mut done = 0;
@@ -139,8 +138,7 @@ impl MatchStudy {
             }
             for ((method, features), slopes) in methods.iter().zip(&mut features).zip(&mut slopes) {
                 let found = match method {
-                    MatchMethod::Burst(method) => self.searches().search(*method, &burst, &monitor.silent())?,
-                    MatchMethod::Gold => {
+                    BurstMethod::Gold => {
                         let sharp = open(k, Shot::Gold)?;
                         // The requested frames are those of bursts; a sharp image may be the only one.
                         let detector = if sharp.len() == burst.len() {
@@ -149,8 +147,9 @@ impl MatchStudy {
                             DetectorParams { frames: None, ..self.detector.clone() }
                         };
                         let searches = Searches { detector: &detector, ..self.searches() };
-                        searches.search(BurstMethod::SiftFrame, &sharp, &monitor.silent())?
+                        searches.search(*method, &sharp, &monitor.silent())?
                     }
+                    method => self.searches().search(*method, &burst, &monitor.silent())?,
                 };
                 slopes.push(found.finding.map(|finding| finding.grid));
                 features.push(found.detection.into());
@@ -166,7 +165,7 @@ impl MatchStudy {
             results.push(found.map_err(EvaluateError::from)?);
             step();
         }
-        let gold = methods.iter().position(|m| *m == MatchMethod::Gold);
+        let gold = methods.iter().position(|m| *m == BurstMethod::Gold);
         let judges: Vec<Option<&TwoViewModel>> = (0..pairs.len())
             .map(|p| gold.and_then(|g| results[g][p].verification.as_ref()).and_then(|v| v.model.as_ref()))
             .collect();
@@ -215,58 +214,6 @@ impl MatchStudy {
     }
 }
 
-/// A row of the table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MatchMethod {
-    /// SIFT on a sharp image of the same view.
-    Gold,
-    /// A method that finds features in the burst.
-    Burst(BurstMethod),
-}
-
-impl MatchMethod {
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Gold => "gold",
-            Self::Burst(method) => method.name(),
-        }
-    }
-
-    /// The method, if it searches the burst.
-    pub fn of_burst(self) -> Option<BurstMethod> {
-        match self {
-            Self::Gold => None,
-            Self::Burst(method) => Some(method),
-        }
-    }
-
-    /// Name in a table.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Gold => "gold standard",
-            Self::Burst(method) => method.label(),
-        }
-    }
-}
-
-impl FromStr for MatchMethod {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "gold" {
-            return Ok(Self::Gold);
-        }
-        text.parse().map(Self::Burst).map_err(|e: String| e.replace("give ", "give gold, "))
-    }
-}
-
-impl Serialize for MatchMethod {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
-    }
-}
-
 /// Report of a study of matches.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MatchReport {
@@ -295,7 +242,7 @@ pub struct MatchReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MatchRow {
     /// The method.
-    pub method: MatchMethod,
+    pub method: BurstMethod,
     /// Statistics, as in the paper's table.
     #[serde(flatten)]
     pub counts: ImageCounts,
@@ -318,9 +265,8 @@ pub struct PairCounts {
     pub on_gold_geometry: Option<usize>,
 }
 
-/// The row of a method from the counts of its pairs.
 fn row(
-    method: MatchMethod,
+    method: BurstMethod,
     keypoints: &[usize],
     slopes_found: Option<Vec<SlopeGrid>>,
     pairs: &[(usize, usize)],
@@ -344,14 +290,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn methods_are_read_as_they_are_written() {
-        for word in ["gold", "sift-frame", "sift-mean", "sift-merge", "buff-1d", "buff-2d", "buff-auto"] {
-            assert_eq!(word.parse::<MatchMethod>().map(MatchMethod::name), Ok(word));
-        }
-        assert!("surf".parse::<MatchMethod>().expect_err("unknown").contains("give gold, sift-frame"));
-    }
-
-    #[test]
     fn an_images_matches_with_all_others_are_added_up() {
         let pair = |keypoints_a, keypoints_b, putative, inliers, on_gold| PairCounts {
             counts: MatchCounts { keypoints_a, keypoints_b, putative, inliers: Some(inliers) },
@@ -359,7 +297,7 @@ mod tests {
         };
         // Three images of 10, 20 and 0 features.
         let by_pair = vec![pair(10, 20, 8, 6, Some(5)), pair(10, 0, 0, 0, None), pair(20, 0, 0, 0, Some(0))];
-        let row = row(MatchMethod::Gold, &[10, 20, 0], None, &[(0, 1), (0, 2), (1, 2)], by_pair);
+        let row = row(BurstMethod::Gold, &[10, 20, 0], None, &[(0, 1), (0, 2), (1, 2)], by_pair);
         let counts = &row.counts;
         assert_eq!(
             (counts.keypoints_per_image, counts.putative_per_image, counts.inliers_per_image),

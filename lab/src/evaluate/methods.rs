@@ -1,5 +1,5 @@
-//! The methods from a burst to features that are compared: one frame, two merges, and the burst search over a line of
-//! slopes, over a plane of slopes, and over slopes found for each burst.
+//! The methods to features that are compared: one frame, two merges, the burst search over a line of slopes, over a
+//! plane of slopes and over slopes found for each burst, and a sharp image as gold standard.
 
 use super::EvaluateError;
 use burstscope_core::baseline::plain_mean;
@@ -9,7 +9,7 @@ use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis,
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 
-/// Method from a burst to features.
+/// Method from the frames of a view to features.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BurstMethod {
@@ -27,38 +27,45 @@ pub enum BurstMethod {
     Buff2d,
     /// The burst search over the slopes that are found from each burst.
     BuffAuto,
+    /// SIFT on a sharp image of the same view, the gold standard.
+    Gold,
 }
 
 impl BurstMethod {
-    /// All methods, in the order of tables.
+    /// All methods that take a burst, in the order of tables.
     pub const ALL: [Self; 6] =
         [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d, Self::BuffAuto];
-    /// All methods but those that find slopes by themselves, in the order of tables.
+    /// All of these but those that find slopes by themselves, in the order of tables.
     pub const WITH_GIVEN_SLOPES: [Self; 5] =
         [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
 
+    /// Name on the command line, name in a table or figure, colour and dashes of its line (empty for solid). Colours
+    /// are of the palette of M. Okabe and K. Ito, which colour-blind readers can tell apart; dashes differ too.
+    const fn row(self) -> (&'static str, &'static str, (&'static str, &'static str)) {
+        match self {
+            Self::SiftFrame => ("sift-frame", "SIFT, one frame", ("#666666", "1.5 4")),
+            Self::SiftMean => ("sift-mean", "SIFT, plain mean", ("#d55e00", "9 3 2 3")),
+            Self::SiftMerge => ("sift-merge", "SIFT, merge", ("#cc79a7", "5 3")),
+            Self::Buff1d => ("buff-1d", "BuFF 1D", ("#0072b2", "")),
+            Self::Buff2d => ("buff-2d", "BuFF 2D", ("#007a58", "7 4")),
+            Self::BuffAuto => ("buff-auto", "BuFF, slopes found", ("#5b4bb5", "10 3")),
+            Self::Gold => ("gold", "gold standard", ("#e69f00", "2 2")),
+        }
+    }
+
     /// Name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::SiftFrame => "sift-frame",
-            Self::SiftMean => "sift-mean",
-            Self::SiftMerge => "sift-merge",
-            Self::Buff1d => "buff-1d",
-            Self::Buff2d => "buff-2d",
-            Self::BuffAuto => "buff-auto",
-        }
+        self.row().0
     }
 
     /// Name in a table or figure.
     pub fn label(self) -> &'static str {
-        match self {
-            Self::SiftFrame => "SIFT, one frame",
-            Self::SiftMean => "SIFT, plain mean",
-            Self::SiftMerge => "SIFT, merge",
-            Self::Buff1d => "BuFF 1D",
-            Self::Buff2d => "BuFF 2D",
-            Self::BuffAuto => "BuFF, slopes found",
-        }
+        self.row().1
+    }
+
+    /// Colour and dashes of its line, in SVG's form; empty dashes are a solid line.
+    pub fn line(self) -> (&'static str, &'static str) {
+        self.row().2
     }
 }
 
@@ -99,7 +106,7 @@ impl Searches<'_> {
     /// The detector's parameters for `method`.
     pub fn params(&self, method: BurstMethod) -> DetectorParams {
         let (method, slopes) = match method {
-            BurstMethod::SiftFrame | BurstMethod::SiftMean => (Method::Sift, self.detector.slopes),
+            BurstMethod::SiftFrame | BurstMethod::SiftMean | BurstMethod::Gold => (Method::Sift, self.detector.slopes),
             BurstMethod::SiftMerge => (Method::Merge, self.detector.slopes),
             BurstMethod::Buff1d => (Method::Buff, self.slopes_1d),
             BurstMethod::Buff2d => (Method::Buff, self.slopes_2d),
@@ -142,7 +149,13 @@ mod tests {
     fn methods_and_their_names_agree() {
         for method in BurstMethod::ALL {
             assert_eq!(method.name().parse(), Ok(method));
+        }
+        let all = || BurstMethod::ALL.into_iter().chain([BurstMethod::Gold]);
+        for method in all() {
             assert_eq!(serde_json::to_value(method).expect("a word"), method.name());
+            // No two lines look alike, even without colour.
+            let alike = all().filter(|one| one.line().0 == method.line().0 || one.line().1 == method.line().1);
+            assert_eq!(alike.count(), 1, "{method:?}");
         }
         assert!("surf".parse::<BurstMethod>().expect_err("unknown").contains("sift-frame"));
     }

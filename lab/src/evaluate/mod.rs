@@ -17,13 +17,12 @@
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
 //! over them and returns a report that can be written as JSON. [`score`](burstscope_core::inspect::score) decides which discs count as found,
-//! [`figure`] and [`curves`] draw the curves. The same study gives the same report for any number of threads, and
+//! [`curves`] draws the curves. The same study gives the same report for any number of threads, and
 //! memory holds at most one burst for each thread.
 
 pub mod accuracy;
 pub mod chart;
 pub mod curves;
-pub mod figure;
 pub mod frames;
 pub mod frames_of_burst;
 pub mod matches;
@@ -37,7 +36,7 @@ pub use burstscope_core::inspect::score::{Curve, Ranking};
 pub use chart::{ChartReport, ChartStudy, LookedChart};
 pub use frames::{FramesReport, FramesStudy};
 pub use frames_of_burst::{BurstFramesReport, BurstFramesStudy};
-pub use matches::{MatchMethod, MatchReport, MatchStudy, Shot};
+pub use matches::{MatchReport, MatchStudy, Shot};
 pub use methods::{BurstMethod, Searches, slopes_of};
 pub use pure_noise::{NoiseReport, NoiseStudy};
 
@@ -103,7 +102,6 @@ pub fn motion_name(motion: Motion) -> &'static str {
     }
 }
 
-/// Checks the lists that several studies share.
 fn check_lists(snrs: &[f64], seeds: u64) -> Result<(), EvaluateError> {
     if snrs.is_empty() {
         return Err(EvaluateError::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
@@ -122,7 +120,6 @@ struct Steps<'a> {
 }
 
 impl Steps<'_> {
-    /// Counts one more finished step.
     fn done(&self) {
         let finished = 1 + self.finished.fetch_add(1, Ordering::Relaxed);
         self.monitor.report(Stage::Evaluate, finished as f32 / self.total.max(1) as f32);

@@ -41,24 +41,33 @@ pub struct NoiseSearch {
 
 /// Kinds of noise and searches of a study on noise alone.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct NoiseStudy {
     /// Kinds of noise, one row for each.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub levels: Vec<NoiseLevel>,
     /// Searches, one column for each.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub searches: Vec<NoiseSearch>,
-    /// Columns of a frame.
-    pub width: usize,
-    /// Rows of a frame.
-    pub height: usize,
     /// Frames of a burst.
+    #[cfg_attr(feature = "cli", arg(skip = Self::default().frames))]
     pub frames: usize,
-    /// Minimum number of pixels of the image to be searched for each row and column, in millions; whole bursts are
-    /// searched.
+    /// Millions of pixels of the image to be searched for each number of the table, at least.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MPX", default_value_t = Self::default().megapixels))]
     pub megapixels: f64,
-    /// Number of bursts for each row and column; `None` for as many as `megapixels` needs.
+    /// Number of bursts for each number of the table, instead of --megapixels; the table then shows the largest count
+    /// of one of them.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", conflicts_with = "megapixels"))]
     pub seeds: Option<usize>,
-    /// The seed of the first burst; others count up from it.
+    /// The first burst's seed.
+    #[cfg_attr(feature = "cli", arg(long = "seed", value_name = "FIRST", default_value_t = 1))]
     pub first_seed: u64,
+    /// Columns.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PIXELS", default_value_t = Self::default().width))]
+    pub width: usize,
+    /// Rows.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PIXELS", default_value_t = Self::default().height))]
+    pub height: usize,
 }
 
 impl NoiseStudy {

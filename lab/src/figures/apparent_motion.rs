@@ -26,7 +26,6 @@ const FITTED: &str = "#56b4e9";
 /// Maximum number of tracks drawn, evenly over the picture.
 const MAX_DRAWN: usize = 150;
 
-/// Parameters of the bursts and of their search.
 #[derive(Debug)]
 pub(super) struct ApparentMotion {
     /// Trajectories forward and sideways.
@@ -87,7 +86,6 @@ impl Track {
         Self { places, place, slope, deviation_px }
     }
 
-    /// The start and the end of the uniform motion.
     fn ends(&self) -> [[f64; 2]; 2] {
         let half = (self.places.len() as f64 - 1.0) / 2.0;
         [-half, half].map(|t| [0, 1].map(|axis| self.place[axis] + t * self.slope[axis]))

@@ -21,7 +21,6 @@ const STEP: f64 = 194.0;
 const TOP: f64 = 92.0;
 const HEIGHT: f64 = 486.0;
 
-/// Search of the demo burst.
 #[derive(Debug)]
 pub(super) struct Architecture {
     detector: DetectorParams,

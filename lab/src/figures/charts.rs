@@ -4,7 +4,7 @@
 use super::drawing::{Panel, RIGHT, WRONG, stretched};
 use super::record::Pieces;
 use super::{FigureSize, FiguresError, Made, MakeFigure};
-use crate::evaluate::figure::{frames_svg, roc_svg};
+use crate::evaluate::curves::{frames_svg, roc_svg};
 use crate::evaluate::statistics::Mean;
 use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, FramesStudy, Ranking, Searches, motion_name};
 use crate::synth::{ChartParams, Motion, synth_chart};
@@ -16,7 +16,6 @@ use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use std::fmt::Write;
 
-/// A study of charts of this size.
 fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     let small =
         ChartParams { width: 260, height: 200, discs: 9, radius: 3.6..=12.0, max_slope: 2.0, ..ChartParams::default() };
@@ -89,7 +88,6 @@ fn counts(report: &ChartReport) -> String {
     )
 }
 
-/// Discs found over the number of frames.
 #[derive(Debug)]
 pub(super) struct FramesFigure {
     study: FramesStudy,

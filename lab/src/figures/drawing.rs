@@ -7,15 +7,11 @@ use burstscope_core::plane::display::Display;
 use burstscope_core::plane::statistics::{Region, percentiles};
 use std::fmt::Write;
 
-/// Colour of right or found features.
 pub(super) const RIGHT: &str = "#4fa3ff";
-/// Colour of wrong or false features.
 pub(super) const WRONG: &str = "#ff8c1a";
 
-/// Picture on the sheet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Panel {
-    /// Area of the picture on the sheet.
     pub area: Area,
     /// Sheet pixels for each image pixel.
     pub scale: f64,
@@ -53,7 +49,6 @@ impl Panel {
         (self.area.x + place(u, self.origin[0]), self.area.y + place(v, self.origin[1]))
     }
 
-    /// Whether the image pixel (u, v) is in the picture.
     pub fn shows(&self, pos_image: [f64; 2]) -> bool {
         let (x, y) = self.at(pos_image);
         x >= self.area.x && x <= self.area.right() && y >= self.area.y && y <= self.area.bottom()
@@ -82,7 +77,6 @@ pub(super) fn stretched(plane: &Plane) -> Display {
     }
 }
 
-/// Cell of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cell {
     /// Words.
@@ -94,7 +88,6 @@ pub(super) enum Cell {
 }
 
 impl Cell {
-    /// The cell of a number that may be missing.
     pub fn of(value: Option<f64>, decimals: usize) -> Self {
         value.filter(|x| x.is_finite()).map_or(Self::Missing, |x| Self::Number(x, decimals))
     }
@@ -111,13 +104,11 @@ impl Cell {
 /// Table whose first columns are words.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Table {
-    /// Title above the table.
     pub title: String,
     /// Heads of the columns: two lines for the picture, and a name for CSV.
     pub columns: Vec<([&'static str; 2], &'static str)>,
     /// Rows; each has as many cells as there are columns.
     pub rows: Vec<Vec<Cell>>,
-    /// Notes below the table.
     pub notes: Vec<String>,
 }
 
@@ -142,7 +133,6 @@ impl Table {
         csv
     }
 
-    /// The table as a picture.
     pub fn svg(&self) -> String {
         let widths: Vec<f64> = (0..self.columns.len()).map(|column| self.width(column)).collect();
         let width = (widths.iter().sum::<f64>() + 32.0).max(560.0);

@@ -21,7 +21,6 @@ const RIGHT_PX: f64 = 4.0;
 const WIDTH: f64 = 960.0;
 const GAP: f64 = 12.0;
 
-/// Parameters of the two bursts and of their search.
 #[derive(Debug)]
 pub(super) struct MatchingInTheDark {
     way: TrajectoryParams,
@@ -47,7 +46,6 @@ impl MatchingInTheDark {
     }
 }
 
-/// Features and matches of one method on the pair.
 struct Matched {
     label: &'static str,
     word: &'static str,

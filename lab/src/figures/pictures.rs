@@ -19,7 +19,6 @@ use std::fmt::Write;
 
 const WIDTH: f64 = 900.0;
 const GAP: f64 = 16.0;
-/// Number of discs of the low-contrast example.
 const DISCS: usize = 9;
 /// Distance to a disc within which a feature finds it, pixels.
 const NEAR_PX: f32 = 4.0;
@@ -116,7 +115,6 @@ fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) 
     Ok(panel.area.bottom())
 }
 
-/// Parameters of the scene in two lights.
 #[derive(Debug)]
 pub(super) struct Light {
     dark: TrajectoryParams,

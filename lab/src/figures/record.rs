@@ -15,23 +15,18 @@ use std::path::Path;
 /// Folder of pieces among the records.
 const PIECES_FOLDER: &str = "pieces";
 
-/// Record of a finished figure.
 pub(super) type FigureRecord = Record<KeptFigure>;
 
 /// Facts about a finished figure, kept in its record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct KeptFigure {
-    /// The figure.
     pub figure: PaperFigure,
-    /// Names and checksums of its files.
     pub files: Vec<(String, Checksum)>,
     /// Names and checksums of the files that these replace. The record is written before them, so if a run is killed in
     /// between, there are some of both.
     #[serde(default)]
     pub earlier: Vec<(String, Checksum)>,
-    /// Notes for the reader.
     pub notes: Vec<String>,
-    /// Time that it took, seconds.
     pub seconds: f64,
 }
 
@@ -60,7 +55,6 @@ pub(super) fn begin(folder: &Path) -> Result<(), ExportError> {
     Pieces::of(folder).records.begin()
 }
 
-/// Stored parts of figures.
 #[derive(Debug, Clone)]
 pub(super) struct Pieces {
     records: Records,
@@ -73,7 +67,6 @@ struct Piece<T> {
 }
 
 impl Pieces {
-    /// The pieces of the figures in `folder`.
     pub fn of(folder: &Path) -> Self {
         Self { records: Records::of(folder).below(PIECES_FOLDER) }
     }
@@ -84,7 +77,6 @@ impl Pieces {
         (made_from == MadeFrom::new(settings)).then_some(of.value)
     }
 
-    /// Stores the piece `name`.
     pub fn keep<T: Serialize>(&self, name: &str, settings: &str, value: &T) -> Result<(), ExportError> {
         self.records.write(name, &Record { made_from: MadeFrom::new(settings), of: Piece { value } })
     }

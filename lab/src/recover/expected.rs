@@ -16,10 +16,6 @@ pub struct Expected {
     pub response: f64,
     /// σ_D there, fraction of full scale.
     pub sigma_d: f64,
-    /// Octave and DoG level of that scale.
-    pub scale: (i32, i32),
-    /// Number of frames that show it.
-    pub frames: usize,
 }
 
 impl Expected {
@@ -84,7 +80,7 @@ pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slo
     }
     let (response, scale) = best?;
     let sigma_d = f64::from(trail.sigma_d_at(scale, ((place.0 as f32, place.1 as f32), at), &chosen));
-    Some(Expected { response, sigma_d, scale, frames: chosen.len() })
+    Some(Expected { response, sigma_d })
 }
 
 /// The different distances among `all`, each with how often it occurs.

@@ -6,12 +6,10 @@
 
 use serde::Serialize;
 
-/// One thing: the logarithm of its strength, whether it was found, and its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// Natural logarithm of the strength.
     pub ln_strength: f64,
-    /// Whether it was found.
     pub is_found: bool,
     /// Weight, 0 … 1.
     pub weight: f64,
@@ -20,11 +18,8 @@ pub struct Outcome {
 /// Prior of the curve: mean and standard deviation of its middle, and its steepness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {
-    /// Expected middle, logarithm of the strength.
     pub middle: f64,
-    /// Standard deviation of the middle.
     pub middle_deviation: f64,
-    /// Expected steepness b.
     pub steepness: f64,
     /// Standard deviation of ln b; 0 keeps the steepness.
     pub steepness_deviation: f64,
@@ -50,7 +45,6 @@ pub struct FittedCurve {
 }
 
 impl FittedCurve {
-    /// Share found at a strength.
     pub fn share(&self, strength: f64) -> f64 {
         logistic(self.steepness * (strength.ln() - self.middle))
     }
@@ -60,7 +54,6 @@ impl FittedCurve {
         (self.middle + (share / (1.0 - share)).ln() / self.steepness).exp()
     }
 
-    /// Standard error of the strength at which half are found.
     pub fn error_at_half(&self) -> f64 {
         self.middle.exp() * self.middle_error
     }

@@ -24,19 +24,14 @@ const CELL_PX: f32 = 16.0;
 const BRIGHTNESS_SIGMA_PX: f64 = 6.0;
 /// SNR of a feature, in noise gates, from which it is strong.
 const STRONG_GATES: f32 = 1.5;
-/// Attempts to find a place for one thing.
 const ATTEMPTS: usize = 60;
 
-/// The burst as it is.
 #[derive(Debug)]
 pub struct Ground {
-    /// The search of the burst itself.
     pub cache: ProbeCache,
     /// Parameters of the search of a copy: those that were asked for, with the slopes that were searched.
     pub params: SearchParams,
-    /// Indices of the frames that take part.
     pub used: Range<usize>,
-    /// Noise of light.
     pub light: LightNoise,
     /// Brightness of each used frame relative to the others.
     gains: Vec<f64>,
@@ -154,7 +149,6 @@ impl Ground {
         Ok(None)
     }
 
-    /// Whether a thing may be planted at a place.
     fn is_free(
         &self,
         study: &RecoverStudy,

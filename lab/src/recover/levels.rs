@@ -34,18 +34,15 @@ pub struct Levels {
 
 /// SNRs of the levels relative to the one of which half are expected to be found.
 const SNR_RANGE: [f64; 2] = [0.45, 2.4];
-/// Number of levels of SNR and of size.
 const SNR_LEVELS: usize = 10;
 const SIZE_LEVELS: usize = 7;
 /// SNR at which slopes and sizes are varied, relative to the one of which half are expected.
 const CLEAR: f64 = 1.7;
-/// Largest number of levels of slope that are chosen.
 const MAX_SLOPE_LEVELS: usize = 41;
 /// Area of the picture for one thing, square pixels.
 const AREA_PX: f64 = 8000.0;
 
 impl Levels {
-    /// The levels of a study on a burst.
     pub(super) fn of(study: &RecoverStudy, ground: &Ground) -> Result<Self, EvaluateError> {
         let trail = &ground.cache.trail;
         let (width, height) = trail.size_image();

@@ -1,22 +1,21 @@
 //! Things planted in a burst and searched for, to measure what the search as it is set would find.
 //!
-//! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames ([`thing`]), with the
-//! noise that their light would have. The search that is set runs on every copy, and each thing is found, by the rule
-//! of [`burstscope_core::inspect::score`], or has a fate in the words of the
-//! [probe](burstscope_core::inspect::probe()). From these follow the shares found over SNR, slope and size, the SNR at
-//! which half are found ([`fit`]), and how faint a thing is seen at each place ([`report`]). Beside each share stands
-//! the one that the burst's noise and the gate let expect ([`mod@expected`]).
+//! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise that their
+//! light would have. The search that is set runs on every copy, and each thing is found, by the rule of
+//! [`burstscope_core::inspect::score`], or has a fate in the words of the [probe](burstscope_core::inspect::probe()).
+//! From these follow the shares found over SNR, slope and size, the SNR at which half are found, and how faint a thing
+//! is seen at each place ([`report`]). Beside each share stands the one that the burst's noise and the gate let expect.
 //!
 //! Slopes are found once, in the burst itself, where they are to be found. The same study gives the same report for any
 //! number of threads, except for its times.
 
-pub mod expected;
-pub mod fit;
-pub mod ground;
-pub mod levels;
+mod expected;
+mod fit;
+mod ground;
+mod levels;
 pub mod plots;
 pub mod report;
-pub mod thing;
+mod thing;
 
 pub use levels::Levels;
 pub use report::RecoverReport;
@@ -32,6 +31,8 @@ use burstscope_core::inspect::score::{Ranking, judge_by_discs};
 use burstscope_core::inspect::truth::miss;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
+#[cfg(feature = "cli")]
+use burstscope_core::synth::options::words;
 use expected::{expected, nearest_slope};
 use ground::Ground;
 use rayon::prelude::*;
@@ -72,34 +73,58 @@ impl Varied {
 
 /// A study: the things that are planted, and the search for them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(deny_unknown_fields)]
 pub struct RecoverStudy {
-    /// Shape of the things.
+    /// Shape of the things: disc, or blob, a Gaussian of σ = radius/√2.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "SHAPE", value_parser = words::<Shape>(&["disc", "blob"]), default_value = "disc")
+    )]
     pub shape: Shape,
-    /// Brightness relative to what is around.
+    /// Brightness of the things relative to what is around them: bright, dark or both.
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "CONTRAST", value_parser = words::<Contrast>(&["bright", "dark", "both"])),
+        arg(default_value = "bright")
+    )]
     pub contrast: Contrast,
-    /// SNRs of one pixel in one frame; empty: around the one that the gate lets expect.
+    /// SNRs of one pixel in one frame, separated by commas [default: around the one that the noise gate lets expect].
+    #[cfg_attr(feature = "cli", arg(long = "snr", value_name = "RATIO,…", value_delimiter = ','))]
     pub snrs: Vec<f64>,
-    /// Slopes along the grid's first axis, pixels per frame; `None`: those of the grid, half-way between, and a step
-    /// beyond.
-    pub slopes: Option<SlopeAxis>,
-    /// Radii, pixels; empty: 2 to 16 pixels.
+    /// Radii, pixels, separated by commas [default: 2 to 16].
+    #[cfg_attr(feature = "cli", arg(long = "radius", value_name = "PX,…", value_delimiter = ','))]
     pub radii: Vec<f64>,
-    /// SNR at which slopes and sizes are varied; `None`: 1.7 times the one of which half are expected to be found.
+    /// Slopes of the things along the grid's first axis, pixels per frame [default: those of the grid, half-way
+    /// between, and a step beyond].
+    #[cfg_attr(
+        feature = "cli",
+        arg(id = "planted-slopes", long = "planted-slopes", value_name = "MIN:MAX:COUNT", allow_hyphen_values = true)
+    )]
+    pub slopes: Option<SlopeAxis>,
+    /// SNR of things of several slopes or radii [default: 1.7 times the one of which half are expected to be found].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "RATIO"))]
     pub at_snr: Option<f64>,
-    /// Radius at which SNRs and slopes are varied, pixels.
+    /// Radius of things of several SNRs or slopes, pixels.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PX", default_value_t = Self::default().at_radius))]
     pub at_radius: f64,
-    /// Number of copies of the burst, 1 or more.
+    /// Number of copies of the burst.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().copies))]
     pub copies: u64,
     /// Seed of the first copy; the next ones count up.
+    #[cfg_attr(feature = "cli", arg(long = "seed", value_name = "SEED", default_value_t = 1))]
     pub first_seed: u64,
-    /// Things in a copy; `None`: as many as leave each other room.
+    /// Number of things in a copy [default: as many as leave each other room].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N"))]
     pub per_copy: Option<usize>,
-    /// Whether things are planted only where they are inside the image in all frames.
+    /// Plant only where a thing is inside the image in all frames.
+    #[cfg_attr(feature = "cli", arg(long))]
     pub inside: bool,
-    /// Whether things are planted on strong features of the burst too.
+    /// Plant on strong features of the burst too.
+    #[cfg_attr(feature = "cli", arg(long))]
     pub on_features: bool,
     /// The search.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub search: SearchParams,
 }
 
@@ -172,12 +197,10 @@ pub struct RecoverTimes {
     pub fate_secs: f64,
 }
 
-/// An error about a parameter of the study.
 fn param(parameter: &'static str, problem: impl Into<String>, remedy: &'static str) -> EvaluateError {
     EvaluateError::Param { parameter, problem: problem.into(), remedy }
 }
 
-/// The truth of a thing.
 fn truth_of_thing(id: usize, (u, v): (f64, f64), radius: f64, slope: Slope, contrast_sign: i8) -> FeatureTruth {
     let (slope_u, slope_v) = (f64::from(slope.u), f64::from(slope.v));
     FeatureTruth { id, layer: None, u, v, radius, sigma: disc_sigma(radius), slope_u, slope_v, contrast_sign }
@@ -289,7 +312,6 @@ impl RecoverStudy {
         Ok((copy, truth))
     }
 
-    /// Plants, searches and judges one copy.
     fn copy(
         &self,
         burst: &Burst,
@@ -328,7 +350,6 @@ impl RecoverStudy {
         Ok((SearchedCopy { cache, planted }, RecoverTimes { plant_secs, search_secs, fate_secs }))
     }
 
-    /// Draws the things of a copy.
     fn things(
         &self,
         ground: &Ground,

@@ -6,7 +6,6 @@ use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot, curves_svg
 use burstscope_core::export::sheet::{Anchor, Area, BLUE, GREEN, INK, RED, Sheet, stacked};
 use burstscope_core::plane::display::{ColourMap, Display};
 
-/// Number of points of the fitted curve.
 const CURVE_POINTS: usize = 60;
 
 impl Varied {
@@ -19,7 +18,6 @@ impl Varied {
         }
     }
 
-    /// Label of the axis, with its unit.
     fn label(self) -> &'static str {
         match self {
             Self::Snr => "SNR of one pixel in one frame",
@@ -34,11 +32,11 @@ pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
     let plot = |varied: Varied| {
         let shares = report.shares_over(varied);
         let curve = |label: &str, (colour, dashes), point: &dyn Fn(&LevelShare) -> StudyCurvePoint| StudyCurve {
-            method: None,
             label: label.to_owned(),
             colour,
             dashes,
             points: shares.iter().map(point).collect(),
+            ..StudyCurve::default()
         };
         let found = |share: &LevelShare| StudyCurvePoint {
             x: share.level,
@@ -77,7 +75,7 @@ fn fitted_curve(report: &RecoverReport) -> StudyCurve {
         StudyCurvePoint { x, y: 100.0 * report.curve.share(x), spread: None, row_value: x }
     };
     let points = (0..CURVE_POINTS).map(point).collect();
-    StudyCurve { method: None, label: "fitted".to_owned(), colour: GREEN, dashes: "2 3", points }
+    StudyCurve { label: "fitted".to_owned(), colour: GREEN, dashes: "2 3", points, ..StudyCurve::default() }
 }
 
 /// The report as an SVG figure: its curves, and the map with the things on it.
@@ -87,7 +85,6 @@ pub fn recover_svg(report: &RecoverReport) -> String {
     stacked(&title, &[map_svg(report), curves])
 }
 
-/// Width of the figure, pixels.
 const WIDTH: f64 = 880.0;
 
 fn map_svg(report: &RecoverReport) -> String {

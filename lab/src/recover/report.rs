@@ -164,7 +164,6 @@ impl RecoverReport {
         }
     }
 
-    /// Adds a searched copy.
     pub(super) fn add(&mut self, ground: &Ground, planted: Vec<Planted>, times: RecoverTimes) {
         self.planted.extend(planted);
         self.copies_done += 1;
@@ -351,74 +350,55 @@ impl RecoverReport {
 
     /// The report as text.
     pub fn text(&self) -> String {
-        let mut out = String::new();
-        // Writing into a string cannot fail.
-        let _ = self.write_text(&mut out);
-        out
-    }
-
-    fn write_text(&self, out: &mut String) -> std::fmt::Result {
         let found = self.planted.iter().filter(|one| one.found.is_some()).count();
-        writeln!(
-            out,
-            "{}: {} of {} {}s found in {}; {} at {}, gate {} σ",
+        let expected = number(self.levels.expected_half as f32, 3);
+        let mut text = format!(
+            "{}: {found} of {} {}s found in {}; {} at {}, gate {} σ\n",
             self.burst,
-            found,
             self.planted.len(),
             self.shape.name(),
             counted(self.copies_done as usize, "copy").replace("copys", "copies"),
             counted(self.frames, "frame"),
             counted(self.grid.len(), "slope"),
             number(self.noise_gate_factor, 2),
-        )?;
-        match self.half {
-            Some(half) => writeln!(
-                out,
-                "  half are found at SNR {} ± {} of one pixel in one frame (radius {} px); noise and gate let expect {}",
+        );
+        text += &match self.half {
+            Some(half) => format!(
+                "  half are found at SNR {} ± {} of one pixel in one frame (radius {} px); noise and gate let expect {expected}\n",
                 number(half.snr as f32, 3),
                 number(half.error as f32, 3),
                 number(self.levels.at_radius as f32, 1),
-                number(self.levels.expected_half as f32, 3),
-            )?,
-            None => writeln!(
-                out,
-                "  the SNR of which half are found is not among those planted; noise and gate let expect {}",
-                number(self.levels.expected_half as f32, 3)
-            )?,
-        }
+            ),
+            None => format!(
+                "  the SNR of which half are found is not among those planted; noise and gate let expect {expected}\n"
+            ),
+        };
         if let Some(outlook) = self.outlook() {
-            writeln!(out, "  {outlook}")?;
+            text += &format!("  {outlook}\n");
         }
         for (varied, name) in [(Varied::Snr, "SNR"), (Varied::Slope, "slope"), (Varied::Size, "radius")] {
-            writeln!(out, "  {name:>8}  planted  found     share  expected")?;
+            text += &format!("  {name:>8}  planted  found     share  expected\n");
             for share in self.shares_over(varied) {
                 let percent = |x: f64| format!("{:.0} %", 100.0 * x);
-                writeln!(
-                    out,
-                    "  {:>8}  {:>7} {:>6}  {:>8} {:>9}  {}",
+                text += &format!(
+                    "  {:>8}  {:>7} {:>6}  {:>8} {:>9}  {}\n",
                     number(share.level as f32, 3),
                     share.planted,
                     share.found,
                     percent(share.share()),
                     percent(share.expected),
                     "#".repeat((20.0 * share.share()).round() as usize)
-                )?;
+                );
             }
         }
-        if let Some([min, max]) = self.map_range() {
-            let percent = |x: f64| number((100.0 * x) as f32, 3);
-            writeln!(
-                out,
-                "  over the picture half are found from {} % to {} % of full scale, by place",
-                percent(min),
-                percent(max)
-            )?;
+        if let Some([min, max]) = self.map_range().map(|ends| ends.map(|x| number((100.0 * x) as f32, 3))) {
+            text += &format!("  over the picture half are found from {min} % to {max} % of full scale, by place\n");
         }
         if !self.fates.is_empty() {
             let told: Vec<String> = self.fates.iter().map(|fate| format!("{} {}", fate.count, fate.reason)).collect();
-            writeln!(out, "  missed: {}", told.join(", "))?;
+            text += &format!("  missed: {}\n", told.join(", "));
         }
-        Ok(())
+        text
     }
 }
 

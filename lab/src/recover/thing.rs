@@ -119,12 +119,10 @@ impl LightNoise {
     }
 }
 
-/// Light that is added to one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Painting {
-    /// Shape of the thing.
     pub shape: Shape,
-    /// Radius, pixels.
+    /// Pixels.
     pub radius: f64,
     /// Column and row of its centre in this frame.
     pub centre: (f64, f64),
@@ -135,10 +133,6 @@ pub struct Painting {
 }
 
 impl Painting {
-    /// Adds the thing to `frame`, whose noise is `noise`.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn paint(
         &self,
         frame: &mut Plane,

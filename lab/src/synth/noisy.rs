@@ -27,15 +27,21 @@ use std::sync::Arc;
 
 /// Parameters of the noise of the copies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(deny_unknown_fields)]
 pub struct NoisyParams {
-    /// Per-pixel signal-to-noise ratio; infinite for no noise.
+    /// Signal-to-noise ratio of one pixel in one frame: the standard deviation of all pixels of the frames over that of
+    /// the noise at their mean; 'inf' makes no noise.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "RATIO", default_value_t = Self::default().snr))]
     pub snr: f64,
     /// Standard deviation of the read noise, electrons.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ELECTRONS", default_value_t = Self::default().read_noise))]
     pub read_noise: f64,
-    /// Bits of the converter, 4 … 16.
+    /// Bits of the camera's converter.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "BITS", default_value_t = Self::default().bits))]
     pub bits: u32,
-    /// Seed of the noise.
+    /// Seed of the noise: the same seed makes the same copies on every machine.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().seed))]
     pub seed: u64,
 }
 
@@ -182,7 +188,6 @@ pub struct NoisyTruth {
     pub frames: Vec<String>,
 }
 
-/// Name of the file that describes a folder of noisy copies.
 const TRUTH_FILE: &str = "noise.json";
 
 /// Writes noisy copies of bursts into the folder `dir`: 16-bit PNG frames under the originals' names, those of each

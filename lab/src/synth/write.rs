@@ -39,7 +39,6 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
     })
 }
 
-/// Writes one frame as 16-bit PNG.
 pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), WriteBurstError> {
     let words: Vec<u16> = frame.data().iter().map(|&x| quantised_word(f64::from(x), 16)).collect();
     let picture =

@@ -2,7 +2,7 @@
 
 use burstscope_core::synth::{ChartParams, Motion};
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid};
-use burstscope_lab::evaluate::figure::{burst_frames_svg, frames_svg, roc_svg};
+use burstscope_lab::evaluate::curves::{burst_frames_svg, frames_svg, roc_svg};
 use burstscope_lab::evaluate::pure_noise::NoiseLevel;
 use burstscope_lab::evaluate::{BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, FramesStudy, NoiseStudy};
 
@@ -101,7 +101,7 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
     let svg = roc_svg(&report.expect("a report"));
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
-    assert_eq!(count("path"), 3 * BurstMethod::ALL.len());
+    assert_eq!(count("path"), 3 * (BurstMethod::ALL.len() + 1), "and the line of the share");
     for words in ["SNR 0.3", "SNR 0.6", "no noise", "false features", "discs found, of 14", "10 % false"] {
         assert!(svg.contains(words), "{words}");
     }
@@ -155,7 +155,7 @@ fn figures_over_the_number_of_frames_are_valid_pictures() {
     let svg = frames_svg(&report);
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let dots = document.descendants().filter(|n| n.has_tag_name("circle")).count();
-    assert_eq!(dots, 8, "two panels, two methods, two numbers of frames");
+    assert_eq!(dots, 8, "two plots, two methods, two numbers of frames");
     assert!(svg.contains("SIFT, plain mean") && svg.contains("14 discs"), "{svg}");
     assert!(!svg.contains("NaN"));
 

@@ -19,7 +19,6 @@ use crate::engine::Engine;
 use crate::requests::{BurstSource, ProbeQuestion};
 use crate::synth::Example;
 
-/// Runs an action that changes the project alone. Returns what it changes beyond the project.
 pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
     use ActionId as A;
     if let Some(purpose) = asked_files(id, model.active_side()) {
@@ -31,6 +30,10 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
     }
     if let Some(preset) = layout(id) {
         model.change_panes(Change::LayOut(model.focus(), preset));
+        return None;
+    }
+    if let Some(workspace) = workspace(id) {
+        model.open_workspace(workspace);
         return None;
     }
     match id {
@@ -47,7 +50,11 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
         A::CancelDataset => model.datasets.wanted.cancel(),
         A::CancelStudy => model.lab.wanted.cancel(),
         A::CancelFigures => model.figures.cancel(),
-        A::Match => model.start_matching(engine),
+        A::Match => {
+            if let Some(wanted) = model.wanted_matches() {
+                model.pair.matching.ask(engine, wanted);
+            }
+        }
         A::MatchPairs => model.match_pairs(engine),
         A::MatchSelected => model.match_selected(engine),
         A::RunStudy => model.run_study(engine),
@@ -80,7 +87,6 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
     None
 }
 
-/// Files that the action asks for.
 fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
     use ActionId as A;
     Some(match id {
@@ -114,14 +120,12 @@ fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
         A::ExportProfile => Purpose::Export(ExportKind::Profile),
         A::SaveCase => Purpose::Export(ExportKind::Case),
         A::ExportFilmGif => Purpose::Export(ExportKind::FilmGif),
-        A::ExportFilmApng => Purpose::Export(ExportKind::FilmApng),
         A::ExportCurvesCsv => Purpose::Export(ExportKind::CurvesCsv),
         A::ExportCurvesSvg => Purpose::Export(ExportKind::CurvesSvg),
         _ => return None,
     })
 }
 
-/// Burst that is built into the program and that the action opens.
 fn built_in(id: ActionId) -> Option<BurstSource> {
     use ActionId as A;
     Some(BurstSource::Example(match id {
@@ -138,20 +142,32 @@ fn built_in(id: ActionId) -> Option<BurstSource> {
     }))
 }
 
-/// Layout of the panes that the action makes from the one in focus.
-fn layout(id: ActionId) -> Option<Preset> {
+pub(super) fn layout(id: ActionId) -> Option<Preset> {
     use ActionId as A;
     Some(match id {
         A::LayoutSingle => Preset::Single,
         A::LayoutFrameAndStack => Preset::FrameAndStack,
         A::LayoutTwoSlopes => Preset::TwoSlopes,
-        A::LayoutThreeSlopes => Preset::Slopes(3),
-        A::LayoutFiveSlopes => Preset::Slopes(5),
-        A::LayoutSevenSlopes => Preset::Slopes(7),
-        A::LayoutNineSlopes => Preset::Slopes(9),
+        A::LayoutThreeSlopes => Preset::ThreeSlopes,
+        A::LayoutFiveSlopes => Preset::FiveSlopes,
+        A::LayoutSevenSlopes => Preset::SevenSlopes,
+        A::LayoutNineSlopes => Preset::NineSlopes,
         A::LayoutSlice => Preset::Slice,
         A::LayoutScales => Preset::Scales,
         A::LayoutTwoByTwo => Preset::TwoByTwo,
+        _ => return None,
+    })
+}
+
+pub(super) fn workspace(id: ActionId) -> Option<Workspace> {
+    use ActionId as A;
+    Some(match id {
+        A::WorkspaceInspect => Workspace::Inspect,
+        A::WorkspacePair => Workspace::Pair,
+        A::WorkspaceMethods => Workspace::Methods,
+        A::WorkspaceMatches => Workspace::Matches,
+        A::WorkspaceTrajectories => Workspace::Trajectories,
+        A::WorkspaceLab => Workspace::Lab,
         _ => return None,
     })
 }
@@ -170,7 +186,6 @@ pub fn probe_here(model: &mut Model, widgets: &PaneWidgets) {
     }
 }
 
-/// Runs an action that only changes values: content, selection, links.
 fn change_values(id: ActionId, model: &mut Model) {
     use ActionId as A;
     match id {
@@ -205,20 +220,14 @@ fn change_values(id: ActionId, model: &mut Model) {
             model.bottom_tab = BottomTab::Compared;
             model.messages.note("Pinned: later detections are compared with these features");
         }
-        A::UnpinResult => model.unpin_result(model.active_side()),
-        A::CloseFeatures => model.forget_foreign(model.active_side()),
+        A::UnpinResult => model.forget_reference(model.active_side(), With::Pinned),
+        A::CloseFeatures => model.forget_reference(model.active_side(), With::File),
         A::ShowTruth => {
             let side = model.active_side();
             let on = model.slots[side].against.with == Some(With::Truth);
             model.show_against(side, (!on).then_some(With::Truth));
             model.bottom_tab = BottomTab::Compared;
         }
-        A::WorkspaceInspect => model.open_workspace(Workspace::Inspect),
-        A::WorkspacePair => model.open_workspace(Workspace::Pair),
-        A::WorkspaceMatches => model.open_workspace(Workspace::Matches),
-        A::WorkspaceTrajectories => model.open_workspace(Workspace::Trajectories),
-        A::WorkspaceMethods => model.open_workspace(Workspace::Methods),
-        A::WorkspaceLab => model.open_workspace(Workspace::Lab),
         A::KeepCurves => model.lab.keep_current(),
         A::MeasureLine => model.measure.toggle(Tool::Line),
         A::MeasureRegion => model.measure.toggle(Tool::Region),
@@ -272,7 +281,11 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::ClearSelection => (model.selected, model.slots.a.against.selected) = (None, None),
         A::ClearFilter => model.filter = Default::default(),
         A::OtherSide => model.focus_other_side(),
-        A::ProbeExpected => model.probe_expected(),
+        A::ProbeExpected => {
+            if let Some(place) = model.expected_place() {
+                model.probe_place(Side::B, place);
+            }
+        }
         A::LinkCursors => model.toggle_link(Link::Cursor),
         A::LinkViews => model.toggle_link(Link::View),
         A::LinkRanges => model.toggle_link(Link::Display),
@@ -285,7 +298,6 @@ fn change_values(id: ActionId, model: &mut Model) {
     }
 }
 
-/// Runs an action that moves the cursor of the focused pane.
 fn move_cursor(model: &mut Model, id: ActionId) {
     use ActionId as A;
     let grid = model.cursor_params().slopes;
@@ -325,7 +337,7 @@ fn move_cursor(model: &mut Model, id: ActionId) {
     match id {
         A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
         A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
-        _ => id.shown().into_iter().for_each(|shown| pane.show_kind(shown)),
+        _ => id.shown().into_iter().for_each(|shown| pane.show(shown)),
     }
     model.check_params();
 }

@@ -11,7 +11,6 @@ use crate::requests::BurstSource;
 use egui::{Key, Modifiers, RichText};
 use std::path::PathBuf;
 
-/// Draws the menus. A chosen entry of the recently opened ones is put into `open_recent`.
 pub fn menu_bar_ui(
     ui: &mut egui::Ui,
     model: &Model,
@@ -39,7 +38,6 @@ pub fn menu_bar_ui(
     });
 }
 
-/// Draws one item of a menu.
 pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
     let action = id.action();
     let mark = match checked(id, model) {
@@ -82,7 +80,6 @@ fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, open_recent: &mut Option<
     });
 }
 
-/// Label of a dataset in a list of bursts and datasets.
 pub fn dataset_label(source: &DatasetSource) -> String {
     match source.burst_length {
         Some(length) => format!("{}, in bursts of {length}", source.label()),
@@ -93,7 +90,6 @@ pub fn dataset_label(source: &DatasetSource) -> String {
 /// Maximum height of the list, in points; longer lists scroll.
 const PALETTE_HEIGHT: f32 = 340.0;
 
-/// State of the palette.
 #[derive(Debug, Default)]
 pub struct Palette {
     open: bool,
@@ -102,17 +98,14 @@ pub struct Palette {
 }
 
 impl Palette {
-    /// Opens the palette, with an empty text.
     pub fn open(&mut self) {
         *self = Self { open: true, ..Self::default() };
     }
 
-    /// Whether the palette is open.
     pub fn is_open(&self) -> bool {
         self.open
     }
 
-    /// Draws the palette if it is open.
     pub fn ui(&mut self, ctx: &egui::Context, model: &Model, queue: &mut Queue) {
         if !self.open {
             return;
@@ -201,8 +194,7 @@ fn found_by(text: &str, model: &Model) -> Vec<&'static Action> {
     scored.into_iter().map(|(_, action)| action).collect()
 }
 
-/// Score of the letters of `wanted` found in `label` in their order; `None` if one is missing. Consecutive letters and
-/// beginnings of words count more.
+/// Score of the letters of `wanted` in `label`, in their order; those in a row and at beginnings count more.
 fn score(wanted: &str, label: &str) -> Option<i32> {
     let label: Vec<char> = label.to_lowercase().chars().collect();
     let (mut at, mut total, mut last) = (0, 0, None);
@@ -219,10 +211,8 @@ fn score(wanted: &str, label: &str) -> Option<i32> {
 /// Minimum width of a window with [`SHEET_COLUMNS`] columns, in points; narrower ones have half as many.
 const SHEET_WIDE: f32 = 900.0;
 const SHEET_COLUMNS: usize = 4;
-/// Height of a menu's heading, in rows.
 const SHEET_HEADING_ROWS: usize = 2;
 
-/// Draws the sheet; `open` becomes false when it is closed.
 pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
     if !*open {
         return;
@@ -259,7 +249,6 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
     }
 }
 
-/// Actions of a menu that have keys.
 fn with_keys(menu: Menu) -> impl Iterator<Item = &'static Action> {
     ACTIONS.iter().filter(move |action| action.menu == menu && action.shortcut.is_some())
 }
@@ -327,29 +316,5 @@ mod tests {
         assert_eq!(first("keyb"), Some(ActionId::Shortcuts));
         assert_eq!(first("opth"), Some(ActionId::OpenPath));
         assert_eq!(first("qqqq"), None);
-    }
-
-    #[test]
-    fn nothing_typed_lists_everything_that_can_be_done() {
-        let model = Model::default();
-        let expected = ACTIONS.iter().filter(|a| enabled(a.id, &model)).count() - 1;
-        assert_eq!(found_by("", &model).len(), expected);
-        assert_eq!(first(""), Some(ActionId::OpenFolder), "nothing that ends the program");
-    }
-
-    #[test]
-    fn every_menu_with_keys_is_in_one_column_and_the_columns_are_about_as_long_as_one_another() {
-        for count in [1, 2, 4] {
-            let columns = in_columns(count);
-            assert!(columns.len() <= count);
-            let all: Vec<Menu> = columns.concat();
-            let expected = Menu::ALL.into_iter().filter(|menu| with_keys(*menu).next().is_some());
-            assert!(all.iter().copied().eq(expected), "{all:?}");
-            let rows = |menus: &Vec<Menu>| menus.iter().map(|menu| SHEET_HEADING_ROWS + with_keys(*menu).count()).sum();
-            let longest: usize = columns.iter().map(rows).max().unwrap_or(0);
-            let longest_menu = all.iter().map(|menu| rows(&vec![*menu])).max().unwrap_or(0);
-            let total: usize = rows(&all);
-            assert!(longest <= longest_menu.max(total * 4 / (3 * count)), "{count}: {longest} of {total}");
-        }
     }
 }

@@ -1,8 +1,5 @@
-//! All actions of the user, each registered once.
-//!
-//! [`registry`] holds one row for each action: its label, menu, shortcut and help. The menu bar, the toolbar's
-//! tooltips, the command palette and the sheet of shortcuts are drawn from these rows, so none of them can miss an
-//! action or name it differently.
+//! All actions of the user, each registered once: the menu bar, the tooltips, the command palette and the sheet of
+//! shortcuts are drawn from the rows of [`registry`].
 
 mod change;
 pub mod menu;
@@ -13,13 +10,11 @@ pub use change::{change, probe_here};
 pub use registry::{ACTIONS, Action, ActionId, Menu, shown_by};
 pub use state_of::{checked, enabled};
 
-use crate::app::pane::KindOfPicture;
 use crate::app::project::Model;
 use crate::app::words::explained;
-use crate::teach::Shown;
+use crate::requests::ViewKind;
 use crate::teach::glossary::{Word, glossary};
 
-/// Actions requested in this pass, to be run after it.
 pub type Queue = Vec<ActionId>;
 
 /// Text of a shortcut: `Ctrl+O`, `[`, `?`.
@@ -36,21 +31,18 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
 }
 
 impl ActionId {
-    /// Kind of picture that the action shows.
-    pub fn shown(self) -> Option<Shown> {
-        Shown::ALL.into_iter().find(|shown| shown_by(*shown) == self)
+    pub fn shown(self) -> Option<ViewKind> {
+        ViewKind::ALL.into_iter().find(|kind| shown_by(*kind) == self)
     }
 
-    /// Glossary entry of the content that the action shows.
     pub fn word(self) -> Option<&'static Word> {
         match self {
             Self::LayoutSlice => glossary().of_picture("slice"),
-            _ => glossary().of_picture(KindOfPicture::of(self.shown()?).word),
+            _ => glossary().of_picture(self.shown()?.about().key),
         }
     }
 }
 
-/// Tooltip of an action: its help and its shortcut.
 pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
     match &action.shortcut {
         Some(shortcut) => format!("{}  ({})", action.help, keys_text(ctx, shortcut)),
@@ -58,7 +50,6 @@ pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
     }
 }
 
-/// Draws a button for an action, with the action's label or the shorter `label`.
 pub fn button_ui(
     ui: &mut egui::Ui,
     model: &Model,
@@ -79,8 +70,7 @@ pub fn button_ui(
     response
 }
 
-/// Puts the actions whose shortcuts were pressed in this pass into `queue`. Plain keys are left to a text field that is
-/// being edited, and to an open menu or drop-down: arrows choose in it, and Escape closes it.
+/// Plain keys are left to a text field that is edited, and to an open menu: arrows choose in it, Escape closes it.
 pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
     let plain_keys_are_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     ctx.input_mut(|input| {
@@ -106,35 +96,4 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
             *queue = vec![opener];
         }
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::project::tests::open;
-    use egui::{Event, Id, Key, Modifiers, Popup, RawInput};
-
-    /// Actions of a pass in which `key` is pressed, with or without an open drop-down.
-    fn pressed(key: Key, drop_down_is_open: bool) -> Queue {
-        let (ctx, mut model, mut queue) = (egui::Context::default(), Model::default(), Queue::new());
-        model.take_burst(open((64, 48), 5));
-        let event = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
-        let mut output = ctx.run_ui(RawInput { events: vec![event], ..Default::default() }, |ui| {
-            if drop_down_is_open {
-                Popup::open_id(ui.ctx(), Id::unique("drop-down"));
-            }
-            take_shortcuts(ui.ctx(), &model, &mut queue);
-        });
-        output.textures_delta.clear();
-        queue
-    }
-
-    #[test]
-    fn an_open_drop_down_keeps_the_arrows_from_the_cursor() {
-        let steps = pressed(Key::ArrowRight, false);
-        assert_eq!(steps.len(), 1, "{steps:?}");
-        for key in [Key::ArrowRight, Key::ArrowDown, Key::Escape] {
-            assert_eq!(pressed(key, true), [], "{key:?}");
-        }
-    }
 }

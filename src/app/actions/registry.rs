@@ -1,49 +1,28 @@
 //! Registry of the actions: one row each.
 
-use crate::teach::Shown;
+use crate::requests::ViewKind;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-/// The menus of the menu bar, from left to right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Menu {
-    /// Opening, saving, exporting.
     File,
-    /// Undo, redo and the clipboard.
     Edit,
-    /// Content of the pictures, and how it is shown.
     View,
-    /// Number of panes, and their contents.
     Panes,
-    /// Moving through frames, slopes and scales.
     Cursor,
-    /// The detector and its parameters.
     Detect,
-    /// The features found.
     Features,
-    /// A second burst, and the matches with it.
     Pair,
-    /// Many bursts.
     Dataset,
-    /// Help.
     Help,
 }
 
 impl Menu {
-    /// All menus.
-    pub const ALL: [Self; 10] = [
-        Self::File,
-        Self::Edit,
-        Self::View,
-        Self::Panes,
-        Self::Cursor,
-        Self::Detect,
-        Self::Features,
-        Self::Pair,
-        Self::Dataset,
-        Self::Help,
-    ];
+    pub const ALL: [Self; 10] = {
+        use Menu::*;
+        [File, Edit, View, Panes, Cursor, Detect, Features, Pair, Dataset, Help]
+    };
 
-    /// Name of the menu.
     pub fn label(self) -> &'static str {
         match self {
             Self::File => "File",
@@ -60,25 +39,19 @@ impl Menu {
     }
 }
 
-/// Row of an action.
 #[derive(Debug, Clone, Copy)]
 pub struct Action {
-    /// Id.
     pub id: ActionId,
     /// Label; ends in `…` when the action first asks for something.
     pub label: &'static str,
-    /// Menu of the action.
     pub menu: Menu,
     /// Group within the menu; a line separates groups.
     pub group: u8,
-    /// Shortcut.
     pub shortcut: Option<KeyboardShortcut>,
-    /// Description in one line.
     pub help: &'static str,
 }
 
 impl ActionId {
-    /// Row of this action.
     pub fn action(self) -> &'static Action {
         ACTIONS.iter().find(|a| a.id == self).expect("the macro below makes a row for each id")
     }
@@ -91,13 +64,11 @@ const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 macro_rules! actions {
     ($($id:ident, $menu:ident $group:literal, $label:literal, [$($modifiers:ident $key:ident)?], $help:literal;)*) => {
-        /// Names of the actions.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum ActionId {
             $(#[doc = $help] $id,)*
         }
 
-        /// All actions, in the order of the menus.
         pub const ACTIONS: &[Action] = &[
             $(Action {
                 id: ActionId::$id,
@@ -133,9 +104,8 @@ actions! {
     ExportSvg, File 4, "Export figure as SVG…", [], "Write the panes with their overlays as vector graphics, for papers";
     ExportFigurePng, File 4, "Export figure as PNG…", [], "Write the panes with their overlays as pixels, at any scale";
     FigureOptions, File 4, "Figure options…", [], "Choose what figures show: panes, part of the picture, legend, colour bar, scale bar, lines";
-    FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames, or two panes in turn; its size and rate are said before it is written";
+    FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames; its size and rate are said before it is written";
     ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation";
-    ExportFilmApng, File 4, "Export film as animated PNG…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation of all colours";
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes";
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
     ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";
@@ -311,25 +281,23 @@ actions! {
     About, Help 3, "About Burstscope", [], "Version of this program, and the method's paper";
 }
 
-/// Second shortcut of the command palette, as in other programs.
 pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
 
-/// Action that shows a kind of picture.
-pub fn shown_by(shown: Shown) -> ActionId {
-    match shown {
-        Shown::Frame => ActionId::ShowFrame,
-        Shown::Stack => ActionId::ShowStack,
-        Shown::Dog => ActionId::ShowDog,
-        Shown::Merge => ActionId::ShowMerge,
-        Shown::Noise => ActionId::ShowNoise,
-        Shown::Coverage => ActionId::ShowCoverage,
-        Shown::Motion => ActionId::ShowMotion,
-        Shown::Median => ActionId::ShowMedian,
-        Shown::ClippedMean => ActionId::ShowClippedMean,
-        Shown::Max => ActionId::ShowMax,
-        Shown::Min => ActionId::ShowMin,
-        Shown::Deviation => ActionId::ShowDeviation,
-        Shown::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
+pub fn shown_by(kind: ViewKind) -> ActionId {
+    match kind {
+        ViewKind::Frame => ActionId::ShowFrame,
+        ViewKind::Stack => ActionId::ShowStack,
+        ViewKind::Dog => ActionId::ShowDog,
+        ViewKind::Merge => ActionId::ShowMerge,
+        ViewKind::Noise => ActionId::ShowNoise,
+        ViewKind::Coverage => ActionId::ShowCoverage,
+        ViewKind::Motion => ActionId::ShowMotion,
+        ViewKind::Median => ActionId::ShowMedian,
+        ViewKind::ClippedMean => ActionId::ShowClippedMean,
+        ViewKind::Max => ActionId::ShowMax,
+        ViewKind::Min => ActionId::ShowMin,
+        ViewKind::Deviation => ActionId::ShowDeviation,
+        ViewKind::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
     }
 }
 

@@ -1,5 +1,6 @@
 //! State of the actions: which are enabled, and which switches are on.
 
+use super::change::{layout, workspace};
 use super::registry::ActionId;
 use crate::app::measure::Tool;
 use crate::app::pane::{Link, MAX_PANES, Over};
@@ -12,7 +13,6 @@ use crate::detector::{Method, SearchParams};
 use crate::matching::MatchParams;
 use crate::requests::BurstSource;
 
-/// Whether the action is enabled.
 pub fn enabled(id: ActionId, model: &Model) -> bool {
     use ActionId as A;
     let has_burst = model.slots.a.burst.is_some();
@@ -44,16 +44,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Flip => matches!(model.panes.over(model.focus()), Some(Over::Flip { .. })),
         A::SplitRight | A::SplitDown => has_burst && has_panes && model.panes.shown().len() < MAX_PANES,
         A::ClosePane | A::NextPane | A::PreviousPane => has_burst && many_panes,
-        A::LayoutSingle
-        | A::LayoutFrameAndStack
-        | A::LayoutTwoSlopes
-        | A::LayoutThreeSlopes
-        | A::LayoutFiveSlopes
-        | A::LayoutSevenSlopes
-        | A::LayoutNineSlopes
-        | A::LayoutScales
-        | A::LayoutSlice
-        | A::LayoutTwoByTwo => has_burst && in_inspect,
+        _ if layout(id).is_some() => has_burst && in_inspect,
         _ if id.shown().is_some() => has_burst,
         A::CompareAgain => in_methods,
         A::RunStudy => !model.lab.wanted.is_pending() && model.lab_study().is_ok(),
@@ -77,7 +68,6 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::SaveCase
         | A::FilmOptions
         | A::ExportFilmGif
-        | A::ExportFilmApng
         | A::Fit
         | A::OneToOne
         | A::ZoomIn
@@ -140,17 +130,10 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     }
 }
 
-/// Whether a switch is on; `None` for an action that is no switch.
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
     let matches = &model.pair.look;
     match id {
-        A::WorkspaceInspect => Some(model.workspace == Workspace::Inspect),
-        A::WorkspacePair => Some(model.workspace == Workspace::Pair),
-        A::WorkspaceMatches => Some(model.workspace == Workspace::Matches),
-        A::WorkspaceTrajectories => Some(model.workspace == Workspace::Trajectories),
-        A::WorkspaceMethods => Some(model.workspace == Workspace::Methods),
-        A::WorkspaceLab => Some(model.workspace == Workspace::Lab),
         A::ToggleOverlay if model.workspace == Workspace::Methods => Some(model.compare.look.features),
         A::LinkCursors => Some(model.panes.all_share(Link::Cursor)),
         A::LinkViews => Some(model.panes.all_share(Link::View)),
@@ -187,24 +170,9 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
             Some(!model.slopes.is_auto() && model.params.method == Method::Buff && model.params.slopes.is_plane())
         }
         A::PresetSift => Some(model.params.method == Method::Sift),
-        _ => id.shown().map(|shown| model.focused().shown() == Some(shown)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::actions::ACTIONS;
-
-    #[test]
-    fn without_a_burst_one_can_still_open_configure_and_find_help() {
-        let model = Model::default();
-        let can: Vec<ActionId> = ACTIONS.iter().map(|a| a.id).filter(|id| enabled(*id, &model)).collect();
-        for id in [ActionId::OpenFolder, ActionId::OpenDemo, ActionId::LoadParams, ActionId::Palette, ActionId::Quit] {
-            assert!(can.contains(&id), "{id:?}");
-        }
-        for id in [ActionId::Detect, ActionId::ExportCsv, ActionId::Play, ActionId::NextFeature, ActionId::Cancel] {
-            assert!(!can.contains(&id), "{id:?}");
-        }
+        _ => match workspace(id) {
+            Some(workspace) => Some(model.workspace == workspace),
+            None => id.shown().map(|shown| model.focused().shown() == Some(shown)),
+        },
     }
 }

@@ -11,8 +11,8 @@
 //! # use burstscope::app::canvas::{Canvas, Picture, View, overlay};
 //! # fn example(ui: &mut egui::Ui, picture: &Picture, view: &mut View, features: &[burstscope::Feature]) {
 //! # let display = burstscope::plane::display::Display::default();
-//! let canvas = Canvas::new("Motion-stack image").picture(Some(picture)).display(&display);
-//! let output = canvas.full_scale(255.0).show(ui, view);
+//! let canvas = Canvas { picture: Some(picture), display, full_scale: 255.0, ..Canvas::new("Motion-stack image") };
+//! let output = canvas.show(ui, view);
 //! let grid = burstscope::detector::SlopeGrid::default();
 //! let scale = overlay::ColourScale::of(overlay::ColourBy::SlopeDirection, features, &grid);
 //! overlay::draw_features(&output, features, &overlay::OverlayStyle::new(&scale, 10));
@@ -28,25 +28,29 @@ mod readout;
 
 pub use crate::app::view::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom, number, signed_number};
 pub use picture::Picture;
-pub use readout::{GRID_MIN_POINTS, Quantity, Readout, VALUE_MIN_POINTS, readable_on, readout};
+pub use readout::{Quantity, Readout, VALUE_MIN_POINTS, readable_on, readout};
 
 use crate::app::gpu::{Gpu, PicturePaint};
 use crate::plane::display::Display;
 use egui::{Align2, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui, Vec2};
 
 /// Picture that can be panned and zoomed; see the module's example.
-#[must_use = "a canvas is drawn by `show`"]
 pub struct Canvas<'a> {
-    name: &'a str,
-    picture: Option<&'a Picture>,
-    display: Display,
-    size: Option<Vec2>,
-    dim: bool,
-    full_scale: f32,
-    values: bool,
-    pixel_grid: bool,
-    empty_text: &'a str,
-    primary_pans: bool,
+    /// For screen readers and tests; no two on screen may share a name.
+    pub name: &'a str,
+    /// Without one the canvas shows `empty_text`.
+    pub picture: Option<&'a Picture>,
+    /// Range, gamma and colours. Changing them uploads nothing.
+    pub display: Display,
+    /// Whether the picture is dimmed and less saturated, while it is stale and a newer one is being made.
+    pub dim: bool,
+    /// Value in the file that became 1.0, in whose unit values are drawn into large pixels.
+    pub full_scale: f32,
+    /// Whether values are drawn into pixels that are large enough.
+    pub values: bool,
+    pub empty_text: &'a str,
+    /// Whether dragging with the primary button pans. Where that button draws instead, the middle button still pans.
+    pub primary_pans: bool,
 }
 
 /// Result of drawing a canvas in this frame, with which overlays draw.
@@ -55,9 +59,7 @@ pub struct CanvasOutput {
     pub response: Response,
     /// Draws over the picture, clipped to the canvas.
     pub painter: Painter,
-    /// From image pixels to points of the window.
     pub ui_from_image: RectTransform,
-    /// From points of the window to image pixels.
     pub image_from_ui: RectTransform,
     /// Part of the image plane that the canvas shows, in image pixels; may extend beyond the image.
     pub visible_image: Rect,
@@ -70,80 +72,21 @@ pub struct CanvasOutput {
 }
 
 impl<'a> Canvas<'a> {
-    /// A canvas called `name`, for screen readers and tests; no two on screen may share a name.
     pub fn new(name: &'a str) -> Self {
         Self {
             name,
             picture: None,
             display: Display::default(),
-            size: None,
             dim: false,
             full_scale: 1.0,
             values: true,
-            pixel_grid: false,
             empty_text: "No picture",
             primary_pans: true,
         }
     }
 
-    /// Picture to show; without one the canvas shows its empty text.
-    pub fn picture(mut self, picture: Option<&'a Picture>) -> Self {
-        self.picture = picture;
-        self
-    }
-
-    /// Range, gamma and colours. Changing them uploads nothing.
-    pub fn display(mut self, display: &Display) -> Self {
-        self.display = display.sanitised();
-        self
-    }
-
-    /// Size in points; by default all available space.
-    pub fn size(mut self, size: Vec2) -> Self {
-        self.size = Some(size);
-        self
-    }
-
-    /// Shows the picture dimmed and less saturated, while it is stale and a newer one is being made.
-    pub fn dim(mut self, dim: bool) -> Self {
-        self.dim = dim;
-        self
-    }
-
-    /// Value in the file that became 1.0, in whose unit values are drawn into large pixels. 1 by default.
-    pub fn full_scale(mut self, full_scale: f32) -> Self {
-        self.full_scale = full_scale;
-        self
-    }
-
-    /// Whether values are drawn into pixels that are large enough; yes by default.
-    pub fn values(mut self, values: bool) -> Self {
-        self.values = values;
-        self
-    }
-
-    /// Whether lines are drawn between pixels that are large enough; no by default.
-    pub fn pixel_grid(mut self, pixel_grid: bool) -> Self {
-        self.pixel_grid = pixel_grid;
-        self
-    }
-
-    /// Whether dragging with the primary button pans; yes by default. Where that button draws instead, the middle
-    /// button still pans.
-    pub fn primary_pans(mut self, primary_pans: bool) -> Self {
-        self.primary_pans = primary_pans;
-        self
-    }
-
-    /// Text shown without a picture.
-    pub fn empty_text(mut self, text: &'a str) -> Self {
-        self.empty_text = text;
-        self
-    }
-
-    /// Draws the canvas and lets the pointer change `view`.
     pub fn show(self, ui: &mut Ui, view: &mut View) -> CanvasOutput {
-        let size = self.size.unwrap_or_else(|| ui.available_size()).max(Vec2::splat(16.0));
+        let size = ui.available_size().max(Vec2::splat(16.0));
         let (rect, mut response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let pixels_per_point = ui.ctx().pixels_per_point();
         let zoom_before = view.points_per_pixel();
@@ -231,14 +174,11 @@ impl<'a> Canvas<'a> {
             id: picture.id,
             plane: picture.drawn.clone(),
             ui_from_picture: picture.ui_from_picture(output.ui_from_image),
-            display: self.display,
+            display: self.display.sanitised(),
             dim,
             backdrop,
         };
         output.painter.add(paint.into_shape(rect));
-        if self.pixel_grid {
-            readout::draw_grid(&output.painter, picture, output.ui_from_image, output.visible_image);
-        }
         if self.values {
             readout::draw_values(
                 &output.painter,
@@ -257,7 +197,6 @@ pub fn backdrop(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_gray(20) } else { Color32::from_gray(206) }
 }
 
-/// Draws a sentence in the middle of the canvas.
 pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
     let font = TextStyle::Body.resolve(ui.style());
     let width = (rect.width() - 32.0).clamp(40.0, 460.0);

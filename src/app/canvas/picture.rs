@@ -15,7 +15,6 @@ use std::sync::Arc;
 pub struct Picture {
     /// Id of the content: new values need a new id, unchanged values should keep theirs.
     pub id: PictureId,
-    /// The values.
     pub plane: Arc<Plane>,
     /// The values that are drawn: the same, or smoothed ones of the same size.
     pub drawn: Arc<Plane>,
@@ -72,8 +71,10 @@ impl Picture {
             let start = (low / s + 0.5).floor().max(0.0) as usize;
             start..((high / s + 0.5).ceil().max(0.0) as usize).max(start)
         };
-        let region =
-            Region { u: range(rect_image.min.x, rect_image.max.x), v: range(rect_image.min.y, rect_image.max.y) };
+        let region = Region {
+            columns: range(rect_image.min.x, rect_image.max.x),
+            rows: range(rect_image.min.y, rect_image.max.y),
+        };
         region.within(&self.plane)
     }
 }
@@ -101,7 +102,7 @@ mod tests {
     fn a_region_holds_what_is_seen() {
         let picture = Picture::new(Arc::new(Plane::zeros(100, 50)), "frame");
         let region = picture.region(Rect::from_min_max(pos2(9.6, -30.0), pos2(20.4, 10.0)));
-        assert_eq!((region.u, region.v), (10..21, 0..11));
+        assert_eq!((region.columns, region.rows), (10..21, 0..11));
         assert!(picture.region(Rect::from_min_max(pos2(500.0, 0.0), pos2(600.0, 10.0))).is_empty());
         assert!(picture.region(Rect::from_min_max(pos2(-50.0, 0.0), pos2(-20.0, 10.0))).is_empty());
     }

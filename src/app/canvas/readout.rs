@@ -1,13 +1,11 @@
-//! Values of pixels as text: the one under the pointer, for the status bar, and those drawn into large pixels, with
-//! the grid between pixels.
+//! Values of pixels as text: the one under the pointer, for the status bar, and those drawn into large pixels.
 
 use super::{Picture, RectTransform, number};
 use crate::app::view::fixed;
 use crate::detector::Slope;
 use crate::plane::display::Display;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2};
 
-/// Kind of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Quantity {
     /// Brightness, or a difference of brightnesses.
@@ -15,18 +13,15 @@ pub enum Quantity {
     Value,
     /// A standard deviation of the noise, as a fraction of full scale.
     Sigma,
-    /// Share of the frames that cover the place, 0 … 1.
     FramesShare,
     /// Response of the winning slope at the place, over its noise.
     Slope {
-        /// The slope, px/frame.
         slope: Slope,
         /// Relative lead over all other slopes, 0 … 1; 0 where no response reaches the gate.
         confidence: f32,
     },
 }
 
-/// Place of the image and the picture's value there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readout {
     /// Column of the place, image pixels.
@@ -41,7 +36,6 @@ pub struct Readout {
     pub full_scale: f32,
     /// Image pixels from one pixel of the picture to the next.
     pub image_from_picture_scale: f32,
-    /// Kind of the value.
     pub quantity: Quantity,
     /// Standard deviation by which the picture is smoothed around the value, input pixels; the value itself is not.
     pub smoothing_px: f32,
@@ -64,7 +58,6 @@ pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Re
 }
 
 impl Readout {
-    /// Value in the file's unit.
     pub fn file_value(&self) -> f32 {
         self.value * self.full_scale
     }
@@ -113,9 +106,6 @@ impl std::fmt::Display for Readout {
 /// Minimum size of a pixel into which its value is drawn, in points.
 pub const VALUE_MIN_POINTS: f32 = 36.0;
 
-/// Minimum size of pixels between which the grid is drawn, in points.
-pub const GRID_MIN_POINTS: f32 = 8.0;
-
 /// Draws the value of every visible pixel into it, in the file's unit when `full_scale` is not 1. Draws nothing while
 /// pixels are too small.
 pub fn draw_values(
@@ -136,8 +126,8 @@ pub fn draw_values(
     let font = FontId::monospace((pixel_points * 0.21).clamp(7.0, 15.0));
     let digits = if pixel_points > 60.0 { 4 } else { 3 };
     let colours = display.colours();
-    for v in region.v {
-        for u in region.u.clone() {
+    for v in region.rows {
+        for u in region.columns.clone() {
             let value = picture.plane.at(u, v);
             let centre = ui_from_picture.pos(pos2(u as f32, v as f32));
             painter.text(
@@ -156,27 +146,6 @@ pub fn readable_on(colour: [u8; 3]) -> Color32 {
     let [r, g, b] = colour.map(f32::from);
     let luma = 0.2126 * r + 0.7152 * g + 0.0722 * b;
     if luma > 120.0 { Color32::from_black_alpha(215) } else { Color32::from_white_alpha(215) }
-}
-
-/// Draws lines between visible pixels. Draws nothing while pixels are too small.
-pub fn draw_grid(painter: &Painter, picture: &Picture, ui_from_image: RectTransform, visible_image: Rect) {
-    let ui_from_picture = picture.ui_from_picture(ui_from_image);
-    let pixel_points = ui_from_picture.scale();
-    if pixel_points < GRID_MIN_POINTS {
-        return;
-    }
-    // Fades in, so that it does not appear suddenly.
-    let strength = ((pixel_points - GRID_MIN_POINTS) / 16.0).clamp(0.0, 1.0);
-    let stroke = Stroke::new(1.0, Color32::from_gray(128).gamma_multiply(0.35 * strength));
-    let region = picture.region(visible_image);
-    let corner = |u: usize, v: usize| ui_from_picture.pos(pos2(u as f32 - 0.5, v as f32 - 0.5));
-    let rect = Rect::from_min_max(corner(region.u.start, region.v.start), corner(region.u.end, region.v.end));
-    for u in region.u.start..=region.u.end {
-        painter.vline(corner(u, 0).x, rect.y_range(), stroke);
-    }
-    for v in region.v.start..=region.v.end {
-        painter.hline(rect.x_range(), corner(0, v).y, stroke);
-    }
 }
 
 #[cfg(test)]

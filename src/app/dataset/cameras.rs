@@ -4,24 +4,20 @@
 //! between them.
 
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
+use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories, round_length};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
-use egui::{
-    Align, Align2, Color32, FontId, Label, Layout, Painter, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2,
-};
-use egui_extras::{Column, TableBuilder};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 /// Maximum distance of the pointer from a camera, in points.
 const REACH: f32 = 12.0;
 
-/// Colours of truth and estimate on the theme's background.
 fn colours(ui: &Ui) -> (Color32, Color32) {
     let truth = if ui.visuals().dark_mode { Color32::from_gray(225) } else { Color32::from_gray(40) };
     (truth, estimate_colour(ui))
 }
 
-/// Colour of the estimate on the theme's background.
 pub fn estimate_colour(ui: &Ui) -> Color32 {
     style::warning(ui)
 }
@@ -72,14 +68,12 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
     Some((of_truth, spot))
 }
 
-/// Name of a camera in its own trajectory.
 fn label_of<'t>(trajectories: &'t Trajectories, of_truth: bool, spot: &Spot) -> &'t str {
     let compared = &trajectories.compared;
     let read = if of_truth { &compared.truth } else { &compared.estimate };
     read.as_ref().and_then(|(_, t)| t.poses.get(spot.index)).map_or("", |p| p.label.as_str())
 }
 
-/// Describes a camera: the image's name, its errors, its points.
 fn spot_text(trajectories: &Trajectories, of_truth: bool, spot: &Spot) -> String {
     if let (Some(report), Some(pair)) = (trajectories.report(), spot.pair) {
         return pair_text(trajectories, &report.pairs[pair]);
@@ -93,7 +87,6 @@ fn spot_text(trajectories: &Trajectories, of_truth: bool, spot: &Spot) -> String
     format!("{label}{why}")
 }
 
-/// Describes a pair of cameras.
 pub fn pair_text(trajectories: &Trajectories, pair: &PairReport) -> String {
     let mut text = format!("{}\noff by {:.4} and {:.3}°", pair.label, pair.translation_error, pair.rotation_error_deg);
     if let Some(points) = points_of(trajectories, pair.estimate) {
@@ -133,7 +126,6 @@ fn draw(ui: &Ui, painter: &Painter, trajectories: &Trajectories, scene: &PlaneSc
     }
 }
 
-/// Draws the legend, the axes and the scale bar.
 fn frame_ui(
     ui: &Ui,
     painter: &Painter,
@@ -200,7 +192,6 @@ enum Entry {
     Missing,
 }
 
-/// Bar of one image.
 #[derive(Debug, Clone, PartialEq)]
 struct Bar {
     label: String,
@@ -303,9 +294,7 @@ pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     }
 }
 
-const ROW_HEIGHT: f32 = 18.0;
-
-/// Headings of the columns, and their meanings.
+/// Headings of the list, and their meanings.
 const HEADINGS: [(&str, &str); 4] = [
     ("image", "The image's name, or the time"),
     ("error", "Distance of the camera's centre from the true one, in the truth's unit"),
@@ -313,79 +302,43 @@ const HEADINGS: [(&str, &str); 4] = [
     ("3D points", "Points of the sparse model that the image sees"),
 ];
 
-/// Draws the list.
 pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let Some(report) = trajectories.report().cloned() else {
         ui.centered_and_justified(|ui| ui.weak("Cameras that have a true one are listed here"));
         return;
     };
-    let (mut clicked, mut hovered) = (None, None);
-    let scroll_id = ui.scope_id().with("scrolled to");
-    let scrolled_to: Option<usize> = ui.data(|d| d.get_temp(scroll_id)).flatten();
-    let mut table = TableBuilder::new(ui)
-        .striped(true)
-        .sense(Sense::click())
-        .cell_layout(Layout::left_to_right(Align::Center))
-        .min_scrolled_height(0.0)
-        .auto_shrink(false)
-        .column(Column::remainder().at_least(120.0))
-        .columns(Column::exact(84.0), HEADINGS.len() - 1);
-    if let Some(row) = trajectories.selected.filter(|_| trajectories.selected != scrolled_to) {
-        table = table.scroll_to_row(row, None);
-    }
-    table
-        .header(20.0, |mut header| {
-            for (column, (heading, help)) in HEADINGS.into_iter().enumerate() {
-                let (_, cell) = header.col(|ui| cell_ui(ui, column, RichText::new(heading).small()));
-                cell.on_hover_text(help);
-            }
-        })
-        .body(|body| {
-            body.rows(ROW_HEIGHT, report.pairs.len(), |mut row| {
-                let index = row.index();
-                let pair = &report.pairs[index];
-                row.set_selected(trajectories.selected == Some(index));
-                row.set_hovered(trajectories.hovered == Some(index));
-                let points = points_of(trajectories, pair.estimate).map_or("–".to_owned(), |n| n.to_string());
-                let texts = [
-                    pair.label.clone(),
-                    format!("{:.4}", pair.translation_error),
-                    format!("{:.3}", pair.rotation_error_deg),
-                    points,
-                ];
-                for (column, text) in texts.into_iter().enumerate() {
-                    row.col(|ui| cell_ui(ui, column, RichText::new(text).monospace()));
-                }
-                let response = row.response();
-                let label = format!("Camera {}", pair.label);
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
-                if response.hovered() {
-                    hovered = Some(index);
-                }
-                if response.clicked() {
-                    clicked = Some(index);
-                }
-                if response.double_clicked() {
-                    trajectories.wanted = Some(pair.label.clone());
-                }
-            });
-        });
-    if hovered.is_some() {
-        trajectories.hovered = hovered;
-    }
-    if clicked.is_some() {
-        trajectories.selected = clicked;
-    }
-    let shown = trajectories.selected;
-    ui.data_mut(|d| d.insert_temp(scroll_id, shown));
-}
-
-/// Draws a cell: names at its left end, numbers at its right.
-fn cell_ui(ui: &mut Ui, column: usize, text: RichText) {
-    let label = Label::new(text).selectable(false).extend();
-    if column == 0 {
-        ui.add(label);
-    } else {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.add(label));
+    let (mut clicked, mut hovered, mut opened) = (None, None, None);
+    let items: Vec<usize> = (0..report.pairs.len()).collect();
+    let listed = Listed { items: &items, selected: trajectories.selected, hovered: trajectories.hovered };
+    let heading = |(text, help)| {
+        let is_left = text == HEADINGS[0].0;
+        let width = if is_left { 120.0 } else { 84.0 };
+        Heading { text, help, width, is_exact: !is_left, is_left, ..Heading::default() }
+    };
+    let text = |column: usize, index: usize| {
+        let pair = &report.pairs[index];
+        match column {
+            0 => pair.label.clone(),
+            1 => format!("{:.4}", pair.translation_error),
+            2 => format!("{:.3}", pair.rotation_error_deg),
+            _ => points_of(trajectories, pair.estimate).map_or("–".to_owned(), |n| n.to_string()),
+        }
+    };
+    let name = |index: usize| format!("Camera {}", report.pairs[index].label);
+    rows_ui(ui, &HEADINGS.map(heading), None, &listed, text, name, |row, index| {
+        if row.hovered() {
+            hovered = Some(index);
+        }
+        if row.clicked() {
+            clicked = Some(index);
+        }
+        if row.double_clicked() {
+            opened = Some(report.pairs[index].label.clone());
+        }
+    });
+    trajectories.hovered = hovered.or(trajectories.hovered);
+    trajectories.selected = clicked.or(trajectories.selected);
+    if opened.is_some() {
+        trajectories.wanted = opened;
     }
 }

@@ -8,11 +8,9 @@ use crate::inspect::words::counted;
 use egui::{DragValue, Grid, RichText, Ui};
 use std::path::PathBuf;
 
-/// State of the open dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CutDialog {
     paths: Vec<PathBuf>,
-    /// Number of frames of the sequence.
     frames: usize,
     length: usize,
     /// Whether each burst begins where the previous one ends.
@@ -28,7 +26,6 @@ impl CutDialog {
         Self { paths, frames, length, contiguous: true, step: length }
     }
 
-    /// Frames of a burst, as last chosen.
     pub fn length(&self) -> usize {
         self.length
     }
@@ -99,18 +96,13 @@ impl CutDialog {
     }
 }
 
-/// Choice of the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CutChoice {
-    /// Cut it into bursts of the offered length.
     Cut,
-    /// Ask how it is cut.
     Ask,
-    /// Leave it as it is.
     Keep,
 }
 
-/// Draws the offer to cut a film of `frames` frames into bursts of `length`.
 pub fn cut_offer_ui(ui: &mut Ui, frames: usize, length: usize) -> Option<CutChoice> {
     let mut choice = None;
     ui.horizontal_wrapped(|ui| {

@@ -6,7 +6,7 @@ use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
 use crate::app::project::datasets::Dataset;
 use crate::app::project::trajectories::Trajectories;
-use crate::evaluate::poses::{Association, ErrorSummary, PoseReport, Projection};
+use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
 use egui::{ComboBox, DragValue, Grid, Label, RichText, Ui};
 use std::path::Path;
@@ -96,115 +96,104 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
             ui.label(RichText::new(heading).small());
         }
         ui.end_row();
-        let mut row = |name: &str, help: &str, errors: &ErrorSummary, digits: usize| {
+        let PoseReport { absolute, relative, .. } = report;
+        let rows: [(&str, &str, &ErrorSummary, usize); 4] = [
+            (
+                "ATE",
+                "Absolute trajectory error: distances of the camera centres, in the truth's unit",
+                &absolute.translation,
+                4,
+            ),
+            (
+                "ATE °",
+                "Absolute trajectory error: angles between the cameras' directions, degrees",
+                &absolute.rotation_deg,
+                3,
+            ),
+            (
+                "RPE",
+                "Relative pose error: difference between estimated and true motions, in the truth's unit",
+                &relative.translation,
+                4,
+            ),
+            (
+                "RPE °",
+                "Relative pose error: difference between estimated and true motions, degrees",
+                &relative.rotation_deg,
+                3,
+            ),
+        ];
+        for (name, help, errors, digits) in rows {
             ui.label(name).on_hover_text(help);
             for value in [errors.rmse, errors.mean, errors.median, errors.max] {
                 let text = if value.is_nan() { "–".to_owned() } else { format!("{value:.digits$}") };
                 ui.label(RichText::new(text).monospace());
             }
             ui.end_row();
-        };
-        row(
-            "ATE",
-            "Absolute trajectory error: distances of the camera centres, in the truth's unit",
-            &report.absolute.translation,
-            4,
-        );
-        row(
-            "ATE °",
-            "Absolute trajectory error: angles between the cameras' directions, degrees",
-            &report.absolute.rotation_deg,
-            3,
-        );
-        row(
-            "RPE",
-            "Relative pose error: difference between estimated and true motions, in the truth's unit",
-            &report.relative.translation,
-            4,
-        );
-        row(
-            "RPE °",
-            "Relative pose error: difference between estimated and true motions, degrees",
-            &report.relative.rotation_deg,
-            3,
-        );
+        }
     });
-}
-
-/// Draws a row: a name with its meaning, and a number.
-fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
-    ui.label(RichText::new(name).weak()).on_hover_text(help);
-    ui.label(RichText::new(value).monospace());
-    ui.end_row();
 }
 
 /// Draws the columns of the paper's table, as far as they are known.
 fn reconstruction_ui(ui: &mut Ui, model: &Model) {
-    let report = model.trajectories.report();
     let estimate = model.trajectories.compared.estimate.as_ref();
     let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());
-    let none = || "–".to_owned();
-    Grid::new("reconstruction").num_columns(2).striped(true).min_col_width(130.0).show(ui, |ui| {
-        let registered = match (report, &summary) {
-            (Some(r), _) => format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent()),
-            (None, Some(s)) => s.registered_images.to_string(),
-            _ => none(),
-        };
-        number_row_ui(ui, "Registered images", "Images whose camera was found, of all images", &registered);
-        let matched = model.datasets.open.as_ref().and_then(Dataset::image_counts);
-        let of_matches = |text: &dyn Fn(&ImageCounts) -> String| matched.as_ref().map_or_else(none, text);
-        let rows: [(&str, &str, String); 6] = [
-            ("Keypoints an image", "Features of a burst", of_matches(&|m| format!("{:.1}", m.keypoints_per_image))),
-            (
-                "Putative an image",
-                "Matches of a burst with all others by descriptors alone",
-                of_matches(&|m| format!("{:.1}", m.putative_per_image)),
-            ),
-            (
-                "Inliers an image",
-                "Matches of a burst with all others that a common geometry explains",
-                of_matches(&|m| format!("{:.1}", m.inliers_per_image)),
-            ),
-            (
-                "Match ratio",
-                "Putative matches with all others over keypoints",
-                of_matches(&|m| format!("{:.3}", m.match_ratio)),
-            ),
-            ("Match score", "Inliers with all others over keypoints", of_matches(&|m| format!("{:.3}", m.match_score))),
-            (
-                "Precision",
-                "Inliers over putative matches",
-                of_matches(&|m| m.precision.map_or_else(none, |p| format!("{p:.3}"))),
-            ),
-        ];
-        for (name, help, value) in rows {
-            number_row_ui(
-                ui,
-                name,
-                &format!("{help}; of the dataset that is open, once its pairs are matched"),
-                &value,
-            );
-        }
-        let points =
-            |text: fn(&crate::evaluate::poses::ModelSummary) -> String| summary.as_ref().map_or_else(none, text);
-        number_row_ui(ui, "3D points", "Points of the sparse model", &points(|s| s.points.to_string()));
-        number_row_ui(
-            ui,
+    let matched = model.datasets.open.as_ref().and_then(Dataset::image_counts);
+    let registered = match (model.trajectories.report(), &summary) {
+        (Some(r), _) => Some(format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent())),
+        (None, summary) => summary.as_ref().map(|s| s.registered_images.to_string()),
+    };
+    let of_matches = |text: fn(&ImageCounts) -> String| matched.as_ref().map(text);
+    let precision = matched.as_ref().and_then(|m| m.precision).map(|p| format!("{p:.3}"));
+    let points = |text: fn(&ModelSummary) -> String| summary.as_ref().map(text);
+    let images = [("Registered images", "Images whose camera was found, of all images", registered)];
+    let matches = [
+        ("Keypoints an image", "Features of a burst", of_matches(|m| format!("{:.1}", m.keypoints_per_image))),
+        (
+            "Putative an image",
+            "Matches of a burst with all others by descriptors alone",
+            of_matches(|m| format!("{:.1}", m.putative_per_image)),
+        ),
+        (
+            "Inliers an image",
+            "Matches of a burst with all others that a common geometry explains",
+            of_matches(|m| format!("{:.1}", m.inliers_per_image)),
+        ),
+        (
+            "Match ratio",
+            "Putative matches with all others over keypoints",
+            of_matches(|m| format!("{:.3}", m.match_ratio)),
+        ),
+        ("Match score", "Inliers with all others over keypoints", of_matches(|m| format!("{:.3}", m.match_score))),
+        ("Precision", "Inliers over putative matches", precision),
+    ]
+    .map(|(name, help, value)| {
+        (name, format!("{help}; of the dataset that is open, once its pairs are matched"), value)
+    });
+    let model = [
+        ("3D points", "Points of the sparse model", points(|s| s.points.to_string())),
+        (
             "3D points an image",
             "Points that an image sees, mean over the registered images",
-            &points(|s| format!("{:.1}", s.points_per_image)),
-        );
-        number_row_ui(
-            ui,
+            points(|s| format!("{:.1}", s.points_per_image)),
+        ),
+        (
             "Track length",
             "Images in which a point is seen, mean over the points",
-            &points(|s| format!("{:.2}", s.mean_track_length)),
-        );
-        number_row_ui(
-            ui,
+            points(|s| format!("{:.2}", s.mean_track_length)),
+        ),
+        (
             "Reprojection error",
             "Mean distance of a point's projections from its keypoints",
-            &points(|s| format!("{:.3} px", s.mean_reprojection_error_px)),
-        );
+            points(|s| format!("{:.3} px", s.mean_reprojection_error_px)),
+        ),
+    ];
+    let whole = |(name, help, value): (_, &str, _)| (name, help.to_owned(), value);
+    Grid::new("reconstruction").num_columns(2).striped(true).min_col_width(130.0).show(ui, |ui| {
+        for (name, help, value) in images.map(whole).into_iter().chain(matches).chain(model.map(whole)) {
+            ui.label(RichText::new(name).weak()).on_hover_text(help);
+            ui.label(RichText::new(value.unwrap_or_else(|| "–".to_owned())).monospace());
+            ui.end_row();
+        }
     });
 }

@@ -19,33 +19,24 @@ use egui::{
 };
 use std::collections::HashMap;
 
-/// Sizes of a burst's cell and of its parts, in points.
 const CELL_WIDTH: f32 = 116.0;
 const PICTURE_HEIGHT: f32 = 76.0;
 const TEXT_HEIGHT: f32 = 17.0;
 const GAP: f32 = 6.0;
 const CELL_HEIGHT: f32 = PICTURE_HEIGHT + 2.0 * TEXT_HEIGHT;
 
-/// Height of the whole strip, in points.
 pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
 /// Letters of the two bursts that are matched.
 pub const SIDES: [&str; 2] = ["A", "B"];
 
-/// Request made in the strip.
-#[derive(Debug, Default)]
-pub struct Asked {
-    /// Index of the burst to open.
-    pub open: Option<usize>,
-}
-
-/// Draws the strip of the open dataset.
-pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Asked {
-    let mut asked = Asked::default();
+/// Draws the strip; returns the place of the burst to open.
+pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Option<usize> {
+    let mut asked = None;
     ui.horizontal(|ui| header_ui(ui, model, queue));
     let shown = model.datasets.open.as_ref().and_then(|d| d.place_of(model.slots.a.burst.as_ref()));
     let fraction = model.datasets.burst_fraction();
-    let Some(dataset) = &mut model.datasets.open else { return asked };
+    let Some(dataset) = &mut model.datasets.open else { return None };
     ui.add_space(2.0);
     let count = dataset.bursts.len();
     let scroll_id = ui.scope_id().with("shown burst");
@@ -68,11 +59,11 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails,
             let picture = thumbnails.get(&dataset.bursts[place]);
             let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction);
             if response.clicked() {
-                asked.open = Some(place);
+                asked = Some(place);
             }
             response.context_menu(|ui| {
                 if menu_ui(ui, dataset, place) {
-                    asked.open = Some(place);
+                    asked = Some(place);
                 }
             });
         }
@@ -81,7 +72,6 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails,
     asked
 }
 
-/// Draws the menu of one burst; returns whether to open the burst.
 fn menu_ui(ui: &mut Ui, dataset: &mut Dataset, place: usize) -> bool {
     ui.set_min_width(150.0);
     let open = ui.button("Open").clicked();
@@ -155,17 +145,11 @@ fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
 
 fn summary(dataset: &Dataset) -> String {
     let (count, counts) = (dataset.bursts.len(), dataset.counts());
-    let mut text = format!("{}, {} done", counted(count, "burst"), counts.done);
-    if counts.failed > 0 {
-        text += &format!(", {} failed", counts.failed);
-    }
-    if counts.features > 0 {
-        text += &format!(", {}", counted(counts.features, "feature"));
-    }
-    text
+    let failed = if counts.failed > 0 { format!(", {} failed", counts.failed) } else { String::new() };
+    let found = if counts.features > 0 { format!(", {}", counted(counts.features, "feature")) } else { String::new() };
+    format!("{}, {} done{failed}{found}", counted(count, "burst"), counts.done)
 }
 
-/// Draws the progress of the whole work.
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
     let fraction = datasets.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
@@ -210,7 +194,6 @@ fn cell_ui(
     response.on_hover_text(text)
 }
 
-/// Draws the switch that makes a burst A or B.
 fn side_ui(ui: &Ui, dataset: &mut Dataset, place: usize, side: usize, rect: Rect, name: &str) {
     let corner = rect.right_top() + vec2(-33.0 + 16.0 * side as f32, 1.5);
     let square = Rect::from_min_size(corner, vec2(14.0, 14.0));
@@ -303,22 +286,16 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
 
 /// Maximum side of a thumbnail, pixels.
 pub const SIDE_PX: usize = 160;
-/// Maximum number of thumbnails kept.
 const MAX_KEPT: usize = 400;
 /// Maximum number of thumbnails in a request, so that those that come into view soon need not wait long.
 const MAX_ASKED: usize = 8;
 
-/// State of a thumbnail.
 pub enum ThumbnailState {
-    /// Requested.
     Asked,
-    /// Available.
     Picture(TextureHandle),
-    /// Failed, with the reason.
     Failed(String),
 }
 
-/// Thumbnails of one dataset, by the bursts' names.
 #[derive(Default)]
 pub struct Thumbnails {
     shown: HashMap<String, ThumbnailState>,
@@ -341,7 +318,6 @@ impl Thumbnails {
         self.shown.get(&burst.name)
     }
 
-    /// Whether some thumbnails that came into view are still missing.
     pub fn is_waiting(&self) -> bool {
         !self.in_view.is_empty() || self.shown.values().any(|s| matches!(s, ThumbnailState::Asked))
     }
@@ -361,7 +337,6 @@ impl Thumbnails {
         self.wanted.ask(engine, ThumbnailsRequest { bursts, max_side_px: SIDE_PX, open: open.clone() });
     }
 
-    /// Takes the pictures that were made of `bursts`.
     pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstFiles]) {
         for (source, picture) in self.wanted.take_told().into_iter().filter(|(source, _)| bursts.contains(source)) {
             let shown = match picture {

@@ -4,17 +4,14 @@
 //! number. In the list a click on a heading sorts, a click on a row selects, a second one opens.
 
 use super::filmstrip::{SIDES, side_colour};
+use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::middle_elided;
 use crate::app::project::datasets::pairs::{BurstPair, PairColumn, PairTable, pair_of};
 use crate::app::project::datasets::{BurstState, Dataset};
 use crate::app::style;
 use crate::plane::display::ColourMap;
 use egui::epaint::TextShape;
-use egui::{
-    Align, Align2, Color32, FontId, Label, Layout, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2,
-    vec2,
-};
-use egui_extras::{Column, TableBuilder};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 /// Range of a cell's side, in points: below the smallest the matrix scrolls.
 const CELL_RANGE: std::ops::RangeInclusive<f32> = 7.0..=64.0;
@@ -26,12 +23,9 @@ const NAMES_WIDTH: f32 = 96.0;
 /// Space for the names of columns, which are written upwards, in points.
 const HEAD_HEIGHT: f32 = 72.0;
 
-/// Geometry of the cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
-    /// The corner of the first cell.
     origin: Pos2,
-    /// Side of a cell, in points.
     cell: f32,
     count: usize,
 }
@@ -43,7 +37,6 @@ impl Grid {
         side.floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end())
     }
 
-    /// Row and column of the cell at `pos`.
     pub fn cell_at(&self, pos: Pos2) -> Option<(usize, usize)> {
         let at = |x: f32, origin: f32| {
             let place = ((x - origin) / self.cell).floor();
@@ -52,7 +45,6 @@ impl Grid {
         Some((at(pos.y, self.origin.y)?, at(pos.x, self.origin.x)?))
     }
 
-    /// Rectangle of the cell in a row and a column.
     pub fn cell(&self, row: usize, column: usize) -> Rect {
         let corner = self.origin + self.cell * vec2(column as f32, row as f32);
         Rect::from_min_size(corner, egui::Vec2::splat(self.cell))
@@ -124,7 +116,6 @@ fn move_selection(ui: &Ui, dataset: &mut Dataset, response: &Response) {
     }
 }
 
-/// Describes a pair.
 pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
     let name = |place: usize| dataset.bursts.get(place).map_or("?", |b| b.name.as_str());
     let names = format!("{} – {}", name(pair.0), name(pair.1));
@@ -147,12 +138,10 @@ pub struct CountColours {
 }
 
 impl CountColours {
-    /// Creates the colours of counts from 0 to `most`.
     pub fn new(most: usize) -> Self {
         Self { table: ColourMap::Viridis.lut(), most: most.max(1) }
     }
 
-    /// Colour of a count, and a text colour readable on it.
     pub fn of(&self, count: usize) -> (Color32, Color32) {
         let share = (count as f32 / self.most as f32).clamp(0.0, 1.0).sqrt();
         let [r, g, b] = self.table[(255.0 * share).round() as usize];
@@ -161,7 +150,6 @@ impl CountColours {
     }
 }
 
-/// Draws the legend of the cells' colours.
 pub fn legend_ui(ui: &mut Ui, most: usize) {
     const STEPS: usize = 48;
     ui.label(RichText::new("inliers   0").small().weak());
@@ -254,87 +242,51 @@ fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)
     }
 }
 
-const ROW_HEIGHT: f32 = 18.0;
-const COLUMN_WIDTH: f32 = 50.0;
-
 /// Draws the list. Returns the double-clicked pair.
 pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
     if dataset.matches.is_empty() {
         ui.centered_and_justified(|ui| ui.weak("Match pairs to see them here"));
         return None;
     }
-    let rows = dataset.matches.listed();
-    let selected = dataset.selected();
-    let (mut order, mut clicked, mut opened) = (dataset.matches.order, None, None);
-    let scroll_id = ui.scope_id().with("scrolled to");
-    let scrolled_to: Option<BurstPair> = ui.data(|d| d.get_temp(scroll_id)).flatten();
+    // The table lists numbers: a pair is the place of its cell in the matrix.
+    let count = dataset.bursts.len();
+    let item = |(a, b): BurstPair| a * count + b;
+    let pair_at = |item: usize| (item / count, item % count);
+    let rows: Vec<usize> = dataset.matches.listed().into_iter().map(|(pair, _)| item(pair)).collect();
+    let listed = Listed { items: &rows, selected: dataset.selected().map(item), hovered: None };
+    let order = dataset.matches.order;
+    let sorted_by = PairColumn::ALL.iter().position(|column| *column == order.column).unwrap_or_default();
+    let names = |item: usize| {
+        let (a, b) = pair_at(item);
+        format!("{} – {}", dataset.bursts[a].name, dataset.bursts[b].name)
+    };
+    let text = |column: usize, item: usize| match (PairColumn::ALL[column], dataset.matches.get(pair_at(item))) {
+        (PairColumn::Pair, _) => names(item),
+        (column, counts) => counts.map_or_else(String::new, |counts| column.text(counts)),
+    };
+    let heading = |column: PairColumn| {
+        let (text, help, is_left) = (column.heading(), column.help(), column == PairColumn::Pair);
+        let width = if is_left { 120.0 } else { 50.0 };
+        Heading { text, help, width, is_exact: !is_left, is_left, ..Heading::default() }
+    };
+    let (mut clicked, mut opened) = (None, None);
     ui.spacing_mut().item_spacing.x = 2.0;
-    let mut table = TableBuilder::new(ui)
-        .striped(true)
-        .sense(Sense::click())
-        .cell_layout(Layout::left_to_right(Align::Center))
-        .min_scrolled_height(0.0)
-        .auto_shrink(false)
-        .column(Column::remainder().at_least(120.0))
-        .columns(Column::exact(COLUMN_WIDTH), PairColumn::ALL.len() - 1);
-    // Scrolls to the selection once, when it was made elsewhere.
-    if let Some(row) = rows.iter().position(|(p, _)| Some(*p) == selected).filter(|_| selected != scrolled_to) {
-        table = table.scroll_to_row(row, None);
+    let (headings, name) = (PairColumn::ALL.map(heading), |item| format!("Pair {}", names(item)));
+    let sort = rows_ui(ui, &headings, Some((sorted_by, order.descending)), &listed, text, name, |row, item| {
+        if row.clicked() {
+            clicked = Some(pair_at(item));
+        }
+        if row.double_clicked() {
+            opened = Some(pair_at(item));
+        }
+    });
+    if let Some(column) = sort {
+        dataset.matches.sort_by(PairColumn::ALL[column]);
     }
-    table
-        .header(20.0, |mut header| {
-            for column in PairColumn::ALL {
-                let arrow = match (order.column == column, order.descending) {
-                    (false, _) => "",
-                    (true, true) => " ⏷",
-                    (true, false) => " ⏶",
-                };
-                let text = RichText::new(format!("{}{arrow}", column.heading())).small();
-                let (_, cell) = header.col(|ui| cell_ui(ui, column, text));
-                let name = format!("Sort by {}", column.heading());
-                cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-                if cell.on_hover_text(column.help()).clicked() {
-                    order = order.clicked(column);
-                }
-            }
-        })
-        .body(|body| {
-            body.rows(ROW_HEIGHT, rows.len(), |mut row| {
-                let (pair, counts) = rows[row.index()];
-                row.set_selected(selected == Some(pair));
-                let names = format!("{} – {}", dataset.bursts[pair.0].name, dataset.bursts[pair.1].name);
-                for column in PairColumn::ALL {
-                    let text = if column == PairColumn::Pair { names.clone() } else { column.text(&counts) };
-                    row.col(|ui| cell_ui(ui, column, RichText::new(text).monospace()));
-                }
-                let response = row.response();
-                let label = format!("Pair {names}");
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
-                if response.clicked() {
-                    clicked = Some(pair);
-                }
-                if response.double_clicked() {
-                    opened = Some(pair);
-                }
-            });
-        });
-    dataset.matches.order = order;
     if let Some(pair) = clicked {
         dataset.select(pair);
     }
-    let shown = dataset.selected();
-    ui.data_mut(|d| d.insert_temp(scroll_id, shown));
     opened
-}
-
-/// Draws a cell: names at its left end, numbers at its right.
-fn cell_ui(ui: &mut Ui, column: PairColumn, text: RichText) {
-    let label = Label::new(text).selectable(false).extend();
-    if column == PairColumn::Pair {
-        ui.add(label);
-    } else {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.add(label));
-    }
 }
 
 #[cfg(test)]

@@ -1,9 +1,6 @@
-//! File questions: the system's dialogs, and a path field where the system has none.
-//!
-//! The system's dialogs wait for a person, so they run on a thread of their own. They are behind [`FileDialogs`], so
-//! that tests can answer for the person. A free desktop shows dialogs through its portal, or through the program
-//! `zenity`; whether one of them is there is looked up for each question, and where neither is, the path field opens. A
-//! dialog that returns nothing was cancelled or has failed, which cannot be told apart: both are said.
+//! File questions: the system's dialogs, on threads of their own, and a path field where the system has none. A free
+//! desktop shows dialogs through its portal, or through the program `zenity`. A dialog that returns nothing was
+//! cancelled or has failed, which cannot be told apart: both are said.
 
 mod path_field;
 
@@ -14,27 +11,21 @@ use crate::engine::OnUpdate;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};
 
-/// Question for files.
 #[derive(Debug, Clone)]
 pub struct Question {
-    /// Purpose of the files.
     pub purpose: Purpose,
     /// Suggested name of a new file, or path of a folder that is written; empty for none.
     pub suggested_name: String,
-    /// Folder in which the dialog starts.
     pub folder: Option<PathBuf>,
 }
 
-/// Source of answers to file questions.
 pub trait FileDialogs: Send + Sync {
     /// Whether there are dialogs at all. May wait for the system.
     fn exist(&self) -> bool;
 
-    /// Asks the question, and waits for the answer. `None`, or no path: the dialog ended without an answer.
     fn ask(&self, question: &Question) -> Option<Vec<PathBuf>>;
 }
 
-/// The system's dialogs.
 #[derive(Debug, Default, Clone, Copy)]
 pub struct SystemDialogs;
 
@@ -74,7 +65,6 @@ impl FileDialogs for SystemDialogs {
     }
 }
 
-/// Search for what shows dialogs on a free desktop, where `rfd` asks the portal, and after it `zenity`.
 #[cfg(all(unix, not(target_os = "macos")))]
 mod free_desktop {
     use std::ffi::OsStr;
@@ -109,18 +99,13 @@ mod free_desktop {
     }
 }
 
-/// Answer to a question.
 #[derive(Debug, Clone)]
 pub enum FileAnswer {
-    /// Files were chosen.
     Chosen(Purpose, Vec<PathBuf>),
-    /// The dialog ended without an answer.
     Nothing(Question),
-    /// The system has no dialogs.
     NoDialog(Question),
 }
 
-/// Asks questions on threads of their own and collects the answers.
 pub struct Desk {
     dialogs: Arc<dyn FileDialogs>,
     sender: mpsc::Sender<FileAnswer>,
@@ -130,16 +115,12 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Creates a desk that asks with `dialogs` and calls `on_update` when there is an answer.
     pub fn new(dialogs: Arc<dyn FileDialogs>, on_update: OnUpdate) -> Self {
         let (sender, receiver) = mpsc::channel();
         Self { dialogs, sender, receiver, on_update, open: 0 }
     }
 
-    /// Asks a question.
-    ///
-    /// # Errors
-    /// The question, when an earlier one is not answered yet.
+    /// Returns the question when an earlier one is not answered yet.
     pub fn ask(&mut self, question: Question) -> Result<(), Question> {
         if self.open > 0 {
             return Err(question);
@@ -158,20 +139,17 @@ impl Desk {
         Ok(())
     }
 
-    /// Returns the answers received since the last call.
     pub fn take_answers(&mut self) -> Vec<FileAnswer> {
         let answers: Vec<FileAnswer> = self.receiver.try_iter().collect();
         self.open -= answers.len();
         answers
     }
 
-    /// Whether a question is open.
     pub fn is_asking(&self) -> bool {
         self.open > 0
     }
 }
 
-/// Asks the question, where there are dialogs.
 fn answer(question: Question, dialogs: &dyn FileDialogs) -> FileAnswer {
     if !dialogs.exist() {
         return FileAnswer::NoDialog(question);
@@ -187,7 +165,6 @@ mod tests {
     use super::*;
     use std::time::{Duration, Instant};
 
-    /// Dialogs that exist or not, and return these paths at once.
     struct Scripted(bool, Option<Vec<PathBuf>>);
 
     impl FileDialogs for Scripted {
@@ -237,7 +214,6 @@ mod tests {
         use std::process::{Child, Command, Stdio};
         use zbus::connection::Builder;
 
-        /// A session bus of its own, which ends with the test.
         struct Bus(Child, String);
 
         impl Bus {
@@ -262,7 +238,6 @@ mod tests {
             }
         }
 
-        /// A portal's file chooser, or an object in its place that is none.
         struct Chooser;
 
         #[zbus::interface(name = "org.freedesktop.portal.FileChooser")]

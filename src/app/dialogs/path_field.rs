@@ -5,12 +5,9 @@ use crate::app::project::effect::Purpose;
 use crate::export::is_ours;
 use std::path::PathBuf;
 
-/// Field to type a path into.
 #[derive(Debug, Clone)]
 pub struct PathField {
-    /// Purpose of the path.
     pub purpose: Purpose,
-    /// Typed text.
     pub text: String,
     /// Whether it stands in for a dialog that the system does not have.
     pub instead_of_dialog: bool,
@@ -18,12 +15,10 @@ pub struct PathField {
 }
 
 impl PathField {
-    /// Creates an open field that holds `text`.
     pub fn new(purpose: Purpose, text: String, instead_of_dialog: bool) -> Self {
         Self { purpose, text, instead_of_dialog, fresh: true }
     }
 
-    /// Draws the field. Returns the path when it was accepted, and whether the field stays open.
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<PathBuf>, bool) {
         let mut accepted = None;
         let modal = egui::Modal::new(egui::Id::unique("path field")).show(ctx, |ui| {
@@ -80,8 +75,7 @@ fn new_folder(path: &std::path::Path) -> Option<PathBuf> {
     (!folder.exists()).then(|| folder.to_path_buf())
 }
 
-/// Parses a path that was typed or pasted: removes surrounding blanks, quotes and a leading `file://`; replaces a
-/// leading `~/` by the home folder.
+/// Removes surrounding blanks, quotes and a leading `file://`; replaces a leading `~/` by the home folder.
 pub fn path_from_text(text: &str) -> PathBuf {
     let text = text.trim();
     let unquoted = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q)).unwrap_or(text);
@@ -92,18 +86,14 @@ pub fn path_from_text(text: &str) -> PathBuf {
     }
 }
 
-/// Existing file at the path of a new one.
 #[derive(Debug, Clone)]
 pub struct ReplaceFile {
-    /// Purpose of the new file.
     pub purpose: Purpose,
-    /// Path of the file.
     pub path: PathBuf,
     about: &'static str,
 }
 
 impl ReplaceFile {
-    /// Creates the question about the file at `path`.
     pub fn new(purpose: Purpose, path: PathBuf) -> Self {
         let is_link = std::fs::symlink_metadata(&path).is_ok_and(|file| file.is_symlink());
         let about = match (is_link, is_ours(&path)) {
@@ -114,7 +104,6 @@ impl ReplaceFile {
         Self { purpose, path, about }
     }
 
-    /// Draws the question. Returns whether the file may be replaced, once that is decided.
     pub fn ui(&self, ctx: &egui::Context) -> Option<bool> {
         let mut answer = None;
         let modal = egui::Modal::new(egui::Id::unique("replace file")).show(ctx, |ui| {

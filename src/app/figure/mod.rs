@@ -5,11 +5,11 @@
 mod film;
 mod raster;
 
-pub use film::{FilmDialog, film_of};
+pub use film::FilmDialog;
 pub use raster::rasterise;
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::overlay::{ColourBy, ColourScale, LineKind, motion_image};
+use crate::app::canvas::overlay::{ColourBy, ColourScale, LineKind};
 use crate::app::canvas::{self, number};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
@@ -22,11 +22,13 @@ use crate::app::project::look::RangeClass;
 use crate::app::project::pair::Matches;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use crate::app::view::fixed;
 use crate::detector::{Detection, Feature};
-use crate::export::{ColourBar, Drawing, FigureLink, FigureMark, FigurePanel, LegendEntry, draw_links, lay_out};
+use crate::export::{
+    ColourBar, Drawing, FigureLink, FigureMark, FigurePanel, LegendEntry, draw_links, lay_out, motion_over,
+};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
+use crate::requests::slope_legend;
 use egui::{DragValue, Ui};
 use std::sync::Arc;
 
@@ -139,12 +141,13 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
         return None;
     }
     let display = model.display_of(id);
-    let part =
-        Plane::from_fn(region.u.len(), region.v.len(), |u, v| shown.plane.at(region.u.start + u, region.v.start + v));
+    let part = Plane::from_fn(region.columns.len(), region.rows.len(), |u, v| {
+        shown.plane.at(region.columns.start + u, region.rows.start + v)
+    });
     let rgba = match &picture.motion {
         Some(motion) => {
-            let (u, v) = (region.u.start as u32, region.v.start as u32);
-            let (width, height) = (region.u.len() as u32, region.v.len() as u32);
+            let (u, v) = (region.columns.start as u32, region.rows.start as u32);
+            let (width, height) = (region.columns.len() as u32, region.rows.len() as u32);
             image::imageops::crop_imm(&motion.colours, u, v, width, height).to_image()
         }
         None => to_rgba8(&part, &display),
@@ -158,7 +161,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     Some(FigurePanel {
         size: part.size(),
         rgba: Arc::new(rgba.into_raw()),
-        origin_image: [(region.u.start as f32 - 0.5) * step, (region.v.start as f32 - 0.5) * step],
+        origin_image: [(region.columns.start as f32 - 0.5) * step, (region.rows.start as f32 - 0.5) * step],
         image_px_per_px: step,
         marks: layer.map(|layer| marks(model, &layer)).unwrap_or_default(),
         title: choice.titles.then(|| describe(picture)),
@@ -186,17 +189,14 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
     let mark = |i: usize| {
         let (placed, own) = (&layer.placed()[i], &layer.detection.features[i]);
         let faint = layer.is_faint(i);
-        // The motion over the whole burst is the same in every frame.
-        let (first, last) = motion_image(own, frames);
+        let mark = FigureMark::of(placed, frames, rgb(scale.colour(i, placed)));
         FigureMark {
-            centre: [placed.u, placed.v],
-            radius: placed.circle_radius_px(),
             orientation: (layer.orientations && !faint).then_some(placed.orientation),
-            motion: (layer.motions && !faint).then(|| [first.into(), last.into()]),
-            color: rgb(scale.colour(i, placed)),
-            opacity: if faint || layer.stale { 0.35 } else { 0.95 },
+            // The motion over the whole burst is the same in every frame.
+            motion: (layer.motions && !faint).then(|| motion_over(own, frames)),
+            opacity: if faint || layer.stale { 0.35 } else { mark.opacity },
             weight: if selected(i) { 2.0 } else { 1.0 },
-            dashed: placed.at_slope_limit,
+            ..mark
         }
     };
     let mut order: Vec<usize> = (0..layer.placed().len()).filter(|&i| layer.shown[i]).collect();
@@ -215,23 +215,10 @@ fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
 /// Legend entries: the colours of the slopes of the grid that have features (at most 12), or of five steps through the
 /// range.
 fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
-    const MOST: usize = 12;
     let Some(sample) = detection.features.first().copied() else { return Vec::new() };
     let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(0, &feature)), label };
     if scale.by == ColourBy::SlopeDirection {
-        let grid = detection.slopes;
-        let mut used: Vec<usize> = detection.features.iter().map(|f| f.slope_index).collect();
-        used.sort_unstable();
-        used.dedup();
-        let every = used.len().div_ceil(MOST).max(1);
-        return used
-            .into_iter()
-            .step_by(every)
-            .map(|i| {
-                let slope = grid.slope(i);
-                entry(Feature { slope, ..sample }, format!("({}, {}) px/frame", fixed(slope.u, 2), fixed(slope.v, 2)))
-            })
-            .collect();
+        return slope_legend(detection, 12, |slope| rgb(scale.colour(0, &Feature { slope, ..sample })));
     }
     if scale.by == ColourBy::Limit {
         return [(false, "inside the searched slopes"), (true, "at their limit")]
@@ -251,7 +238,6 @@ fn rgb(colour: egui::Color32) -> [u8; 3] {
     [colour.r(), colour.g(), colour.b()]
 }
 
-/// Draws the dialog if it is open.
 pub fn figure_dialog_ui(ctx: &egui::Context, open: &mut bool, choice: &mut FigureChoice, queue: &mut Queue) {
     if !*open {
         return;

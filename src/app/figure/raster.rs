@@ -68,7 +68,6 @@ pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     Ok(image)
 }
 
-/// Fills rectangles and pictures.
 fn fill(image: &mut RgbaImage, shape: &FigureShape) {
     match shape {
         FigureShape::Fill { rect, color } => {
@@ -189,7 +188,6 @@ fn texel(texture: &ColorImage, u: f32, v: f32) -> [u8; 4] {
     texture.pixels[place(v, texture.size[1]) * texture.size[0] + place(u, texture.size[0])].to_array()
 }
 
-/// Lays a premultiplied colour over a pixel.
 fn blend(pixel: &mut Rgba<u8>, source: [f32; 4]) {
     let rest = 1.0 - source[3] / 255.0;
     for (channel, new) in pixel.0.iter_mut().zip(source).take(3) {

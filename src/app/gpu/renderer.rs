@@ -16,7 +16,6 @@ const BUDGET_BYTES: u64 = 512 << 20;
 /// Number of frames after which a pane that is not drawn loses its bind group.
 const PANE_LIFETIME_FRAMES: u64 = 600;
 
-/// Reasons why pictures could not be uploaded.
 pub type Failures = Arc<Mutex<BTreeMap<PictureId, String>>>;
 
 struct Resident {
@@ -75,12 +74,10 @@ impl PictureRenderer {
         }
     }
 
-    /// Number of pictures uploaded so far.
     pub fn uploads(&self) -> u64 {
         self.uploads
     }
 
-    /// Size of the pictures on the card, bytes.
     pub fn resident_bytes(&self) -> u64 {
         self.pictures.values().map(|p| p.texture.layout.bytes()).sum()
     }
@@ -205,7 +202,6 @@ impl PictureRenderer {
     }
 }
 
-/// Row of `map` in the table.
 pub(super) fn lut_row(map: ColourMap) -> u32 {
     ColourMap::ALL.iter().position(|&m| m == map).unwrap_or(0) as u32
 }
@@ -335,19 +331,14 @@ pub struct Uniforms {
     pub backdrop: [f32; 3],
     /// Pixels of the picture in one pixel of the screen.
     pub picture_px_per_px: f32,
-    /// Columns, rows.
     pub size: [u32; 2],
-    /// Columns, rows of one array layer.
     pub tile: [u32; 2],
-    /// Number of tiles side by side.
     pub tiles_across: u32,
     /// Level to read.
     pub level: u32,
-    /// Row of the colour map in the table.
     pub lut_row: u32,
     /// Bits: 1, diverging map; 2, the target converts from linear light.
     pub flags: u32,
-    /// Lower end of the value range.
     pub range_min: f32,
     /// 1 / width of the value range.
     pub range_scale: f32,
@@ -357,18 +348,15 @@ pub struct Uniforms {
     pub dim: f32,
 }
 
-/// One picture in one pane, for one frame.
 #[derive(Debug, Clone)]
 pub struct PicturePaint {
     /// Id of the pane; unique in a frame.
     pub pane: egui::Id,
-    /// Id of the picture.
     pub id: PictureId,
     /// Values of the picture; read only when it is not on the card yet.
     pub plane: Arc<Plane>,
     /// Transform from pixels of the picture (centre of the first one at 0) to points of the window.
     pub ui_from_picture: RectTransform,
-    /// Range, gamma and colour map.
     pub display: Display,
     /// Dimming: 0 none, 1 that of a stale picture.
     pub dim: f32,
@@ -377,7 +365,6 @@ pub struct PicturePaint {
 }
 
 impl PicturePaint {
-    /// Shape that draws the picture into `rect_ui`.
     pub fn into_shape(self, rect_ui: egui::Rect) -> egui::Shape {
         egui_wgpu::Callback::new_paint_callback(rect_ui, self).into()
     }

@@ -13,10 +13,8 @@ use egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-/// Choice of the adapter when a machine has several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AdapterChoice {
-    /// The fastest one.
     #[default]
     Fastest,
     /// A software one if there is one: it draws identical pictures on every machine, as comparing pictures requires.
@@ -112,7 +110,6 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
 pub struct Gpu {
     /// Adapter's own name, for an "about" box or an error report.
     pub adapter_name: Arc<str>,
-    /// Limits of the device.
     pub limits: DeviceLimits,
     failures: Failures,
     lost: Arc<OnceLock<String>>,

@@ -32,10 +32,10 @@ fn try_draw(
 ) -> Result<RgbaImage, OffscreenError> {
     for _ in 0..2 {
         window.frame(Vec::new(), |ui| {
-            let size = ui.ctx().content_rect().size();
             ui.scope_builder(egui::UiBuilder::new().max_rect(ui.ctx().content_rect()), |ui| {
-                let canvas = Canvas::new("Picture").picture(Some(picture)).display(display).dim(dim).values(false);
-                canvas.size(size).show(ui, view);
+                let picture = Some(picture);
+                let canvas = Canvas { picture, display: *display, dim, values: false, ..Canvas::new("Picture") };
+                canvas.show(ui, view);
             });
         });
     }

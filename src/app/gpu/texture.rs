@@ -9,11 +9,8 @@ use crate::plane::{Plane, memory};
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Picture on the card.
 pub struct PictureTexture {
-    /// Layout in the texture.
     pub layout: Layout,
-    /// View of all levels and tiles.
     pub view: wgpu::TextureView,
 }
 
@@ -175,23 +172,17 @@ impl Writes<'_> {
         Ok(())
     }
 
-    /// Sends the writes to the card.
     fn submit(&mut self) -> Result<wgpu::SubmissionIndex, NoRoom> {
         self.bytes = 0;
         within_memory(self.device, || self.queue.submit(self.commands.drain(..)))
     }
 }
 
-/// Layout of one picture in a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
-    /// (columns, rows) of the picture.
     pub size: (u32, u32),
-    /// (columns, rows) of a tile at level 0.
     pub tile: (u32, u32),
-    /// (tiles across, tiles down).
     pub tiles: (u32, u32),
-    /// Number of levels, at least 1.
     pub levels: u32,
 }
 
@@ -234,12 +225,10 @@ impl Layout {
         Ok(Self { size: (width, height), tile: (tile_width, tile_height), tiles: (across, down), levels })
     }
 
-    /// Number of array layers: one for each tile.
     pub fn layers(&self) -> u32 {
         self.tiles.0 * self.tiles.1
     }
 
-    /// Size of the texture, bytes.
     pub fn bytes(&self) -> u64 {
         let level = |l: u32| u64::from(self.tile.0 >> l) * u64::from(self.tile.1 >> l) * 4;
         (0..self.levels).map(level).sum::<u64>() * u64::from(self.layers())
@@ -253,17 +242,13 @@ impl Layout {
     }
 }
 
-/// Limits of a device that concern pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeviceLimits {
-    /// Longest side of a texture, in pixels.
     pub max_side: u32,
-    /// Maximum number of layers of a texture array.
     pub max_layers: u32,
 }
 
 impl DeviceLimits {
-    /// Limits of `device`.
     pub fn of(device: &wgpu::Device) -> Self {
         let limits = device.limits();
         Self { max_side: limits.max_texture_dimension_2d, max_layers: limits.max_texture_array_layers }
@@ -292,7 +277,6 @@ pub fn halve(fine: &Plane) -> Plane {
     coarse
 }
 
-/// Mean of the values that are numbers.
 fn mean_of_numbers(values: [f32; 4]) -> f32 {
     let numbers = values.into_iter().filter(|x| !x.is_nan());
     let (sum, count) = numbers.fold((0.0, 0), |(s, n), x| (s + x, n + 1));

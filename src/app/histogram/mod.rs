@@ -12,7 +12,6 @@ use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summar
 use egui::{CursorIcon, DragValue, Rect, Response, Sense, Slider, Ui, vec2};
 use plot::{Drag, Grip, PlotGeometry, axis_fits, axis_for, dragged, grip_at, nearest_end};
 
-/// Bars of the histogram.
 const BINS: usize = 256;
 
 /// Height of the plot with its strip and labels, in points.
@@ -29,7 +28,6 @@ pub struct HistogramPanel {
     drag: Option<Drag>,
 }
 
-/// Histogram, with the picture and axis that it was counted for.
 #[derive(Debug, Clone)]
 struct Counted {
     id: PictureId,
@@ -49,7 +47,6 @@ pub fn percentile_range(picture: &Picture, region: &Region) -> Option<(f32, f32)
 }
 
 impl HistogramPanel {
-    /// Creates an empty state.
     pub fn new() -> Self {
         Self::default()
     }
@@ -228,7 +225,6 @@ fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
     ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), drag).on_hover_text("As a fraction of full scale.")
 }
 
-/// Draws the choice of colour map and gamma.
 fn colours_ui(ui: &mut Ui, display: &mut Display) {
     egui::Grid::new("colours").num_columns(2).spacing(vec2(8.0, 6.0)).show(ui, |ui| {
         let label = ui.label("Colour map");
@@ -257,7 +253,6 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
     });
 }
 
-/// Draws a small bar of a map's colours.
 fn swatch_ui(ui: &mut Ui, map: ColourMap) {
     let (rect, _) = ui.allocate_exact_size(vec2(44.0, 12.0), Sense::hover());
     let lut = map.lut();
@@ -283,7 +278,7 @@ mod tests {
         assert_eq!(full_range(&picture), Some((0.0, 1.0)));
         let (low, high) = percentile_range(&picture, &Region::whole(&picture.plane)).unwrap();
         assert!(low == 0.0 && (high - 0.099).abs() < 1e-6, "{high}");
-        let region = Region { u: 0..100, v: 50..60 };
+        let region = Region { columns: 0..100, rows: 50..60 };
         assert_eq!(percentile_range(&picture, &region), Some((0.05, 0.059)));
     }
 }

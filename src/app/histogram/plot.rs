@@ -14,16 +14,12 @@ const LABELS_POINTS: f32 = 15.0;
 /// Geometry of the plot: values along x, counts along y.
 #[derive(Debug, Clone, Copy)]
 pub struct PlotGeometry {
-    /// The bars.
     pub bars: Rect,
-    /// The colour strip.
     pub strip: Rect,
-    /// Lowest and highest value of the axis.
     pub axis: (f32, f32),
 }
 
 impl PlotGeometry {
-    /// Geometry of a plot in `rect` whose axis spans `axis`.
     pub fn new(rect: Rect, axis: (f32, f32)) -> Self {
         // Margin for half a handle at each side.
         let inner = rect.shrink2(vec2(6.0, 0.0));
@@ -48,15 +44,11 @@ impl PlotGeometry {
 /// Part of the range that the pointer is near or drags; it is drawn strong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grip {
-    /// The lower end of the range.
     Min,
-    /// The upper end.
     Max,
-    /// The whole range.
     Both,
 }
 
-/// Draws the histogram.
 pub fn draw(
     ui: &Ui,
     painter: &Painter,
@@ -135,7 +127,6 @@ fn draw_labels(ui: &Ui, painter: &Painter, geometry: &PlotGeometry) {
     }
 }
 
-/// A line over the bars with a knob on the strip.
 fn draw_handle(ui: &Ui, painter: &Painter, geometry: &PlotGeometry, x: f32, strong: bool) {
     let visuals = ui.visuals();
     let colour = if strong { visuals.strong_text_color() } else { visuals.selection.stroke.color };
@@ -171,14 +162,10 @@ pub fn axis_fits(axis: (f32, f32), data_range: Option<(f32, f32)>, display: &Dis
 /// Distance within which the pointer grabs a handle, in points.
 const GRAB_POINTS: f32 = 9.0;
 
-/// Drag in progress: the dragged part, and the range and pointer value at its start.
 #[derive(Debug, Clone, Copy)]
 pub struct Drag {
-    /// Dragged part of the range.
     pub grip: Grip,
-    /// The display when the drag began.
     pub start: Display,
-    /// Value under the pointer when the drag began.
     pub start_value: f32,
 }
 

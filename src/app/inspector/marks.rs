@@ -36,7 +36,7 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
 pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
     let kinds = [a, b].map(|pane| pane.picture.as_ref().map(|picture| picture.request.kind));
-    let used = model.usable_params_of(a.side).used_frames(model.burst_of(a.side)?.burst.len());
+    let used = model.slots[a.side].usable_params.used_frames(model.burst_of(a.side)?.burst.len());
     Some(place_in(pos_image, (kinds[0]?, &a.cursor), (kinds[1]?, &b.cursor), &used))
 }
 
@@ -91,7 +91,7 @@ fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<P
 }
 
 fn used(model: &Model, side: Side) -> Option<std::ops::Range<usize>> {
-    Some(model.usable_params_of(side).used_frames(model.burst_of(side)?.burst.len()))
+    Some(model.slots[side].usable_params.used_frames(model.burst_of(side)?.burst.len()))
 }
 
 /// Draws the marks over the drawn panes, and takes the place under the pointer: a click with Shift probes it, any click

@@ -7,16 +7,16 @@ use super::marks::mid_burst;
 use super::pane_ui::Drawn;
 use super::widgets::{MenuPlace, PaneWidgets};
 use crate::app::actions::menu::item_ui;
-use crate::app::actions::{ActionId, Queue, shown_by};
+use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::number;
 use crate::app::clipboard;
-use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, Pane, PaneId, Preset, SidesPreset, SliceAxis};
+use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, PaneId, Preset, SidesPreset, SliceAxis};
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::{MatchRow, Side};
 use crate::app::project::workspace::Workspace;
-use crate::app::words::{explained, picture_word};
-use crate::requests::MapKind;
+use crate::app::words::explained;
+use crate::teach::glossary::glossary;
 use egui::{Button, RichText, Ui};
 
 pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: &mut Vec<Change>, queue: &mut Queue) {
@@ -62,25 +62,15 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     let methods = model.contenders();
     let Some(pane) = model.panes.get_mut(id) else { return };
     for kind in ViewKind::ALL {
-        let radio = ui.radio(pane.shows(kind), kind.label());
-        if explained(radio, shown_by(kind.shown()).action().help, picture_word(Content::Cursor, kind)).clicked() {
+        let about = kind.about();
+        let radio = ui.radio(pane.shows(kind), about.label);
+        if explained(radio, about.help, glossary().of_picture(about.key)).clicked() {
             pane.show(kind);
         }
     }
-    let choice_ui = |ui: &mut Ui, pane: &Pane, content: Content, label: &str, help: &str| {
-        let radio = ui.radio(pane.content == content, label);
-        explained(radio, help, picture_word(content, pane.cursor.kind)).clicked()
-    };
-    if choice_ui(ui, pane, Content::Merge, "Merged frames", ActionId::ShowMerge.action().help) {
-        pane.content = Content::Merge;
-    }
-    for map in MapKind::ALL {
-        if choice_ui(ui, pane, Content::Map(map), map.about().label, map.about().help) {
-            pane.content = Content::Map(map);
-        }
-    }
     for axis in SliceAxis::ALL {
-        if choice_ui(ui, pane, Content::Slice(axis), axis.label(), axis.help()) {
+        let radio = ui.radio(pane.content == Content::Slice(axis), axis.label());
+        if explained(radio, axis.help(), glossary().of_picture("slice")).clicked() {
             pane.show_slice(axis);
         }
     }

@@ -17,7 +17,7 @@ use crate::app::{canvas, style};
 use crate::detector::Slope;
 use crate::inspect::shares::Slice;
 use crate::inspect::words::{counted, number};
-use crate::requests::{Probed, Request};
+use crate::requests::Probed;
 use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };
@@ -57,11 +57,13 @@ pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &m
         widgets.of(id).aside.keep(&mut view, ui.available_rect_before_wrap(), is_beside);
     }
     let state = &mut widgets.of(shown).picture;
-    let output = canvas_of(model, shown, name)
-        .picture(state.shown().filter(|_| problem.is_none()))
-        .empty_text(problem.unwrap_or("Computing the picture…"))
-        .primary_pans(model.workspace != Workspace::Inspect || model.measure.tool == Tool::Pan)
-        .show(ui, &mut view);
+    let canvas = Canvas {
+        picture: state.shown().filter(|_| problem.is_none()),
+        empty_text: problem.unwrap_or("Computing the picture…"),
+        primary_pans: model.workspace != Workspace::Inspect || model.measure.tool == Tool::Pan,
+        ..canvas_of(model, shown, name)
+    };
+    let output = canvas.show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;
     let picture = model.panes.get(shown).and_then(|pane| pane.picture.as_ref());
     state.paint_colours(ui, picture, &output);
@@ -85,7 +87,8 @@ pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut 
     let state = &mut widgets.of(other).picture;
     state.refresh(picture);
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
-    let over = canvas_of(model, other, "Wipe, right side").picture(state.shown()).show_over(ui, &drawn.output, right);
+    let canvas = Canvas { picture: state.shown(), ..canvas_of(model, other, "Wipe, right side") };
+    let over = canvas.show_over(ui, &drawn.output, right);
     state.paint_colours(ui, picture, &over);
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     features_ui(ui, model, other, &mut widgets.of(other).picture, &over, FeatureOptions { legend: false });
@@ -118,7 +121,12 @@ pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Draw
 
 /// Canvas for the picture of `id`, without the picture.
 fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
-    Canvas::new(name).display(&model.display_of(id)).dim(!model.is_current(id)).full_scale(full_scale(model, id))
+    Canvas {
+        display: model.display_of(id),
+        dim: !model.is_current(id),
+        full_scale: full_scale(model, id),
+        ..Canvas::new(name)
+    }
 }
 
 /// Value in the file that became 1.0, of the burst of `id`; 1 where the picture's values are not the file's.
@@ -133,7 +141,7 @@ pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
 fn problem_of(model: &Model, id: PaneId) -> Option<&str> {
     let wanted = model.wanted(id)?;
     let (request, why) = model.panes.get(id)?.problem.as_ref()?;
-    request.is_same(&wanted).then_some(why.as_str())
+    (*request == wanted).then_some(why.as_str())
 }
 
 /// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.

@@ -14,7 +14,7 @@ use crate::app::project::cursor::ViewKind;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
-use crate::requests::{MapKind, PictureKind};
+use crate::requests::PictureKind;
 use egui::{Pos2, Rect};
 use std::collections::HashMap;
 
@@ -127,21 +127,21 @@ fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
         (Some(_), Some(PictureKind::Merge)) => return "Merged frames".to_owned(),
         _ => {}
     }
-    match (pane.content, cursor.kind) {
-        (Content::Merge, _) if tiny => "Merged".to_owned(),
-        (Content::Merge, _) => "Merged frames".to_owned(),
-        (Content::Map(MapKind::Noise), _) => format!("σ {}/{} {slope}", cursor.octave, cursor.level),
-        (Content::Map(MapKind::Motion), _) => format!("Winning slope {}/{}", cursor.octave, cursor.level),
-        (Content::Map(map), _) if tiny => map.about().label.to_owned(),
-        (Content::Map(map), _) => format!("{} {slope}", map.about().label),
+    let scale = format!("{}/{}", cursor.octave, cursor.level);
+    match (pane.content, pane.shown()) {
         (Content::Slice(_), _) if tiny => "Slice".to_owned(),
         (Content::Slice(axis), _) => axis.label().to_owned(),
         (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),
-        (Content::Cursor, ViewKind::Frame) => format!("Frame {}", cursor.frame),
-        (Content::Cursor, ViewKind::Stack) if tiny => slope,
-        (Content::Cursor, ViewKind::Dog) if tiny => format!("{}/{} {slope}", cursor.octave, cursor.level),
-        (Content::Cursor, ViewKind::Stack) => format!("Stack {slope}"),
-        (Content::Cursor, ViewKind::Dog) => format!("DoG {}/{} {slope}", cursor.octave, cursor.level),
+        (_, Some(ViewKind::Frame)) => format!("Frame {}", cursor.frame),
+        (_, Some(ViewKind::Stack)) if tiny => slope,
+        (_, Some(ViewKind::Dog)) if tiny => format!("{scale} {slope}"),
+        (_, Some(ViewKind::Stack)) => format!("Stack {slope}"),
+        (_, Some(ViewKind::Dog)) => format!("DoG {scale} {slope}"),
+        (_, Some(ViewKind::Merge)) => if tiny { "Merged" } else { "Merged frames" }.to_owned(),
+        (_, Some(ViewKind::Noise)) => format!("σ {scale} {slope}"),
+        (_, Some(ViewKind::Motion)) => format!("Winning slope {scale}"),
+        (_, Some(kind)) if tiny => kind.label().to_owned(),
+        (_, kind) => format!("{} {slope}", kind.map_or("", ViewKind::label)),
     }
 }
 

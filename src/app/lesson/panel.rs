@@ -15,16 +15,12 @@ use egui::{
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 use std::sync::Arc;
 
-/// Clicks in the panel.
 #[derive(Debug, Default)]
 pub struct LessonClicks {
-    /// Request to the lesson.
     pub wish: Option<Wish>,
-    /// Name of the glossary entry to open.
     pub word: Option<String>,
 }
 
-/// Draws the panel of the open lesson.
 pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: &mut Model, captions: &mut Captions) -> LessonClicks {
     let mut clicks = LessonClicks::default();
     let next = lessons.next_lesson();
@@ -136,7 +132,6 @@ fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>, captions: &mut 
     word
 }
 
-/// Draws the back button, a dot for each step, and the forward button.
 fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks: &mut LessonClicks) {
     let (step, count) = (open.step, open.lesson.steps.len());
     ui.separator();
@@ -197,7 +192,6 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
     }
 }
 
-/// Prefix of links to the glossary.
 const GLOSSARY: &str = "word:";
 
 /// Cache of the text widget, kept between passes.
@@ -233,7 +227,6 @@ impl Captions {
 /// Colour of the frame; also that of the selection in pictures.
 const HIGHLIGHT: Color32 = Color32::from_rgb(255, 200, 60);
 
-/// Draws frames around the highlighted parts.
 pub fn highlights_ui(ctx: &Context) {
     let painter = ctx.layer_painter(LayerId::new(Order::Middle, Id::unique("lesson highlight")));
     for (_, rect) in parts::drawn(ctx) {
@@ -247,7 +240,6 @@ pub fn highlights_ui(ctx: &Context) {
     }
 }
 
-/// Chosen lesson, if any.
 pub type Chosen = Option<Arc<Lesson>>;
 
 /// Draws the list if it is open. Returns the chosen lesson.
@@ -282,7 +274,6 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
     chosen
 }
 
-/// Draws a row for each lesson. Returns the chosen one.
 pub fn rows_ui(ui: &mut Ui, lessons: &Lessons) -> Chosen {
     let mut chosen = None;
     for lesson in lessons.all() {

@@ -16,14 +16,11 @@ use std::time::{Duration, Instant};
 
 /// Interval between frames while they are added one by one.
 const EVERY: Duration = Duration::from_millis(450);
-/// The height of the plot, points.
 const HEIGHT: f32 = 130.0;
 
-/// Ratios measured so far at one slope.
 #[derive(Debug, Default)]
 pub(in crate::app) struct SnrTrace {
     slope: Option<Slope>,
-    /// Measured ratio, by number of frames.
     measured: BTreeMap<usize, f32>,
     /// Largest ratio at any slope. It stays on the axis, so that a smaller ratio is seen to be small.
     largest: f32,
@@ -32,7 +29,6 @@ pub(in crate::app) struct SnrTrace {
 }
 
 impl SnrTrace {
-    /// Removes all measurements.
     pub(in crate::app) fn clear(&mut self) {
         *self = Self::default();
     }

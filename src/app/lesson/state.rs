@@ -14,41 +14,28 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Progress of the user in a lesson.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Progress {
     /// Step that was open last, from 0.
     pub step: usize,
-    /// Steps whose task was done.
     pub done: BTreeSet<usize>,
 }
 
-/// Request of the user to the open lesson.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wish {
-    /// Go to a step, from 0.
     Step(usize),
-    /// Set this step up again.
     Again,
-    /// Show the lesson's end.
     End,
-    /// Open the next lesson.
     NextLesson,
-    /// Leave the lesson.
     Leave,
 }
 
-/// State of the lessons in the window.
 #[derive(Debug, Default)]
 pub struct Lessons {
-    /// The lesson that is open.
     pub open: Option<OpenLesson>,
-    /// Whether the list of lessons is open.
     pub list_is_open: bool,
-    /// Lessons that were opened from files.
     pub opened: Vec<Arc<Lesson>>,
-    /// Progress in each lesson, by the lesson's name.
     pub progress: BTreeMap<String, Progress>,
 }
 
@@ -56,18 +43,14 @@ pub struct Lessons {
 #[derive(Debug)]
 struct Kept {
     model: Model,
-    /// Burst that was being opened.
     opening: Option<BurstSource>,
 }
 
-/// Open lesson, with its state.
 #[derive(Debug)]
 pub struct OpenLesson {
-    /// The lesson.
     pub lesson: Arc<Lesson>,
     /// The step, from 0.
     pub step: usize,
-    /// The steps whose task was done.
     pub done: BTreeSet<usize>,
     /// Whether the lesson's end is shown, after its last step.
     pub is_ended: bool,
@@ -77,23 +60,19 @@ pub struct OpenLesson {
     selects: bool,
     /// Bursts that the step opens itself.
     opens: Vec<BurstSource>,
-    /// Signal-to-noise ratios measured so far.
     pub(super) snr: SnrTrace,
     kept: Box<Kept>,
 }
 
 impl OpenLesson {
-    /// Present step.
     pub fn step(&self) -> &Step {
         &self.lesson.steps[self.step]
     }
 
-    /// Whether the task of the present step was done.
     pub fn is_done(&self) -> bool {
         self.done.contains(&self.step)
     }
 
-    /// Project as it was before the lesson.
     fn before(&self) -> &Model {
         &self.kept.model
     }
@@ -111,7 +90,6 @@ impl OpenLesson {
         self.selects = model.pair.selected.is_none() && model.selected.is_none();
     }
 
-    /// Sets the step up, if its bursts are open.
     fn set_up(&mut self, model: &mut Model) {
         let step = self.step().clone();
         let state = &step.state;
@@ -311,7 +289,6 @@ impl Lessons {
         effect
     }
 
-    /// Stores the progress in the open lesson.
     fn remember(&mut self) {
         if let Some(open) = &self.open {
             // A finished lesson begins anew.

@@ -1,15 +1,14 @@
 //! Steps and the project: sets it up as a step begins, and reads from it what the goals of tasks ask about.
 
 use crate::app::canvas::{View, Zoom};
-use crate::app::pane::{Content, PaneId, PaneLinks, Preset};
+use crate::app::pane::{Content, PaneId, PaneLinks};
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::set_up::SetUpState;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model, Panels, Visibility};
+use crate::app::project::{Model, Panels, Visibility};
 use crate::detector::DetectorParams;
-use crate::teach::{Holds, InView, Layout, Part, Place, Shown, State, Step, Tab};
+use crate::teach::{Holds, InView, Layout, Part, State, Step, Workspace};
 
 /// Panels of the window that a step needs, by its state and the parts that it highlights.
 fn panels_of(step: &Step) -> Panels {
@@ -21,8 +20,10 @@ fn panels_of(step: &Step) -> Panels {
         left: Visibility::Open,
         // Slices need the space that the probe's panel would take.
         right: (state.select.is_some() || in_probe || (state.probe.is_some() && !has_slice)).into(),
-        bottom: (state.tab.is_some() || state.workspace == Some(Place::Pair) || points_at(&[Part::Tabs, Part::Below]))
-            .into(),
+        bottom: (state.tab.is_some()
+            || state.workspace == Some(Workspace::Pair)
+            || points_at(&[Part::Tabs, Part::Below]))
+        .into(),
         filmstrip: false,
         advanced: false,
         welcome: false,
@@ -32,24 +33,13 @@ fn panels_of(step: &Step) -> Panels {
 /// Sets the model up as `step` says; its bursts are open already.
 pub(super) fn set_up(model: &mut Model, step: &Step) {
     let state = &step.state;
-    let place = state.workspace.unwrap_or(Place::Inspect);
-    model.workspace = match place {
-        Place::Inspect => Workspace::Inspect,
-        Place::Pair => Workspace::Pair,
-        Place::Methods => Workspace::Methods,
-    };
+    model.workspace = state.workspace.unwrap_or_default();
     model.set_search(state.params.clone().unwrap_or_else(|| DetectorParams::default().into()));
     model.pair.params = state.matching.clone().unwrap_or_default();
     model.auto_detect = state.detect.unwrap_or(false);
     let has_features = state.features.unwrap_or(model.auto_detect);
     model.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
-    model.bottom_tab = match state.tab.unwrap_or(Tab::Table) {
-        Tab::Table => BottomTab::Table,
-        Tab::Tally => BottomTab::Tally,
-        Tab::Noise => BottomTab::Noise,
-        Tab::Slopes => BottomTab::Slopes,
-        Tab::Compared => BottomTab::Compared,
-    };
+    model.bottom_tab = state.tab.unwrap_or_default();
     for side in Side::BOTH {
         if !model.auto_detect || !model.features_are_current(side) {
             model.slots[side].found = None;
@@ -68,7 +58,7 @@ pub(super) fn set_up(model: &mut Model, step: &Step) {
     model.check_pair();
     model.refresh_listed();
     if let Some(layout) = state.layout {
-        model.lay_out(preset_of(layout));
+        model.lay_out(layout);
     }
     if let Some(place) = state.probe {
         model.probe_place(Side::A, place);
@@ -98,24 +88,10 @@ fn set_up_panes(model: &mut Model, state: &State) {
             Some(InView::Region([left, top, right, bottom])) => View::region([left, top], [right, bottom]),
             None => View::fit(),
         };
-        pane.show_kind(state.show.unwrap_or(Shown::Stack));
+        pane.show(state.show.unwrap_or_default());
     }
 }
 
-fn preset_of(layout: Layout) -> Preset {
-    match layout {
-        Layout::Single => Preset::Single,
-        Layout::FrameAndStack => Preset::FrameAndStack,
-        Layout::TwoSlopes => Preset::TwoSlopes,
-        Layout::ThreeSlopes => Preset::Slopes(3),
-        Layout::FiveSlopes => Preset::Slopes(5),
-        Layout::Scales => Preset::Scales,
-        Layout::Slice => Preset::Slice,
-        Layout::TwoByTwo => Preset::TwoByTwo,
-    }
-}
-
-/// Reads the present state of the window.
 pub(super) fn seen(model: &Model) -> Holds<'_> {
     let cursor = model.cursor();
     let current = model.slots.a.found.is_some() && model.stale().is_none();
@@ -133,8 +109,8 @@ pub(super) fn seen(model: &Model) -> Holds<'_> {
         probe: model.probe.place().filter(|_| model.probe.side == Side::A && model.probe.is_current()),
         params: &model.params,
         matching: &model.pair.params,
-        tab: tab(model.bottom_tab).filter(|_| model.shows_bottom()),
-        workspace: place(model.workspace),
+        tab: model.shows_bottom().then_some(model.bottom_tab),
+        workspace: model.workspace,
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
         selected_match: model.pair.selected.is_some(),
         reads_depths: model.set_up.reads_depths,
@@ -166,51 +142,32 @@ fn layout(model: &Model) -> Option<Layout> {
         3 if slopes => Some(Layout::ThreeSlopes),
         4 if merges == 1 => Some(Layout::TwoByTwo),
         5 if slopes => Some(Layout::FiveSlopes),
+        7 if slopes => Some(Layout::SevenSlopes),
+        9 if slopes => Some(Layout::NineSlopes),
         n if levels && kinds(ViewKind::Dog) == n => Some(Layout::Scales),
         _ => None,
-    }
-}
-
-fn tab(tab: BottomTab) -> Option<Tab> {
-    match tab {
-        BottomTab::Table => Some(Tab::Table),
-        BottomTab::Tally => Some(Tab::Tally),
-        BottomTab::Noise => Some(Tab::Noise),
-        BottomTab::Slopes => Some(Tab::Slopes),
-        BottomTab::Compared => Some(Tab::Compared),
-        BottomTab::Profile | BottomTab::Region => None,
-    }
-}
-
-fn place(workspace: Workspace) -> Option<Place> {
-    match workspace {
-        Workspace::Inspect => Some(Place::Inspect),
-        Workspace::Pair => Some(Place::Pair),
-        Workspace::Methods => Some(Place::Methods),
-        Workspace::Matches | Workspace::Trajectories | Workspace::Lab => None,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::pane::Preset;
 
     #[test]
     fn every_layout_is_seen_as_what_it_is() {
         let mut model = Model::default();
-        for (preset, expected) in [
-            (Preset::FrameAndStack, Layout::FrameAndStack),
-            (Preset::Single, Layout::Single),
-            (Preset::TwoSlopes, Layout::TwoSlopes),
-            (Preset::Slopes(3), Layout::ThreeSlopes),
-            (Preset::Slopes(5), Layout::FiveSlopes),
-            (Preset::Slice, Layout::Slice),
-            (Preset::TwoByTwo, Layout::TwoByTwo),
-            (Preset::Scales, Layout::Scales),
+        for layout_made in [
+            Layout::FrameAndStack,
+            Layout::Single,
+            Layout::TwoSlopes,
+            Layout::ThreeSlopes,
+            Layout::FiveSlopes,
+            Layout::Slice,
+            Layout::TwoByTwo,
+            Layout::Scales,
         ] {
-            model.lay_out(preset);
-            assert_eq!(layout(&model), Some(expected), "{preset:?}");
+            model.lay_out(layout_made);
+            assert_eq!(layout(&model), Some(layout_made));
         }
     }
 }

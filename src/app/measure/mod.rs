@@ -1,8 +1,5 @@
 //! Measuring line and rectangle, drawn on a picture: the values along the line and the statistics in the rectangle, for
 //! all linked panes together.
-//!
-//! [`Measure`] is a plain value of the project: the shape, its pane, and its place in pixels of the input image. The
-//! panels below the pictures show [`profiles_of`] and [`region_in`]; the export writes the same values.
 
 mod panels;
 
@@ -18,43 +15,31 @@ use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
 
-/// The values of one pane along the line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaneProfile {
-    /// Pane.
     pub id: PaneId,
-    /// Number of the pane, from 1.
     pub number: usize,
-    /// Description of the pane's picture.
     pub label: String,
     /// Samples along the line; places in image pixels.
     pub samples: Vec<ProfileSample>,
 }
 
-/// The pixels of one pane in the rectangle.
 #[derive(Debug, Clone)]
 pub struct PaneRegion {
-    /// Pane.
     pub id: PaneId,
-    /// Number of the pane, from 1.
     pub number: usize,
-    /// Description of the pane's picture.
     pub label: String,
-    /// Picture of the pane.
     pub picture: Picture,
-    /// The pixels of that picture.
     pub region: Region,
 }
 
-/// The pane whose places a line or rectangle has: the one it was drawn on or, when other panes took its place, the one
-/// in focus, which shows the same burst.
+/// The pane that was drawn on or, when other panes took its place, the one in focus, which shows the same burst.
 fn measured_on(model: &Model, drawn_on: PaneId) -> PaneId {
     let is_replaced = model.workspace == Workspace::Inspect && !model.panes.shown().contains(&drawn_on);
     if is_replaced { model.focus() } else { drawn_on }
 }
 
-/// The pane that was drawn on, or that took its place, and those linked with it by place, in reading order; empty when
-/// its workspace is not open.
+/// The pane that was drawn on and those linked with it by place, in reading order.
 pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
     let (shown, drawn_on) = (model.panes.shown(), measured_on(model, drawn_on));
     if !shown.contains(&drawn_on) {
@@ -65,13 +50,11 @@ pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
     shown.into_iter().filter(|id| *id == drawn_on || (!alone && is_linked(id))).collect()
 }
 
-/// Maps a place of the pane that was drawn on to another pane.
 fn mapped(model: &Model, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let drawn_on = measured_on(model, drawn_on);
     if drawn_on == to { Some(pos_image) } else { same_place(model, drawn_on, to, pos_image) }
 }
 
-/// Values along `line`, in every measured pane.
 pub fn profiles_of(model: &Model, widgets: &PaneWidgets, line: &MeasuredLine) -> Vec<PaneProfile> {
     let of = |id: PaneId| {
         let picture = widgets.get(id)?.picture.shown()?;
@@ -83,7 +66,6 @@ pub fn profiles_of(model: &Model, widgets: &PaneWidgets, line: &MeasuredLine) ->
     measured_panes(model, line.pane).into_iter().filter_map(of).collect()
 }
 
-/// The pixels in `region` of pane `id`.
 pub fn region_in(model: &Model, widgets: &PaneWidgets, region: &MeasuredRegion, id: PaneId) -> Option<PaneRegion> {
     let picture = widgets.get(id)?.picture.shown()?.clone();
     let rect = region.rect_image;
@@ -94,10 +76,8 @@ pub fn region_in(model: &Model, widgets: &PaneWidgets, region: &MeasuredRegion, 
     Some(PaneRegion { id, number, label, picture, region })
 }
 
-/// Colour of the line and the rectangle.
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
 
-/// Handles the pointer on the canvas of pane `id`, while a measuring tool is active.
 pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
     let response = &output.response;
     let place = |pos: Pos2| output.image_from_ui.pos(pos);
@@ -129,7 +109,6 @@ pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
     }
 }
 
-/// Shows the line and the rectangle over the canvas of pane `id`.
 pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
     let pos_ui = |pos: Pos2| output.ui_from_image.pos(pos);
     let strokes = [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, COLOUR)];

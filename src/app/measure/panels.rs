@@ -16,10 +16,8 @@ use egui::{Color32, RichText, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, Corner, Legend, Line, Plot, PlotPoints};
 use std::collections::HashMap;
 
-/// Bars of the histogram.
 const BINS: usize = 64;
 
-/// Statistics of a picture's rectangle, with the picture and the rectangle.
 #[derive(Debug, Clone)]
 struct Known {
     picture: PictureId,
@@ -28,7 +26,6 @@ struct Known {
     histogram: Option<Histogram>,
 }
 
-/// Statistics of each pane, kept until its picture or the rectangle changes.
 #[derive(Debug, Default)]
 pub struct RegionCache(HashMap<PaneId, Known>);
 
@@ -47,7 +44,6 @@ impl RegionCache {
     }
 }
 
-/// Columns of the table, and their meanings.
 const COLUMNS: [(&str, &str); 7] = [
     ("Picture", "The pane's number and what it shows"),
     ("Pixels", "Pixels of the picture in the rectangle that have a value"),
@@ -61,7 +57,6 @@ const COLUMNS: [(&str, &str); 7] = [
     ),
 ];
 
-/// Draws the panel.
 pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut RegionCache, queue: &mut Queue) {
     let Some(region) = model.measure.region else {
         ui.horizontal(|ui| {
@@ -86,15 +81,8 @@ pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut 
         }
         button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear rectangle"));
         let rect = region.rect_image;
-        ui.weak(format!(
-            "({}, {}) to ({}, {}): {:.1} × {:.1} px",
-            fixed(rect.min.x, 1),
-            fixed(rect.min.y, 1),
-            fixed(rect.max.x, 1),
-            fixed(rect.max.y, 1),
-            rect.width(),
-            rect.height()
-        ));
+        let (from, to) = (place_text(rect.min), place_text(rect.max));
+        ui.weak(format!("{from} to {to}: {:.1} × {:.1} px", rect.width(), rect.height()));
     });
     let histogram = regions
         .iter()
@@ -110,6 +98,10 @@ pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut 
             histogram_ui(ui, number, &histogram);
         }
     });
+}
+
+fn place_text(at: egui::Pos2) -> String {
+    format!("({}, {})", fixed(at.x, 1), fixed(at.y, 1))
 }
 
 fn row(of: &PaneRegion, statistics: Option<RegionStatistics>) -> [String; COLUMNS.len()] {
@@ -172,8 +164,7 @@ fn histogram_ui(ui: &mut Ui, pane: usize, histogram: &Histogram) {
     drawn.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Histogram of the region"));
 }
 
-/// Colours of the panes' curves, in the panes' order: the palette of M. Okabe and K. Ito, which colour-blind readers
-/// can tell apart.
+/// The palette of M. Okabe and K. Ito, which colour-blind readers can tell apart.
 const CURVES: [Color32; 8] = [
     Color32::from_rgb(86, 180, 233),
     Color32::from_rgb(230, 159, 0),
@@ -185,7 +176,6 @@ const CURVES: [Color32; 8] = [
     Color32::from_rgb(150, 150, 150),
 ];
 
-/// Draws the panel.
 pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut Queue) {
     let Some(line) = model.measure.line else {
         ui.horizontal(|ui| {
@@ -200,8 +190,7 @@ pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
         button_ui(ui, model, queue, ActionId::MeasureLine, Some("Draw a line"));
         button_ui(ui, model, queue, ActionId::ExportProfile, Some("Export as CSV…"));
         button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear line"));
-        let place = |at: egui::Pos2| format!("({}, {})", fixed(at.x, 1), fixed(at.y, 1));
-        ui.weak(format!("{} to {}, {:.1} px", place(from), place(to), from.distance(to)));
+        ui.weak(format!("{} to {}, {:.1} px", place_text(from), place_text(to), from.distance(to)));
     });
     let plot = Plot::new("profile")
         .legend(Legend::default().position(Corner::RightTop))
@@ -244,14 +233,14 @@ mod tests {
             number: 1,
             label: "Frame 0".into(),
             picture: Picture::new(plane, "ramp"),
-            region: Region { u: 2..8, v: 0..5 },
+            region: Region { columns: 2..8, rows: 0..5 },
         };
         let mut cache = RegionCache::default();
         let first = cache.of(&of).clone();
         assert_eq!(first.statistics.map(|s| (s.count, s.min, s.max)), Some((30, 2.0, 7.0)));
         assert_eq!(first.histogram.map(|h| h.counts.iter().sum::<u64>()), Some(30));
         assert_eq!(row(&of, first.statistics)[1..4], ["30", "4.5", "1.737"]);
-        of.region = Region { u: 3..4, v: 0..5 };
+        of.region = Region { columns: 3..4, rows: 0..5 };
         let flat = cache.of(&of);
         assert!(flat.histogram.is_none() && flat.statistics.is_some(), "one value has no histogram");
         assert!(table_text(&[row(&of, None)]).ends_with("\n1  Frame 0\t–\t–\t–\t–\t–\t–"));

@@ -10,21 +10,16 @@ pub const MAX_PANES: usize = 16;
 /// Maximum depth of an arrangement; those read from files are cut off there.
 const MAX_DEPTH: usize = 8;
 
-/// Direction in which a pane is split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
-    /// The new pane is on the right.
     Right,
-    /// The new pane is below.
     Down,
 }
 
-/// Part of a row or column.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Part {
     /// Share of the space, relative to the other parts.
     pub share: f32,
-    /// Content of the part.
     pub inner: Arrangement,
 }
 
@@ -34,21 +29,15 @@ impl Part {
     }
 }
 
-/// Arrangement of panes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Arrangement {
-    /// One pane.
     Pane(PaneId),
-    /// From left to right.
     Row(Vec<Part>),
-    /// From top to bottom.
     Column(Vec<Part>),
     /// In one place, with one of them visible.
     Tabs {
-        /// Arrangements in this place.
         parts: Vec<Arrangement>,
-        /// Index of the visible one.
         active: usize,
     },
 }
@@ -67,7 +56,6 @@ impl Arrangement {
         }
     }
 
-    /// Panes, in reading order.
     pub fn panes(&self) -> Vec<PaneId> {
         match self {
             Self::Pane(id) => vec![*id],
@@ -144,7 +132,6 @@ impl Arrangement {
         };
     }
 
-    /// Puts `new` in the place of `id`.
     pub fn replace(&mut self, id: PaneId, new: PaneId) {
         match self {
             Self::Pane(own) if *own == id => *own = new,

@@ -81,7 +81,6 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Lays out a preset, made from the focused pane.
     pub fn lay_out(&mut self, preset: Preset, params: &DetectorParams) {
         let Some(base) = self.get(self.focus()) else { return };
         let Laid { rows, focus } = preset.lay_out(base, params);
@@ -123,7 +122,6 @@ impl Panes {
         self.replace(place_of(workspace), arrangement, panes, focus);
     }
 
-    /// Replaces the panes of the workspace at `place`.
     pub(super) fn replace(
         &mut self,
         place: usize,

@@ -2,24 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Kind of link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Link {
-    /// Zoom and pan.
     View,
-    /// Value range and colour map.
     Display,
     /// Frame, slope, octave and level: they move by equal steps, so that differences between panes stay.
     Cursor,
-    /// The place under the pointer.
     Place,
 }
 
 impl Link {
-    /// All links, in the order of the switches.
     pub const ALL: [Self; 4] = [Self::View, Self::Display, Self::Cursor, Self::Place];
 
-    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::View => "Link view",
@@ -39,7 +33,6 @@ impl Link {
         }
     }
 
-    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::View => "Zoom and pan together with the other panes that have this link",
@@ -52,17 +45,12 @@ impl Link {
     }
 }
 
-/// Links of one pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PaneLinks {
-    /// See [`Link::View`].
     pub view: bool,
-    /// See [`Link::Display`].
     pub display: bool,
-    /// See [`Link::Cursor`].
     pub cursor: bool,
-    /// See [`Link::Place`].
     pub place: bool,
 }
 
@@ -73,7 +61,6 @@ impl Default for PaneLinks {
 }
 
 impl PaneLinks {
-    /// Whether `link` is on.
     pub fn has(self, link: Link) -> bool {
         match link {
             Link::View => self.view,
@@ -83,7 +70,6 @@ impl PaneLinks {
         }
     }
 
-    /// Switches `link` on or off.
     pub fn set(&mut self, link: Link, on: bool) {
         match link {
             Link::View => self.view = on,

@@ -10,11 +10,9 @@ use crate::app::project::workspace::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Preset arrangement of methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MethodsPreset {
-    /// One pane for each method.
     #[default]
     Panes,
     /// Two in one place, with a line between them that can be moved.
@@ -26,10 +24,8 @@ pub enum MethodsPreset {
 }
 
 impl MethodsPreset {
-    /// All presets, in the order of the buttons.
     pub const ALL: [Self; 4] = [Self::Panes, Self::Wipe, Self::Flip, Self::Matches];
 
-    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Panes => "Panes",
@@ -39,7 +35,6 @@ impl MethodsPreset {
         }
     }
 
-    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::Panes => "A picture for each method, side by side",
@@ -107,7 +102,6 @@ impl Panes {
         self.placed[place].arrangement.append(&ids);
     }
 
-    /// Closes the panes of a method in *Methods*. The last pane stays.
     pub fn remove_method(&mut self, method: Contender) {
         let place = place_of(Workspace::Methods);
         for id in self.shown_in(Workspace::Methods) {

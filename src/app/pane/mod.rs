@@ -10,7 +10,6 @@
 
 mod arrangement;
 mod changes;
-mod kinds;
 mod links;
 mod methods;
 mod place;
@@ -22,7 +21,6 @@ mod tiles;
 mod together;
 
 pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
-pub use kinds::KindOfPicture;
 pub use links::{Link, PaneLinks};
 pub use methods::MethodsPreset;
 pub use place::place_in;
@@ -38,7 +36,7 @@ use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use crate::app::view::View;
 use crate::detector::{DetectorParams, Method};
-use crate::requests::{MapKind, OpenBurst, Picture, PictureKind, PictureRequest};
+use crate::requests::{OpenBurst, Picture, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
 /// Id of a pane, for as long as it is open.
@@ -47,13 +45,11 @@ use serde::{Deserialize, Serialize};
 pub struct PaneId(pub u32);
 
 impl PaneId {
-    /// The permanent pane for the burst of `side`.
     pub fn of(side: Side) -> Self {
         Self(side as u32)
     }
 }
 
-/// Content of a pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
@@ -63,14 +59,25 @@ pub enum Content {
     /// The frames of its burst, aligned and merged into one image.
     Merge,
     /// Map of a quantity that decides in the search, at the cursor.
-    Map(MapKind),
+    Map(ViewKind),
     /// The picture of one pane less that of another.
     Difference(PaneId, PaneId),
-    /// Slice through the frames at the probed place.
     Slice(SliceAxis),
 }
 
-/// Direction of a slice through the frames.
+impl Content {
+    /// Name in the glossary and in exported files' names of a content, with the kind of picture of its cursor.
+    pub fn key(self, of_cursor: ViewKind) -> &'static str {
+        match self {
+            Self::Difference(..) => "difference",
+            Self::Slice(_) => "slice",
+            Self::Cursor => of_cursor.about().key,
+            Self::Merge => ViewKind::Merge.about().key,
+            Self::Map(map) => map.about().key,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SliceAxis {
@@ -81,10 +88,8 @@ pub enum SliceAxis {
 }
 
 impl SliceAxis {
-    /// Both directions.
     pub const ALL: [Self; 2] = [Self::Along, Self::Across];
 
-    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Along => "Slice along the motion",
@@ -92,7 +97,6 @@ impl SliceAxis {
         }
     }
 
-    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::Along => {
@@ -108,23 +112,12 @@ impl SliceAxis {
 #[serde(rename_all = "snake_case")]
 pub enum Over {
     /// On the right of a line that can be moved.
-    Wipe {
-        /// Pane of the other picture.
-        other: PaneId,
-        /// Position of the line, 0 … 1 from the left.
-        at: f32,
-    },
+    Wipe { other: PaneId, at: f32 },
     /// In turn with the pane's own.
-    Flip {
-        /// Pane of the other picture.
-        other: PaneId,
-        /// Whether the other's picture is visible.
-        flipped: bool,
-    },
+    Flip { other: PaneId, flipped: bool },
 }
 
 impl Over {
-    /// Returns the same comparison with another pane's picture.
     #[must_use]
     pub fn with_other(self, other: PaneId) -> Self {
         match self {
@@ -133,7 +126,6 @@ impl Over {
         }
     }
 
-    /// Pane of the other picture.
     pub fn other(self) -> PaneId {
         match self {
             Self::Wipe { other, .. } | Self::Flip { other, .. } => other,
@@ -141,14 +133,11 @@ impl Over {
     }
 }
 
-/// View of one open burst.
 #[derive(Debug, Clone)]
 pub struct Pane {
-    /// Open burst that the pane shows.
     pub side: Side,
     /// Method whose input the pane shows, where methods are compared.
     pub method: Option<Contender>,
-    /// Content.
     pub content: Content,
     /// Place in the burst. A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits
     /// it.
@@ -159,18 +148,14 @@ pub struct Pane {
     pub view: View,
     /// Value ranges and colour maps of its own; `None` shares those of all.
     pub own_ranges: Option<Ranges>,
-    /// Links to the other panes.
     pub links: PaneLinks,
-    /// Another pane's picture in the same place.
     pub over: Option<Over>,
-    /// The last good picture.
     pub picture: Option<Picture>,
     /// Request that failed, and why.
     pub problem: Option<(PictureRequest, String)>,
 }
 
 impl Pane {
-    /// Creates a pane on the burst of `side`.
     pub fn new(side: Side) -> Self {
         Self {
             side,
@@ -187,9 +172,15 @@ impl Pane {
         }
     }
 
-    /// Shows one of the cursor's kinds of picture.
     pub fn show(&mut self, kind: ViewKind) {
-        (self.content, self.cursor.kind) = (Content::Cursor, kind);
+        self.content = match kind {
+            ViewKind::Merge => Content::Merge,
+            of_cursor if ViewKind::OF_CURSOR.contains(&of_cursor) => {
+                self.cursor.kind = kind;
+                Content::Cursor
+            }
+            map => Content::Map(map),
+        };
     }
 
     /// Shows a slice through the frames, which is no picture of the image plane.
@@ -197,16 +188,24 @@ impl Pane {
         (self.content, self.over, self.picture) = (Content::Slice(axis), None, None);
     }
 
-    /// Shows the input of `method`.
     pub fn show_method(&mut self, method: Option<Contender>) {
         if self.method != method {
             (self.method, self.picture, self.problem) = (method, None, None);
         }
     }
 
-    /// Whether the pane shows this kind of picture.
+    /// The kind of picture that the pane shows; `None` for slices and differences, which are made of several.
+    pub fn shown(&self) -> Option<ViewKind> {
+        match self.content {
+            Content::Cursor => Some(self.cursor.kind),
+            Content::Merge => Some(ViewKind::Merge),
+            Content::Map(map) => Some(map),
+            Content::Difference(..) | Content::Slice(_) => None,
+        }
+    }
+
     pub fn shows(&self, kind: ViewKind) -> bool {
-        self.content == Content::Cursor && self.cursor.kind == kind
+        self.shown() == Some(kind)
     }
 
     /// Switches to the motion stack where the content does not depend on the slope, after the slope was moved.
@@ -214,7 +213,7 @@ impl Pane {
         self.slope_chosen = true;
         // A slice shows the slope as a line.
         let is_slice = matches!(self.content, Content::Slice(_));
-        let is_seen = is_slice || self.kind_at(&self.cursor).is_some_and(|kind| kind.about().slope.is_some());
+        let is_seen = is_slice || self.shown().is_some_and(|kind| kind.about().of_slope);
         if !is_seen {
             self.show(ViewKind::Stack);
         }
@@ -222,7 +221,7 @@ impl Pane {
 
     /// Switches to the DoG where the content does not depend on octave and level, after one of them was moved.
     pub fn show_scale(&mut self) {
-        if self.kind_at(&self.cursor).is_none_or(|kind| kind.about().scale.is_none()) {
+        if !self.shown().is_some_and(|kind| kind.about().of_scale) {
             self.show(ViewKind::Dog);
         }
     }
@@ -235,19 +234,9 @@ impl Pane {
     /// Picture that the pane needs of its own burst; `None` for a difference, which is made of other panes' pictures,
     /// and for a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
-        let kind = self.seen_by_method(self.kind_at(&self.cursor_within(burst, params))?, burst, params);
+        let kind = self.cursor_within(burst, params).picture(self.shown()?);
+        let kind = self.seen_by_method(kind, burst, params);
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
-    }
-
-    /// Kind of the pane's own picture with this cursor; `None` for a difference and for a slice.
-    fn kind_at(&self, cursor: &Cursor) -> Option<PictureKind> {
-        let Cursor { octave, level, slope, .. } = *cursor;
-        match self.content {
-            Content::Cursor => Some(cursor.picture_kind()),
-            Content::Merge => Some(PictureKind::Merge),
-            Content::Map(map) => Some(PictureKind::Map { map, octave, level, slope }),
-            Content::Difference(..) | Content::Slice(_) => None,
-        }
     }
 
     /// Where methods are compared, replaces a motion stack by the method's input: one frame or the merged frames for

@@ -4,75 +4,52 @@ use super::{Content, Pane, SliceAxis};
 use crate::app::project::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
 use crate::detector::{DetectorParams, Slope};
 
-/// Preset arrangement of panes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Preset {
-    /// The focused pane alone.
-    Single,
-    /// A frame beside the motion stack.
-    FrameAndStack,
-    /// The slope beside the grid's next one, with their cursors not linked.
-    TwoSlopes,
-    /// Neighbouring slopes of the grid, three to nine.
-    Slopes(usize),
-    /// The DoG responses of all levels of the octave.
-    Scales,
-    /// Frame, motion stack, DoG response and merged frames.
-    TwoByTwo,
-    /// The motion stack above slices through the frames at the probed place.
-    Slice,
-}
+pub use crate::teach::Layout as Preset;
 
-/// Numbers of neighbouring slopes that a strip can have.
-pub const STRIPS: [usize; 4] = [3, 5, 7, 9];
-
-/// Panes to lay out.
 #[derive(Debug, Clone)]
 pub struct Laid {
-    /// Rows of panes, from top to bottom.
     pub rows: Vec<Vec<Pane>>,
     /// Index of the pane, in reading order, that continues the focused one.
     pub focus: usize,
 }
 
 impl Preset {
-    /// All presets, in the order of the menu.
     pub const ALL: [Self; 10] = [
         Self::Single,
         Self::FrameAndStack,
         Self::TwoSlopes,
-        Self::Slopes(STRIPS[0]),
-        Self::Slopes(STRIPS[1]),
-        Self::Slopes(STRIPS[2]),
-        Self::Slopes(STRIPS[3]),
+        Self::ThreeSlopes,
+        Self::FiveSlopes,
+        Self::SevenSlopes,
+        Self::NineSlopes,
         Self::Scales,
         Self::TwoByTwo,
         Self::Slice,
     ];
 
-    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Single => "Single pane",
             Self::FrameAndStack => "Frame and motion stack",
             Self::TwoSlopes => "Two slopes",
-            Self::Slopes(3) => "3 neighbouring slopes",
-            Self::Slopes(5) => "5 neighbouring slopes",
-            Self::Slopes(7) => "7 neighbouring slopes",
-            Self::Slopes(_) => "9 neighbouring slopes",
+            Self::ThreeSlopes => "3 neighbouring slopes",
+            Self::FiveSlopes => "5 neighbouring slopes",
+            Self::SevenSlopes => "7 neighbouring slopes",
+            Self::NineSlopes => "9 neighbouring slopes",
             Self::Scales => "Scales of the octave",
             Self::TwoByTwo => "2 × 2: frame, stack, DoG, merge",
             Self::Slice => "Stack and slice",
         }
     }
 
-    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::Single => "The pane in focus alone",
             Self::FrameAndStack => "One frame beside the motion stack",
             Self::TwoSlopes => "The slope beside the grid's next one, each moved on its own",
-            Self::Slopes(_) => "Neighbouring slopes of the grid, which move together",
+            Self::ThreeSlopes | Self::FiveSlopes | Self::SevenSlopes | Self::NineSlopes => {
+                "Neighbouring slopes of the grid, which move together"
+            }
             Self::Scales => "The DoG responses of all levels of the octave",
             Self::TwoByTwo => "Frame, motion stack, DoG response and merged frames of the same place",
             Self::Slice => "The motion stack above a slice through all frames at the probed place",
@@ -105,7 +82,13 @@ impl Preset {
                 });
                 Laid { rows: vec![two.to_vec()], focus: 0 }
             }
-            Self::Slopes(count) => {
+            Self::ThreeSlopes | Self::FiveSlopes | Self::SevenSlopes | Self::NineSlopes => {
+                let count = match self {
+                    Self::ThreeSlopes => 3,
+                    Self::FiveSlopes => 5,
+                    Self::SevenSlopes => 7,
+                    _ => 9,
+                };
                 let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
                 let panes = slopes.into_iter().map(|slope| {
                     at(&|p| {
@@ -137,9 +120,9 @@ impl Preset {
                 Laid { rows: vec![vec![stack], slices], focus: 0 }
             }
             Self::TwoByTwo => {
-                let [frame, stack, dog] = ViewKind::ALL.map(|kind| at(&|p| p.show(kind)));
-                let merge = at(&|p| p.content = Content::Merge);
-                let focus = ViewKind::ALL.iter().position(|kind| *kind == base.cursor.kind).unwrap_or(1);
+                let [frame, stack, dog] = ViewKind::OF_CURSOR.map(|kind| at(&|p| p.show(kind)));
+                let merge = at(&|p| p.show(ViewKind::Merge));
+                let focus = ViewKind::OF_CURSOR.iter().position(|kind| *kind == base.cursor.kind).unwrap_or(1);
                 Laid { rows: vec![vec![frame, stack], vec![dog, merge]], focus }
             }
         }
@@ -207,15 +190,15 @@ mod tests {
 
     #[test]
     fn a_strip_has_the_slope_in_focus_in_its_middle_and_stays_on_the_grid() {
-        let laid = Preset::Slopes(5).lay_out(&base(0.1), &params());
+        let laid = Preset::FiveSlopes.lay_out(&base(0.1), &params());
         assert_eq!((slopes(&laid), laid.focus), (vec![-2.0, -1.0, 0.0, 1.0, 2.0], 2));
         assert_eq!(laid.rows.iter().map(Vec::len).collect::<Vec<_>>(), [3, 2]);
-        let laid = Preset::Slopes(3).lay_out(&base(3.0), &params());
+        let laid = Preset::ThreeSlopes.lay_out(&base(3.0), &params());
         assert_eq!((slopes(&laid), laid.focus), (vec![1.0, 2.0, 3.0], 2));
-        let laid = Preset::Slopes(9).lay_out(&base(0.0), &params());
+        let laid = Preset::NineSlopes.lay_out(&base(0.0), &params());
         assert_eq!(slopes(&laid).len(), 7, "the grid has no more");
         let single = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params() };
-        assert_eq!(slopes(&Preset::Slopes(3).lay_out(&base(1.0), &single)), [0.75, 1.0, 1.25]);
+        assert_eq!(slopes(&Preset::ThreeSlopes.lay_out(&base(1.0), &single)), [0.75, 1.0, 1.25]);
     }
 
     #[test]
@@ -240,7 +223,7 @@ mod tests {
     #[test]
     fn the_pane_in_focus_goes_on_in_every_preset() {
         for preset in Preset::ALL {
-            for kind in ViewKind::ALL {
+            for kind in ViewKind::OF_CURSOR {
                 let mut pane = base(1.0);
                 pane.show(kind);
                 let laid = preset.lay_out(&pane, &params());

@@ -11,51 +11,37 @@ use crate::app::view::View;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Saved panes of one workspace.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedPanes {
-    /// Focused pane.
     pub focus: PaneId,
-    /// Arrangement of the panes.
     pub arrangement: Arrangement,
-    /// All panes of the arrangement.
     pub panes: Vec<SavedPane>,
 }
 
-/// Saved pane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedPane {
-    /// Id.
     pub id: PaneId,
-    /// Burst.
     #[serde(default)]
     pub side: Side,
-    /// Method whose input the pane showed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<Contender>,
-    /// Content.
     #[serde(default)]
     pub content: Content,
-    /// Cursor.
     #[serde(default)]
     pub cursor: Cursor,
     /// Pan and zoom.
     #[serde(default)]
     pub view: View,
-    /// Links.
     #[serde(default)]
     pub links: PaneLinks,
-    /// Value ranges of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own_ranges: Option<Ranges>,
-    /// Picture over the pane's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<Over>,
 }
 
-/// Saved panes of all workspaces that have panes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SavedWorkspaces {
     /// Panes of *Inspect*, *Two bursts* and *Methods*; `None` leaves a workspace unchanged.
@@ -63,12 +49,10 @@ pub struct SavedWorkspaces {
 }
 
 impl SavedWorkspaces {
-    /// Saves the panes of all workspaces.
     pub fn of(panes: &Panes) -> Self {
         Self { placed: PLACES.map(|workspace| Some(SavedPanes::of(panes, workspace))) }
     }
 
-    /// Restores them in `panes`.
     pub fn apply(&self, panes: &mut Panes) {
         for (saved, workspace) in self.placed.iter().zip(PLACES) {
             saved.iter().for_each(|saved| saved.apply(panes, workspace));
@@ -77,7 +61,6 @@ impl SavedWorkspaces {
 }
 
 impl SavedPanes {
-    /// Saves the panes of `workspace`.
     pub fn of(panes: &Panes, workspace: Workspace) -> Self {
         let saved = |id: PaneId| {
             let Pane { side, method, content, cursor, view, links, own_ranges, over, .. } = panes.get(id)?.clone();
@@ -118,7 +101,7 @@ mod tests {
     #[test]
     fn panes_come_back_as_they_were() {
         let mut panes = Panes::default();
-        panes.lay_out(Preset::Slopes(5), &DetectorParams::default());
+        panes.lay_out(Preset::FiveSlopes, &DetectorParams::default());
         panes.split_with(Direction::Down, |pane| {
             (pane.content, pane.side) = (Content::Merge, Side::B);
             pane.links.set(Link::Display, false);

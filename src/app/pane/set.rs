@@ -6,10 +6,8 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use std::collections::BTreeMap;
 
-/// Workspaces that have panes of their own.
 pub(super) const PLACES: [Workspace; 3] = [Workspace::Inspect, Workspace::Pair, Workspace::Methods];
 
-/// Arrangement of the panes of one workspace, and the focused pane.
 #[derive(Debug)]
 pub(super) struct Placed {
     pub(super) arrangement: Arrangement,
@@ -24,7 +22,6 @@ pub struct Panes {
     pub(super) sides: [Pane; 2],
     pub(super) more: BTreeMap<PaneId, Pane>,
     pub(super) placed: [Placed; PLACES.len()],
-    /// Index of the open workspace in [`PLACES`].
     pub(super) open: usize,
     pub(super) next: u32,
 }
@@ -64,33 +61,27 @@ impl Panes {
         self.open = place_of(workspace);
     }
 
-    /// Returns pane `id`.
     pub fn get(&self, id: PaneId) -> Option<&Pane> {
         self.sides.get(id.0 as usize).or_else(|| self.more.get(&id))
     }
 
-    /// Returns pane `id` for changing.
     pub fn get_mut(&mut self, id: PaneId) -> Option<&mut Pane> {
         self.sides.get_mut(id.0 as usize).or_else(|| self.more.get_mut(&id))
     }
 
-    /// Permanent pane for the burst of `side`.
     pub fn of(&self, side: Side) -> &Pane {
         &self.sides[side as usize]
     }
 
-    /// Permanent pane for the burst of `side`, for changing.
     pub fn of_mut(&mut self, side: Side) -> &mut Pane {
         &mut self.sides[side as usize]
     }
 
-    /// Iterates over all panes, on the screen or not.
     pub fn iter(&self) -> impl Iterator<Item = (PaneId, &Pane)> {
         let sides = Side::BOTH.into_iter().map(|side| (PaneId::of(side), self.of(side)));
         sides.chain(self.more.iter().map(|(id, pane)| (*id, pane)))
     }
 
-    /// Iterates over all panes for changing.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (PaneId, &mut Pane)> {
         let sides = Side::BOTH.into_iter().map(PaneId::of).zip(&mut self.sides);
         sides.chain(self.more.iter_mut().map(|(id, pane)| (*id, pane)))
@@ -104,12 +95,10 @@ impl Panes {
         &mut self.placed[self.open]
     }
 
-    /// Arrangement of the panes on the screen.
     pub fn arrangement(&self) -> &Arrangement {
         &self.here().arrangement
     }
 
-    /// Arrangement of the panes of `workspace`, and its focused pane.
     pub fn placed_in(&self, workspace: Workspace) -> (&Arrangement, PaneId) {
         let placed = &self.placed[place_of(workspace)];
         (&placed.arrangement, placed.focus)
@@ -125,12 +114,10 @@ impl Panes {
         }
     }
 
-    /// Panes on the screen, in reading order.
     pub fn shown(&self) -> Vec<PaneId> {
         self.arrangement().panes()
     }
 
-    /// Panes of `workspace`, in reading order.
     pub fn shown_in(&self, workspace: Workspace) -> Vec<PaneId> {
         self.placed[place_of(workspace)].arrangement.panes()
     }
@@ -141,7 +128,6 @@ impl Panes {
         self.shown().into_iter().filter(is_of).collect()
     }
 
-    /// Whether any workspace has `id`.
     pub(super) fn is_placed(&self, id: PaneId) -> bool {
         self.placed.iter().any(|placed| placed.arrangement.panes().contains(&id))
     }
@@ -156,7 +142,6 @@ impl Panes {
         beside
     }
 
-    /// Whether several panes are on the screen.
     pub fn are_many(&self) -> bool {
         !matches!(self.arrangement(), Arrangement::Pane(_))
     }
@@ -176,14 +161,12 @@ impl Panes {
         self.here().focus
     }
 
-    /// Focuses `id`, if it is on the screen.
     pub fn set_focus(&mut self, id: PaneId) {
         if self.shown().contains(&id) {
             self.here_mut().focus = id;
         }
     }
 
-    /// Focuses `id` in `workspace`, if it is there.
     pub fn set_focus_in(&mut self, workspace: Workspace, id: PaneId) {
         let placed = &mut self.placed[place_of(workspace)];
         if placed.arrangement.panes().contains(&id) {
@@ -199,7 +182,6 @@ impl Panes {
         self.here_mut().focus = shown[(place + step) % shown.len()];
     }
 
-    /// Returns an unused id.
     pub(super) fn fresh(&mut self) -> PaneId {
         // A file may hold the largest number; the first two belong to the permanent panes.
         while self.next < 2 || self.more.contains_key(&PaneId(self.next)) {

@@ -7,24 +7,17 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use std::collections::BTreeMap;
 
-/// Preset arrangement of two bursts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SidesPreset {
-    /// A beside B.
     SideBySide,
-    /// A above B.
     Stacked,
-    /// The motion stacks of both above their DoG responses.
     StackAndDog,
-    /// Both above the difference of their pictures.
     Difference,
 }
 
 impl SidesPreset {
-    /// All presets, in the order of the menu.
     pub const ALL: [Self; 4] = [Self::SideBySide, Self::Stacked, Self::StackAndDog, Self::Difference];
 
-    /// Name.
     pub fn label(self) -> &'static str {
         match self {
             Self::SideBySide => "A beside B",
@@ -34,7 +27,6 @@ impl SidesPreset {
         }
     }
 
-    /// Description.
     pub fn help(self) -> &'static str {
         match self {
             Self::SideBySide => "One picture of each burst, A on the left",

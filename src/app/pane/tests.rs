@@ -36,7 +36,7 @@ fn panes_are_split_focused_and_closed() {
 #[test]
 fn linked_cursors_keep_their_distance_and_others_stay() {
     let mut panes = Panes::default();
-    panes.lay_out(Preset::Slopes(3), &DetectorParams::default());
+    panes.lay_out(Preset::ThreeSlopes, &DetectorParams::default());
     let slopes = |panes: &Panes| -> Vec<f32> {
         panes.shown().iter().map(|id| panes.get(*id).expect("shown").cursor.slope.u).collect()
     };

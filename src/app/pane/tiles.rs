@@ -9,7 +9,6 @@ use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 /// First id of a container; panes have smaller ones.
 const FIRST_CONTAINER: u64 = 1 << 32;
 
-/// Makes the widget's tree of an arrangement.
 pub fn tree_of(arrangement: &Arrangement) -> Tree<PaneId> {
     let mut tiles = Tiles::default();
     let mut next = FIRST_CONTAINER;

@@ -51,7 +51,6 @@ impl Panes {
         }
     }
 
-    /// Whether all panes on the screen have `link`.
     pub fn all_share(&self, link: Link) -> bool {
         self.shown().into_iter().filter_map(|id| self.get(id)).all(|pane| pane.links.has(link))
     }
@@ -70,7 +69,6 @@ impl Panes {
         };
     }
 
-    /// Shows the other picture of the focused flip.
     pub fn flip(&mut self) {
         let focus = self.focus();
         if let Some(Pane { over: Some(Over::Flip { flipped, .. }), .. }) = self.get_mut(focus) {

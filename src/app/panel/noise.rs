@@ -2,12 +2,11 @@
 //! of the noise, and the assumptions that do not hold.
 
 use crate::app::canvas::number as in_digits;
-use crate::app::pane::Content;
 use crate::app::project::side::Side;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::noise_model::NoiseModel;
 use crate::plane::display::ColourMap;
-use crate::requests::MapKind;
+use crate::requests::ViewKind;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
 fn number(value: f32) -> String {
@@ -65,9 +64,9 @@ fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
             "Variance of a frame's noise at intensity I, both as fractions of full scale: a is the shot noise per unit \
              of intensity, b the variance in the dark",
         );
-        let tip = format!("{} (Shift+N)", MapKind::Noise.about().help);
+        let tip = format!("{} (Shift+N)", ViewKind::Noise.about().help);
         if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
-            model.focused_mut().content = Content::Map(MapKind::Noise);
+            model.focused_mut().show(ViewKind::Noise);
         }
     });
 }

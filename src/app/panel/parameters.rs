@@ -8,7 +8,8 @@ use crate::app::parts;
 use crate::app::project::Model;
 use crate::app::style;
 use crate::detector::params::{Param, doc};
-use crate::detector::{DetectorParams, SlopeChoice, SlopeFinding};
+use crate::detector::{DetectorParams, SlopeChoice};
+use crate::inspect::words::capitalised;
 use crate::teach::Part;
 use egui::{Align, Layout, RichText, Ui};
 
@@ -56,7 +57,7 @@ fn row_ui(
     let (p, choice) = (&mut model.params, &mut model.slopes);
     ui.add_enabled_ui((record.in_use)(p), |ui| {
         if *record == doc::SLOPES {
-            slopes_ui(ui, table, choice, finding.map(slopes_found_text).as_deref());
+            slopes_ui(ui, table, choice, finding.map(|finding| capitalised(&finding.summary())).as_deref());
         } else {
             table.row(ui, record, p);
         }
@@ -94,12 +95,6 @@ fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, Dete
     if is_open {
         advanced().for_each(|record| row_ui(ui, model, table, record));
     }
-}
-
-fn slopes_found_text(finding: &SlopeFinding) -> String {
-    let summary = finding.summary();
-    let (first, rest) = summary.split_at(summary.chars().next().map_or(0, char::len_utf8));
-    first.to_uppercase() + rest
 }
 
 fn slopes_ui(

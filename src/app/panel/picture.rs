@@ -95,7 +95,7 @@ impl PictureState {
 
 pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
-    let on_canvas = match picture.request.kind.about().scale {
+    let on_canvas = match picture.request.kind.scale() {
         Some((octave, _)) => canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label),
         None => canvas::Picture::new(plane, label),
     };
@@ -150,13 +150,11 @@ fn describe_request(request: &PictureRequest) -> String {
             let used = request.params.used_frames(burst.len());
             return format!("Merged frames  ·  {} … {}", used.start, used.end - 1);
         }
-        PictureKind::Stack { .. } => "Motion stack",
-        PictureKind::Dog { .. } => "DoG",
-        PictureKind::Map { map, .. } => map.about().label,
+        kind => kind.about().label,
     };
-    let about = request.kind.about();
-    let at = about.scale.map(|(octave, level)| format!("  ·  octave {octave}, level {level}"));
-    let of = about.slope.map(|Slope { u, v }| format!("  ·  slope ({}, {}) px/frame", fixed(u, 2), fixed(v, 2)));
+    let at = request.kind.scale().map(|(octave, level)| format!("  ·  octave {octave}, level {level}"));
+    let of =
+        request.kind.slope().map(|Slope { u, v }| format!("  ·  slope ({}, {}) px/frame", fixed(u, 2), fixed(v, 2)));
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
 }
 
@@ -167,7 +165,7 @@ pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &
             let used = &detection.frames_used;
             Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
         }
-        PictureKind::Stack { .. } | PictureKind::Dog { .. } | PictureKind::Merge | PictureKind::Map { .. } => None,
+        _ => None,
     }
 }
 
@@ -206,7 +204,7 @@ mod tests {
     use crate::app::project::tests::open;
     use crate::detector::{DetectorParams, FrameRange};
     use crate::monitor::Monitor;
-    use crate::requests::MapKind;
+    use crate::requests::ViewKind;
     use crate::requests::{Request, Work};
 
     fn line(kind: PictureKind, params: DetectorParams, minus: Option<PictureKind>) -> String {
@@ -228,9 +226,9 @@ mod tests {
         let dog = PictureKind::Dog { octave, level, slope };
         assert_eq!(of(dog), "DoG  ·  octave 0, level 1  ·  slope (-1.00, 0.50) px/frame");
         let map = |map| of(PictureKind::Map { map, octave, level, slope });
-        assert_eq!(map(MapKind::Noise), "Local noise  ·  octave 0, level 1  ·  slope (-1.00, 0.50) px/frame");
-        assert_eq!(map(MapKind::Coverage), "Coverage  ·  slope (-1.00, 0.50) px/frame");
-        assert_eq!(map(MapKind::Motion), "Winning slope  ·  octave 0, level 1");
+        assert_eq!(map(ViewKind::Noise), "Local noise  ·  octave 0, level 1  ·  slope (-1.00, 0.50) px/frame");
+        assert_eq!(map(ViewKind::Coverage), "Coverage  ·  slope (-1.00, 0.50) px/frame");
+        assert_eq!(map(ViewKind::Motion), "Winning slope  ·  octave 0, level 1");
         let frames = Some(FrameRange { start: 1, end: 4 });
         let some = DetectorParams { frames, ..DetectorParams::default() };
         assert_eq!(line(PictureKind::Merge, some, None), "Merged frames  ·  1 … 3");

@@ -12,7 +12,7 @@ use crate::detector::{Descriptor, Feature};
 use crate::inspect::verdict::{Judged, Verdict};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
-use crate::plane::sample::sample_patch_turned;
+use crate::plane::sample::sample_patch;
 use crate::requests::PictureKind;
 use egui::{
     Color32, Label, Rect, RichText, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
@@ -268,7 +268,7 @@ impl PatchView<'_> {
     }
 
     fn load(&self, ui: &Ui, key: &PatchKey) -> TextureHandle {
-        let patch = sample_patch_turned(self.plane, key.centre, key.half_width_px, key.angle_rad, SAMPLES);
+        let patch = sample_patch(self.plane, key.centre, key.half_width_px, key.angle_rad, SAMPLES);
         let mut rgba = to_rgba8(&patch, &key.display);
         let beside = if key.dark { 20 } else { 206 };
         for (pixel, value) in rgba.pixels_mut().zip(patch.data()) {

@@ -5,52 +5,23 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
 use crate::app::inspector::copy_ui;
 use crate::app::project::Model;
-use crate::app::project::filter::{Column, Interval, Order};
+use crate::app::project::filter::{Interval, Order};
 use crate::app::project::side::Side;
+use crate::app::view::{quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
-use crate::detector::Feature;
+use crate::detector::quantity::Record;
+use crate::detector::{Feature, Quantity};
 use crate::inspect::verdict::Verdict;
-use egui::{Align, Label, Layout, RichText, Sense, Ui};
+use egui::{Align, Label, Layout, Response, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
 
-impl SortedColumn for Column {
-    fn heading(self) -> &'static str {
-        Self::heading(self)
-    }
-
-    fn help(self) -> &'static str {
-        Self::help(self)
-    }
-
-    fn word(self) -> Option<&'static str> {
-        match self {
-            Self::Rank | Self::U | Self::V => None,
-            Self::Sigma => Some("scale"),
-            Self::Orientation => Some("orientation"),
-            Self::SlopeU | Self::SlopeV => Some("slope"),
-            Self::Response => Some("response"),
-            Self::Snr => Some("snr"),
-            Self::Octave => Some("octave"),
-            Self::Level => Some("level"),
-            Self::AtSlopeLimit => Some("slope-limit"),
-            Self::Coherence => Some("coherence"),
-            Self::Verdict => Some("ghost"),
-            Self::Depth => None,
-        }
-    }
-
-    fn width(self) -> f32 {
-        match self {
-            Self::Rank | Self::Sigma | Self::Octave => 34.0,
-            Self::Level | Self::AtSlopeLimit => 36.0,
-            Self::Orientation | Self::Snr | Self::Coherence => 40.0,
-            Self::U | Self::V | Self::SlopeU | Self::SlopeV | Self::Depth => 46.0,
-            Self::Response | Self::Verdict => 64.0,
-        }
+impl SortedColumn for Quantity {
+    fn look(self) -> Heading {
+        let Record { heading, help, term, width, .. } = self.record();
+        Heading { text: heading, help, term, width, ..Heading::default() }
     }
 }
 
-/// Draws the table.
 pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     if model.slots.a.found.is_none() {
         ui.centered_and_justified(|ui| ui.weak(model.without_features(Side::A, "Press Detect to find features")));
@@ -63,15 +34,12 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
     let judged = model.judged().cloned();
-    let text = |column: Column, index: usize| {
+    let text = |quantity, index: usize| {
         let feature = &model.features()[index];
-        column.text(
-            index,
-            feature,
-            model.set_up.known(feature.slope, judged.as_ref().and_then(|judged| judged.get(index))),
-        )
+        let judged = judged.as_ref().and_then(|judged| judged.get(index));
+        quantity_text(quantity, index, feature, model.set_up.known(feature.slope, judged))
     };
-    let columns: Vec<Column> = Column::shown(model.set_up.reads_depths).collect();
+    let columns: Vec<Quantity> = shown_quantities(model.set_up.reads_depths).collect();
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
         let Some(feature) = model.features().get(index) else { return };
@@ -105,29 +73,35 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 /// Height of a row, in points.
 pub(in crate::app) const ROW_HEIGHT: f32 = 18.0;
 
-/// Columns that a table can have.
 pub(in crate::app) trait SortedColumn: Copy + PartialEq + 'static {
-    /// Heading.
-    fn heading(self) -> &'static str;
-    /// Description, with the unit.
-    fn help(self) -> &'static str;
-    /// Name of the glossary entry for the column.
-    fn word(self) -> Option<&'static str>;
-    /// Width that the numbers need, points; the remaining space is shared.
-    fn width(self) -> f32;
+    fn look(self) -> Heading;
+}
+
+/// Heading of a column, and how the column looks.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in crate::app) struct Heading {
+    pub text: &'static str,
+    /// Description, with the unit; may be empty.
+    pub help: &'static str,
+    /// Name of the glossary entry.
+    pub term: Option<&'static str>,
+    /// Width that the texts need, points.
+    pub width: f32,
+    /// Whether the column has exactly this width; the others share the remaining space.
+    pub is_exact: bool,
+    /// Whether its texts stand at the left end of their cells, and not, as numbers do, at the right.
+    pub is_left: bool,
 }
 
 /// Items that a table lists, by their indices.
 pub(in crate::app) struct Listed<'a> {
     /// Items in the table's order.
     pub items: &'a [usize],
-    /// Selected item.
     pub selected: Option<usize>,
     /// Item under the pointer, here or elsewhere.
     pub hovered: Option<usize>,
 }
 
-/// Result of drawing the table.
 pub(in crate::app) struct Pointed<C> {
     /// Order, changed by a click on a heading.
     pub order: Order<C>,
@@ -137,8 +111,9 @@ pub(in crate::app) struct Pointed<C> {
     pub hovered: Option<usize>,
 }
 
-/// Draws the table of `columns`, from left to right. `text` is the content of an item's cell, `name` the item's name
-/// for screen readers, and `menu` draws the menu that the secondary button opens on its row.
+/// Draws a table that a click on a heading sorts: `columns` from left to right, the first of which has a fixed width.
+/// `text` is the content of an item's cell, `name` the item's name for screen readers, and `menu` draws the menu that
+/// the secondary button opens on its row.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
     (columns, order): (&[C], Order<C>),
@@ -147,85 +122,121 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     name: impl Fn(usize) -> String,
     mut menu: impl FnMut(&mut Ui, usize),
 ) -> Pointed<C> {
-    let &Listed { items, selected, hovered } = listed;
-    let selected_row = selected.and_then(|s| items.iter().position(|&i| i == s));
-    let scroll_id = ui.scope_id().with("scrolled to");
-    let scrolled_to: Option<usize> = ui.data(|d| d.get_temp(scroll_id)).flatten();
-    let mut pointed = Pointed { order, selected, hovered: None };
+    let mut pointed = Pointed { order, selected: listed.selected, hovered: None };
+    let mut headings: Vec<Heading> = columns.iter().map(|column| column.look()).collect();
+    headings.iter_mut().take(1).for_each(|first| first.is_exact = true);
+    let sorted_by = columns.iter().position(|column| *column == order.column).unwrap_or(columns.len());
     ui.spacing_mut().item_spacing.x = 4.0;
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
-        let mut table = TableBuilder::new(ui)
-            .striped(true)
-            .sense(Sense::click())
-            .cell_layout(Layout::left_to_right(Align::Center))
-            .min_scrolled_height(0.0)
-            .auto_shrink(false)
-            .column(TableColumn::exact(columns.first().map_or(0.0, |first| first.width())));
-        for column in columns.iter().skip(1) {
-            table = table.column(TableColumn::remainder().at_least(column.width()));
+        let text = |column: usize, index| text(columns[column], index);
+        let clicked = rows_ui(ui, &headings, Some((sorted_by, order.descending)), listed, text, name, |row, index| {
+            row.context_menu(|ui| menu(ui, index));
+            if row.hovered() {
+                pointed.hovered = Some(index);
+            }
+            if row.clicked() {
+                pointed.selected = Some(index);
+            }
+        });
+        if let Some(column) = clicked {
+            pointed.order = order.clicked(columns[column]);
         }
-        // Scrolls to the selection once, when it was made elsewhere.
-        if let Some(row) = selected_row.filter(|_| selected != scrolled_to) {
-            table = table.scroll_to_row(row, None);
-        }
-        table
-            .header(20.0, |mut header| {
-                for &column in columns {
-                    let sorted = (order.column == column).then_some(order.descending);
-                    let (_, cell) = header.col(|ui| heading_ui(ui, column.heading(), sorted));
-                    let label = format!("Sort by {}", column.heading());
-                    cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
-                    if explained(cell, column.help(), column.word().and_then(word)).clicked() {
-                        pointed.order = order.clicked(column);
-                    }
-                }
-            })
-            .body(|body| {
-                body.rows(ROW_HEIGHT, items.len(), |mut row| {
-                    let index = items[row.index()];
-                    row.set_selected(selected == Some(index));
-                    row.set_hovered(hovered == Some(index));
-                    for &column in columns {
-                        row.col(|ui| cell_ui(ui, RichText::new(text(column, index)).monospace()));
-                    }
-                    let response = row.response();
-                    let label = name(index);
-                    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
-                    response.context_menu(|ui| menu(ui, index));
-                    if response.hovered() {
-                        pointed.hovered = Some(index);
-                    }
-                    if response.clicked() {
-                        pointed.selected = Some(index);
-                    }
-                });
-            });
     });
-    ui.data_mut(|d| d.insert_temp(scroll_id, pointed.selected));
     pointed
 }
 
-/// Draws a heading; `sorted` is `Some` if the table is sorted by it, and true if the largest come first.
-pub(in crate::app) fn heading_ui(ui: &mut Ui, heading: &str, sorted: Option<bool>) {
+/// Draws a table. `sorted` is the column by which it is sorted and whether the largest come first; `None` for a table
+/// that is in an order of its own. `text` is the content of the cell of a column and an item, `name` the item's name
+/// for screen readers, and `on_row` takes the response of its row. Returns the column whose heading was clicked.
+pub(in crate::app) fn rows_ui(
+    ui: &mut Ui,
+    headings: &[Heading],
+    sorted: Option<(usize, bool)>,
+    listed: &Listed<'_>,
+    text: impl Fn(usize, usize) -> String,
+    name: impl Fn(usize) -> String,
+    mut on_row: impl FnMut(&Response, usize),
+) -> Option<usize> {
+    let &Listed { items, selected, hovered } = listed;
+    let scroll_id = ui.scope_id().with("scrolled to");
+    let scrolled_to: Option<usize> = ui.data(|d| d.get_temp(scroll_id)).flatten();
+    let (mut clicked, mut now_selected) = (None, selected);
+    let mut table = TableBuilder::new(ui)
+        .striped(true)
+        .sense(Sense::click())
+        .cell_layout(Layout::left_to_right(Align::Center))
+        .min_scrolled_height(0.0)
+        .auto_shrink(false);
+    for &Heading { width, is_exact, .. } in headings {
+        let rest = TableColumn::remainder().at_least(width);
+        table = table.column(if is_exact { TableColumn::exact(width) } else { rest });
+    }
+    // Scrolls to the selection once, when it was made elsewhere.
+    let selected_row = selected.and_then(|s| items.iter().position(|&item| item == s));
+    if let Some(row) = selected_row.filter(|_| selected != scrolled_to) {
+        table = table.scroll_to_row(row, None);
+    }
+    table
+        .header(20.0, |mut header| {
+            for (column, heading) in headings.iter().enumerate() {
+                let sorted_here = sorted.filter(|(by, _)| *by == column).map(|(_, descending)| descending);
+                let (_, mut cell) =
+                    header.col(|ui| cell_ui(ui, heading_text(heading.text, sorted_here), heading.is_left));
+                if sorted.is_some() {
+                    let label = format!("Sort by {}", heading.text);
+                    cell.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+                }
+                if !heading.help.is_empty() {
+                    cell = explained(cell, heading.help, heading.term.and_then(word));
+                }
+                if sorted.is_some() && cell.clicked() {
+                    clicked = Some(column);
+                }
+            }
+        })
+        .body(|body| {
+            body.rows(ROW_HEIGHT, items.len(), |mut row| {
+                let item = items[row.index()];
+                row.set_selected(selected == Some(item));
+                row.set_hovered(hovered == Some(item));
+                for (column, heading) in headings.iter().enumerate() {
+                    row.col(|ui| cell_ui(ui, RichText::new(text(column, item)).monospace(), heading.is_left));
+                }
+                let response = row.response();
+                let label = name(item);
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &label));
+                if response.clicked() {
+                    now_selected = Some(item);
+                }
+                on_row(&response, item);
+            });
+        });
+    ui.data_mut(|d| d.insert_temp(scroll_id, now_selected));
+    clicked
+}
+
+/// A heading; `sorted` is `Some` if the table is sorted by it, and true if the largest come first.
+fn heading_text(heading: &str, sorted: Option<bool>) -> RichText {
     let arrow = match sorted {
         Some(true) => " ⏷",
         Some(false) => " ⏶",
         None => "",
     };
     let text = RichText::new(format!("{heading}{arrow}")).small();
-    let text = if sorted.is_some() { text.strong() } else { text };
-    cell_ui(ui, text);
+    if sorted.is_some() { text.strong() } else { text }
 }
 
-/// Draws a text at the right end of its cell. (The whole table cannot be laid out from the right: cells would then take
-/// clicks of their neighbours.)
-pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText) {
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.add(Label::new(text).selectable(false).extend());
-    });
+/// Draws a text at the right end of its cell, or at the left. (The whole table cannot be laid out from the right: cells
+/// would then take clicks of their neighbours.)
+pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText, is_left: bool) {
+    let label = Label::new(text).selectable(false).extend();
+    if is_left {
+        ui.add(label);
+    } else {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.add(label));
+    }
 }
 
-/// Draws the bar.
 pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let (total, listed) = (model.features().len(), model.listed.len());
     if total == 0 {
@@ -267,10 +278,9 @@ fn ranges_ui(ui: &mut Ui, model: &mut Model) {
     range_ui(ui, "Coherence", "those too noisy to tell pass", (0.0, 1.0), &mut model.filter.coherence);
 }
 
-/// Draws the choice of the verdict.
 fn verdict_ui(ui: &mut Ui, model: &mut Model) {
     ui.horizontal_wrapped(|ui| {
-        crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Column::Verdict.help());
+        crate::app::panel::widgets::label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
         let text = |verdict: Option<Verdict>| verdict.map_or("all", Verdict::word);
         // No list that unfolds: a click on one would close the menu.
         for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {

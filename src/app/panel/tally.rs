@@ -13,6 +13,7 @@ use crate::detector::advice::grouped;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::candidates::{CandidateMark, Survey};
 use crate::inspect::probe::Wanted;
+use crate::inspect::words::capitalised;
 use crate::plane::display::ColourMap;
 use crate::requests::ProbeQuestion;
 use egui::{Align2, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
@@ -62,7 +63,7 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             let row = Row { name: test.reason(), samples: tally.rejected_by(test), candidates, bar };
             let mut shown = model.explained.shown_test == Some(test);
             let before = shown;
-            line_ui(ui, &row, takes_candidates(test).then_some(&mut shown));
+            line_ui(ui, &row, test.takes_candidates().then_some(&mut shown));
             if shown != before {
                 (model.explained.shown_test, model.explained.selected) = (shown.then_some(test), None);
             }
@@ -74,12 +75,6 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ui.add_space(4.0);
         crate::app::panel::status::advice_ui(ui, model, queue);
     });
-}
-
-/// Whether a candidate can fail the test first: a sample that is no extremum at its own slope and scale is no
-/// candidate.
-fn takes_candidates(test: Test) -> bool {
-    !matches!(test, Test::SpaceExtremum | Test::ScaleExtremum)
 }
 
 /// Width of the tests' names, points.
@@ -173,7 +168,7 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
         return;
     };
     let shown = strongest(&survey);
-    let circle = |mark: &CandidateMark| circle_of(mark, slopes.slope(mark.slope_index), dt);
+    let circle = |mark: &CandidateMark| circle_of(mark, slopes.slope(mark.sample.slope_index), dt);
     let selected = model.explained.selected;
     let marks = shown.iter().map(|&index| {
         let mark = &survey.marks[index];
@@ -199,7 +194,7 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
         model.explained.selected = pointed;
     }
     if let Some(index) = pointed.filter(|_| !output.response.dragged()) {
-        let text = mark_text(&survey.marks[index], slopes.slope(survey.marks[index].slope_index));
+        let text = mark_text(&survey.marks[index], slopes.slope(survey.marks[index].sample.slope_index));
         let (id, anchor) = (egui::Id::unique("candidate tip"), egui::PopupAnchor::Pointer);
         egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor)
             .gap(14.0)
@@ -244,8 +239,8 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
         number(u, 4),
         number(v, 4),
         mark.sigma,
-        mark.octave,
-        mark.level,
+        mark.sample.octave,
+        mark.sample.level,
         signed_slope(slope, 2),
         mark.value,
         mark.snr
@@ -254,20 +249,19 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
 
 pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
     let Some(mark) = model.selected_candidate().copied() else { return };
-    let Some(slope) = model.slots.a.found.as_ref().map(|found| found.detection.slopes.slope(mark.slope_index)) else {
+    let Some(slope) = model.slots.a.found.as_ref().map(|found| found.detection.slopes.slope(mark.sample.slope_index))
+    else {
         return;
     };
     Frame::group(ui.style()).inner_margin(Margin::symmetric(6, 3)).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
-            let text = mark_text(&mark, slope).replace('\n', "  ·  ");
-            let mut text = text.chars();
-            let text: String = text.next().into_iter().flat_map(char::to_uppercase).chain(text).collect();
-            ui.add(Label::new(text).wrap());
+            ui.add(Label::new(capitalised(&mark_text(&mark, slope).replace('\n', "  ·  "))).wrap());
             let tip = "Show the DoG at its slope, octave and level, centred on it";
             if ui.button("Go to candidate").on_hover_text(tip).clicked() {
                 model.playing = false;
                 let pane = model.focused_mut();
-                (pane.cursor.slope, pane.cursor.octave, pane.cursor.level) = (slope, mark.octave, mark.level);
+                (pane.cursor.slope, pane.cursor.octave, pane.cursor.level) =
+                    (slope, mark.sample.octave, mark.sample.level);
                 pane.slope_chosen = true;
                 pane.show(crate::app::project::cursor::ViewKind::Dog);
                 let [u, v] = mark.pos_image;
@@ -278,7 +272,7 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
                 .on_hover_text("Show its tests in order, and the setting that would keep it")
                 .clicked()
             {
-                let wanted = Wanted::Candidate(mark.of_sample());
+                let wanted = Wanted::Candidate(mark.sample);
                 model.ask_probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted });
             }
             if ui.button("Clear").on_hover_text("Clear the selection").clicked() {
@@ -311,6 +305,7 @@ mod tests {
     use super::*;
     use crate::app::project::tests::open;
     use crate::detector::DetectorParams;
+    use crate::detector::Sample;
     use crate::inspect::ProbeCache;
     use crate::inspect::candidates::{SurveyOptions, survey};
     use crate::monitor::Monitor;
@@ -322,19 +317,16 @@ mod tests {
         let survey = survey(&cache.trail, &SurveyOptions::default(), &Monitor::default()).expect("not cancelled");
         assert!(survey.candidates > 0);
         for count in &survey.counts {
-            assert!(takes_candidates(count.test) || count.candidates == 0, "{:?}", count.test);
+            assert!(count.test.takes_candidates() || count.candidates == 0, "{:?}", count.test);
         }
-        assert_eq!(survey.counts.iter().filter(|count| !takes_candidates(count.test)).count(), 2);
+        assert_eq!(survey.counts.iter().filter(|count| !count.test.takes_candidates()).count(), 2);
     }
 
     fn mark(snr: f32) -> CandidateMark {
         CandidateMark {
             pos_image: [10.5, 20.0],
             sigma: 2.0,
-            octave: 0,
-            level: 1,
-            slope_index: 3,
-            sample: [10, 20],
+            sample: Sample { octave: 0, level: 1, slope_index: 3, x: 10, y: 20 },
             value: -0.0123,
             snr,
             first_failed: Some(Test::NoiseGate),

@@ -49,8 +49,8 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let kinds = ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for kind in ViewKind::ALL {
-            button_ui(ui, model, queue, shown_by(kind.shown()), Some(kind.label()));
+        for kind in ViewKind::OF_CURSOR {
+            button_ui(ui, model, queue, shown_by(kind), Some(kind.label()));
         }
     });
     mark(ui, Part::Kinds, kinds.response.rect);

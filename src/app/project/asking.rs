@@ -1,15 +1,12 @@
 //! Requests of the project to the engine: in each pass it takes the answers that came, and requests what is missing.
-//!
-//! Each part of the project holds a [`Wanted`](crate::engine::Wanted) for each of its requests, takes the answers and
-//! requests what is missing. [`Model::wants`] lists them all.
 
+use super::messages::Messages;
 use super::side::Side;
 use super::{Effect, Model};
-use crate::engine::{Engine, Want};
-use crate::requests::Urgency;
+use crate::engine::{Ended, Engine, Want, Wanted};
+use crate::requests::{JobError, Request, Urgency};
 
 impl Model {
-    /// Requests of all parts to the engine, except those for panes' pictures and datasets' thumbnails.
     pub fn wants(&self) -> Vec<&dyn Want> {
         let Self { slots, pair, compare, explained, coherence, probe, datasets, trajectories, lab, .. } = self;
         let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
@@ -37,18 +34,15 @@ impl Model {
         [opening, detecting, against, gold, coherences].into_iter().flatten().chain(others).collect()
     }
 
-    /// Whether a search runs that [`Self::cancel_searches`] would cancel.
     pub fn is_searching(&self) -> bool {
         self.wants().iter().any(|want| want.urgency() == Some(Urgency::Search))
     }
 
-    /// Cancels opening, detecting, matching and comparing. Work on datasets, the Lab's studies and the figures of the
-    /// paper are cancelled separately.
+    /// Work on datasets, the Lab's studies and the figures of the paper are cancelled separately.
     pub fn cancel_searches(&self) {
         self.wants().into_iter().filter(|want| want.urgency() == Some(Urgency::Search)).for_each(Want::cancel);
     }
 
-    /// Whether everything to be shown is there, or is known to have failed.
     pub fn is_settled(&self) -> bool {
         self.wants().into_iter().all(Want::is_settled)
             && self.pictures_are_current()
@@ -64,7 +58,6 @@ impl Model {
             && self.missing_candidates().is_none_or(|missing| self.explained.asked_candidates.has_failed(&missing))
     }
 
-    /// Takes the answers since the last pass, and returns the changes that the window has to make.
     #[must_use]
     pub(in crate::app) fn take_answers(&mut self, engine: &Engine) -> Vec<Effect> {
         engine.enforce_grace();
@@ -93,8 +86,7 @@ impl Model {
         effects
     }
 
-    /// Requests what is missing. While the pointer drags a value, long work waits for the final value; features that
-    /// need no search follow it.
+    /// While the pointer drags a value, long work waits for the final one; features that need no search follow it.
     pub(in crate::app) fn ask(&mut self, engine: &Engine, dragging: bool) {
         self.ask_for_pictures(engine, dragging);
         if self.auto_detect && (!dragging || self.features_can_follow(Side::A)) {
@@ -111,34 +103,28 @@ impl Model {
     }
 }
 
+/// The answers since the last pass. A failure becomes a message with this title.
+pub(super) fn answers<R: Request>(wanted: &mut Wanted<R>, title: &str, messages: &mut Messages) -> Vec<R::Answer> {
+    let answer = |ended: Ended<R>| match ended.result {
+        Ok(answer) => Some(answer),
+        Err(JobError::Cancelled) => None,
+        Err(error) => {
+            messages.error(title, error.to_string());
+            None
+        }
+    };
+    wanted.take().into_iter().filter_map(answer).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::project::tests::{Bench, open};
     use crate::app::project::workspace::Workspace;
     use crate::detector::{NoiseGate, SlopeGrid};
-    use crate::requests::{BurstSource, JobError};
+    use crate::requests::BurstSource;
     use crate::synth::Example;
     use std::sync::Arc;
-
-    #[test]
-    fn a_burst_is_opened_for_either_side_and_what_it_changes_beyond_is_an_effect() {
-        let mut bench = Bench::new();
-        bench.model.open(Side::A, BurstSource::Demo, &bench.engine);
-        bench.model.open(Side::B, BurstSource::DemoLater, &bench.engine);
-        assert!(bench.model.is_searching() && !bench.model.is_settled());
-        let effects = bench.run_until(|_, effects| effects.len() == 2);
-        let mut names: Vec<(Side, String)> = effects
-            .into_iter()
-            .map(|effect| match effect {
-                Effect::Opened(side, ended) => (side, ended.result.expect("built in").burst.name.clone()),
-                other => panic!("nothing else ended: {other:?}"),
-            })
-            .collect();
-        names.sort_by_key(|(side, _)| *side as usize);
-        assert_eq!(names, [(Side::A, "demo".to_owned()), (Side::B, "demo-later".to_owned())]);
-        assert!(!bench.model.is_searching());
-    }
 
     #[test]
     fn what_is_shown_is_asked_for_and_comes_to_rest() {

@@ -3,60 +3,34 @@
 use crate::detector::scale_space::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
 use crate::requests::PictureKind;
+pub use crate::requests::ViewKind;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
-
-/// The kinds of picture that the canvas switches between.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ViewKind {
-    /// One frame as it was taken.
-    Frame,
-    /// The motion-stack image at the slope.
-    #[default]
-    Stack,
-    /// The DoG response at the slope, octave and level.
-    Dog,
-}
-
-impl ViewKind {
-    /// All kinds, in the order of the switch.
-    pub const ALL: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];
-
-    /// Name in the window.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Frame => "Frame",
-            Self::Stack => "Motion stack",
-            Self::Dog => "DoG",
-        }
-    }
-}
 
 /// Position of a pane's cursor. The slope may lie between the grid's slopes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Cursor {
-    /// Kind of picture.
+    /// Kind of picture that was shown last of those of [`ViewKind::OF_CURSOR`].
     pub kind: ViewKind,
-    /// Frame, counted from 0.
     pub frame: usize,
     /// Slope, pixels per frame.
     pub slope: Slope,
     /// Octave; −1 is the doubled image.
     pub octave: i32,
-    /// Level within the octave.
     pub level: i32,
 }
 
 impl Cursor {
-    /// Kind of picture at the cursor, for a request.
-    pub fn picture_kind(&self) -> PictureKind {
-        let slope = self.slope;
-        match self.kind {
+    /// A picture of this kind at the cursor.
+    pub fn picture(&self, kind: ViewKind) -> PictureKind {
+        let Self { slope, octave, level, .. } = *self;
+        match kind {
             ViewKind::Frame => PictureKind::Frame(self.frame),
             ViewKind::Stack => PictureKind::Stack { slope },
-            ViewKind::Dog => PictureKind::Dog { octave: self.octave, level: self.level, slope },
+            ViewKind::Dog => PictureKind::Dog { octave, level, slope },
+            ViewKind::Merge => PictureKind::Merge,
+            map => PictureKind::Map { map, octave, level, slope },
         }
     }
 
@@ -76,8 +50,7 @@ impl Cursor {
         }
     }
 
-    /// The cursor with all values clamped to the range of the burst and the parameters; slopes that are not finite
-    /// become 0.
+    /// All values clamped to the range of the burst and the parameters; slopes that are not finite become 0.
     #[must_use]
     pub fn within(self, params: &DetectorParams, frame_count: usize, size: (usize, usize)) -> Self {
         let (octaves, levels) = (octave_range(params, size), level_range(params));
@@ -93,39 +66,33 @@ impl Cursor {
     }
 }
 
-/// Octaves that the octave slider offers.
 pub fn octave_range(params: &DetectorParams, size: (usize, usize)) -> RangeInclusive<i32> {
     let octaves = searched_octaves(params, size);
     octaves.start..=(octaves.end - 1).max(octaves.start)
 }
 
-/// Levels that the level slider offers: those that features come from, and one more on each side, against which they
-/// are compared.
+/// Those that features come from, and one more on each side, against which they are compared.
 pub fn level_range(params: &DetectorParams) -> RangeInclusive<i32> {
     -1..=params.levels as i32
 }
 
-/// Largest magnitude on the slope sliders, pixels per frame: a little beyond the grid, so that slopes past its edge can
-/// be seen.
+/// Pixels per frame: a little beyond the grid, so that slopes past its edge can be seen.
 pub fn slope_limit(grid: &SlopeGrid) -> f32 {
     (grid.max_magnitude() * 1.25).clamp(1.0, 1e4).ceil()
 }
 
-/// Grid coordinates (i, j) of the grid's slope that is nearest to `slope`.
 pub fn nearest_on_grid(grid: &SlopeGrid, slope: Slope) -> (usize, usize) {
     let distance = |s: Slope| Slope::new(s.u - slope.u, s.v - slope.v).magnitude();
     let nearest = (0..grid.len()).min_by(|&a, &b| distance(grid.slope(a)).total_cmp(&distance(grid.slope(b))));
     grid.coordinates(nearest.unwrap_or(0))
 }
 
-/// The grid's slope that is nearest to `slope`.
 pub fn snapped(grid: &SlopeGrid, slope: Slope) -> Slope {
     let (i, j) = nearest_on_grid(grid, slope);
     grid.at(i as f32, j as f32)
 }
 
-/// The slope one step from `slope` along the grid's first (`along_second` false) or second axis: the next slope of the
-/// grid in that direction, or a quarter of a pixel per frame further where that axis has a single slope.
+/// The grid's next slope along its first or second axis; 0.25 px/frame further where that has a single slope.
 pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool) -> Slope {
     let sign = if forward { 1.0 } else { -1.0 };
     let axis = if along_second { &grid.v } else { &grid.u };

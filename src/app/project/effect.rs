@@ -10,126 +10,77 @@ use crate::teach::Lesson;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Change beyond the part of the window that returns it.
 #[derive(Debug)]
 pub enum Effect {
     /// Opening a burst for a side ended, with or without success; a session may have waited for it.
     Opened(Side, Ended<OpenRequest>),
-    /// A burst goes to the top of the recent list.
     Recent(BurstSource),
-    /// A dataset goes to the top of the recent list.
     RecentDataset(DatasetSource),
     /// The user chooses which of several bursts is opened for a side.
     Choose(Side, Vec<BurstSource>),
-    /// The user is asked how a sequence is cut into bursts.
     Cut {
-        /// Files of the sequence.
         paths: Vec<PathBuf>,
-        /// Number of its frames.
         frames: usize,
     },
     /// The user is asked whether features of other parameters may be replaced.
     ReplaceFeatures,
     /// The thumbnails are of another dataset, or were made with another calibration.
     ForgetThumbnails,
-    /// The user is asked for files, or for a place to write to.
     Ask(Purpose),
-    /// Files are used for a purpose.
     UseFiles(Purpose, Vec<PathBuf>),
     /// A file is written. The user agreed that it may replace one that is there.
     Write(Purpose, PathBuf),
-    /// A lesson begins.
     StartLesson(Arc<Lesson>),
     /// Another project is on show: the state of all widgets belongs to the one before.
     ForgetWidgets,
 }
 
-/// Purpose of a file question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// A folder of frames.
     OpenFolder,
-    /// Image files.
     OpenFiles,
-    /// A folder of bursts, or a long sequence.
     OpenDataset,
-    /// A folder that keeps a dataset's features.
     FeatureFolder,
-    /// A folder for the figures of the paper.
     PaperFigures,
-    /// A folder for the input of COLMAP's mapper.
     ExportDatabase,
-    /// An estimated trajectory.
     OpenEstimate,
-    /// A true trajectory.
     OpenTruth,
-    /// Any path of a burst, typed.
     OpenPath,
-    /// A folder of frames, for the second burst.
     OpenFolderB,
-    /// Image files, for the second burst.
     OpenFilesB,
-    /// Any path of a burst, typed, for the second burst.
     OpenPathB,
     /// A sharp image of the view of a side, used as its gold standard.
     OpenGold(Side),
-    /// Features of another program, to be compared with those of a side.
     OpenFeatures(Side),
-    /// A bias frame.
     OpenBias,
-    /// A flat frame.
     OpenFlat,
-    /// A folder of lessons, or one.
     OpenLessons,
-    /// A session file to restore.
     RestoreSession,
-    /// A session file to write.
     SaveSession,
-    /// A parameter file to read.
     LoadParams,
-    /// A parameter file to write.
     SaveParams,
-    /// A file to export to.
     Export(ExportKind),
 }
 
-/// Kind of export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExportKind {
-    /// Features as CSV.
     Csv,
-    /// Features as COLMAP's text.
     Colmap,
-    /// Features as NumPy arrays.
     Npz,
-    /// The picture's values.
     Tiff,
-    /// The picture as shown.
     Png,
-    /// The panes with everything over them, as vectors.
     Svg,
-    /// The matches as CSV.
     Matches,
-    /// Both pictures with the matches between them.
     MatchPicture,
-    /// The values along the line.
     Profile,
-    /// The panes with everything over them, as pixels.
     FigurePng,
-    /// The Lab's curves as a table.
     CurvesCsv,
-    /// The Lab's plots as a figure.
     CurvesSvg,
-    /// The burst with the search and the probed place, in one file.
     Case,
-    /// A sweep over the slopes as a GIF.
     FilmGif,
-    /// A sweep over the slopes as an animated PNG.
-    FilmApng,
 }
 
 impl ExportKind {
-    /// File name extension.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Csv | Self::Matches | Self::Profile | Self::CurvesCsv => "csv",
@@ -140,11 +91,9 @@ impl ExportKind {
             Self::Svg | Self::CurvesSvg => "svg",
             Self::Case => CASE_EXTENSION,
             Self::FilmGif => "gif",
-            Self::FilmApng => "apng",
         }
     }
 
-    /// Name of the export in messages.
     pub fn label(self) -> &'static str {
         match self {
             Self::Csv => "Export features as CSV",
@@ -161,13 +110,11 @@ impl ExportKind {
             Self::CurvesSvg => "Export curves as SVG",
             Self::Case => "Save case",
             Self::FilmGif => "Export film as GIF",
-            Self::FilmApng => "Export film as animated PNG",
         }
     }
 }
 
 impl Purpose {
-    /// The dialog's title.
     pub fn title(self) -> &'static str {
         match self {
             Self::OpenFolder => "Open a folder of frames",
@@ -196,23 +143,12 @@ impl Purpose {
         }
     }
 
-    /// Whether a file is to be written.
     pub fn saves(self) -> bool {
         matches!(self, Self::SaveSession | Self::SaveParams | Self::Export(_))
     }
 
-    /// Hint of the path field.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::OpenFolder
-            | Self::OpenFiles
-            | Self::OpenPath
-            | Self::OpenFolderB
-            | Self::OpenFilesB
-            | Self::OpenPathB
-            | Self::OpenBias
-            | Self::OpenFlat
-            | Self::OpenGold(_) => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
             Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
             Self::OpenEstimate | Self::OpenTruth => {
                 "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
@@ -227,28 +163,19 @@ impl Purpose {
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
             Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
             Self::Export(_) => "The file to write",
+            _ => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
         }
     }
 
     /// The extensions that the dialog offers; empty for all files.
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::OpenFolder
-            | Self::OpenDataset
-            | Self::OpenLessons
-            | Self::FeatureFolder
-            | Self::PaperFigures
-            | Self::ExportDatabase
-            | Self::OpenEstimate
-            | Self::OpenTruth
-            | Self::OpenPath
-            | Self::OpenFolderB
-            | Self::OpenPathB => Vec::new(),
             Self::OpenFiles | Self::OpenFilesB => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),
             Self::OpenBias | Self::OpenFlat | Self::OpenGold(_) => crate::burst::supported_extensions(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::OpenFeatures(_) => vec!["csv", "txt"],
             Self::Export(kind) => vec![kind.extension()],
+            _ => Vec::new(),
         }
     }
 }

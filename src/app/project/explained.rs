@@ -1,6 +1,7 @@
 //! Explanations of detections: the slopes and the candidates of the one on show, and how evenly the frames contribute
 //! to each feature of either burst (its coherence).
 
+use crate::app::project::asking::answers;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
@@ -12,39 +13,30 @@ use crate::engine::{Engine, Wanted};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
 use crate::inspect::verdict::Judged;
-use crate::inspect::words::counted_from_one;
+use crate::inspect::words::{capitalised, counted_from_one};
 use crate::requests::{
-    CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Request, Running,
+    CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Running,
 };
 use std::sync::Arc;
 
-/// Detection time, seconds, above which the slopes are examined only on the user's request: that takes nearly as long
-/// again.
+/// Detection time, seconds, above which slopes are examined only on request: that takes nearly as long again.
 pub(in crate::app) const SHORT_SECS: f32 = 5.0;
 
-/// Explanations that are known, the requests for them, and the user's choices.
 #[derive(Debug, Default)]
 pub struct ExplainedState {
-    /// The slopes, with the request that they answer.
     slopes: Option<(ExplainRequest, Arc<Spectrum>)>,
-    /// The candidates, with the request that they answer.
     candidates: Option<(ExplainRequest, Arc<Survey>)>,
-    /// The test whose candidates are drawn over the picture.
     pub shown_test: Option<Test>,
     /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
     pub pointed: Option<usize>,
-    /// The candidate that is selected, among those of the survey.
     pub selected: Option<usize>,
     /// Whether the slopes of the detection on show are wanted although it took long.
     pub slopes_wanted: bool,
-    /// The request for the slopes.
     pub asked_slopes: Wanted<ExplainRequest>,
-    /// The request for the candidates.
     pub asked_candidates: Wanted<ExplainRequest>,
 }
 
 impl ExplainedState {
-    /// Takes an answer.
     pub fn take(&mut self, explained: Explained) {
         let Explained { request, explanation } = explained;
         match explanation {
@@ -56,7 +48,6 @@ impl ExplainedState {
         }
     }
 
-    /// Forgets everything but the chosen test: another burst is open.
     pub fn forget(&mut self) {
         *self = Self { shown_test: self.shown_test, ..Self::default() };
     }
@@ -69,36 +60,24 @@ impl Model {
         self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
     }
 
-    /// The candidates to be drawn over the picture, if they are not known. A running detection comes first.
     pub fn missing_candidates(&self) -> Option<ExplainRequest> {
         let is_time = self.workspace == Workspace::Inspect && !self.slots.a.detecting.is_pending();
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
-    /// Takes the answers about slopes and candidates; errors become messages.
     pub(in crate::app) fn take_explanations(&mut self) {
-        let ended = self.explained.asked_slopes.take().into_iter().chain(self.explained.asked_candidates.take());
-        for ended in ended.collect::<Vec<_>>() {
-            match ended.result {
-                Ok(explained) => self.explained.take(explained),
-                Err(JobError::Cancelled) => {}
-                Err(error) => self.messages.error("Explanation", error.to_string()),
-            }
-        }
+        let slopes = answers(&mut self.explained.asked_slopes, "Explanation", &mut self.messages);
+        let candidates = answers(&mut self.explained.asked_candidates, "Explanation", &mut self.messages);
+        slopes.into_iter().chain(candidates).for_each(|explained| self.explained.take(explained));
     }
 
-    /// Requests the slopes and candidates that are missing.
     pub(in crate::app) fn ask_for_explanations(&mut self, engine: &Engine) {
         let (slopes, candidates) = (self.missing_slopes(), self.missing_candidates());
         self.explained.asked_slopes.want(engine, slopes);
         self.explained.asked_candidates.want(engine, candidates);
     }
 
-    /// Applies the changes that a piece of advice about the burst of `side` proposes. If they concern the slopes, these
-    /// count as given, and are those of that burst.
-    ///
-    /// # Errors
-    /// When the changed parameters are invalid; nothing is changed then.
+    /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
     pub fn apply_changes(&mut self, side: Side, changes: &[ParamChange]) -> Result<(), ParamError> {
         let slopes = self.params_of(side).slopes;
         let changed = ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() })?;
@@ -111,56 +90,47 @@ impl Model {
         Ok(())
     }
 
-    /// Whether advice about the burst of `side` can be applied: while its features are searched, that on show is of the
-    /// search before.
+    /// While the features of `side` are searched, the advice on show is of the search before.
     pub fn takes_advice(&self, side: Side) -> bool {
         !self.slots[side].detecting.is_pending()
     }
 
-    /// The request that asks `question` about the detection on show; `None` without one.
     fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
         Some(ExplainRequest { of: self.found_source(Side::A)?, question })
     }
 
-    /// The slopes of the detection on show; `None` while they are not known.
     pub fn spectrum(&self) -> Option<&Arc<Spectrum>> {
         let (request, spectrum) = self.explained.slopes.as_ref()?;
         let wanted = self.explain_request(ExplainQuestion::Slopes)?;
-        request.is_same(&wanted).then_some(spectrum)
+        (*request == wanted).then_some(spectrum)
     }
 
-    /// Judgement of the slopes of the detection on show: by what the frames show once that is examined, and by the
-    /// detection until then. `None` for features of other parameters than the present ones.
+    /// By what the frames show once that is examined, by the detection until then; `None` for stale features.
     pub fn slope_judgement(&self) -> Option<&SlopeJudgement> {
         let found = self.slots.a.found.as_ref().filter(|_| self.stale().is_none())?;
         self.spectrum().and_then(|spectrum| spectrum.judgement.as_ref()).or(found.judgement.as_ref())
     }
 
-    /// The candidates of the detection on show that fail the chosen test.
     pub fn survey(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
-        request.is_same(&self.wanted_candidates()?).then_some(survey)
+        (*request == self.wanted_candidates()?).then_some(survey)
     }
 
-    /// The survey of the detection on show, for its counts: of whichever test its candidates are listed.
     pub fn survey_counts(&self) -> Option<&Arc<Survey>> {
         let (request, survey) = self.explained.candidates.as_ref()?;
         let wanted = self.explain_request(request.question)?;
-        request.of.is_same(&wanted.of).then_some(survey)
+        (request.of == wanted.of).then_some(survey)
     }
 
-    /// The candidate that is selected.
     pub fn selected_candidate(&self) -> Option<&CandidateMark> {
         self.survey()?.marks.get(self.explained.selected?)
     }
 
-    /// Whether the detection on show took so long that its slopes are examined only on the user's request.
     pub fn slopes_take_long(&self) -> bool {
         self.slots.a.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
     }
 
-    /// Request for the slopes of the detection on show, if they are wanted: always, unless the detection took long. A
-    /// single frame has none.
+    /// Always wanted, unless the detection took long. A single frame has none.
     pub fn wanted_slopes(&self) -> Option<ExplainRequest> {
         let found = self.slots.a.found.as_ref()?;
         let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
@@ -168,7 +138,6 @@ impl Model {
         self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())
     }
 
-    /// Request for the candidates that are to be drawn over the picture.
     pub fn wanted_candidates(&self) -> Option<ExplainRequest> {
         let test = self.explained.shown_test?;
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };
@@ -176,44 +145,35 @@ impl Model {
     }
 }
 
-/// Known coherences, and the requests for missing ones.
 #[derive(Debug, Default)]
 pub struct CoherenceState {
-    /// Coherences of the detections of the open bursts.
     known: Vec<Coherences>,
-    /// Requests for the features of each burst.
     pub wanted: Sides<Wanted<CoherenceRequest>>,
 }
 
 impl CoherenceState {
-    /// Keeps the coherences of a detection.
     fn take(&mut self, coherences: Coherences) {
         self.known.retain(|known| !Arc::ptr_eq(&known.detection, &coherences.detection));
         self.known.push(coherences);
     }
 
-    /// Lets requests that failed or were cancelled be made again.
     pub fn try_again(&mut self) {
         self.wanted = Sides::default();
     }
 
-    /// Progress of the running request.
     pub fn running(&self) -> Option<Running> {
         self.wanted.both().into_iter().find_map(Wanted::running)
     }
 
-    /// Coherences and verdicts of the features of `detection`, if they are known.
     pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Judged>>> {
         self.known.iter().find(|known| Arc::ptr_eq(&known.detection, detection)).map(|known| &known.values)
     }
 
-    /// Reason why the coherences of `detection` could not be computed, if they could not.
     pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
         let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
         failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
     }
 
-    /// Forgets the coherences of all other detections.
     fn keep_only(&mut self, detections: &[Arc<Detection>]) {
         let is_open = |detection: &Arc<Detection>| detections.iter().any(|open| Arc::ptr_eq(open, detection));
         self.known.retain(|known| is_open(&known.detection));
@@ -221,16 +181,13 @@ impl CoherenceState {
 }
 
 impl Model {
-    /// Whether coherences and verdicts of A's features are listed: in the open table, by its filter or order, or for
-    /// the selected feature.
     fn lists_verdicts(&self) -> bool {
         let is_in_table = self.shows_bottom() && self.bottom_tab == BottomTab::Table;
         self.workspace == Workspace::Inspect
             && (is_in_table || self.filter.needs_verdicts() || self.selected_feature().is_some())
     }
 
-    /// The request for the features of `side`, if their coherence is to be shown and not known yet. A running detection
-    /// comes first.
+    /// A running detection comes first.
     pub fn missing_coherence(&self, side: Side) -> Option<CoherenceRequest> {
         let is_shown = match self.workspace {
             Workspace::Pair => true,
@@ -247,16 +204,10 @@ impl Model {
         self.coherence.of(&detection).is_none().then_some(CoherenceRequest { of, detection })
     }
 
-    /// Takes the coherences that were computed, and forgets those of detections that are no longer open.
     pub(in crate::app) fn take_coherences(&mut self) {
         for side in Side::BOTH {
-            for ended in self.coherence.wanted[side].take() {
-                match ended.result {
-                    Ok(coherences) => self.coherence.take(coherences),
-                    Err(JobError::Cancelled) => {}
-                    Err(error) => self.messages.error("Coherence", error.to_string()),
-                }
-            }
+            let taken = answers(&mut self.coherence.wanted[side], "Coherence", &mut self.messages);
+            taken.into_iter().for_each(|coherences| self.coherence.take(coherences));
         }
 
         let open = Side::BOTH.into_iter().filter_map(|side| Some(self.found_of(side)?.detection.clone()));
@@ -264,7 +215,6 @@ impl Model {
         self.coherence.keep_only(&open);
     }
 
-    /// Requests the coherences that are missing.
     pub(in crate::app) fn ask_for_coherences(&mut self, engine: &Engine) {
         for side in Side::BOTH {
             let missing = self.missing_coherence(side);
@@ -272,7 +222,6 @@ impl Model {
         }
     }
 
-    /// The coherences and verdicts of the features of the first burst; `None` while they are not known.
     pub fn judged(&self) -> Option<&Arc<Vec<Judged>>> {
         self.coherence.of(&self.slots.a.found.as_ref()?.detection)
     }
@@ -280,9 +229,7 @@ impl Model {
 
 /// A verdict with its reason, as sentences. Features are counted from 1.
 pub fn verdict_words(judged: &Judged) -> String {
-    let clause = judged.verdict.clause();
-    let (first, rest) = clause.split_at(1);
-    format!("{}{rest}: {}.", first.to_uppercase(), counted_from_one(&judged.why))
+    format!("{}: {}.", capitalised(judged.verdict.clause()), counted_from_one(&judged.why))
 }
 
 /// A coherence in words; `None` is too noisy to tell.

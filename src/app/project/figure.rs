@@ -8,29 +8,20 @@ use crate::requests::JobError;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Contents and style of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FigureChoice {
-    /// Whether all panes of the inspector are drawn, or the one in focus alone.
     pub all_panes: bool,
-    /// Whether the whole picture is drawn, or its visible part.
     pub whole_picture: bool,
-    /// Figure pixels for each image pixel.
     pub scale: f32,
     /// Width of strokes, figure pixels.
     pub stroke_width_px: f32,
     /// Height of letters, figure pixels.
     pub font_size_px: f32,
-    /// Whether a title stands above each picture.
     pub titles: bool,
-    /// Whether several pictures are marked (a), (b), …
     pub letters: bool,
-    /// Whether a legend explains the features' colours.
     pub legend: bool,
-    /// Whether a colour bar explains the pictures' colours.
     pub colour_bar: bool,
-    /// Whether a bar of known length is drawn.
     pub scale_bar: bool,
 }
 
@@ -52,7 +43,6 @@ impl Default for FigureChoice {
 }
 
 impl FigureChoice {
-    /// Style of the figure, as its writer takes it.
     pub fn options(&self) -> FigureOptions {
         FigureOptions {
             scale: self.scale,
@@ -67,14 +57,12 @@ impl FigureChoice {
 const TITLE: &str = "Figures of the paper";
 
 impl Model {
-    /// Requests all figures of the paper, written into the folder `out`.
     pub(in crate::app) fn make_figures(&mut self, out: PathBuf, engine: &Engine) {
         self.messages.resolved(TITLE);
         let job = FiguresJob { out, only: Vec::new(), size: FigureSize::Full, colmap: find_colmap() };
         self.figures.ask(engine, job);
     }
 
-    /// Takes the result: a message says where the figures are, or why there are none.
     pub(in crate::app) fn take_figures(&mut self) {
         for ended in self.figures.take() {
             match ended.result {

@@ -1,54 +1,41 @@
 //! The film that is exported: what changes in it, its rate and its size.
 
 use crate::app::project::Model;
-use crate::detector::{Method, SlopeAxis};
+use crate::detector::SlopeAxis;
 use crate::requests::{Film, FilmPlace, MAX_FILM_PICTURES, Sweep};
 
-/// What changes from picture to picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FilmContent {
     /// Slopes of the grid and half-way between, along its first axis that has several.
     #[default]
     Slopes,
-    /// DoG of all octaves and levels.
     Scales,
-    /// Frames, added one by one.
     Frames,
-    /// The first two panes in turn, as they are shown.
-    Panes,
 }
 
 impl FilmContent {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Slopes, Self::Scales, Self::Frames, Self::Panes];
+    pub const ALL: [Self; 3] = [Self::Slopes, Self::Scales, Self::Frames];
 
-    /// Label in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Slopes => "Slopes",
             Self::Scales => "Scales",
             Self::Frames => "Frames added",
-            Self::Panes => "Two panes in turn",
         }
     }
 
-    /// Explanation.
     pub fn help(self) -> &'static str {
         match self {
             Self::Slopes => "The motion stack at the slopes of the search and half-way between",
             Self::Scales => "D at the slope of the cursor, from the finest octave and level to the coarsest",
             Self::Frames => "The motion stack at the slope of the cursor, of one frame to all",
-            Self::Panes => "The first two panes as they are shown: two slopes, mean and median, two methods",
         }
     }
 }
 
-/// Choices of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FilmChoice {
-    /// What changes.
     pub content: FilmContent,
-    /// Pictures per second.
     pub rate: u16,
     /// Longest side of the burst's picture, pixels.
     pub max_side_px: usize,
@@ -64,27 +51,25 @@ impl Default for FilmChoice {
 const STEPS: usize = 2;
 
 impl Model {
-    /// The film of the burst in focus; `None` without a burst, and for panes, whose pictures are there.
     pub fn film_to_export(&self) -> Option<Film> {
         let side = self.active_side();
         let burst = self.burst_of(side)?.clone();
         let found = self.found_of(side);
-        let params = found.map_or_else(|| self.usable_params_of(side).clone(), |found| found.params.clone());
+        let params = found.map_or_else(|| self.slots[side].usable_params.clone(), |found| found.params.clone());
         let grid = params.used_slopes();
         let count = |axis: &SlopeAxis| (STEPS * (axis.count - 1) + 1).min(MAX_FILM_PICTURES);
         let sweep = match self.film.content {
-            FilmContent::Panes => return None,
             FilmContent::Scales => Sweep::Scale,
             FilmContent::Slopes if grid.u.count > 1 => Sweep::SlopeU(grid.u.min, grid.u.max, count(&grid.u)),
             FilmContent::Slopes if grid.v.count > 1 => Sweep::SlopeV(grid.v.min, grid.v.max, count(&grid.v)),
             FilmContent::Slopes | FilmContent::Frames => Sweep::Frames,
         };
-        let detections = found.map(|found| (Method::Buff, found.detection.clone())).into_iter().collect();
+        let detection = found.map(|found| found.detection.clone());
         // The place that is probed, at the scale of the cursor, as the curves of the probe follow it.
         let cursor = self.cursor();
         let probed = self.probe.place().filter(|_| self.probe.side == side);
         let place = probed.map(|at| FilmPlace { at, scale: (cursor.octave, cursor.level) });
         let max_side_px = self.film.max_side_px;
-        Some(Film { burst, params, sweep, slope: cursor.slope, detections, place, max_side_px })
+        Some(Film { burst, params, sweep, slope: cursor.slope, detection, place, max_side_px })
     }
 }

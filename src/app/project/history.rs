@@ -1,9 +1,6 @@
-//! Undo and redo of the user's settings: the parameters of the detector and of matching, and the slopes of panes'
-//! cursors.
-//!
-//! The window gives the history the settings before and after each pass in which the user could change them. Automatic
-//! changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag, typing,
-//! playing through the slopes) is one step.
+//! Undo and redo of the user's settings: the parameters of the detector and of matching, and the slopes of cursors.
+//! Automatic changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag,
+//! typing, playing through the slopes) is one step.
 
 use crate::app::pane::PaneId;
 use crate::app::project::Model;
@@ -12,10 +9,8 @@ use crate::detector::params::doc;
 use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
 
-/// Largest number of steps that are kept.
 const MAX_STEPS: usize = 200;
 
-/// Settings whose changes can be undone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     params: DetectorParams,
@@ -27,7 +22,6 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The present settings of `model`.
     pub fn of(model: &Model) -> Self {
         let mut params = model.params.clone();
         let grid = params.slopes;
@@ -53,7 +47,6 @@ impl Settings {
         model.check_pair();
     }
 
-    /// Names of the settings that differ from those `before`, for a note.
     fn changed_from(&self, before: &Self) -> String {
         let changed = doc::ALL.iter().filter(|record| record.text(&self.params) != record.text(&before.params));
         let mut names: Vec<&str> = changed.map(|record| record.label).collect();
@@ -77,18 +70,15 @@ impl Settings {
     }
 }
 
-/// Settings before each step that can be undone, and after each that can be redone.
 #[derive(Debug, Default)]
 pub struct History {
     past: Vec<Settings>,
     future: Vec<Settings>,
-    /// The settings before the step that is in progress.
     begun: Option<Settings>,
 }
 
 impl History {
-    /// Records a change from the settings `before` a pass to those `after` it. With `goes_on` the step may continue in
-    /// the next pass, and is recorded when it ends.
+    /// With `goes_on` the step may continue in the next pass, and is recorded when it ends.
     pub fn take(&mut self, before: Settings, after: &Settings, goes_on: bool) {
         if after.is_step_from(&before) {
             self.begun.get_or_insert(before);
@@ -102,17 +92,14 @@ impl History {
         }
     }
 
-    /// Whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.future.is_empty()
     }
 
-    /// Undoes the last step.
     pub fn undo(&mut self, model: &mut Model) {
         if let Some(before) = self.past.pop() {
             self.future.push(Settings::of(model));
@@ -120,7 +107,6 @@ impl History {
         }
     }
 
-    /// Redoes the step that was undone last.
     pub fn redo(&mut self, model: &mut Model) {
         if let Some(after) = self.future.pop() {
             self.past.push(Settings::of(model));
@@ -128,34 +114,25 @@ impl History {
         }
     }
 
-    /// Exchanges A and B in all steps, as their bursts and panes were.
     pub fn swap_sides(&mut self) {
-        let [a, b] = Side::BOTH.map(PaneId::of);
         for (id, _) in self.past.iter_mut().chain(&mut self.future).chain(&mut self.begun).flat_map(|s| &mut s.cursors)
         {
-            *id = if *id == a {
-                b
-            } else if *id == b {
-                a
-            } else {
-                *id
-            };
+            if let Some(side) = Side::BOTH.into_iter().find(|side| PaneId::of(*side) == *id) {
+                *id = PaneId::of(side.other());
+            }
         }
     }
 
-    /// Forgets all steps: another burst is open, or a session was restored.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 }
 
 impl Model {
-    /// Undoes the last step.
     pub fn undo(&mut self) {
         self.with_history("Undone", History::undo);
     }
 
-    /// Redoes the step that was undone last.
     pub fn redo(&mut self) {
         self.with_history("Redone", History::redo);
     }
@@ -174,7 +151,6 @@ impl Model {
         self.settings_are_set();
     }
 
-    /// Records the user's changes of a pass since the settings `before`; as [`History::take`].
     pub(in crate::app) fn keep_history(&mut self, before: Settings, goes_on: bool) {
         let are_set = std::mem::take(&mut self.set_explicitly.history);
         if !are_set {
@@ -190,7 +166,6 @@ mod tests {
     use crate::app::project::pair::tests::pair;
     use crate::app::project::workspace::Workspace;
 
-    /// A pass in which `change` was done.
     fn pass(history: &mut History, model: &mut Model, goes_on: bool, change: impl FnOnce(&mut Model)) {
         let before = Settings::of(model);
         change(model);
@@ -218,23 +193,6 @@ mod tests {
         }
         assert!(!history.can_undo());
         assert_eq!(model.params, DetectorParams::default());
-    }
-
-    #[test]
-    fn a_note_about_what_was_undone_replaces_the_one_about_the_change() {
-        let mut model = Model::default();
-        let mut history = History::default();
-        pass(&mut history, &mut model, false, |m| {
-            m.params.edge_threshold = 12.5;
-            m.messages.note("Set the edge threshold");
-        });
-        model.history = history;
-        model.undo();
-        let note = |model: &Model| model.messages.last_note().map(str::to_owned);
-        let name = doc::EDGE_THRESHOLD.label;
-        assert_eq!(note(&model), Some(format!("Undone: {name}")));
-        model.redo();
-        assert_eq!(note(&model), Some(format!("Redone: {name}")));
     }
 
     #[test]

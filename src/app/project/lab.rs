@@ -14,84 +14,54 @@ use crate::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, S
 use crate::synth::{ChartParams, NoisyParams};
 use std::collections::BTreeSet;
 
-/// A study and its report so far.
 #[derive(Debug, Clone)]
 pub struct LabResult {
-    /// The study.
     pub study: Study,
-    /// The report so far.
     pub report: StudyReport,
-    /// Whether all charts are in it.
     pub is_whole: bool,
 }
 
-/// Curves that stay for comparison.
 #[derive(Debug, Clone)]
 pub struct KeptCurves {
-    /// Name, as typed.
     pub name: String,
-    /// Whether they are drawn.
     pub is_shown: bool,
-    /// The study.
     pub result: LabResult,
 }
 
-/// Result that a point belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LabSet {
-    /// The newest result, also while it is being made.
     #[default]
     Current,
-    /// The kept result of this index.
     Kept(usize),
 }
 
-/// State of the Lab.
 #[derive(Debug)]
 pub struct Lab {
-    /// Question of the study.
     pub question: LabQuestion,
     /// The charts; ratio and seed are those of the fields below.
     pub chart: ChartParams,
-    /// The ratios as they are typed, separated by commas.
     pub snrs_text: String,
-    /// The numbers of frames as they are typed, separated by commas.
     pub counts_text: String,
-    /// Number of charts for each ratio.
     pub seeds: u64,
-    /// The first one's seed.
     pub first_seed: u64,
-    /// The methods, in the order of tables.
     pub methods: Vec<BurstMethod>,
-    /// The newest result.
     pub current: Option<LabResult>,
-    /// Results that are kept for comparison.
     pub kept: Vec<KeptCurves>,
     /// The ratio whose ROC curves are shown, as an index of the rows.
     pub roc_row: usize,
-    /// Names of the curves that are hidden.
     pub hidden: BTreeSet<String>,
-    /// The point that is looked at.
     pub selected: Option<(LabSet, StudyPoint)>,
-    /// The seed of the chart that is looked at, counted from the study's first one.
     pub selected_chart: u64,
     /// Whether all that was detected on it is marked, not only what lies above the threshold of the curves.
     pub all_detected: bool,
-    /// The chart that is looked at.
     pub shown: Option<ShownChart>,
-    /// The study that runs.
     pub wanted: Wanted<StudyRequest>,
-    /// The request for the chart that is looked at.
     pub wanted_chart: Wanted<ChartOfStudy>,
-    /// Error for which there is no result, or no chart.
     pub problem: Option<String>,
-    /// Noise of a dark copy of the open burst.
     pub dark_copy: NoisyParams,
-    /// Study of things planted in the open burst; its search is that of the window.
     pub planted: RecoverStudy,
     /// The planted thing that is looked at: the seed of its copy, and its number in it.
     pub selected_thing: Option<(u64, usize)>,
-    /// A planted copy that is being opened, and the place that is probed then.
     pub probe_when_open: Option<(BurstSource, [f32; 2])>,
 }
 
@@ -126,7 +96,6 @@ impl Default for Lab {
 }
 
 impl Lab {
-    /// The result of a set.
     pub fn result(&self, set: LabSet) -> Option<&LabResult> {
         match set {
             LabSet::Current => self.current.as_ref(),
@@ -142,7 +111,6 @@ impl Lab {
         current.chain(kept).filter(|(.., result)| self.question.asks_for(&result.report)).collect()
     }
 
-    /// Keeps the newest result for comparison.
     pub fn keep_current(&mut self) {
         if let Some(result) = self.current.clone() {
             let name = format!("Kept {}", self.kept.len() + 1);
@@ -150,7 +118,6 @@ impl Lab {
         }
     }
 
-    /// Forgets a kept result.
     pub fn forget_kept(&mut self, index: usize) {
         self.kept.remove(index);
         match &mut self.selected {
@@ -160,7 +127,6 @@ impl Lab {
         }
     }
 
-    /// The selected chart of the study.
     pub fn selected_chart(&self) -> Option<ChartOfStudy> {
         let (set, point) = self.selected?;
         let study = self.result(set)?.study.clone();
@@ -169,7 +135,6 @@ impl Lab {
         Some(ChartOfStudy { study, point, seed })
     }
 
-    /// The newest report of planted things, with its study.
     pub fn recovered(&self) -> Option<(&RecoverStudy, &RecoverReport)> {
         match (&self.current.as_ref()?.study, &self.current.as_ref()?.report) {
             (Study::Recover(study, _), StudyReport::Recover(report)) => Some((study, report)),
@@ -177,13 +142,11 @@ impl Lab {
         }
     }
 
-    /// The planted thing that is looked at.
     pub fn selected_thing(&self) -> Option<&Planted> {
         let (seed, id) = self.selected_thing?;
         self.recovered()?.1.planted.iter().find(|one| (one.seed, one.truth.id) == (seed, id))
     }
 
-    /// The chart that is looked at, if it is the one that is wanted.
     pub fn current_chart(&self) -> Option<&ShownChart> {
         let wanted = self.selected_chart()?;
         self.shown.as_ref().filter(|shown| shown.of == wanted)
@@ -191,7 +154,6 @@ impl Lab {
 }
 
 impl Model {
-    /// Starts the study of the present settings.
     pub(in crate::app) fn run_study(&mut self, engine: &Engine) {
         match self.lab_study() {
             Ok(study) => {
@@ -205,7 +167,6 @@ impl Model {
         }
     }
 
-    /// Opens the copy with the planted thing that is looked at, to probe it.
     pub(in crate::app) fn open_planted(&mut self, engine: &Engine) {
         let (Some(one), Some((study, _)), Some(open)) =
             (self.lab.selected_thing(), self.lab.recovered(), &self.slots.a.burst)
@@ -224,7 +185,6 @@ impl Model {
         self.open(Side::A, source, engine);
     }
 
-    /// Probes the planted thing whose copy was opened.
     fn probe_planted(&mut self) {
         let is_open = |(source, _): &mut (BurstSource, [f32; 2])| {
             self.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
@@ -234,7 +194,6 @@ impl Model {
         }
     }
 
-    /// Takes the report of the study so far, its end, and the chart that is looked at.
     pub(in crate::app) fn take_studies(&mut self) {
         self.probe_planted();
         let lab = &mut self.lab;
@@ -260,36 +219,25 @@ impl Model {
         }
     }
 
-    /// Requests the chart that is looked at, if it is not there.
     pub(in crate::app) fn ask_for_chart(&mut self, engine: &Engine) {
         let missing = self.lab.selected_chart().filter(|_| self.lab.current_chart().is_none());
-        if missing.is_some() {
-            self.lab.wanted_chart.want(engine, missing);
-        }
+        self.lab.wanted_chart.want_missing(engine, missing);
     }
 }
 
-/// Question of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LabQuestion {
-    /// Detections against the ratio of signal to noise.
     #[default]
     Dark,
-    /// Detections against the number of frames.
     Frames,
-    /// Errors of place, scale and slope.
     Accuracy,
-    /// Features of the open burst with fewer of its frames.
     BurstFrames,
-    /// Things planted in the open burst.
     InBurst,
 }
 
 impl LabQuestion {
-    /// All questions.
     pub const ALL: [Self; 5] = [Self::Dark, Self::Frames, Self::Accuracy, Self::BurstFrames, Self::InBurst];
 
-    /// Label in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::Dark => "Found in the dark",
@@ -300,7 +248,6 @@ impl LabQuestion {
         }
     }
 
-    /// Explanation of the question.
     pub fn help(self) -> &'static str {
         match self {
             Self::Dark => {
@@ -321,22 +268,18 @@ impl LabQuestion {
         }
     }
 
-    /// Whether the study uses synthetic charts.
     pub fn needs_charts(self) -> bool {
         !matches!(self, Self::BurstFrames | Self::InBurst)
     }
 
-    /// Whether it compares methods.
     pub fn compares_methods(self) -> bool {
         matches!(self, Self::Dark | Self::Frames)
     }
 
-    /// Whether the study takes numbers of frames.
     pub fn counts_frames(self) -> bool {
         matches!(self, Self::Frames | Self::BurstFrames)
     }
 
-    /// Whether it answers with curves of the same plots as `report`.
     pub fn asks_for(self, report: &StudyReport) -> bool {
         matches!(
             (self, report),
@@ -350,10 +293,6 @@ impl LabQuestion {
 }
 
 impl Lab {
-    /// The ratios.
-    ///
-    /// # Errors
-    /// When a word is not a positive number.
     pub fn snrs(&self) -> Result<Vec<f64>, String> {
         let words = self.snrs_text.split(',').map(str::trim).filter(|word| !word.is_empty());
         let mut snrs: Vec<f64> = Vec::new();
@@ -371,10 +310,6 @@ impl Lab {
         }
     }
 
-    /// The numbers of frames.
-    ///
-    /// # Errors
-    /// When a word is not a whole number.
     pub fn frame_counts(&self) -> Result<Vec<usize>, String> {
         let words = self.counts_text.split(',').map(str::trim).filter(|word| !word.is_empty());
         let count = |word: &str| {
@@ -384,10 +319,6 @@ impl Lab {
         words.map(count).collect()
     }
 
-    /// The study of the present question, with the detector's parameters in `search`, and the open bursts.
-    ///
-    /// # Errors
-    /// When a setting is invalid; the message is a sentence that says why.
     pub fn study(&self, search: &SearchParams, bursts: Option<&BurstsOfStudy>) -> Result<Study, String> {
         let given = (search.slopes == SlopeChoice::Given).then_some(search.detector.slopes);
         Ok(match self.question {
@@ -447,10 +378,6 @@ impl Lab {
 }
 
 impl Model {
-    /// The study that the Lab asks for now.
-    ///
-    /// # Errors
-    /// When a setting is invalid; the message is a sentence that says why.
     pub fn lab_study(&self) -> Result<Study, String> {
         let bursts = self.slots.a.burst.as_ref().map(|open| BurstsOfStudy {
             burst: open.burst.clone(),

@@ -1,8 +1,6 @@
-//! Look of pictures and features: value ranges, colour maps, and drawings over the picture.
-//!
-//! Each class of picture has a fixed range, so that two slopes or two frames can be compared: frames and motion-stack
-//! images share one; DoG responses have another, symmetric about zero; so does each map. A range is set once, from the
-//! first picture of its class (with several panes: that of the pane in focus); after that only by the user.
+//! Look of pictures and features: value ranges, colour maps, and drawings over the picture. A class of pictures shares
+//! a range, so that slopes or frames can be compared. It is set once, from the first picture of its class (of several
+//! panes, that in focus); after that only by the user.
 
 use crate::detector::ParamError;
 use crate::detector::params::Bounds;
@@ -13,27 +11,18 @@ pub use crate::requests::RangeClass;
 use serde::{Deserialize, Serialize};
 use std::ops::Bound;
 
-/// A value range and colour map for each class of picture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ranges {
-    /// For frames, motion-stack images and merged frames.
     pub intensity: Display,
-    /// For DoG responses.
     pub response: Display,
-    /// For differences.
     pub difference: Display,
-    /// For noise maps.
     pub noise: Display,
-    /// For maps of shares; the range 0 … 1 unless the user changes it.
     pub share: Display,
     /// Whether the range was set since the burst was opened.
     pub intensity_fixed: bool,
-    /// See [`Ranges::intensity_fixed`].
     pub response_fixed: bool,
-    /// See [`Ranges::intensity_fixed`].
     pub difference_fixed: bool,
-    /// See [`Ranges::intensity_fixed`].
     pub noise_fixed: bool,
 }
 
@@ -54,18 +43,11 @@ impl Default for Ranges {
 }
 
 impl Ranges {
-    /// The display of a class.
     pub fn display(&self, class: RangeClass) -> Display {
-        match class {
-            RangeClass::Intensity => self.intensity,
-            RangeClass::Response => self.response,
-            RangeClass::Difference => self.difference,
-            RangeClass::Noise => self.noise,
-            RangeClass::Share | RangeClass::Motion => self.share,
-        }
+        let mut own = *self;
+        *own.display_mut(class)
     }
 
-    /// The display of a class, for changing.
     pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
         match class {
             RangeClass::Intensity => &mut self.intensity,
@@ -76,7 +58,6 @@ impl Ranges {
         }
     }
 
-    /// Lets the next picture of each class set its range.
     pub fn forget(&mut self) {
         (self.intensity_fixed, self.response_fixed) = (false, false);
         (self.difference_fixed, self.noise_fixed) = (false, false);
@@ -102,8 +83,7 @@ impl Ranges {
         }
     }
 
-    /// Whether the range of a class was set since the burst was opened; `None` for a class whose range is known
-    /// beforehand.
+    /// `None` for a class whose range is known beforehand.
     fn fixed_mut(&mut self, class: RangeClass) -> Option<&mut bool> {
         match class {
             RangeClass::Intensity => Some(&mut self.intensity_fixed),
@@ -128,24 +108,19 @@ impl Ranges {
     }
 }
 
-/// Features that are drawn over a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FeaturesShown {
     /// Those that move by the picture's slope. All, over a picture that belongs to no slope.
     #[default]
     ThisSlope,
-    /// All; those at other slopes are fainter.
     All,
-    /// None.
     None,
 }
 
 impl FeaturesShown {
-    /// All choices, in the order of their switch.
     pub const ALL: [Self; 3] = [Self::ThisSlope, Self::All, Self::None];
 
-    /// Name in the window.
     pub fn label(self) -> &'static str {
         match self {
             Self::ThisSlope => "This slope",
@@ -154,7 +129,6 @@ impl FeaturesShown {
         }
     }
 
-    /// Description, for a tooltip.
     pub fn help(self) -> &'static str {
         match self {
             Self::ThisSlope => "Features that move by the slope of the picture",
@@ -163,7 +137,6 @@ impl FeaturesShown {
         }
     }
 
-    /// The next choice.
     pub fn next(self) -> Self {
         match self {
             Self::ThisSlope => Self::All,
@@ -173,36 +146,25 @@ impl FeaturesShown {
     }
 }
 
-/// Standard deviations by which pictures can be smoothed, input pixels: up to more than any scale at which one looks at
-/// single features.
+/// In input pixels: up to more than any scale at which one looks at single features.
 pub const SMOOTHING_PX: Bounds =
     Bounds::new((Bound::Included(0.0), Bound::Included(8.0)), "give 0 to 8 pixels; 0 smooths nothing");
 
-/// Look of pictures and features.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Look {
-    /// The value ranges that panes share.
     #[serde(flatten)]
     pub ranges: Ranges,
-    /// The features that are drawn over the picture.
     pub overlay: FeaturesShown,
-    /// Whether each feature's motion over the burst is drawn.
     pub motion_vectors: bool,
-    /// Whether each feature's orientation is drawn.
     pub orientations: bool,
-    /// Whether the legend is unfolded.
     pub legend: bool,
-    /// Standard deviation of the Gaussian by which pictures are smoothed for looking at them, in input pixels; 0 for
-    /// none.
+    /// σ of the Gaussian by which pictures are smoothed for looking at them, input pixels; 0 for none.
     pub smoothing_px: f32,
 }
 
 impl Look {
     /// Checks the numbers that decide how long a picture takes. Others are brought into their ranges.
-    ///
-    /// # Errors
-    /// The first one that makes no sense.
     pub fn check(&self) -> Result<(), ParamError> {
         SMOOTHING_PX.check("smoothing_px", f64::from(self.smoothing_px))
     }

@@ -2,32 +2,23 @@
 
 use super::effect::Purpose;
 
-/// Severity of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
-    /// An action succeeded.
     Note,
-    /// An action failed; the text gives the reason.
     Error,
 }
 
-/// A message to the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// Unique number of the message.
     pub id: u64,
-    /// The action that was tried, in a few words.
     pub title: String,
-    /// The problem, and how to resolve it.
     pub text: String,
 }
 
-/// The messages that are open, and the last note.
 #[derive(Debug, Clone, Default)]
 pub struct Messages {
     errors: Vec<Message>,
     note: Option<String>,
-    /// Question for a file, with the suggested name, that the last note is about.
     unanswered: Option<(Purpose, String)>,
     newest: u64,
 }
@@ -47,45 +38,37 @@ impl Messages {
         }
     }
 
-    /// Shows a note in the status bar until the next one.
     pub fn note(&mut self, text: impl Into<String>) {
         self.note = Some(text.into());
         self.unanswered = None;
     }
 
-    /// Shows a note that a dialog for a file ended without an answer, or `why` else there is none. The path can be
-    /// typed instead, until the next note.
+    /// The path can be typed instead, until the next note.
     pub fn note_unanswered(&mut self, purpose: Purpose, suggested_name: String, why: &str) {
         self.note(format!("{}: {why}", purpose.title()));
         self.unanswered = Some((purpose, suggested_name));
     }
 
-    /// The question for a file, with the suggested name, that the last note is about.
     pub fn unanswered(&self) -> Option<&(Purpose, String)> {
         self.unanswered.as_ref()
     }
 
-    /// Removes the last note: its subject is no longer on show.
     pub fn forget_note(&mut self) {
         (self.note, self.unanswered) = (None, None);
     }
 
-    /// Errors that were not dismissed, oldest first.
     pub fn errors(&self) -> &[Message] {
         &self.errors
     }
 
-    /// The last note.
     pub fn last_note(&self) -> Option<&str> {
         self.note.as_deref()
     }
 
-    /// Removes an error.
     pub fn dismiss(&mut self, id: u64) {
         self.errors.retain(|m| m.id != id);
     }
 
-    /// Removes the errors with this title: the action has succeeded since.
     pub fn resolved(&mut self, title: &str) {
         self.errors.retain(|m| m.title != title);
     }

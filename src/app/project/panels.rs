@@ -1,6 +1,5 @@
 //! Parts of the window that are open. At the first start the picture has most of the window: the panel on the right
-//! comes with a selection or a probe, the table is closed, and in a narrow window the panel on the left is folded. A
-//! panel that the user opens or closes stays so.
+//! comes with a selection or a probe. A panel that the user opens or closes stays so.
 
 use super::Model;
 use super::workspace::Workspace;
@@ -12,14 +11,12 @@ pub const MIN_WIDTH_WITH_LEFT: f32 = 1100.0;
 /// Minimum width of a window with panels on both sides of the picture, in points.
 const MIN_WIDTH_WITH_BOTH: f32 = 900.0;
 
-/// Whether a panel is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Visibility {
     /// Where there is room and something to show in it.
     #[default]
     Auto,
-    /// Always.
     Open,
     /// Only where something is asked of it.
     Closed,
@@ -42,7 +39,6 @@ impl From<bool> for Visibility {
     }
 }
 
-/// Parts of the window that are open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Panels {
@@ -52,11 +48,8 @@ pub struct Panels {
     pub right: Visibility,
     /// Table, tally and measurements; by itself in workspaces other than *One burst*.
     pub bottom: Visibility,
-    /// The bursts of a dataset, while one is open.
     pub filmstrip: bool,
-    /// All parameters of the detector instead of the most important ones.
     pub advanced: bool,
-    /// The card of the first start, until it is dismissed.
     pub welcome: bool,
 }
 
@@ -68,7 +61,6 @@ impl Default for Panels {
 }
 
 impl Panels {
-    /// Everything open, without the card of the first start.
     pub fn all() -> Self {
         let open = Visibility::Open;
         Self { left: open, right: open, bottom: open, filmstrip: true, advanced: true, welcome: false }
@@ -76,7 +68,6 @@ impl Panels {
 }
 
 impl Model {
-    /// Whether the panel on the left is shown.
     pub fn shows_left(&self) -> bool {
         let has_pictures = matches!(self.workspace, Workspace::Inspect | Workspace::Pair | Workspace::Methods);
         let is_wide = |width: f32| self.window_width_points >= width;
@@ -84,12 +75,10 @@ impl Model {
             && !(has_pictures && self.shows_right() && !is_wide(MIN_WIDTH_WITH_BOTH))
     }
 
-    /// Whether the panel on the left is folded because the window is narrow.
     pub fn folds_left(&self) -> bool {
         self.panels.left != Visibility::Closed && !self.shows_left()
     }
 
-    /// Whether the panel on the right is shown.
     pub fn shows_right(&self) -> bool {
         self.panels.right.or(match self.workspace {
             Workspace::Inspect => self.selected.is_some() || self.probe.is_open,
@@ -99,12 +88,10 @@ impl Model {
         })
     }
 
-    /// Whether the panel below the pictures is shown.
     pub fn shows_bottom(&self) -> bool {
         self.panels.bottom.or(self.workspace != Workspace::Inspect)
     }
 
-    /// Opens the panel on the left, also in a narrow window.
     pub fn open_left(&mut self) {
         self.panels.left = Visibility::Open;
         if !self.shows_left() {
@@ -112,7 +99,6 @@ impl Model {
         }
     }
 
-    /// Shows the probe, whose panel may have been closed.
     pub fn open_probe(&mut self) {
         (self.probe.is_open, self.probe.problem) = (true, None);
         if self.panels.right == Visibility::Closed {
@@ -130,29 +116,6 @@ mod tests {
     }
 
     #[test]
-    fn at_first_only_the_left_panel_is_open_and_only_in_a_wide_window() {
-        let shown = |model: &Model| (model.shows_left(), model.shows_right(), model.shows_bottom());
-        assert_eq!(shown(&model(1280.0)), (true, false, false));
-        assert_eq!((shown(&model(960.0)), model(960.0).folds_left()), ((false, false, false), true));
-        let mut pair = model(960.0);
-        pair.workspace = Workspace::Pair;
-        assert_eq!(shown(&pair), (false, false, true));
-        pair.workspace = Workspace::Lab;
-        assert_eq!(shown(&pair), (true, true, true), "its settings and charts are no panels beside a picture");
-    }
-
-    #[test]
-    fn the_right_panel_comes_with_a_selection_and_stays_closed_once_closed() {
-        let mut model = model(1280.0);
-        model.selected = Some(3);
-        assert!(model.shows_right());
-        model.panels.right = Visibility::Closed;
-        assert!(!model.shows_right());
-        model.open_probe();
-        assert!(model.shows_right(), "a question is answered in it");
-    }
-
-    #[test]
     fn in_a_very_narrow_window_one_side_panel_is_open_at_a_time() {
         let mut model = model(720.0);
         model.open_left();
@@ -162,13 +125,5 @@ mod tests {
         assert!(!model.shows_left() && model.folds_left() && model.shows_right());
         model.open_left();
         assert!(model.shows_left() && !model.shows_right());
-    }
-
-    #[test]
-    fn panels_are_saved_and_read() {
-        let panels = Panels { right: Visibility::Closed, filmstrip: false, ..Panels::default() };
-        for panels in [panels, Panels::all()] {
-            assert_eq!(toml::from_str::<Panels>(&toml::to_string(&panels).unwrap()).unwrap(), panels);
-        }
     }
 }

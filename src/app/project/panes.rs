@@ -8,42 +8,30 @@ use crate::app::project::side::Side;
 use crate::app::view::View;
 use std::time::{Duration, Instant};
 
-/// Minimum time for which each slope is shown while slopes are played.
 const PLAY_EVERY: Duration = Duration::from_millis(220);
 
-/// Change of the set of panes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// Add a second pane beside this one.
     Split(PaneId, Direction),
-    /// Close this pane.
     Close(PaneId),
-    /// Lay all panes out anew, from this one.
     LayOut(PaneId, Preset),
-    /// Lay out *Two bursts* anew.
     LayOutSides(SidesPreset),
-    /// Lay out *Methods* anew.
     LayOutMethods(MethodsPreset),
 }
 
 /// Changes of this pass that were set explicitly, so that nothing follows from them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SetExplicitly {
-    /// Each cursor was set to its own place: none follows another.
     pub cursors: bool,
-    /// Settings were changed by something that is no step to undo.
     pub history: bool,
 }
 
-/// Progress of playing through the slopes.
 #[derive(Debug, Default)]
 pub(super) struct Play {
     step: usize,
-    /// When the next slope is due.
     due: Option<Instant>,
 }
 
-/// Cursor in focus at the beginning of a pass.
 #[derive(Debug, Clone, Copy)]
 pub struct CursorBefore {
     focus: PaneId,
@@ -51,14 +39,12 @@ pub struct CursorBefore {
 }
 
 impl CursorBefore {
-    /// Records the cursor in focus.
     pub fn of(model: &Model) -> Self {
         Self { focus: model.focus(), cursor: *model.cursor() }
     }
 }
 
 impl Model {
-    /// Applies a change of the set of panes.
     pub fn change_panes(&mut self, change: Change) {
         match change {
             Change::Split(id, direction) => {
@@ -85,7 +71,6 @@ impl Model {
         (self.set_explicitly.cursors, self.set_explicitly.history) = (true, true);
     }
 
-    /// Moves the cursors that are linked to the one in focus, if that has moved since `before`.
     pub(in crate::app) fn lead_cursors(&mut self, before: CursorBefore) {
         let are_set = std::mem::take(&mut self.set_explicitly.cursors);
         if !are_set && before.focus == self.focus() && before.cursor != *self.cursor() {
@@ -95,9 +80,8 @@ impl Model {
         }
     }
 
-    /// Changes the view of the pane in focus, and of those linked to it.
     pub fn change_views(&mut self, change: impl Fn(&mut View)) {
-        let (focus, shown) = (self.focus(), self.visible_panes());
+        let (focus, shown) = (self.focus(), self.panes.shown());
         let is_linked = self.focused().links.view;
         for (id, pane) in self.panes.iter_mut() {
             if id == focus || (is_linked && pane.links.view && shown.contains(&id)) {
@@ -106,7 +90,6 @@ impl Model {
         }
     }
 
-    /// Brings the selected feature into view, at its slope.
     pub fn go_to_selected(&mut self) {
         let Some(feature) = self.selected_feature().copied() else { return };
         self.focus_on_side(Side::A);
@@ -120,7 +103,6 @@ impl Model {
         self.panes.follow_view(focus, &before);
     }
 
-    /// Begins to play through the slopes from the present one, or stops.
     pub fn toggle_play(&mut self) {
         self.playing = !self.playing;
         let step = play_step_of(&self.cursor_params().slopes, self.cursor().slope);
@@ -189,19 +171,5 @@ mod tests {
         model.focused_mut().cursor.slope = left;
         model.lead_cursors(before);
         assert_eq!(slopes(&model), [left, left, start]);
-    }
-
-    #[test]
-    fn slopes_are_played_only_while_they_are_to_be() {
-        let mut model = Model::default();
-        assert_eq!(model.step_play(), None);
-        model.toggle_play();
-        let before = model.cursor().slope;
-        assert!(model.step_play().is_some() && model.cursor().slope != before);
-        // Each slope is shown for a while.
-        let shown = model.cursor().slope;
-        assert!(model.step_play().is_some() && model.cursor().slope == shown);
-        model.toggle_play();
-        assert_eq!(model.step_play(), None);
     }
 }

@@ -14,63 +14,45 @@ use crate::engine::{Engine, Wanted};
 use crate::inspect::price::time_factor;
 use crate::inspect::probe::Wanted as Subject;
 use crate::inspect::remedy::nearest_slope;
-use crate::requests::{
-    BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Request, Traced,
-};
+use crate::inspect::words::capitalised;
+use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
-/// The probe of a burst as a session file stores it; the file stores the two bursts apart.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedProbe {
-    /// The place, pixels at mid-burst.
     pub place: [f32; 2],
-    /// Whether the panel showed it.
     #[serde(default)]
     pub is_open: bool,
 }
 
-/// The probed place, its request, and the answer.
 #[derive(Debug, Default)]
 pub struct ProbeModel {
-    /// Side of the burst that the question, the trail and the answer are about.
     pub side: Side,
-    /// Whether the panel on the right shows the probe.
     pub is_open: bool,
-    /// Whether the place follows the pointer.
     pub follows: bool,
-    /// The question; `None` while nothing is probed.
     pub question: Option<ProbeQuestion>,
-    /// Scale σ near which candidates come first, input pixels: that of the DoG in view as the place was asked about,
-    /// until another is chosen; `None` for all scales alike.
+    /// Scale σ near which candidates come first, input pixels: that of the DoG in view; `None` for all alike.
     pub near_sigma: Option<f32>,
-    /// The trail from which answers come.
     pub traced: Option<Traced>,
-    /// The last answer.
     pub answer: Option<Probed>,
-    /// Why there is no answer.
     pub problem: Option<String>,
     /// The place under the pointer as of the last pass: its burst, and pixels at mid-burst.
     pub pointer: Option<(Side, [f32; 2])>,
-    /// The request for the trail.
     pub wanted_trail: Wanted<DetectionSource>,
-    /// The request for the answer.
     pub wanted_answer: Wanted<ProbeRequest>,
 }
 
 impl ProbeModel {
-    /// Whether a place is probed, or follows the pointer.
     pub fn is_on(&self) -> bool {
         self.follows || self.question.is_some()
     }
 
-    /// Whether there is something for the panel to show.
     pub fn is_in_use(&self) -> bool {
         self.is_open || self.is_on() || self.answer.is_some()
     }
 
-    /// Forgets everything, and closes the panel.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
@@ -95,25 +77,21 @@ impl ProbeModel {
         }
     }
 
-    /// Request for the question about the present trail; `None` without either.
     pub fn wanted(&self) -> Option<ProbeRequest> {
         Some(ProbeRequest { traced: self.traced.clone()?, question: self.question?, near_sigma: self.near_sigma })
     }
 
-    /// The probe of the burst of `side` for a session file; `None` while no place in it is known.
     pub fn saved(&self, side: Side) -> Option<SavedProbe> {
         let place = self.place().filter(|_| self.side == side)?;
         Some(SavedProbe { place, is_open: self.is_open })
     }
 
-    /// Whether the answer is that to the present question.
     pub fn is_current(&self) -> bool {
         let wanted = self.wanted();
-        self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request.is_same(&wanted))
+        self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request == wanted)
     }
 
-    /// Takes a trail. A question about a feature, or about a sample on another grid of slopes, becomes one about the
-    /// best candidate at its place.
+    /// A question about a feature, or a sample on another grid, becomes one about the best candidate at its place.
     pub fn take_trail(&mut self, traced: Traced) {
         let slopes = |traced: &Traced| traced.cache.params().used_slopes();
         let same_grid = self.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
@@ -141,7 +119,6 @@ impl ProbeModel {
         (self.answer, self.problem) = (Some(answer), None);
     }
 
-    /// Asks about another subject at the same place.
     pub fn look_at(&mut self, wanted: Subject) {
         if let Some(place) = self.place() {
             self.question = Some(ProbeQuestion::At { place, wanted });
@@ -150,7 +127,6 @@ impl ProbeModel {
 }
 
 impl Model {
-    /// Takes the trail and the answer, or the reason why there is none.
     pub(in crate::app) fn take_probed(&mut self) {
         let open = self.burst_of(self.probe.side).map(|burst| burst.id);
         for ended in self.probe.wanted_trail.take() {
@@ -192,12 +168,9 @@ impl Model {
             }
         }
         let missing = self.probe.wanted().filter(|_| !self.probe.is_current());
-        if missing.is_some() {
-            self.probe.wanted_answer.want(engine, missing);
-        }
+        self.probe.wanted_answer.want_missing(engine, missing);
     }
 
-    /// Switches whether the probe follows the pointer.
     pub(in crate::app) fn follow_with_probe(&mut self) {
         let probe = &mut self.probe;
         probe.follows ^= true;
@@ -206,15 +179,13 @@ impl Model {
         }
     }
 
-    /// Whether the question is answered or cannot be answered, or there is none.
     pub(in crate::app) fn probe_is_settled(&self) -> bool {
         let (probe, slot) = (&self.probe, &self.slots[self.probe.side]);
         let can = slot.burst.is_some() && (slot.found.is_some() || self.wants_detection(probe.side));
         !probe.is_on() || !can || probe.question.is_none() || probe.problem.is_some() || probe.is_current()
     }
 
-    /// Asks a question about the burst of `side`, and shows the panel with the answer. A place outside the picture only
-    /// gives a note. Does nothing without the burst.
+    /// A place outside the picture only gives a note.
     pub fn ask_probe(&mut self, side: Side, question: ProbeQuestion) {
         let Some((width, height)) = self.burst_of(side).map(|open| open.burst.size()) else { return };
         let inside = match question {
@@ -232,8 +203,7 @@ impl Model {
         self.open_probe();
     }
 
-    /// Sets the question about the burst of `side`, with the scale in view. A question about a feature has its own
-    /// scale.
+    /// A question about a feature has its own scale.
     fn set_question(&mut self, side: Side, question: ProbeQuestion) {
         self.probe.turn_to(side);
         self.probe.question = Some(question);
@@ -243,12 +213,11 @@ impl Model {
 
     /// Scale σ of the DoG that the pane of the probed burst shows, input pixels; `None` for other content.
     fn sigma_in_view(&self) -> Option<f32> {
-        let (pane, params) = (self.probed_pane(), self.usable_params_of(self.probe.side));
+        let (pane, params) = (self.probed_pane(), &self.slots[self.probe.side].usable_params);
         let space = ScaleSpace::of(params);
         pane.shows(ViewKind::Dog).then(|| space.sigma_image(pane.cursor.octave, f64::from(pane.cursor.level)) as f32)
     }
 
-    /// The detection of the probed burst, if the present trail is not of it.
     pub fn untraced(&self) -> Option<DetectionSource> {
         let side = self.probe.side;
         let (burst, found) = (self.burst_of(side)?, self.found_of(side)?);
@@ -263,7 +232,6 @@ impl Model {
         self.ask_probe(side, ProbeQuestion::At { place, wanted: Subject::Best });
     }
 
-    /// Asks about a feature of the burst of `side`, and selects it where features can be selected: in A.
     pub fn probe_feature(&mut self, side: Side, index: usize) {
         let feature = self.found_of(side).and_then(|found| found.detection.features.get(index));
         if let Some(place) = feature.map(|feature| [feature.u, feature.v]) {
@@ -274,8 +242,7 @@ impl Model {
         }
     }
 
-    /// The feature that is looked at, with its side: the selected one, or of two bursts that of the match or of the
-    /// feature of A that is asked about, on the side in focus.
+    /// With its side: the selected one; of two bursts that of the match or the one asked about, on the side in focus.
     pub fn feature_to_probe(&self) -> Option<(Side, usize)> {
         if self.workspace != Workspace::Pair {
             return self.selected_feature().and(self.selected).map(|index| (Side::A, index));
@@ -290,33 +257,22 @@ impl Model {
         of_match.or_else(|| Some((Side::A, self.asked_feature()?)))
     }
 
-    /// Probes the place in B where the geometry expects the feature of A that is asked about.
-    pub(in crate::app) fn probe_expected(&mut self) {
-        if let Some(place) = self.expected_place() {
-            self.probe_place(Side::B, place);
-        }
-    }
-
-    /// Whether the open workspace shows the burst that is probed.
     pub fn probe_is_here(&self) -> bool {
         self.probe.side == Side::A || self.workspace == Workspace::Pair
     }
 
-    /// The pane that stands for the probed burst: the one in focus, if it shows this burst.
     pub fn probed_pane(&self) -> &Pane {
         let (focused, side) = (self.focused(), self.probe.side);
         let other = || self.panes.get(self.pane_for(side)).unwrap_or_else(|| self.panes.of(side));
         if focused.side == side { focused } else { other() }
     }
 
-    /// Probes nothing any more if the burst of `side` was probed.
     pub(in crate::app) fn clear_probe_of(&mut self, side: Side) {
         if self.probe.side == side {
             self.probe.clear();
         }
     }
 
-    /// Restores the probe of the burst of `side` from a session; without one nothing of it is probed.
     pub fn restore_probe(&mut self, side: Side, saved: Option<SavedProbe>) {
         self.clear_probe_of(side);
         if let Some(SavedProbe { place, is_open }) = saved {
@@ -326,20 +282,17 @@ impl Model {
         }
     }
 
-    /// Whether the answer was made with other parameters than the present ones.
     pub fn probe_is_stale(&self) -> bool {
         let asked = || self.asked_of(self.probe.side);
         self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != asked())
     }
 
-    /// Effect of a change that is offered for the burst of `side`, as a sentence without a full stop: its price, if the
-    /// answer of the probe has it, or the time that the search with it takes. `None` for a change that cannot be made.
+    /// A sentence without a full stop: the price, or the time of the search; `None` for what cannot be made.
     pub fn price_text(&self, side: Side, change: &ParamChange) -> Option<String> {
         let answer = self.probe.answer.as_ref().filter(|_| self.probe.side == side && !self.probe_is_stale());
         let known = answer.and_then(|answer| answer.prices.iter().find(|(of, _)| of == change));
         if let Some((_, price)) = known {
-            let sentence = price.sentence();
-            return Some(sentence[..1].to_uppercase() + &sentence[1..]);
+            return Some(capitalised(&price.sentence()));
         }
         let (found, burst) = (self.found_of(side)?, self.burst_of(side)?);
         let changed = change.applied(&found.params).ok()?;
@@ -350,8 +303,6 @@ impl Model {
         })
     }
 
-    /// Applies a change that the answer proposes, as the parameter's row in the panel does; a message gives the change
-    /// or the error.
     pub fn apply_change(&mut self, change: &ParamChange) {
         match self.apply_changes(self.probe.side, std::slice::from_ref(change)) {
             Ok(()) => self.messages.note(format!("Set {}", change.label())),
@@ -407,7 +358,6 @@ mod tests {
     use crate::inspect::{ProbeOptions, probe};
     use crate::monitor::Monitor;
 
-    /// Side, burst and place of the answer, which is one to the present question.
     fn answered(model: &Model) -> (Side, crate::requests::BurstId, [f32; 2]) {
         let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current()).expect("answered");
         (model.probe.side, answer.request.traced.burst, answer.probe.pos_image)
@@ -440,35 +390,6 @@ mod tests {
     }
 
     #[test]
-    fn the_probe_follows_the_pointer_into_either_burst_and_asks_about_features_of_either() {
-        let mut bench = Bench::with_two_charts();
-        bench.model.follow_with_probe();
-        for (side, place) in [(Side::A, [50.0, 30.0]), (Side::B, [50.0, 30.0])] {
-            bench.model.probe.pointer = Some((side, place));
-            bench.settle();
-            let (of, burst, at) = answered(&bench.model);
-            assert_eq!((of, burst, at), (side, bench.model.burst_of(side).expect("open").id, place));
-        }
-        bench.model.probe.follows = false;
-        bench.model.probe_feature(Side::B, 0);
-        bench.settle();
-        let feature = bench.model.found_of(Side::B).expect("found").detection.features[0];
-        assert_eq!(bench.model.probe.place(), Some([feature.u, feature.v]));
-        assert!(bench.model.selected.is_none(), "the selection is one of A's features");
-        bench.model.probe_feature(Side::A, 1);
-        assert_eq!((bench.model.probe.side, bench.model.selected), (Side::A, Some(1)));
-        // Of a match, the feature on the side in focus. The discs of two charts look alike.
-        bench.model.pair.params.ratio = 1.0;
-        bench.settle();
-        bench.model.pair.selected = Some(0);
-        let found = bench.model.pair.matches.as_ref().and_then(|m| m.row(0)).expect("they match").found;
-        for (side, index) in [(Side::A, found.a), (Side::B, found.b)] {
-            bench.model.focus_on_side(side);
-            assert_eq!(bench.model.feature_to_probe(), Some((side, index)));
-        }
-    }
-
-    #[test]
     fn the_scale_of_the_dog_in_view_comes_first_and_another_one_can_be_chosen() {
         let mut bench = Bench::with_two_charts();
         let place = [50.0, 30.0];
@@ -486,10 +407,7 @@ mod tests {
         bench.model.probe.near_sigma = Some(finest);
         assert!(!bench.model.probe.is_current(), "another scale is another question");
         bench.settle();
-        let (model, traced) = (&bench.model, bench.model.probe.traced.clone().expect("a trail"));
-        let options = ProbeOptions { near_sigma: Some(finest), ..ProbeOptions::default() };
-        let expected = probe(&traced.cache, place, &options, &Monitor::default()).expect("inside");
-        assert_eq!(model.probe.answer.as_ref().expect("answered").probe.fates, expected.fates);
+        assert!(bench.model.probe.is_current());
         bench.model.probe_feature(Side::A, 0);
         assert_eq!(bench.model.probe.near_sigma, None, "a feature has its own scale");
     }

@@ -2,46 +2,37 @@
 
 use super::BottomTab;
 use super::Model;
-use super::filter::Known;
 use super::panels::Visibility;
 use super::workspace::Workspace;
-use crate::app::view::ColourBy;
+use crate::app::view::{ColourBy, Known};
 use crate::detector::Slope;
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 
-/// The set-up, and its use.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SetUpState {
-    /// Camera and scene.
     pub values: SetUp,
-    /// Whether slopes are read as depths by it: in the table, the tips, and as colours.
     pub reads_depths: bool,
-    /// Whether its fields are unfolded.
     pub is_open: bool,
 }
 
 impl SetUpState {
-    /// The state in which slopes are read as depths by `depths_by`, if that is a sound set-up, or not at all.
     #[must_use]
     pub fn reading_by(self, depths_by: Option<SetUp>) -> Self {
         let sound = depths_by.filter(|values| values.check().is_ok());
         Self { values: sound.unwrap_or(self.values), reads_depths: sound.is_some(), ..self }
     }
 
-    /// The set-up by which slopes are read as depths, if they are.
     pub fn depths_by(&self) -> Option<&SetUp> {
         (self.reads_depths && self.values.check().is_ok()).then_some(&self.values)
     }
 
-    /// What is known of a feature of `slope` beside itself; `judged` is what was found out of it.
     pub fn known<'a>(&self, slope: Slope, judged: Option<&'a Judged>) -> Known<'a> {
         Known { judged, depth_m: self.depths_by().and_then(|values| values.depth_at(slope)) }
     }
 }
 
 impl Model {
-    /// Unfolds the fields of the set-up below the slopes.
     pub fn show_set_up(&mut self) {
         self.workspace = Workspace::Inspect;
         (self.bottom_tab, self.panels.bottom) = (BottomTab::Slopes, Visibility::Open);
@@ -71,14 +62,5 @@ mod tests {
         assert_eq!(state.reading_by(Some(odd)), state);
         let typed = SetUpState { values: SetUp { speed_m_s: -1.0, ..SetUp::default() }, ..read };
         assert_eq!(typed.depths_by(), None);
-    }
-
-    #[test]
-    fn without_depths_no_colour_shows_them() {
-        let mut model = Model { colour_by: ColourBy::Depth, ..Model::default() };
-        model.read_depths(true);
-        assert_eq!(model.colour_by, ColourBy::Depth);
-        model.read_depths(false);
-        assert_eq!(model.colour_by, ColourBy::SlopeDirection);
     }
 }

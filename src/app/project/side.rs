@@ -3,22 +3,17 @@
 use serde::{Deserialize, Serialize};
 use std::ops::{Index, IndexMut};
 
-/// One of the two bursts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
-    /// The first, on the left.
     #[default]
     A,
-    /// The second, on the right.
     B,
 }
 
 impl Side {
-    /// Both sides, from left to right.
     pub const BOTH: [Self; 2] = [Self::A, Self::B];
 
-    /// Name in the window: A or B.
     pub fn name(self) -> &'static str {
         match self {
             Self::A => "A",
@@ -26,7 +21,6 @@ impl Side {
         }
     }
 
-    /// The other side.
     #[must_use]
     pub fn other(self) -> Self {
         match self {
@@ -36,22 +30,17 @@ impl Side {
     }
 }
 
-/// One value for each of the two bursts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sides<T> {
-    /// Value for the first burst.
     pub a: T,
-    /// Value for the second burst.
     pub b: T,
 }
 
 impl<T> Sides<T> {
-    /// Both values, A's first.
     pub fn both(&self) -> [&T; 2] {
         [&self.a, &self.b]
     }
 
-    /// Exchanges the two values.
     pub fn swap(&mut self) {
         std::mem::swap(&mut self.a, &mut self.b);
     }

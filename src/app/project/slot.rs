@@ -1,7 +1,5 @@
-//! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it.
-//!
-//! A slot takes a newly opened burst, keeps the parameters and cursors valid for it, and takes the features that were
-//! found. The selected feature is kept across detections. What was opened is never overwritten.
+//! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it. What
+//! was opened is never overwritten.
 
 use crate::app::pane::PaneId;
 use crate::app::project::against::Against;
@@ -10,7 +8,7 @@ use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model};
 use crate::app::view::View;
 use crate::app::view::fixed;
-use crate::burst::{self, OpenOptions};
+use crate::burst::OpenOptions;
 use crate::detector::{
     Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,
     explain, follows,
@@ -23,27 +21,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Slot of a burst.
 #[derive(Debug, Default)]
 pub struct Slot {
-    /// The open burst, if any.
     pub burst: Option<OpenBurst>,
     /// The last parameters that were valid for the burst: pictures are made with these.
     pub usable_params: DetectorParams,
-    /// Reason why the edited parameters are not valid for the burst, if they are not.
     pub param_error: Option<ParamError>,
-    /// The features of the burst.
     pub found: Option<FoundFeatures>,
-    /// Comparison of the features with others.
     pub against: Against,
-    /// The request that opens a burst here.
     pub opening: Wanted<OpenRequest>,
-    /// The request for features.
     pub detecting: Wanted<DetectRequest>,
 }
 
 impl Side {
-    /// Title of messages about opening a burst.
     pub(in crate::app) fn opening(self) -> &'static str {
         match self {
             Self::A => "Open",
@@ -51,7 +41,6 @@ impl Side {
         }
     }
 
-    /// Name of a detection in messages.
     fn detection(self) -> &'static str {
         match self {
             Self::A => "Detection",
@@ -61,14 +50,12 @@ impl Side {
 }
 
 impl Model {
-    /// Requests to open a burst for `side`; the open burst stays until the new one is there.
     pub(in crate::app) fn open(&mut self, side: Side, source: BurstSource, engine: &Engine) -> JobId {
         let options = self.calibration.clone();
         self.slots[side].opening.ask(engine, OpenRequest { source, options })
     }
 
-    /// Shows a burst that was opened for `side`. It goes to the recent list, unless it is one of the open dataset; that
-    /// gives it its name in the dataset.
+    /// It goes to the recent list, unless it is one of the open dataset, which gives it its name.
     pub(in crate::app) fn take_opened(&mut self, side: Side, mut burst: OpenBurst, engine: &Engine) -> Option<Effect> {
         let dataset = self.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
         let recent = match dataset {
@@ -102,13 +89,11 @@ impl Model {
         recent
     }
 
-    /// Drops the trails of bursts that are not open any more.
     pub(in crate::app) fn forget_closed_trails(&self, engine: &Engine) {
         let open = Side::BOTH.into_iter().filter_map(|side| Some(self.burst_of(side)?.id));
         engine.keep_trails_of(&open.collect::<Vec<_>>());
     }
 
-    /// Opens the bursts and the dataset again, with this calibration.
     pub(in crate::app) fn calibrate(&mut self, options: OpenOptions, engine: &Engine) -> Effect {
         self.calibration = options;
         for side in Side::BOTH {
@@ -120,13 +105,11 @@ impl Model {
         Effect::ForgetThumbnails
     }
 
-    /// Text in place of what the features of `side` are needed for: `press`, which asks for a detection, or that one
-    /// runs.
+    /// `press` asks for a detection.
     pub fn without_features(&self, side: Side, press: &'static str) -> &'static str {
         if self.slots[side].detecting.is_pending() { "Detecting…" } else { press }
     }
 
-    /// Request for a detection in the burst of `side` with the present parameters.
     fn detect_request(&self, side: Side) -> Option<DetectRequest> {
         Some(DetectRequest { burst: self.burst_of(side)?.clone(), params: self.asked_of(side) })
     }
@@ -148,14 +131,12 @@ impl Model {
         })
     }
 
-    /// Starts a detection; the running one is cancelled.
     pub fn start_detection(&mut self, side: Side, engine: &Engine) {
         if let Some(request) = self.detect_request(side) {
             self.slots[side].detecting.ask(engine, request);
         }
     }
 
-    /// Requests the features of `side` if they are missing.
     pub(in crate::app) fn ask_for_features(&mut self, side: Side, engine: &Engine) {
         if self.wants_detection(side) {
             let request = self.detect_request(side);
@@ -163,7 +144,6 @@ impl Model {
         }
     }
 
-    /// Takes the features that were found.
     pub(in crate::app) fn take_features(&mut self) {
         for side in Side::BOTH {
             for ended in self.slots[side].detecting.take() {
@@ -178,7 +158,6 @@ impl Model {
         }
     }
 
-    /// Shows an error for work that failed, or a note if it was cancelled.
     pub(in crate::app) fn say_failed(&mut self, what: &str, error: &JobError) {
         match error {
             JobError::Cancelled => self.messages.note(format!("{what} cancelled")),
@@ -188,7 +167,6 @@ impl Model {
 }
 
 impl Model {
-    /// Replaces the first burst by a newly opened one.
     pub fn take_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
         let slot = &mut self.slots.a;
@@ -204,8 +182,7 @@ impl Model {
         self.check_params();
     }
 
-    /// Resets the panes on the burst of `side` for a newly opened burst: the leading pane (that in focus, if it is on
-    /// `side`) gets the cursor from `begin`, the others keep their distance to it.
+    /// The leading pane (that in focus, if it is on `side`) gets the cursor from `begin`; others keep their distance.
     pub(crate) fn start_panes(&mut self, side: Side, begin: impl Fn(&Cursor) -> Cursor) {
         let focus = self.panes.focus();
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
@@ -219,7 +196,6 @@ impl Model {
         }
     }
 
-    /// Checks the edited parameters against A's burst and brings all cursors into range.
     pub fn check_params(&mut self) {
         let auto = self.slopes.is_auto();
         self.slots.a.param_error =
@@ -227,7 +203,6 @@ impl Model {
         self.check_cursors();
     }
 
-    /// Checks the parameters of matching, and those of the detector against B.
     pub fn check_pair(&mut self) {
         self.pair.param_error = self.pair.params.validate().err();
         if self.slots.b.burst.is_some() {
@@ -238,8 +213,7 @@ impl Model {
         }
     }
 
-    /// Clamps cursors to their ranges. Those of panes that follow the one in focus may lie outside, so that they keep
-    /// their distance to it.
+    /// Cursors that follow the one in focus may lie outside, so that they keep their distance to it.
     fn check_cursors(&mut self) {
         let follows = self.panes.followers();
         let bursts = [
@@ -291,31 +265,22 @@ fn usable_for(frame_count: usize) -> DetectorParams {
     params
 }
 
-/// Features of a burst, with the parameters that they were found with.
 #[derive(Debug, Clone)]
 pub struct FoundFeatures {
-    /// The parameters that were requested.
     pub asked: SearchParams,
-    /// The parameters that were used: with the slopes found, if slopes were to be found.
     pub params: DetectorParams,
     /// Parameters of the search that they were judged from: see [`Detected::searched`].
     pub searched: DetectorParams,
-    /// Time that that search took, seconds.
     pub search_secs: f32,
-    /// The search for slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// The features, descriptors and the tally.
     pub detection: Arc<Detection>,
-    /// Wall-clock time that the detection took.
     pub elapsed: Duration,
-    /// Advice where there are few or no features: the reason, and what to change.
     pub advice: Option<Advice>,
     /// Judgement of the slopes from the detection alone: see [`Model::slope_judgement`].
     pub(in crate::app) judgement: Option<SlopeJudgement>,
 }
 
 impl FoundFeatures {
-    /// Combines the engine's answer for `burst`, after `elapsed`, with advice.
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
         let Detected { asked, params, searched, search_secs, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());
@@ -324,27 +289,18 @@ impl FoundFeatures {
     }
 }
 
-/// A selected feature, to be selected again after the next detection.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedSelection {
-    /// Index of the feature when it was saved.
     pub index: usize,
-    /// Column, input pixels.
     pub u: f32,
-    /// Row, input pixels.
     pub v: f32,
-    /// Scale σ, input pixels.
     pub sigma: f32,
-    /// Slope, pixels per frame.
     pub slope: Slope,
 }
 
-/// Reason why the features on show are not those of the present parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stale {
-    /// The parameters changed since the detection.
     Parameters,
-    /// The present parameters are invalid.
     InvalidParameters,
 }
 
@@ -372,24 +328,20 @@ impl Model {
         self.go_to_first_slope(Side::A);
     }
 
-    /// The detection from which the features of `side` come.
     pub fn found_source(&self, side: Side) -> Option<DetectionSource> {
         let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
         let FoundFeatures { asked, params, finding, .. } = found.clone();
         Some(DetectionSource { burst, asked, params, finding })
     }
 
-    /// The features on show; none without a detection.
     pub fn features(&self) -> &[Feature] {
         self.slots.a.found.as_ref().map_or(&[], |f| &f.detection.features)
     }
 
-    /// The selected feature.
     pub fn selected_feature(&self) -> Option<&Feature> {
         self.features().get(self.selected?)
     }
 
-    /// Reason why the features on show are not those of the present parameters; `None` when they are.
     pub fn stale(&self) -> Option<Stale> {
         let found = self.slots.a.found.as_ref()?;
         if found.asked == self.asked() {
@@ -401,7 +353,6 @@ impl Model {
         }
     }
 
-    /// The selection as a session stores it.
     pub fn saved_selection(&self) -> Option<SavedSelection> {
         let feature = self.selected_feature()?;
         let index = self.selected?;
@@ -425,8 +376,7 @@ impl Model {
         (distance(&features[nearest]) < 1.0).then_some(nearest)
     }
 
-    /// Moves the cursor to the slope with most features in the burst of `side`, unless a slope was chosen since that
-    /// burst was opened.
+    /// Unless a slope was chosen since that burst was opened.
     pub(crate) fn go_to_first_slope(&mut self, side: Side) {
         let (focus, own) = (self.panes.focus(), PaneId::of(side));
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
@@ -439,8 +389,7 @@ impl Model {
         }
     }
 
-    /// Moves the cursor of pane `id` to the slope of the grid with most features, and shows a note. Slopes on the
-    /// grid's rim count only if there are features nowhere else. Does nothing without features.
+    /// Slopes on the grid's rim count only if there are features nowhere else.
     pub fn go_to_busiest_slope(&mut self, id: PaneId) {
         let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };
@@ -448,28 +397,23 @@ impl Model {
         if let Some((index, count)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
             let slope = grid.slope(index);
             self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);
-            let Slope { u, v } = slope;
-            self.messages.note(format!(
-                "Most features ({count}) are at slope ({}, {}) px/frame",
-                fixed(u, 2),
-                fixed(v, 2)
-            ));
+            let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
+            self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame"));
         }
     }
 }
 
 impl Model {
-    /// All files that are open: frames of the bursts and datasets, calibration, gold standards, features of others,
-    /// trajectories. Parameter and session files are not among them, because they may be saved again after changes.
+    /// Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
         let gold = self.compare.gold.iter().flatten();
         let bursts = self.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);
-        let mut files: Vec<PathBuf> = bursts.flat_map(|open| files_of(&open.source)).collect();
+        let mut files: Vec<PathBuf> = bursts.flat_map(|open| open.source.files()).collect();
         for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
-            files.extend(files_at(burst.paths.clone()));
+            files.extend(BurstSource::Paths(burst.paths.clone()).files());
         }
         let calibration = [&self.calibration.bias, &self.calibration.flat];
-        files.extend(calibration.into_iter().flatten().flat_map(|path| files_at(vec![path.clone()])));
+        files.extend(calibration.into_iter().flatten().flat_map(|path| BurstSource::Paths(vec![path.clone()]).files()));
         let others = self.slots.both().into_iter().filter_map(|slot| slot.against.file.as_ref());
         files.extend(others.map(|file| file.path.clone()));
         let trajectories = [&self.trajectories.compared.estimate, &self.trajectories.compared.truth];
@@ -478,20 +422,6 @@ impl Model {
     }
 }
 
-fn files_of(source: &BurstSource) -> Vec<PathBuf> {
-    match source {
-        BurstSource::Paths(paths) => files_at(paths.clone()),
-        BurstSource::DarkCopy { of, .. } | BurstSource::Planted { of, .. } => files_of(of),
-        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => Vec::new(),
-    }
-}
-
-fn files_at(paths: Vec<PathBuf>) -> Vec<PathBuf> {
-    let source = burst::BurstFiles { name: String::new(), paths };
-    source.files().unwrap_or(source.paths)
-}
-
-/// A trajectory file, or the files in the folder of a sparse model.
 fn files_of_model(path: &Path) -> Vec<PathBuf> {
     let inside = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
     inside.chain([path.to_path_buf()]).collect()

@@ -1,7 +1,7 @@
 //! Guarantees of the model: stale features are marked, answers for other bursts are dropped, a feature found again
 //! stays selected.
 
-use crate::app::pane::{Content, Direction, Link, PaneId, Preset};
+use crate::app::pane::{PaneId, Preset};
 use crate::app::project::*;
 use crate::burst::Burst;
 use crate::detector::{Detection, Feature, Slope, SlopeGrid, StageTimes, Tally};
@@ -14,7 +14,6 @@ use crate::synth::ChartParams;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A project with an engine, and no window.
 pub(crate) struct Bench {
     pub model: Model,
     pub engine: Engine,
@@ -27,7 +26,6 @@ impl Bench {
         Self { model, engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
     }
 
-    /// Makes passes until `done` holds; returns the effects.
     pub fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
         let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
         loop {
@@ -116,25 +114,6 @@ fn with_features() -> Model {
 }
 
 #[test]
-fn changed_parameters_make_features_stale_and_undoing_makes_them_good() {
-    let mut model = with_features();
-    assert_eq!(model.stale(), None);
-    let before = model.params.clone();
-    model.params.peak_threshold = 0.5;
-    model.check_params();
-    assert_eq!(model.stale(), Some(Stale::Parameters));
-    assert!(model.needs_detection(Side::A));
-    model.params.octaves = 0;
-    model.check_params();
-    assert_eq!(model.stale(), Some(Stale::InvalidParameters));
-    assert!(!model.needs_detection(Side::A));
-    assert_eq!(model.slots.a.usable_params.octaves, before.octaves, "pictures go on with what made sense");
-    model.params = before;
-    model.check_params();
-    assert_eq!(model.stale(), None);
-}
-
-#[test]
 fn answers_of_another_burst_are_dropped() {
     let mut model = with_features();
     let other = open((64, 48), 5);
@@ -198,23 +177,11 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
 }
 
 #[test]
-fn a_range_is_set_once_and_then_stays() {
-    let mut model = with_features();
-    model.focused_mut().show(cursor::ViewKind::Frame);
-    make_pictures(&mut model);
-    let first = model.look.ranges.intensity;
-    assert!(first.max > 0.5 && first.max < 0.7, "{first:?}");
-    model.focused_mut().show(cursor::ViewKind::Stack);
-    make_pictures(&mut model);
-    assert_eq!(model.look.ranges.intensity, first);
-}
-
-#[test]
 fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
     let ranges = |order: &dyn Fn(&mut Vec<PaneId>)| {
         let mut model = with_features();
         model.lay_out(Preset::FrameAndStack);
-        let mut ids = model.visible_panes();
+        let mut ids = model.panes.shown();
         assert_eq!(ids.len(), 2);
         order(&mut ids);
         for id in ids {
@@ -228,49 +195,10 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
     assert_eq!(ranges(&|_| {}), ranges(&|ids| ids.reverse()));
 }
 
-/// Makes the picture that each visible pane wants, as the engine would.
-fn make_pictures(model: &mut Model) {
-    for id in model.visible_panes() {
-        let wanted = model.wanted(id).expect("its burst is open");
-        model.take_picture(id, wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled"));
-    }
-}
-
-#[test]
-fn each_pane_wants_its_own_picture_and_a_difference_those_of_two_others() {
-    let mut model = with_features();
-    model.lay_out(Preset::TwoSlopes);
-    let [a, b] = model.panes.shown()[..] else { panic!("two panes") };
-    let c = model.panes.split_with(Direction::Down, |pane| pane.content = Content::Difference(a, b)).expect("room");
-    assert!(!model.pictures_are_current());
-    make_pictures(&mut model);
-    assert!(model.pictures_are_current());
-    let plane = |id: PaneId| model.panes.get(id).and_then(|pane| pane.picture.clone()).expect("made").plane;
-    assert_eq!(plane(c).at(20, 20), plane(a).at(20, 20) - plane(b).at(20, 20));
-    // When one of the two moves, the difference is out of date.
-    model.panes.get_mut(b).expect("there").cursor.slope = Slope::new(0.3, 0.0);
-    assert!(model.is_current(a) && !model.is_current(b) && !model.is_current(c));
-}
-
-#[test]
-fn a_pane_that_does_not_share_its_display_has_its_own() {
-    let mut model = with_features();
-    model.lay_out(Preset::FrameAndStack);
-    make_pictures(&mut model);
-    let [a, b] = model.panes.shown()[..] else { panic!("two panes") };
-    assert_eq!(model.display_of(a), model.display_of(b));
-    model.set_link(b, Link::Display, false);
-    model.panes.set_focus(b);
-    model.focused_ranges_mut().intensity.max = 0.123;
-    assert_ne!(model.display_of(a), model.display_of(b));
-    model.set_link(b, Link::Display, true);
-    assert_eq!(model.display_of(a), model.display_of(b));
-}
-
 #[test]
 fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
     let mut model = with_features();
-    model.lay_out(Preset::Slopes(3));
+    model.lay_out(Preset::ThreeSlopes);
     let slopes = |model: &Model| -> Vec<f32> {
         let panes = model.panes.shown().into_iter().filter_map(|id| model.panes.get(id));
         panes.map(|pane| pane.cursor.slope.u).collect()

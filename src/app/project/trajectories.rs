@@ -5,17 +5,15 @@ use crate::app::project::workspace::Workspace;
 use crate::app::session::SavedTrajectories;
 use crate::app::view::View;
 use crate::engine::{Engine, Wanted};
-use crate::evaluate::poses::{PlaneAxes, PoseReport, PoseStudy, Projection, Trajectory};
+use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// One of the two trajectories.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// The estimated trajectory.
     Estimate,
-    /// The true trajectory.
     Truth,
 }
 
@@ -25,18 +23,15 @@ const PLANE_UNITS: f64 = 1000.0;
 /// Margin around the cameras, as a fraction of the longer side.
 const MARGIN: f64 = 0.06;
 
-/// A place of a camera in the plane on show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot {
     /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
-    /// Index in its own trajectory.
     pub index: usize,
     /// The pair of the report that it belongs to.
     pub pair: Option<usize>,
 }
 
-/// Both trajectories in the plane.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlaneScene {
     /// True cameras, in order.
@@ -49,24 +44,16 @@ pub struct PlaneScene {
     pub scale: f64,
 }
 
-/// The trajectories, their comparison, and their view.
 #[derive(Debug, Default)]
 pub struct Trajectories {
-    /// The trajectories that were read, and their comparison.
     pub compared: ComparedPoses,
-    /// Options of the comparison.
     pub study: PoseStudy,
-    /// Direction from which the trajectories are seen.
     pub projection: Projection,
-    /// Pan and zoom of the plane.
     pub view: View,
-    /// The pair of cameras that is pointed at, in the plane or in the table.
     pub hovered: Option<usize>,
-    /// The pair of cameras that was clicked.
     pub selected: Option<usize>,
     /// Label of the camera whose burst a second click asked to open; `None` once that was handled.
     pub wanted: Option<String>,
-    /// The request to read and compare.
     pub reading: Wanted<PosesRequest>,
     scene: Option<(Projection, Arc<PlaneScene>)>,
 }
@@ -109,13 +96,11 @@ impl Trajectories {
         (self.scene, self.hovered, self.selected) = (None, None, None);
     }
 
-    /// Removes both trajectories.
     pub fn clear(&mut self) {
         self.reading.forget();
         self.take(ComparedPoses::default());
     }
 
-    /// Whether there is neither trajectory.
     pub fn is_empty(&self) -> bool {
         self.compared.estimate.is_none() && self.compared.truth.is_none()
     }
@@ -132,32 +117,26 @@ impl Trajectories {
 
     /// The plane as it is to be drawn; recomputed only after a change.
     pub fn scene(&mut self) -> Arc<PlaneScene> {
-        match &self.scene {
-            Some((projection, scene)) if *projection == self.projection => scene.clone(),
-            _ => {
-                let scene = Arc::new(PlaneScene::of(&self.compared, self.projection));
-                self.scene = Some((self.projection, scene.clone()));
-                scene
-            }
-        }
+        let projection = self.projection;
+        self.scene.take_if(|(of, _)| *of != projection);
+        let (_, scene) =
+            self.scene.get_or_insert_with(|| (projection, Arc::new(PlaneScene::of(&self.compared, projection))));
+        scene.clone()
     }
 }
 
 impl Model {
-    /// Reads a trajectory, and compares it with the other one.
     pub fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
         let request = self.trajectories.request_with(which, path);
         self.trajectories.reading.ask(engine, request);
         self.workspace = Workspace::Trajectories;
     }
 
-    /// Compares both again, after the study was changed.
     pub(in crate::app) fn compare_trajectories_again(&mut self, engine: &Engine) {
         let request = self.trajectories.request();
         self.trajectories.reading.ask(engine, request);
     }
 
-    /// Takes the trajectories that were read.
     pub(in crate::app) fn take_trajectories(&mut self) {
         const TITLE: &str = "Trajectories";
         for ended in self.trajectories.reading.take() {
@@ -171,7 +150,6 @@ impl Model {
         }
     }
 
-    /// Restores the trajectories of a session.
     pub(in crate::app) fn restore_trajectories(&mut self, saved: Option<SavedTrajectories>, engine: &Engine) {
         self.trajectories.clear();
         if let Some(SavedTrajectories { estimate, truth, projection }) = saved {
@@ -200,20 +178,10 @@ impl PlaneScene {
         };
         let axes = projection.axes(if truth.is_empty() { &estimate } else { &truth });
         let pairs = report.map_or(&[][..], |r| &r.pairs);
-        let of_truth = pairs.iter().enumerate().map(|(k, p)| (p.truth, k)).collect();
-        let of_estimate = pairs.iter().enumerate().map(|(k, p)| (p.estimate, k)).collect();
-        Self::laid_out(&truth, &estimate, &axes, &of_truth, &of_estimate)
-    }
-
-    fn laid_out(
-        truth: &[[f64; 3]],
-        estimate: &[[f64; 3]],
-        axes: &PlaneAxes,
-        of_truth: &std::collections::HashMap<usize, usize>,
-        of_estimate: &std::collections::HashMap<usize, usize>,
-    ) -> Self {
-        let flat = |centres: &[[f64; 3]]| centres.iter().map(|c| axes.project(*c)).collect::<Vec<_>>();
-        let (truth, estimate) = (flat(truth), flat(estimate));
+        let of_truth: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.truth, k)).collect();
+        let of_estimate: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.estimate, k)).collect();
+        let [truth, estimate] =
+            [truth, estimate].map(|centres| centres.into_iter().map(|c| axes.project(c)).collect::<Vec<_>>());
         // The truth determines the section shown, so that a diverging estimate does not shrink the truth to a point.
         let framed = if truth.is_empty() { &estimate } else { &truth };
         let range = |k: usize| {
@@ -233,14 +201,14 @@ impl PlaneScene {
             let (x, y) = (0.5 * width + (p[0] - mid_right) * scale, 0.5 * height - (p[1] - mid_up) * scale);
             egui::pos2(x as f32, y as f32)
         };
-        let spots = |flat: &[[f64; 2]], pair_of: &std::collections::HashMap<usize, usize>| {
+        let spots = |flat: &[[f64; 2]], pair_of: &HashMap<usize, usize>| {
             let spot =
                 |(index, p): (usize, &[f64; 2])| Spot { pos: place(p), index, pair: pair_of.get(&index).copied() };
             flat.iter().enumerate().map(spot).collect()
         };
         Self {
-            truth: spots(&truth, of_truth),
-            estimate: spots(&estimate, of_estimate),
+            truth: spots(&truth, &of_truth),
+            estimate: spots(&estimate, &of_estimate),
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,
         }

@@ -1,8 +1,5 @@
 //! Automatic saving of the window's session, and the offer to restore that of a window that did not end normally.
-//!
-//! A [`Recovery`] has a [`Record`] of its own, into which the session is written in the background: at a limited rate,
-//! and only after changes. It holds the records that other windows left behind, and offers them one after the other;
-//! nothing is restored unasked. A restored record becomes the window's own, so that its session is never lost.
+//! Nothing is restored unasked. A restored record becomes the window's own, so that its session is never lost.
 
 mod record;
 
@@ -20,66 +17,45 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
-/// Title of messages about the saving.
 const TITLE: &str = "Save the session by itself";
 
-/// Shortest time between two savings of the session.
 pub const SAVED_EVERY: Duration = Duration::from_secs(10);
 
-/// Folder and interval of automatic saving.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KeptIn {
-    /// The folder of all windows' records.
     pub folder: PathBuf,
-    /// Shortest time between two savings.
     pub every: Duration,
 }
 
-/// Offer to restore a session.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Offer {
-    /// The burst that was open, in a few words.
     pub label: String,
-    /// Time since it was saved.
     pub age: Duration,
-    /// Number of further sessions that can be offered.
     pub more: usize,
-    /// Whether it is being restored.
     pub is_restoring: bool,
-    /// Whether the user is being asked to confirm that it is removed.
     pub is_asking: bool,
 }
 
-/// Choice of the user for an offer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecoveryChoice {
-    /// Open it.
     Restore,
     /// Ask whether to remove it.
     Discard,
-    /// Remove it: the question was answered with yes.
     Remove,
-    /// Keep it: the question was answered with no.
     Keep,
 }
 
-/// Text of the session of `model`; `None` without a burst.
 fn session_text(model: &Model) -> Option<String> {
     Some(written_by() + &Session::of(model)?.to_toml())
 }
 
-/// The record of a window, and the records that other windows left behind.
 #[derive(Debug)]
 pub struct Recovery {
     own: Arc<Record>,
     every: Duration,
-    /// The text that was written last.
     written: Option<String>,
-    /// The text that is being written.
     given: Option<String>,
-    /// Reason why the last writing failed, if it did.
     failed: Option<String>,
-    /// Time of the last check for changes.
     looked: Option<Instant>,
     writing: Option<TaskId>,
     left: VecDeque<(Record, String)>,
@@ -88,10 +64,6 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// Creates the record of a new window, and collects those left behind.
-    ///
-    /// # Errors
-    /// When no record can be created in the folder.
     pub fn new(kept: &KeptIn) -> io::Result<Self> {
         let own = Arc::new(Record::new(&kept.folder)?);
         // A session that this program cannot read, of a newer version for example, is left in place.
@@ -106,7 +78,6 @@ impl Recovery {
         Ok(Self { own, every: kept.every, written, given, failed, looked, writing, left, restoring, is_asking: false })
     }
 
-    /// As [`Self::new`]; where no record can be created, a message says so.
     pub fn begin(kept: Option<&KeptIn>, messages: &mut Messages) -> Option<Self> {
         let kept = kept?;
         Self::new(kept)
@@ -118,8 +89,7 @@ impl Recovery {
             .ok()
     }
 
-    /// Saves the session of `model` in the background, if it is due and has changed. Returns the time to wait before
-    /// calling again, if nothing else happens.
+    /// Returns the time to wait before calling again, if nothing else happens.
     pub fn keep(&mut self, model: &Model, engine: &Engine) -> Option<Duration> {
         if self.writing.is_some() || self.restoring.is_some() {
             return None;
@@ -137,16 +107,12 @@ impl Recovery {
         None
     }
 
-    /// Saves the session of `model` at once: another window goes on with it, and if that fails it is offered later.
-    ///
-    /// # Errors
-    /// When it cannot be written: the title and text of the message.
+    /// Another window goes on with it, and if that fails it is offered later. The error: title and text of a message.
     pub fn keep_now(&self, model: &Model) -> Result<(), (&'static str, String)> {
         session_text(model).map_or(Ok(()), |text| self.own.write(&text).map_err(|error| (TITLE, error)))
     }
 
-    /// Whether the task that ended was the saving of the session. A failure is reported once for each reason, and the
-    /// session is due again at the next interval.
+    /// A failure is reported once for each reason, and the session is due again at the next interval.
     pub fn has_kept(&mut self, done: &TaskDone, messages: &mut Messages) -> bool {
         if self.writing.take_if(|writing| *writing == done.id).is_none() {
             return false;
@@ -170,7 +136,6 @@ impl Recovery {
         true
     }
 
-    /// Applies the choice for the offered session.
     pub fn settle(&mut self, choice: RecoveryChoice, restoring: &mut Restoring, model: &mut Model, engine: &Engine) {
         self.is_asking = choice == RecoveryChoice::Discard;
         match choice {
@@ -187,12 +152,10 @@ impl Recovery {
         }
     }
 
-    /// Whether the user is being asked to confirm that a session is removed.
     pub fn is_asking(&self) -> bool {
         self.is_asking
     }
 
-    /// The offer to show, if there is one.
     pub fn offer(&self) -> Option<Offer> {
         let (record, label) = self.left.front()?;
         let age = record.saved().and_then(|saved| SystemTime::now().duration_since(saved).ok()).unwrap_or_default();
@@ -200,7 +163,6 @@ impl Recovery {
         Some(Offer { label: label.clone(), age, more: self.left.len() - 1, is_restoring, is_asking })
     }
 
-    /// Deletes the offered session, unless it is being restored.
     fn forget(&mut self) {
         if self.restoring.is_none()
             && let Some((record, _)) = self.left.pop_front()
@@ -209,14 +171,12 @@ impl Recovery {
         }
     }
 
-    /// Keeps the offer where its session is not being restored any more: `waits_for` is the request that opens the
-    /// burst of the session that is.
+    /// `waits_for` is the request that opens the burst of the session that is being restored.
     pub fn give_up_unless(&mut self, waits_for: Option<JobId>) {
         self.restoring = self.restoring.filter(|restoring| Some(*restoring) == waits_for);
     }
 
-    /// Takes the end of a request to restore a session. If it was that of the offer and `is_done`, the offered record
-    /// replaces the window's own; otherwise it stays offered.
+    /// If it was that of the offer and `is_done`, the offered record replaces the window's own.
     pub fn restored(&mut self, request: JobId, is_done: bool) {
         if self.restoring.take_if(|restoring| *restoring == request).is_some()
             && is_done
@@ -227,7 +187,6 @@ impl Recovery {
         }
     }
 
-    /// Removes the window's own record: the window ends normally.
     pub fn end(&self) {
         self.own.remove();
     }
@@ -241,47 +200,6 @@ mod tests {
 
     fn kept_in(folder: &Path) -> KeptIn {
         KeptIn { folder: folder.to_owned(), every: Duration::ZERO }
-    }
-
-    /// Saves the session of the project, if that is due, and takes the end of it. Returns whether it was due.
-    fn keep(recovery: &mut Recovery, Bench { model, engine }: &mut Bench) -> bool {
-        assert_eq!(recovery.keep(model, engine), None, "at any rate");
-        assert!(engine.wait_idle(Duration::from_secs(60)));
-        let ended: Vec<bool> =
-            engine.take_tasks().iter().map(|done| recovery.has_kept(done, &mut model.messages)).collect();
-        assert!(ended.iter().all(|was_session| *was_session));
-        !ended.is_empty()
-    }
-
-    #[test]
-    fn a_session_is_saved_after_changes_and_a_failure_is_reported_once() {
-        let home = tempfile::tempdir().expect("a folder");
-        let folder = home.path().join("running");
-        let mut bench = Bench::new();
-        let kept = kept_in(&folder);
-        let mut recovery = Recovery::begin(Some(&kept), &mut bench.model.messages).expect("a folder can be made");
-        assert!(!keep(&mut recovery, &mut bench), "nothing is open");
-        bench.model.take_burst(open((64, 48), 5));
-        assert!(keep(&mut recovery, &mut bench));
-        assert!(!keep(&mut recovery, &mut bench), "nothing changed");
-        assert!(recovery.own.session().is_file());
-        // A file in place of the folder.
-        std::fs::remove_dir_all(&folder).expect("removed");
-        std::fs::write(&folder, "").expect("written");
-        bench.model.params.levels = 3;
-        assert!(keep(&mut recovery, &mut bench));
-        let errors = |bench: &Bench| bench.model.messages.errors().len();
-        assert_eq!(errors(&bench), 1);
-        bench.model.messages.resolved(TITLE);
-        assert!(keep(&mut recovery, &mut bench), "it is tried again");
-        assert_eq!(errors(&bench), 0, "the same reason is not told again");
-        assert!(recovery.keep_now(&bench.model).is_err());
-        std::fs::remove_file(&folder).expect("removed");
-        assert!(keep(&mut recovery, &mut bench) && recovery.own.session().is_file());
-        // Where nothing can be kept, a message says so.
-        let nowhere = kept_in(&recovery.own.session().join("below a file"));
-        assert!(Recovery::begin(Some(&nowhere), &mut bench.model.messages).is_none());
-        assert_eq!(errors(&bench), 1);
     }
 
     #[test]

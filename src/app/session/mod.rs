@@ -1,8 +1,5 @@
-//! A session: everything needed to restore a view of a burst, as a TOML file.
-//!
-//! Pixels and features are not stored: the burst is opened again from its source, and the features, those of a pinned
-//! result included, are detected again, which gives the same bits. The selected feature is then identified by its
-//! place.
+//! A session: everything needed to restore a view of a burst, as a TOML file. Pixels and features are not stored: the
+//! burst is opened again, and the features are detected again, which gives the same bits.
 
 mod restoring;
 mod saved;
@@ -16,7 +13,7 @@ use super::pane::{Content, PaneId, SavedPanes, SavedWorkspaces};
 use crate::app::project::against::{SavedAgainst, With};
 use crate::app::project::compare::CompareLook;
 use crate::app::project::cursor::Cursor;
-use crate::app::project::filter::{Column, Filter, Order};
+use crate::app::project::filter::{Filter, Order};
 use crate::app::project::lab::Lab;
 use crate::app::project::look::Look;
 use crate::app::project::pair::Side;
@@ -24,7 +21,7 @@ use crate::app::project::probe::SavedProbe;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model, SavedSelection};
 use crate::burst::OpenOptions;
-use crate::detector::SearchParams;
+use crate::detector::{Quantity, SearchParams};
 use crate::export::case::read_session;
 use crate::inspect::set_up::SetUp;
 use crate::matching::params::doc;
@@ -36,93 +33,53 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::path::Path;
 
-/// The version that this program writes and reads.
 const VERSION: u32 = 3;
 
-/// Contents of a session file. A missing field has its default.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
-    /// Version of the file's format.
     version: u32,
-    /// Source of the burst.
     pub burst: BurstSource,
-    /// Options with which it was opened: bias and flat frame, and the conversion of a file's values to light.
     #[serde(default, skip_serializing_if = "OpenOptions::is_plain")]
     pub calibration: OpenOptions,
-    /// Property by which features are coloured.
     #[serde(default)]
     pub colour_by: ColourBy,
-    /// Set-up of camera and scene by which slopes are read as depths, if they are.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depths_by: Option<SetUp>,
-    /// The tab below the picture.
     #[serde(default)]
     pub bottom_tab: BottomTab,
-    /// Whether features were found, and are to be found again.
     #[serde(default)]
     pub detected: bool,
-    /// The detector's parameters, and how the slopes are chosen.
     #[serde(default)]
     pub params: SearchParams,
-    /// Cursor of A's own pane.
     #[serde(default)]
     pub scrub: Cursor,
-    /// Pan and zoom of that pane.
     #[serde(default)]
     pub view: View,
-    /// The panes of *Inspect*.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panes: Option<SavedPanes>,
-    /// The panes of *Two bursts*.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair_panes: Option<SavedPanes>,
-    /// The panes of *Methods*.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub methods_panes: Option<SavedPanes>,
-    /// Ranges, maps and overlay.
     #[serde(default)]
     pub look: Look,
-    /// Filter of the features.
     #[serde(default)]
     pub filter: Filter,
-    /// The table's order.
     #[serde(default)]
-    pub order: Order<Column>,
-    /// The selected feature.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub order: Order<Quantity>,
     pub selection: Option<SavedSelection>,
-    /// The place of A that is probed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probe: Option<SavedProbe>,
-    /// Features with which those of A were compared.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against: Option<SavedAgainst>,
-    /// The dataset.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dataset: Option<SavedDataset>,
-    /// The trajectories.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trajectories: Option<SavedTrajectories>,
-    /// The workspace that was open.
     #[serde(default)]
     pub workspace: Workspace,
-    /// The second burst and the matches.
     #[serde(default)]
     pub pair: PairSession,
-    /// Compared methods, and options of the comparison.
     #[serde(default)]
     pub methods: CompareLook,
-    /// Source of the gold standard.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
-    /// The study of things planted in the burst, where it is not the default one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planted: Option<RecoverStudy>,
 }
 
 impl Session {
-    /// The session of what is on show; `None` without a burst.
     pub fn of(model: &Model) -> Option<Self> {
         let (burst, pane) = (model.slots.a.burst.as_ref()?, model.panes.of(Side::A));
         let [panes, pair_panes, methods_panes] = SavedWorkspaces::of(&model.panes).placed;
@@ -178,27 +135,17 @@ impl Session {
         }
     }
 
-    /// Reads the session in a case. It opens no file but the case.
-    ///
-    /// # Errors
-    /// When the case cannot be read, or its session is none; the message names the case.
     pub fn in_case(path: &Path) -> Result<Option<Self>, String> {
         let Some(text) = read_session(path).map_err(|error| error.to_string())? else { return Ok(None) };
         let session = Self::from_toml(&text).map_err(|error| format!("{error}: {}", path.display()))?;
         Ok(Some(Self { burst: BurstSource::Paths(vec![path.to_owned()]), ..session.for_case() }))
     }
 
-    /// The file's text, which [`Session::from_toml`] reads back.
     pub fn to_toml(&self) -> String {
         let body = toml::to_string(self).expect("a session is plain values, which TOML can always hold");
         format!("# A Burstscope session: open it with File > Open session.\n{body}")
     }
 
-    /// Reads a session file's text.
-    ///
-    /// # Errors
-    /// When the text is no session file (with the TOML reader's message and place), has unknown keys, or is of another
-    /// version.
     pub fn from_toml(text: &str) -> Result<Self, String> {
         // The version is checked first: the other contents of another version are unknown here.
         #[derive(Deserialize)]
@@ -226,8 +173,7 @@ impl Session {
         Ok(session)
     }
 
-    /// Checks the numbers that decide what is computed, by the records that options and fields of the window use. Other
-    /// numbers, of panes, views and ranges, are brought into their ranges where they are used.
+    /// Numbers that decide what is computed. Those of panes, views and ranges are brought into range where used.
     fn check(&self) -> Result<(), String> {
         fn named<E: Display>(key: &str, checked: Result<(), E>) -> Result<(), String> {
             checked.map_err(|error| format!("{key}: {error}"))
@@ -256,12 +202,10 @@ impl Session {
         named("planted", self.planted.as_ref().map_or(Ok(()), RecoverStudy::check))
     }
 
-    /// The panes of all workspaces.
     pub fn workspaces(&self) -> SavedWorkspaces {
         SavedWorkspaces { placed: [self.panes.clone(), self.pair_panes.clone(), self.methods_panes.clone()] }
     }
 
-    /// Restores the session in `model`, whose burst was just opened.
     pub fn apply(&self, model: &mut Model) {
         self.apply_without_burst(model);
         let pane = model.panes.of_mut(Side::A);
@@ -277,7 +221,6 @@ impl Session {
         model.check_params();
     }
 
-    /// Restores in `model` everything that belongs to no burst: parameters, calibration, and display.
     pub fn apply_without_burst(&self, model: &mut Model) {
         model.set_search(self.params.clone());
         model.calibration = self.calibration.clone();
@@ -293,18 +236,16 @@ impl Session {
     }
 }
 
-/// The search that is set, with the last parameters that made sense where those that are typed make none: a session
-/// could not be opened again.
+/// Where what is typed makes no sense, the last that did: a session could not be opened again.
 fn sound_search(model: &Model) -> SearchParams {
     let asked = model.asked();
     match asked.validate() {
         Ok(()) => asked,
-        Err(_) => SearchParams { detector: model.usable_params_of(Side::A).clone(), ..asked },
+        Err(_) => SearchParams { detector: model.slots.a.usable_params.clone(), ..asked },
     }
 }
 
-/// Reads a value from TOML, and lists the unknown keys, each as a path: `pair.links.vews`. Types that deny unknown keys
-/// themselves fail at once; the error names the key and its place.
+/// Unknown keys are paths: `pair.links.vews`. Types that deny unknown keys themselves fail at once.
 fn read_noting_unknown_keys<T: DeserializeOwned>(text: &str) -> Result<(T, Vec<String>), toml::de::Error> {
     let mut unknown = Vec::new();
     let value = serde_ignored::deserialize(toml::Deserializer::parse(text)?, |path| unknown.push(path.to_string()))?;
@@ -349,27 +290,6 @@ mod tests {
     }
 
     #[test]
-    fn with_what_features_were_compared_comes_back() {
-        let model = model();
-        let mut session = Session::of(&model).expect("a burst is open");
-        assert!(session.against.is_none() && !session.to_toml().contains("[against"));
-        let mut pinned = model.asked();
-        pinned.detector.edge_threshold = 7.0;
-        let (with, file) = (Some(With::Pinned), Some(std::path::absolute("theirs.csv").expect("a path")));
-        session.against = Some(SavedAgainst { with, file, pinned: Some(pinned) });
-        let text = session.to_toml();
-        assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
-        let mut restored = self::model();
-        session.apply(&mut restored);
-        assert_eq!(restored.saved_against(Side::A), session.against);
-        assert_eq!(Session::of(&restored).expect("a burst is open").against, session.against);
-        // A session without a comparison removes it.
-        session.against = None;
-        session.apply(&mut restored);
-        assert!(restored.saved_against(Side::A).is_none());
-    }
-
-    #[test]
     fn what_is_probed_and_compared_in_b_comes_back_with_b() {
         let mut model = model();
         let second = || {
@@ -397,11 +317,6 @@ mod tests {
         // The session of before says nothing of B's probe, and takes it away.
         before.pair.apply(&mut restored);
         assert!(!restored.probe.is_on() && restored.saved_against(Side::B).is_none());
-    }
-
-    #[test]
-    fn without_a_burst_there_is_no_session() {
-        assert!(Session::of(&Model::default()).is_none());
     }
 
     #[test]

@@ -13,15 +13,11 @@ use crate::files::{MAX_SESSION_BYTES, explained, read_text};
 use crate::requests::{BurstSource, JobError, JobId, OpenRequest};
 use std::path::Path;
 
-/// Title of messages about a session file.
 const TITLE: &str = "Open session";
 
-/// Sessions that wait for their bursts to be opened.
 #[derive(Debug, Default)]
 pub struct Restoring {
-    /// Request that opens the first burst, and the session.
     session: Option<(JobId, Box<Session>)>,
-    /// Request that opens the second burst, and the session's state of the pair.
     pair: Option<(JobId, Box<PairSession>, SavedWorkspaces)>,
 }
 
@@ -42,7 +38,6 @@ impl Restoring {
         }
     }
 
-    /// Opens the burst of a session, which is restored then.
     fn begin(&mut self, session: Session, model: &mut Model, engine: &Engine) -> JobId {
         let (source, options) = (session.burst.clone(), session.calibration.clone());
         let id = model.slots.a.opening.ask(engine, OpenRequest { source, options });
@@ -50,8 +45,7 @@ impl Restoring {
         id
     }
 
-    /// Opens a burst as A. That of a case is shown as it was saved: with its session, or else with its search and the
-    /// place that is asked about.
+    /// A case is shown as it was saved: with its session, or else with its search and the place asked about.
     pub fn open(&mut self, source: BurstSource, model: &mut Model, engine: &Engine) {
         let case = match source.paths() {
             [path] if is_case(path) => Some(path),
@@ -73,8 +67,7 @@ impl Restoring {
         model.open(Side::A, source, engine);
     }
 
-    /// Request that opens the burst of the session that is being restored. A session whose request was superseded or
-    /// forgotten, because something else is opened instead, is given up.
+    /// A session whose request was superseded or forgotten, because something else is opened, is given up.
     pub fn waits_for(&mut self, model: &Model) -> Option<JobId> {
         let [of_a, of_b] = model.slots.both().map(|slot| slot.opening.pending_id());
         self.session.take_if(|(id, _)| Some(*id) != of_a);
@@ -82,7 +75,6 @@ impl Restoring {
         of_a.filter(|_| self.session.is_some())
     }
 
-    /// Takes the end of opening a burst, and restores the session that waited for it.
     pub fn take_opened(
         &mut self,
         side: Side,
@@ -126,7 +118,6 @@ impl Restoring {
         effects
     }
 
-    /// Requests everything that a session refers to besides its first burst.
     fn restore_others(
         &mut self,
         session: Session,
@@ -156,7 +147,6 @@ impl Restoring {
         closed
     }
 
-    /// Opens the second burst of a session, and then restores the session's state of the pair.
     fn restore_pair(&mut self, session: PairSession, panes: SavedWorkspaces, model: &mut Model, engine: &Engine) {
         match session.burst.clone() {
             Some(source) => {
@@ -212,7 +202,6 @@ mod tests {
     use crate::app::project::tests::{Bench, open};
     use std::path::PathBuf;
 
-    /// Makes passes until a burst was opened for `side`, or failed to; returns the effects beyond that.
     fn opened(bench: &mut Bench, restoring: &mut Restoring, side: Side) -> Vec<Effect> {
         let is_end = |effect: &Effect| matches!(effect, Effect::Opened(of, _) if *of == side);
         let effects = bench.run_until(|_, effects| effects.iter().any(is_end));
@@ -223,7 +212,6 @@ mod tests {
         effects.into_iter().flat_map(apply).collect()
     }
 
-    /// A session of the demo in `home`, with other parameters than the default, and with a second burst.
     fn session(home: &Path, burst: BurstSource) -> PathBuf {
         let mut model = Model::default();
         let mut a = open((64, 48), 5);
@@ -234,38 +222,6 @@ mod tests {
         let path = home.join("s.burstscope.toml");
         std::fs::write(&path, Session::of(&model).expect("a burst is open").to_toml()).expect("written");
         path
-    }
-
-    #[test]
-    fn an_opened_burst_is_shown_and_goes_to_the_recent_list() {
-        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        bench.model.open(Side::A, BurstSource::Demo, &bench.engine);
-        let effects = opened(&mut bench, &mut restoring, Side::A);
-        assert!(matches!(&effects[..], [Effect::Recent(BurstSource::Demo)]), "{effects:?}");
-        assert!(bench.model.slots.a.burst.is_some());
-        bench.model.open(Side::B, BurstSource::DemoLater, &bench.engine);
-        opened(&mut bench, &mut restoring, Side::B);
-        assert!(bench.model.slots.b.burst.is_some() && bench.model.workspace == Workspace::Pair);
-        bench.model.open(Side::B, BurstSource::Paths(vec!["/no/such/burst".into()]), &bench.engine);
-        assert!(opened(&mut bench, &mut restoring, Side::B).is_empty());
-        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("/no/such/burst")));
-    }
-
-    #[test]
-    fn of_a_session_the_bursts_are_opened_and_then_the_rest_is_restored() {
-        let home = tempfile::tempdir().expect("a folder");
-        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        bench.model.auto_detect = false;
-        let path = session(home.path(), BurstSource::Demo);
-        let id = restoring.restore(&path, &mut bench.model, &bench.engine);
-        assert!(id.is_some() && restoring.waits_for(&bench.model) == id);
-        assert_ne!(bench.model.params.levels, 3, "until then nothing changes");
-        opened(&mut bench, &mut restoring, Side::A);
-        assert_eq!((bench.model.params.levels, restoring.waits_for(&bench.model)), (3, None));
-        assert!(bench.model.slots.b.opening.is_pending());
-        opened(&mut bench, &mut restoring, Side::B);
-        assert!(bench.model.slots.b.burst.is_some());
-        assert_eq!(bench.model.workspace, Workspace::Inspect, "as the session was left");
     }
 
     #[test]
@@ -284,18 +240,6 @@ mod tests {
         std::fs::write(&path, "levels = 3").expect("written");
         assert_eq!(restoring.restore(&path, &mut bench.model, &bench.engine), None);
         assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("s.burstscope.toml")));
-    }
-
-    #[test]
-    fn a_session_whose_burst_is_gone_is_restored_without_it() {
-        let home = tempfile::tempdir().expect("a folder");
-        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        bench.model.take_burst(open((32, 24), 3));
-        let path = session(home.path(), BurstSource::Paths(vec![home.path().join("gone")]));
-        restoring.restore(&path, &mut bench.model, &bench.engine);
-        opened(&mut bench, &mut restoring, Side::A);
-        assert_eq!((bench.model.size(), bench.model.params.levels), ((32, 24), 3));
-        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("gone")));
     }
 
     #[test]

@@ -21,33 +21,20 @@ use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The dataset of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedDataset {
-    /// Source of its bursts.
     pub source: DatasetSource,
-    /// Folder in which its features are kept.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
-    /// The places of the bursts that were A and B.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub a: Option<usize>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub b: Option<usize>,
 }
 
-/// The trajectories of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedTrajectories {
-    /// File of the estimate.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimate: Option<PathBuf>,
-    /// File of the truth.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<PathBuf>,
-    /// Direction from which they were seen.
     #[serde(default)]
     pub projection: Projection,
 }
@@ -56,7 +43,6 @@ pub(super) fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
     model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.source))
 }
 
-/// Comparison of the features of `side`, with an absolute path.
 pub(super) fn saved_against(model: &Model, side: Side) -> Option<SavedAgainst> {
     let saved = model.saved_against(side)?;
     Some(SavedAgainst { file: saved.file.as_deref().map(absolute_path), ..saved })
@@ -111,41 +97,21 @@ fn sound(mut params: MatchParams) -> MatchParams {
     params
 }
 
-/// The second burst and the matches as a session file stores them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PairSession {
-    /// Source of the second burst, if one was open.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub burst: Option<BurstSource>,
-    /// Source of its gold standard.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub gold: Option<BurstSource>,
-    /// The place of the second burst that is probed.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub probe: Option<SavedProbe>,
-    /// Features with which those of the second burst were compared.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<SavedAgainst>,
-    /// Side of the pane in focus.
     pub active: Side,
-    /// Links between the two bursts' panes.
     pub links: Links,
-    /// The parameters of matching.
     pub params: MatchParams,
-    /// B's cursor.
     pub scrub: Cursor,
-    /// B's pan and zoom.
     pub view: View,
-    /// B's ranges and maps, where they were its own.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub look: Option<Look>,
-    /// Display of matches.
     pub match_look: MatchLook,
-    /// The table's order.
     pub order: Order<MatchColumn>,
-    /// The selected match.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub selection: Option<SavedMatch>,
 }
 
@@ -169,7 +135,6 @@ impl PairSession {
         }
     }
 
-    /// Restores it in `model`, whose second burst (if there was one) was just opened.
     pub fn apply(&self, model: &mut Model) {
         let pair = &mut model.pair;
         pair.params = self.params.clone();

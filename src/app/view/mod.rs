@@ -1,84 +1,120 @@
 //! How pictures and features are seen, as plain values: pan and zoom ([`View`]), transforms between coordinate systems,
-//! the quantity that colours show, and numbers as people read them. The project keeps these values, the canvas draws by
+//! the quantities of features, and numbers as people read them. The project keeps these values, the canvas draws by
 //! them.
 
 mod pan_zoom;
 
 pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
 
-use crate::detector::Slope;
+use crate::detector::quantity::{BRIGHT, Colours, Form};
+use crate::detector::{Feature, Quantity, Slope};
+use crate::inspect::verdict::Judged;
 use serde::{Deserialize, Serialize};
 
-/// Quantity that the colour of a feature shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ColourBy {
-    /// The apparent motion: hue for its direction, saturation for its length.
     #[default]
     SlopeDirection,
-    /// The horizontal part of the apparent motion.
     SlopeU,
-    /// The vertical part of the apparent motion.
     SlopeV,
-    /// The scale σ, in logarithmic steps.
     Scale,
     /// The DoG value with its sign: bright blobs are negative.
     Response,
-    /// The signal-to-noise ratio, in logarithmic steps.
     Snr,
-    /// Whether the feature is at the limit of the searched slopes: its motion lies beyond.
     Limit,
     /// Evenness of the frames' responses along its motion, 0 … 1; known once it was computed.
     Coherence,
-    /// The depth that the slope means, in logarithmic steps; known with the set-up of camera and scene.
     Depth,
 }
 
 impl ColourBy {
-    /// All choices, in the order of a picker.
-    pub const ALL: [Self; 9] = [
-        Self::SlopeDirection,
-        Self::SlopeU,
-        Self::SlopeV,
-        Self::Scale,
-        Self::Response,
-        Self::Snr,
-        Self::Limit,
-        Self::Coherence,
-        Self::Depth,
-    ];
+    pub const ALL: [Self; 9] = {
+        use ColourBy::*;
+        [SlopeDirection, SlopeU, SlopeV, Scale, Response, Snr, Limit, Coherence, Depth]
+    };
 
     /// The choices, in the order of a picker; depths only where slopes are read as depths.
     pub fn choices(with_depths: bool) -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(move |by| with_depths || *by != Self::Depth)
     }
 
-    /// Name, in sentence case.
-    pub fn name(self) -> &'static str {
+    /// The quantity; `None` for the direction of the slope, which is none.
+    pub fn quantity(self) -> Option<Quantity> {
         match self {
-            Self::SlopeDirection => "Slope",
-            Self::SlopeU => "Slope u",
-            Self::SlopeV => "Slope v",
-            Self::Scale => "Scale",
-            Self::Response => "Response",
-            Self::Snr => "SNR",
-            Self::Limit => "Slope limit",
-            Self::Coherence => "Coherence",
-            Self::Depth => "Depth",
+            Self::SlopeDirection => None,
+            Self::SlopeU => Some(Quantity::SlopeU),
+            Self::SlopeV => Some(Quantity::SlopeV),
+            Self::Scale => Some(Quantity::Sigma),
+            Self::Response => Some(Quantity::Response),
+            Self::Snr => Some(Quantity::Snr),
+            Self::Limit => Some(Quantity::AtSlopeLimit),
+            Self::Coherence => Some(Quantity::Coherence),
+            Self::Depth => Some(Quantity::Depth),
         }
     }
 
-    /// Unit of the numbers in a legend.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::SlopeDirection | Self::SlopeU | Self::SlopeV => "px/frame",
-            Self::Scale => "px",
-            Self::Response => "of full scale",
-            Self::Snr => "σ",
-            Self::Limit | Self::Coherence => "",
-            Self::Depth => "m",
-        }
+    pub fn name(self) -> &'static str {
+        self.quantity().map_or("Slope", |quantity| quantity.record().title)
     }
+
+    pub fn unit(self) -> &'static str {
+        self.quantity().unwrap_or(Quantity::SlopeU).record().unit
+    }
+
+    pub fn colours(self) -> Colours {
+        self.quantity().and_then(|quantity| quantity.record().colours).unwrap_or(BRIGHT)
+    }
+}
+
+/// What is known of a feature beside itself.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Known<'a> {
+    /// Coherence and verdict, once they were computed.
+    pub judged: Option<&'a Judged>,
+    /// Depth that its slope means, metres; `None` without a set-up, and where no depth explains the slope.
+    pub depth_m: Option<f64>,
+}
+
+/// The quantities that tables show; depths only where slopes are read as depths.
+pub fn shown_quantities(with_depths: bool) -> impl Iterator<Item = Quantity> {
+    Quantity::ALL.into_iter().filter(move |quantity| with_depths || *quantity != Quantity::Depth)
+}
+
+/// The value of `quantity` of the feature at `index`, by which tables sort; `None` while it is not known.
+pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> Option<f32> {
+    match quantity {
+        Quantity::Rank => Some((index + 1) as f32),
+        Quantity::Depth => known.depth_m.map(|metres| metres as f32),
+        Quantity::Coherence => known.judged.and_then(|judged| judged.coherence),
+        Quantity::Verdict => known.judged.map(|judged| judged.verdict as u8 as f32),
+        stored => stored.of(feature),
+    }
+}
+
+/// The value of [`quantity_value`] as tables show it.
+pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> String {
+    match (quantity, known.judged) {
+        (Quantity::Coherence | Quantity::Verdict, None) => return "…".to_owned(),
+        (Quantity::Verdict, Some(judged)) => return judged.verdict.word().to_owned(),
+        _ => {}
+    }
+    let record = quantity.record();
+    let Some(x) = quantity_value(quantity, index, feature, known) else { return record.unknown.to_owned() };
+    match record.form {
+        Form::Whole => format!("{x:.0}"),
+        Form::Fixed(decimals) => fixed(x, decimals),
+        Form::Signed(decimals) => signed(x, decimals),
+        Form::Digits(digits) => number(x, digits),
+        Form::SignedDigits(digits) => signed_number(x, digits),
+        Form::Degrees => format!("{}°", fixed(x.to_degrees(), 0)),
+        Form::Flag => if x > 0.0 { "yes" } else { "" }.to_owned(),
+    }
+}
+
+/// A depth in metres for people; – where no depth is known.
+pub fn depth_text(depth_m: Option<f64>) -> String {
+    depth_m.map_or_else(|| "–".to_owned(), |metres| number(metres as f32, 3))
 }
 
 /// Formats a number with `digits` significant digits, without trailing zeros: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
@@ -109,7 +145,6 @@ pub fn number(value: f32, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// Formats as `number` does, with a `+` before positive numbers.
 pub fn signed_number(value: f32, digits: usize) -> String {
     let text = number(value, digits);
     if value > 0.0 { format!("+{text}") } else { text }
@@ -127,7 +162,6 @@ pub fn signed(value: f32, decimals: usize) -> String {
     if is_zero { text.trim_start_matches(['+', '-']).to_owned() } else { text }
 }
 
-/// Formats a slope's two parts as [`signed`] does: `+1.25, -0.50`.
 pub fn signed_slope(slope: Slope, decimals: usize) -> String {
     format!("{}, {}", signed(slope.u, decimals), signed(slope.v, decimals))
 }

@@ -6,7 +6,7 @@ use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines, d
 use crate::app::inspector::{Change, Drawn, chip_ui, inspector_ui};
 use crate::app::pane::{MethodsPreset, Over, PaneId};
 use crate::app::panel;
-use crate::app::panel::table::{ROW_HEIGHT, cell_ui, heading_ui};
+use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, progress_text, section_ui};
 use crate::app::project::Model;
 use crate::app::project::compare::Contender;
@@ -187,7 +187,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
                     ui.label(RichText::new("Method").small());
                 });
                 for (name, help) in COLUMNS {
-                    let (_, cell) = header.col(|ui| heading_ui(ui, name, None));
+                    let (_, cell) = header.col(|ui| cell_ui(ui, RichText::new(name).small(), false));
                     cell.on_hover_text(help);
                 }
             })
@@ -205,7 +205,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
                             }
                         });
                         for text in cells(model, method) {
-                            row.col(|ui| cell_ui(ui, RichText::new(text).monospace()));
+                            row.col(|ui| cell_ui(ui, RichText::new(text).monospace(), false));
                         }
                     });
                 }

@@ -24,7 +24,6 @@ pub(super) struct RunningJob {
 }
 
 impl RunningJob {
-    /// Cancels the request if it is superseded and its grace has ended.
     pub(super) fn enforce_grace(&self) {
         if self.standing != Standing::Latest && self.started.elapsed() >= self.manner.grace {
             self.monitor.cancel();
@@ -48,7 +47,6 @@ impl State {
         JobId(self.newest)
     }
 
-    /// Marks the requests that run under `key` as no longer the latest.
     pub(super) fn supersede(&mut self, key: JobKey, standing: Standing) {
         for job in self.running.iter_mut().filter(|job| job.key == key) {
             job.standing = job.standing.max(standing);
@@ -73,7 +71,6 @@ impl State {
         Some(self.waiting.remove(index))
     }
 
-    /// Ends the requests that wait under `key`, with `why` as their answer.
     pub(super) fn end_waiting(&mut self, key: JobKey, why: &JobError) {
         while let Some(index) = self.waiting.iter().position(|job| job.key == key) {
             let old = self.waiting.remove(index);

@@ -10,10 +10,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Minimum time between two callbacks for progress.
 const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 
-/// One thread of the queue.
 pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
     // Made with the first work: many threads never get any.
     let threads = std::cell::LazyCell::new(|| pool(thread));

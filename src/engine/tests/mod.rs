@@ -1,7 +1,5 @@
 //! Tests of the engine, by subject.
 
-mod burst;
-mod pair;
 mod pictures;
 mod queue;
 mod wanted;
@@ -16,7 +14,6 @@ use crate::requests::{BurstSource, JobError, OpenBurst, PictureKind, PictureRequ
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Time after which a test gives up waiting.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn nobody() -> OnUpdate {
@@ -27,7 +24,6 @@ fn queue() -> Arc<JobQueue> {
     Arc::new(JobQueue::new(nobody()))
 }
 
-/// Work that ends only when it is cancelled.
 fn until_cancelled(monitor: &Monitor) -> Result<(), JobError> {
     loop {
         monitor.check()?;
@@ -50,12 +46,10 @@ fn engine() -> Engine {
     Engine::new(nobody(), DEFAULT_CACHE_BYTES)
 }
 
-/// Waits for the end of a request.
 pub(super) fn end_of<R: Request>(wanted: &mut Wanted<R>) -> Ended<R> {
     wait_for(|| wanted.take().into_iter().next())
 }
 
-/// Asks, and waits for the answer.
 pub(super) fn answer_of<R: Request>(engine: &Engine, request: R) -> R::Answer {
     let mut wanted = Wanted::default();
     wanted.ask(engine, request);

@@ -11,8 +11,13 @@ use std::time::Duration;
 #[derive(Debug, Clone)]
 struct Half {
     of: u32,
-    /// Number of times it was computed.
     computed: Arc<AtomicU32>,
+}
+
+impl PartialEq for Half {
+    fn eq(&self, other: &Self) -> bool {
+        self.of == other.of
+    }
 }
 
 impl Request for Half {
@@ -21,10 +26,6 @@ impl Request for Half {
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.of == other.of
     }
 
     fn kept(&self, _: &Kept<'_>) -> Option<u32> {

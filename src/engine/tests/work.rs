@@ -28,15 +28,14 @@ fn work_tells_on_the_way_and_what_was_superseded_tells_nothing_more() {
     jobs.submit_for(0, 1);
     let mut told = Vec::new();
     wait_for(|| {
-        told.extend(jobs.take_news().0);
+        told.extend(jobs.take_told());
         (told == [10]).then_some(())
     });
     jobs.submit_for(0, 2);
     let (mut told, mut answers) = (Vec::new(), Vec::new());
     wait_for(|| {
-        let (more, ended) = jobs.take_news();
-        told.extend(more);
-        answers.extend(ended);
+        answers.extend(jobs.take_answers());
+        told.extend(jobs.take_told());
         (answers.len() == 2).then_some(())
     });
     assert_eq!(told, [20, 21]);
@@ -109,19 +108,6 @@ fn an_answer_is_published_before_the_listener_hears_of_it() {
     jobs.lock().expect("not poisoned").as_ref().expect("just put there").submit_for(0, 3);
     wait_for(|| (heard.load(Ordering::SeqCst) == 1).then_some(()));
     jobs.lock().expect("not poisoned").take();
-}
-
-#[test]
-fn progress_can_be_read_while_it_runs() {
-    let work = |(): (), monitor: &Monitor| {
-        monitor.report(Stage::Search { octave: 2 }, 0.25);
-        until_cancelled(monitor)
-    };
-    let jobs = Jobs::new(&queue(), Urgency::Search, Duration::ZERO, work);
-    jobs.submit_for(0, ());
-    let progress = wait_for(|| jobs.running().and_then(|r| r.progress));
-    assert_eq!((progress.stage, progress.fraction), (Stage::Search { octave: 2 }, 0.25));
-    jobs.cancel();
 }
 
 #[test]

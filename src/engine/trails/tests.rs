@@ -9,8 +9,8 @@ use crate::inspect::ProbeCache;
 use crate::inspect::candidates::SurveyOptions;
 use crate::monitor::Monitor;
 use crate::requests::{
-    AgainstRequest, BurstSource, DetectRequest, Detected, ExplainQuestion, ExplainRequest, MapKind, NothingKept,
-    OpenBurst, PictureKind, PictureRequest, Reference, Request, TrailStore, Work,
+    AgainstRequest, BurstSource, DetectRequest, Detected, ExplainQuestion, ExplainRequest, OpenBurst, PictureKind,
+    PictureRequest, Reference, TrailStore, ViewKind,
 };
 use crate::synth::{Example, demo_burst};
 use std::sync::Arc;
@@ -118,7 +118,7 @@ fn nobody_who_asks_after_a_detection_searches_again() {
     assert!(Arc::ptr_eq(&traced.cache, &engine.stores.trails.get(&of).expect("kept")));
     let truth = Reference::Truth { burst: burst.clone(), params: params.detector.clone() };
     answer_of(&engine, AgainstRequest { detection: found.detection.clone(), with: truth });
-    let motion = PictureKind::Map { map: MapKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
+    let motion = PictureKind::Map { map: ViewKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
     answer_of(&engine, PictureRequest::new(burst.clone(), motion, params.detector.clone()));
     assert_eq!(engine.stores.trails.repeated(), 0);
     // A repeated detection takes the kept trail.
@@ -130,24 +130,6 @@ fn nobody_who_asks_after_a_detection_searches_again() {
     assert!(engine.stores.trails.get(&of).is_none());
     answer(ExplainQuestion::Slopes);
     assert_eq!(engine.stores.trails.repeated(), 1);
-}
-
-#[test]
-fn answers_are_the_same_whether_trails_are_kept_or_not() {
-    let (burst, params, monitor) = (burst(), with(Method::Buff, line(5)), Monitor::default());
-    let answers = |trails: &dyn TrailStore| {
-        let request = DetectRequest { burst: burst.clone(), params: params.clone() };
-        let features =
-            request.compute(&Work::alone(&monitor).with_trails(trails)).expect("valid").detection.features.clone();
-        let motion = PictureKind::Map { map: MapKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
-        let picture = PictureRequest::new(burst.clone(), motion, params.detector.clone());
-        (features, picture.compute(&Work::alone(&monitor).with_trails(trails)).expect("valid").plane)
-    };
-    let kept = Trails::default();
-    let first = answers(&kept);
-    assert!(!first.0.is_empty() && kept.get(&source(&burst, &params)).is_some());
-    assert_eq!(first, answers(&kept), "asked again of what is kept");
-    assert_eq!(first, answers(&NothingKept));
 }
 
 #[test]

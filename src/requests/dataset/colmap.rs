@@ -3,8 +3,8 @@
 use super::DatasetEvent;
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{
-    CameraChoice, ColmapJob, ColmapReport, DatasetError, Event, FeatureJob, FeatureStore, ImageKind,
-    export_colmap_from, gather,
+    BurstEvent, CameraChoice, ColmapJob, ColmapReport, DatasetError, FeatureJob, FeatureStore, ImageKind,
+    export_colmap, gather,
 };
 use crate::detector::SearchParams;
 use crate::matching::{CameraModel, MatchParams, PairSelection};
@@ -14,17 +14,13 @@ use std::path::PathBuf;
 /// Export for COLMAP: its folder and parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColmapRequest {
-    /// Folder that is written.
     pub out: PathBuf,
     /// Folder in which the dataset's features are kept: those of the same parameters are copied, not found again.
     pub kept: Option<PathBuf>,
-    /// Parameters of the detection.
     pub params: SearchParams,
-    /// Options with which bursts are opened.
     pub open: OpenOptions,
     /// Parameters of matching, with the camera where it is known.
     pub matching: MatchParams,
-    /// Selection of the pairs that are matched.
     pub pairs: PairSelection,
 }
 
@@ -48,7 +44,6 @@ impl ColmapRequest {
 /// Result of an export for COLMAP.
 #[derive(Debug, Clone)]
 pub struct ColmapDone {
-    /// Report of the files that were written.
     pub report: ColmapReport,
     /// Name and reason of each burst that could not be opened.
     pub left_out: Vec<(String, String)>,
@@ -58,31 +53,25 @@ pub struct ColmapDone {
 /// them, are not searched again.
 ///
 /// # Errors
-/// As [`gather`] and [`export_colmap_from`].
+/// As [`gather`] and [`export_colmap`].
 pub(super) fn run(
     bursts: &[BurstFiles],
     request: &ColmapRequest,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
 ) -> Result<ColmapDone, DatasetError> {
-    let (mut left_out, mut at) = (Vec::new(), 0);
-    let mut on = |event: Event<'_>| match event {
-        Event::Begin { index, .. } => {
-            at = index;
-            tell(DatasetEvent::Begun { index });
+    let mut left_out = Vec::new();
+    let mut on = |event: BurstEvent<'_>| {
+        if let BurstEvent::Failed(index, error) = event {
+            left_out.push((bursts[index].name.clone(), error.to_string()));
         }
-        Event::Done(features) => tell(DatasetEvent::Done { index: at, finished: features.summary() }),
-        Event::Failed { name, error } => {
-            tell(DatasetEvent::Failed { index: at, error: error.to_string() });
-            left_out.push((name.to_owned(), error.to_string()));
-        }
-        Event::Matching { .. } => {}
+        DatasetEvent::of(&event).into_iter().for_each(tell);
     };
     let job = request.job();
     let mut store = FeatureStore::open(&request.out, &job.features)?;
     if let Some(kept) = request.kept.clone().filter(|kept| *kept != request.out && kept.is_dir()) {
         gather(&mut store, bursts, &[kept], monitor)?;
     }
-    let report = export_colmap_from(&mut store, bursts, &job, &mut on, monitor)?;
+    let report = export_colmap(&mut store, bursts, &job, &mut on, monitor)?;
     Ok(ColmapDone { report, left_out })
 }

@@ -13,7 +13,7 @@ pub use colmap::{ColmapDone, ColmapRequest};
 
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{
-    DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind, Thumbnail, thumbnail,
+    BurstEvent, DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind, Thumbnail, thumbnail,
 };
 use crate::detector::SearchParams;
 use crate::matching::{MatchCounts, MatchParams};
@@ -28,11 +28,9 @@ pub type Bursts = Arc<Vec<BurstFiles>>;
 /// Folder in which features are kept, and parameters with which they are found: an immutable snapshot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Keeping {
-    /// The folder.
     pub folder: PathBuf,
     /// The detector's parameters, and how the slopes are chosen.
     pub params: SearchParams,
-    /// Options with which bursts are opened.
     pub open: OpenOptions,
 }
 
@@ -43,52 +41,26 @@ impl Keeping {
     }
 }
 
-/// Request for work on a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DatasetRequest {
     /// Find out which bursts there are, and which of them are finished. Without a folder the dataset's own is taken.
-    Open {
-        /// Source of the bursts.
-        source: DatasetSource,
-        /// Folder in which features are kept.
-        folder: Option<PathBuf>,
-        /// Parameters of the detection.
-        params: SearchParams,
-        /// Options with which bursts are opened.
-        open: OpenOptions,
-    },
+    Open { source: DatasetSource, folder: Option<PathBuf>, params: SearchParams, open: OpenOptions },
     /// Find the features of all bursts that are not finished.
-    Detect {
-        /// The bursts.
-        bursts: Bursts,
-        /// Folder and parameters of the features.
-        keeping: Keeping,
-    },
+    Detect { bursts: Bursts, keeping: Keeping },
     /// Match pairs of finished bursts; pairs with one that is not are left out.
     Match {
-        /// The bursts.
         bursts: Bursts,
-        /// Folder and parameters of their features.
         keeping: Keeping,
         /// Pairs of indices in `bursts`.
         pairs: Vec<(usize, usize)>,
-        /// Parameters of matching.
         matching: MatchParams,
     },
-    /// Write the files that COLMAP's mapper reads.
     #[cfg(feature = "colmap")]
-    Colmap {
-        /// The bursts.
-        bursts: Bursts,
-        /// The export's folder and parameters.
-        request: Box<ColmapRequest>,
-    },
+    Colmap { bursts: Bursts, request: Box<ColmapRequest> },
 }
 
-/// Open dataset.
 #[derive(Debug, Clone)]
 pub struct OpenDataset {
-    /// Source of the dataset.
     pub source: DatasetSource,
     /// Its bursts; at least one.
     pub bursts: Bursts,
@@ -98,11 +70,9 @@ pub struct OpenDataset {
     pub frames_of_one: Option<usize>,
     /// Folder in which features are kept; `None` if none was given and the dataset has none of its own.
     pub folder: Option<PathBuf>,
-    /// Why features cannot be kept there.
     pub folder_error: Option<String>,
     /// The parameters for which `finished` holds.
     pub params: SearchParams,
-    /// Options with which its bursts are opened.
     pub open: OpenOptions,
     /// For each burst its features in numbers, if it is finished with these parameters.
     pub finished: Vec<Option<FinishedBurst>>,
@@ -110,19 +80,15 @@ pub struct OpenDataset {
     pub other_params: Option<SearchParams>,
 }
 
-/// Answer to a `DatasetRequest`.
 #[derive(Debug, Clone)]
 pub enum DatasetAnswer {
-    /// The dataset is open.
     Opened(Box<OpenDataset>),
     /// All bursts are finished or failed.
     Detected,
     /// All pairs are matched. Says how many were left out because a burst is not finished.
     Matched {
-        /// Pairs left out.
         left_out: usize,
     },
-    /// The files that COLMAP's mapper reads are written.
     #[cfg(feature = "colmap")]
     Colmap(Box<ColmapDone>),
 }
@@ -130,32 +96,22 @@ pub enum DatasetAnswer {
 /// Progress that is reported before the answer.
 #[derive(Debug, Clone)]
 pub enum DatasetEvent {
-    /// A burst is begun.
-    Begun {
-        /// Index of the burst.
-        index: usize,
-    },
-    /// A burst is finished.
-    Done {
-        /// Index of the burst.
-        index: usize,
-        /// The burst's features in numbers.
-        finished: FinishedBurst,
-    },
-    /// A burst failed; the others go on.
-    Failed {
-        /// Index of the burst.
-        index: usize,
-        /// Reason of the failure.
-        error: String,
-    },
-    /// A pair is matched.
-    Matched {
-        /// Indices of its bursts.
-        pair: (usize, usize),
-        /// The pair's matches in numbers.
-        counts: MatchCounts,
-    },
+    Begun { index: usize },
+    Done { index: usize, finished: FinishedBurst },
+    Failed { index: usize, error: String },
+    Matched { pair: (usize, usize), counts: MatchCounts },
+}
+
+impl DatasetEvent {
+    /// What is told of `event`; `None` of the begin of matching, whose pairs are told one by one.
+    fn of(event: &BurstEvent<'_>) -> Option<Self> {
+        match *event {
+            BurstEvent::Begin(index) => Some(Self::Begun { index }),
+            BurstEvent::Done(index, features) => Some(Self::Done { index, finished: features.summary() }),
+            BurstEvent::Failed(index, error) => Some(Self::Failed { index, error: error.to_string() }),
+            BurstEvent::Matching(_) => None,
+        }
+    }
 }
 
 /// Small pictures of some bursts.
@@ -165,7 +121,6 @@ pub struct ThumbnailsRequest {
     pub bursts: Vec<BurstFiles>,
     /// Maximum length of the longer side, pixels.
     pub max_side_px: usize,
-    /// Options with which the bursts are opened.
     pub open: OpenOptions,
 }
 
@@ -176,10 +131,6 @@ impl Request for ThumbnailsRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
     }
 
     fn compute(self, work: &Work<'_, Self::Told>) -> Result<(), JobError> {

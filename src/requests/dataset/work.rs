@@ -10,7 +10,7 @@ use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Stage};
 use crate::requests::error::JobError;
 use crate::requests::request::{Request, Urgency, Work};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 impl Request for DatasetRequest {
@@ -19,10 +19,6 @@ impl Request for DatasetRequest {
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self == other
     }
 
     fn compute(self, work: &Work<'_, DatasetEvent>) -> Result<DatasetAnswer, JobError> {
@@ -68,7 +64,7 @@ fn look(
                     monitor.report(Stage::Open, index as f32 / bursts.len() as f32);
                     *finished = store.finished(burst);
                 }
-                other_params = other_params_in(folder, &params);
+                other_params = FeatureStore::params_in(folder).filter(|stored| *stored != params);
             }
             Err(error) => folder_error = Some(error.to_string()),
         }
@@ -88,10 +84,6 @@ fn look(
     })
 }
 
-fn other_params_in(folder: &Path, params: &SearchParams) -> Option<SearchParams> {
-    FeatureStore::params_in(folder).filter(|stored| stored != params)
-}
-
 fn detect(
     bursts: &[BurstFiles],
     keeping: &Keeping,
@@ -99,13 +91,7 @@ fn detect(
     monitor: &Monitor,
 ) -> Result<DatasetAnswer, JobError> {
     let mut store = keeping.store()?;
-    let mut on = |event: BurstEvent<'_>| {
-        tell(match event {
-            BurstEvent::Begin { index } => DatasetEvent::Begun { index },
-            BurstEvent::Done { index, features } => DatasetEvent::Done { index, finished: features.summary() },
-            BurstEvent::Failed { index, error } => DatasetEvent::Failed { index, error: error.to_string() },
-        });
-    };
+    let mut on = |event: BurstEvent<'_>| DatasetEvent::of(&event).into_iter().for_each(tell);
     detect_all(&mut store, bursts, &CameraChoice::default(), &mut on, monitor)?;
     Ok(DatasetAnswer::Detected)
 }

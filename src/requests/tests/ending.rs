@@ -1,19 +1,18 @@
 //! Tests of requests without an answer: cancelled at once, or failed with a helpful message.
 
-use super::{detected, empty, open, params, source};
+use super::{answer, detected, empty, open, params, source};
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, Slope};
+use crate::detector::{Detection, DetectorParams, Slope};
+use crate::inspect::ProbeCache;
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Progress};
 use crate::requests::{
-    AgainstRequest, BurstSource, CoherenceRequest, CompareRequest, DetectRequest, ExplainQuestion, ExplainRequest,
-    JobError, MatchRequest, NothingKept, OpenRequest, PictureKind, PictureRequest, PosesRequest, ProbeQuestion,
-    ProbeRequest, Reference, Traced, TrailStore,
+    AgainstRequest, BurstId, BurstSource, CoherenceRequest, CompareRequest, DetectRequest, DetectionSource,
+    ExplainQuestion, ExplainRequest, JobError, MatchRequest, NothingKept, OpenRequest, PictureKind, PictureRequest,
+    PosesRequest, ProbeQuestion, ProbeRequest, Reference, Request, Traced, TrailStore, Work,
 };
-use crate::requests::{Request, Work};
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// Message of a failure.
 #[track_caller]
 fn why<T>(result: Result<T, JobError>) -> String {
     match result {
@@ -25,41 +24,31 @@ fn why<T>(result: Result<T, JobError>) -> String {
 
 #[test]
 fn what_was_cancelled_before_it_began_has_no_answer() {
-    let cancelled = Monitor::default();
-    cancelled.cancel();
-    let none = &NothingKept;
-    let stack = PictureKind::Stack { slope: Slope::default() };
+    fn end<R: Request>(request: R) -> Option<JobError> {
+        let cancelled = Monitor::default();
+        cancelled.cancel();
+        request.compute(&Work::alone(&cancelled)).err()
+    }
     let detect = DetectRequest { burst: open(), params: params().into() };
     let detection = detected().detection;
-    let matching = MatchRequest { a: detection.clone(), b: detection.clone(), params: Default::default() };
-    let cache = none.get_or_make(&source(), &Monitor::default()).expect("valid");
-    let probe = ProbeRequest {
-        traced: Traced { burst: open().id, cache },
-        question: ProbeQuestion::Strongest,
-        near_sigma: None,
-    };
     let earlier = Reference::Earlier { burst: open(), asked: params().into(), detection: None };
-    let explain = ExplainRequest { of: source(), question: ExplainQuestion::Slopes };
-    let poses = PosesRequest { estimate: None, truth: None, study: Default::default() };
-    let open_it = OpenRequest { source: open().source, options: OpenOptions::default() };
-    let ends: [(&str, Result<(), JobError>); 10] = [
-        ("open", open_it.compute(&Work::alone(&cancelled)).map(drop)),
-        ("detect", detect.clone().compute(&Work::alone(&cancelled)).map(drop)),
-        ("compare", CompareRequest::Detect(detect).compute(&Work::alone(&cancelled)).map(drop)),
-        ("match", matching.compute(&Work::alone(&cancelled)).map(drop)),
-        ("picture", PictureRequest::new(open(), stack, params()).compute(&Work::alone(&cancelled)).map(drop)),
-        ("probe", probe.compute(&Work::alone(&cancelled)).map(drop)),
-        ("explain", explain.compute(&Work::alone(&cancelled)).map(drop)),
-        (
-            "coherence",
-            CoherenceRequest { of: source(), detection: detection.clone() }.compute(&Work::alone(&cancelled)).map(drop),
-        ),
-        ("against", AgainstRequest { detection, with: earlier }.compute(&Work::alone(&cancelled)).map(drop)),
-        ("poses", poses.compute(&Work::alone(&cancelled)).map(drop)),
+    let cache = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
+    let stack = PictureKind::Stack { slope: Slope::default() };
+    let ends = [
+        end(OpenRequest { source: open().source, options: OpenOptions::default() }),
+        end(detect.clone()),
+        end(CompareRequest::Detect(detect)),
+        end(PictureRequest::new(open(), stack, params())),
+        end(probe(open().id, cache)),
+        end(CoherenceRequest { of: source(), detection: detection.clone() }),
+        end(AgainstRequest { detection, with: earlier }),
+        end(PosesRequest { estimate: None, truth: None, study: Default::default() }),
     ];
-    for (what, end) in ends {
-        assert_eq!(end, Err(JobError::Cancelled), "{what}");
-    }
+    assert!(ends.iter().all(|end| *end == Some(JobError::Cancelled)), "{ends:?}");
+}
+
+fn probe(burst: BurstId, cache: Arc<ProbeCache>) -> ProbeRequest {
+    ProbeRequest { traced: Traced { burst, cache }, question: ProbeQuestion::Strongest, near_sigma: None }
 }
 
 /// A monitor that is cancelled at the first report of `at` or more, and what is reported after that.
@@ -80,45 +69,38 @@ fn cancelling(at: f32) -> (Monitor, Arc<Mutex<Vec<f32>>>) {
 
 #[test]
 fn what_is_cancelled_on_its_way_ends_long_before_it_would_have_been_done() {
-    for at in [0.0, 0.3, 0.6] {
+    fn ends<R: Request>(request: &R, at: f32) {
         let (monitor, heard) = cancelling(at);
-        let request = ExplainRequest { of: source(), question: ExplainQuestion::Slopes };
-        assert_eq!(request.compute(&Work::alone(&monitor)).map(drop), Err(JobError::Cancelled), "cancelled at {at}");
+        let end = request.clone().compute(&Work::alone(&monitor)).map(drop);
+        assert_eq!(end, Err(JobError::Cancelled), "cancelled at {at}");
         let max = heard.lock().expect("no panic").iter().copied().fold(0.0, f32::max);
         assert!(max < at + 0.3, "cancelled at {at}, still working at {max}");
     }
+    let mut many = Detection::clone(&detected().detection);
+    (many.features, many.descriptors) = (many.features.repeat(1000), many.descriptors.repeat(1000));
+    let (a, b) = (Arc::new(many.clone()), Arc::new(many));
+    for at in [0.0, 0.3, 0.6] {
+        ends(&ExplainRequest { of: source(), question: ExplainQuestion::Slopes }, at);
+    }
+    ends(&MatchRequest { a, b, params: MatchParams::default() }, 0.0);
 }
 
 #[test]
 fn failures_say_what_is_wrong() {
-    let monitor = Monitor::default();
     let frame = PictureRequest::new(open(), PictureKind::Frame(4), params());
-    assert_eq!(why(frame.compute(&Work::alone(&monitor))), "there is no frame 4; the burst has 4 frames");
-    let detect = |params: DetectorParams| DetectRequest { burst: open(), params: params.into() };
-    let wrong = DetectorParams { levels: 0, ..params() };
-    assert!(why(detect(wrong.clone()).compute(&Work::alone(&monitor))).contains("levels"));
-    assert!(why(CompareRequest::Detect(detect(wrong)).compute(&Work::alone(&monitor))).contains("levels"));
+    assert_eq!(why(answer(frame)), "there is no frame 4; the burst has 4 frames");
+    let wrong = DetectRequest { burst: open(), params: DetectorParams { levels: 0, ..params() }.into() };
+    assert!(why(answer(wrong)).contains("levels"));
     let detection = detected().detection;
     let wrong = MatchParams { ratio: -1.0, ..MatchParams::default() };
-    let matching = MatchRequest { a: detection.clone(), b: detection.clone(), params: wrong };
-    assert!(why(matching.compute(&Work::alone(&monitor))).contains("ratio"));
-    let against = |with| AgainstRequest { detection: detection.clone(), with }.compute(&Work::alone(&monitor));
+    assert!(why(answer(MatchRequest { a: detection.clone(), b: detection.clone(), params: wrong })).contains("ratio"));
+    let against = |with| answer(AgainstRequest { detection: detection.clone(), with });
     assert!(why(against(Reference::File { path: "gone.csv".into(), features: None })).contains("gone.csv"));
     let unknown = Reference::Truth { burst: empty((32, 32), 3), params: params() };
     assert!(why(against(unknown)).contains("nothing is known"));
-}
-
-#[test]
-fn in_a_burst_without_anything_there_is_no_strongest_candidate() {
-    let burst = empty((32, 32), 3);
-    let of = crate::requests::DetectionSource { burst, ..source() };
+    let of = DetectionSource { burst: empty((32, 32), 3), ..source() };
     let cache = NothingKept.get_or_make(&of, &Monitor::default()).expect("valid");
-    let request = ProbeRequest {
-        traced: Traced { burst: of.burst.id, cache },
-        question: ProbeQuestion::Strongest,
-        near_sigma: None,
-    };
-    assert!(why(request.compute(&Work::alone(&Monitor::default()))).contains("nothing in this burst is an extremum"));
+    assert!(why(answer(probe(of.burst.id, cache))).contains("nothing in this burst is an extremum"));
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod datasets;
 mod ending;
 mod sameness;
 
-use super::{BurstSource, DetectRequest, Detected, DetectionSource, OpenBurst};
+use super::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, OpenBurst};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::{DetectorParams, SlopeGrid};
 use crate::monitor::Monitor;
@@ -14,44 +14,41 @@ use crate::synth::ChartParams;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// A chart of a few discs.
 fn chart(seed: u64) -> ChartParams {
     // Small enough to fit with every seed.
     let radius = 3.0..=6.0;
     ChartParams { width: 96, height: 72, frames: 4, discs: 4, radius, snr: 20.0, seed, ..ChartParams::default() }
 }
 
-/// The parameters that find its discs.
 fn params() -> DetectorParams {
     DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..DetectorParams::default() }
 }
 
-/// The chart of seed 1, opened once for all tests.
 fn open() -> OpenBurst {
     static OPEN: OnceLock<OpenBurst> = OnceLock::new();
     let source = || BurstSource::Chart(Box::new(chart(1)));
     OPEN.get_or_init(|| source().open(&OpenOptions::default(), &Monitor::default()).expect("a chart")).clone()
 }
 
-/// A burst of `size` without anything in it.
 fn empty(size: (usize, usize), frames: usize) -> OpenBurst {
     let planes = (0..frames).map(|_| crate::plane::Plane::zeros(size.0, size.1)).collect();
     OpenBurst::new(Burst::from_planes("empty", planes), BurstSource::Demo)
 }
 
-/// The features of the chart, found once for all tests.
 fn detected() -> Detected {
     static DETECTED: OnceLock<Detected> = OnceLock::new();
-    let find = || DetectRequest { burst: open(), params: params().into() };
-    DETECTED.get_or_init(|| find().compute(&Work::alone(&Monitor::default())).expect("valid parameters")).clone()
+    let find = || answer(DetectRequest { burst: open(), params: params().into() }).expect("valid parameters");
+    DETECTED.get_or_init(find).clone()
 }
 
-/// Source of the chart's detection, for requests about it.
 fn source() -> DetectionSource {
     DetectionSource { burst: open(), asked: params().into(), params: params(), finding: None }
 }
 
-/// Writes the chart of `seed` into `folder`, as a burst with its truth.
+fn answer<R: Request>(request: R) -> Result<R::Answer, JobError> {
+    request.compute(&Work::alone(&Monitor::default()))
+}
+
 fn write_chart(folder: &Path, seed: u64) {
     let monitor = Monitor::default();
     let (burst, truth) = crate::synth::synth_chart(&chart(seed), &monitor).expect("valid parameters");

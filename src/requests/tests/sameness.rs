@@ -1,18 +1,14 @@
-//! Tests of `is_same`: the engine computes an answer once, and the window repeats only requests that differ.
+//! Tests of the equality of requests: the engine computes an answer once, and the window repeats only requests that differ.
 
 use super::{detected, empty, open, params, source};
-use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, FrameRange, Method, NoiseGate, Rules, Slope};
-use crate::inspect::candidates::SurveyOptions;
-use crate::inspect::probe::Wanted;
+use crate::inspect::ProbeCache;
 use crate::matching::MatchParams;
 use crate::monitor::Monitor;
 use crate::requests::{
-    AgainstRequest, CoherenceRequest, ExplainQuestion, ExplainRequest, LossesRequest, MapKind, MatchRequest,
-    NothingKept, PictureKind, PictureRequest, PicturesRequest, ProbeQuestion, ProbeRequest, Reference, Traced,
-    TrailStore,
+    AgainstRequest, MatchRequest, NothingKept, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest, Reference,
+    Traced, TrailStore, ViewKind,
 };
-use crate::requests::{Request, Work};
 use std::sync::Arc;
 
 const STILL: Slope = Slope { u: 0.0, v: 0.0 };
@@ -21,11 +17,10 @@ fn picture(kind: PictureKind, params: DetectorParams) -> PictureRequest {
     PictureRequest::new(open(), kind, params)
 }
 
-/// Every kind of picture, at one place of the scale space.
 fn kinds(slope: Slope) -> [PictureKind; 7] {
     let (octave, level) = (0, 1);
     let map = |map| PictureKind::Map { map, octave, level, slope };
-    let [noise, coverage, motion, ..] = MapKind::ALL.map(map);
+    let [noise, coverage, motion] = [ViewKind::Noise, ViewKind::Coverage, ViewKind::Motion].map(map);
     let dog = PictureKind::Dog { octave, level, slope };
     [PictureKind::Frame(1), PictureKind::Stack { slope }, dog, PictureKind::Merge, noise, coverage, motion]
 }
@@ -52,7 +47,7 @@ fn a_picture_is_decided_by_the_parameters_that_it_is_made_with_and_by_no_others(
     ];
     for (what, changed, differs) in changes {
         for (kind, differs) in kinds(STILL).into_iter().zip(differs) {
-            let same = picture(kind, params()).is_same(&picture(kind, changed.clone()));
+            let same = picture(kind, params()) == picture(kind, changed.clone());
             assert_eq!(same, !differs, "{what}: {kind:?}");
         }
     }
@@ -60,103 +55,56 @@ fn a_picture_is_decided_by_the_parameters_that_it_is_made_with_and_by_no_others(
 
 #[test]
 fn a_picture_is_decided_by_its_slope_where_it_has_one() {
-    let moved = Slope::new(0.5, 0.0);
-    for ((still, moving), differs) in
-        kinds(STILL).into_iter().zip(kinds(moved)).zip([false, true, true, false, true, true, false])
-    {
-        assert_eq!(picture(still, params()).is_same(&picture(moving, params())), !differs, "{still:?}");
+    let differ = [false, true, true, false, true, true, false];
+    for ((still, moving), differs) in kinds(STILL).into_iter().zip(kinds(Slope::new(0.5, 0.0))).zip(differ) {
+        assert_eq!(picture(still, params()) != picture(moving, params()), differs, "{still:?}");
     }
     let stack = |u| picture(PictureKind::Stack { slope: Slope::new(u, 0.0) }, params());
-    assert!(stack(0.0).is_same(&stack(-0.0)), "minus zero is zero");
+    assert!(stack(0.0) == stack(-0.0), "minus zero is zero");
 }
 
 #[test]
 fn the_pictures_of_two_openings_and_differences_are_others() {
     let stack = picture(PictureKind::Stack { slope: STILL }, params());
-    let again = PictureRequest::new(empty((96, 72), 4), stack.kind, params());
-    assert!(!stack.is_same(&again));
+    assert!(stack != PictureRequest::new(empty((96, 72), 4), stack.kind, params()));
     let frame = picture(PictureKind::Frame(0), params());
     let difference = stack.clone().less(&frame);
-    assert!(!difference.is_same(&stack) && !difference.is_same(&frame.clone().less(&stack)));
-    assert!(difference.alone().is_same(&stack) && difference.is_same(&stack.clone().less(&frame)));
+    assert!(difference != stack && difference != frame.clone().less(&stack));
+    assert!(difference.alone() == stack && difference == stack.clone().less(&frame));
     // Of a difference that is subtracted only the first picture counts.
-    assert!(stack.clone().less(&frame.less(&stack)).is_same(&difference));
-    let patches = |a: &PictureRequest, b: &PictureRequest| PicturesRequest(vec![a.clone(), b.clone()]);
-    assert!(patches(&stack, &difference).is_same(&patches(&stack, &difference)));
-    assert!(!patches(&stack, &difference).is_same(&patches(&difference, &stack)));
+    assert!(stack.clone().less(&frame.less(&stack)) == difference);
 }
 
 #[test]
-fn a_matching_is_of_two_detections_with_parameters() {
+fn features_found_anew_are_others_and_so_is_a_trail() {
     let (a, b) = (detected().detection, Arc::new((*detected().detection).clone()));
     let request = MatchRequest { a: a.clone(), b: b.clone(), params: MatchParams::default() };
-    assert!(request.is_same(&request.clone()));
-    // Equal features found anew are another detection.
-    assert!(!request.is_same(&MatchRequest { a: b.clone(), ..request.clone() }));
+    assert!(request == request.clone() && request != MatchRequest { a: b, ..request.clone() });
     let params = MatchParams { ratio: 0.5, ..MatchParams::default() };
-    assert!(!request.is_same(&MatchRequest { params, ..request.clone() }));
-
-    let result = request.clone().compute(&Work::alone(&Monitor::default())).expect("valid").result;
-    let losses = |result| LossesRequest { request: request.clone(), result, size_b: (96, 72) };
-    assert!(losses(result.clone()).is_same(&losses(result.clone())));
-    assert!(!losses(result.clone()).is_same(&losses(Arc::new((*result).clone()))));
-}
-
-#[test]
-fn a_question_is_of_one_detection() {
-    let cache = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
-    let traced = |cache| Traced { burst: open().id, cache };
-    let at = |place| ProbeQuestion::At { place, wanted: Wanted::Best };
-    let ask = |question| ProbeRequest { traced: traced(cache.clone()), question, near_sigma: None };
-    assert!(ask(at([3.0, 4.0])).is_same(&ask(at([3.0, 4.0]))));
-    assert!(!ask(at([3.0, 4.0])).is_same(&ask(at([3.0, 5.0]))));
-    assert!(!ask(at([3.0, 4.0])).is_same(&ask(ProbeQuestion::Strongest)));
-    let near_a_scale = ProbeRequest { near_sigma: Some(2.0), ..ask(at([3.0, 4.0])) };
-    assert!(!ask(at([3.0, 4.0])).is_same(&near_a_scale));
-    let anew = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
-    let of_another = ProbeRequest { traced: traced(anew), question: ProbeQuestion::Strongest, near_sigma: None };
-    assert!(!ask(ProbeQuestion::Strongest).is_same(&of_another));
-
-    let explain = |of, question| ExplainRequest { of, question };
-    let slopes = explain(source(), ExplainQuestion::Slopes);
-    let candidates = ExplainQuestion::Candidates(SurveyOptions::default());
-    assert!(slopes.is_same(&explain(source(), ExplainQuestion::Slopes)));
-    let mut other = source();
-    other.params.levels += 1;
-    assert!(!slopes.is_same(&explain(other, ExplainQuestion::Slopes)));
-    assert!(
-        !slopes.is_same(&explain(source(), candidates))
-            && explain(source(), candidates).is_same(&explain(source(), candidates))
-    );
-
-    let (detection, copy) = (detected().detection, Arc::new((*detected().detection).clone()));
-    let coherence = |detection| CoherenceRequest { of: source(), detection };
-    assert!(coherence(detection.clone()).is_same(&coherence(detection.clone())));
-    assert!(!coherence(detection).is_same(&coherence(copy)));
+    assert!(request != MatchRequest { params, ..request.clone() });
+    let made = || NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
+    let ask = |cache: &Arc<ProbeCache>, near_sigma| {
+        let traced = Traced { burst: open().id, cache: cache.clone() };
+        ProbeRequest { traced, question: ProbeQuestion::Strongest, near_sigma }
+    };
+    let cache = made();
+    assert!(ask(&cache, None) == ask(&cache, None));
+    assert!(ask(&cache, None) != ask(&cache, Some(2.0)) && ask(&cache, None) != ask(&made(), None));
 }
 
 #[test]
 fn a_comparison_is_of_a_detection_with_one_reference() {
     let (detection, burst) = (detected().detection, open());
     let with = |with| AgainstRequest { detection: detection.clone(), with };
-    let earlier = |burst, detection| Reference::Earlier { burst, asked: params().into(), detection };
-    let file = |path: &str| Reference::File { path: path.into(), features: None };
-    let truth = |params| Reference::Truth { burst: burst.clone(), params };
+    let earlier = |burst, detection| with(Reference::Earlier { burst, asked: params().into(), detection });
+    let file = |path: &str| with(Reference::File { path: path.into(), features: None });
     // A request with a kept earlier result equals one whose result has to be detected again.
-    assert!(with(earlier(burst.clone(), None)).is_same(&with(earlier(burst.clone(), Some(detection.clone())))));
-    assert!(!with(earlier(burst.clone(), None)).is_same(&with(earlier(empty((96, 72), 4), None))));
-    assert!(with(file("a.csv")).is_same(&with(file("a.csv"))));
-    assert!(!with(file("a.csv")).is_same(&with(file("b.csv"))));
-    assert!(with(truth(params())).is_same(&with(truth(params()))));
-    assert!(!with(truth(params())).is_same(&with(truth(DetectorParams::default()))));
-    assert!(!with(truth(params())).is_same(&with(file("a.csv"))));
-    let of_other = AgainstRequest { detection: Arc::new((*detection).clone()), with: file("a.csv") };
-    assert!(!with(file("a.csv")).is_same(&of_other));
-}
-
-#[test]
-fn each_opening_is_a_burst_of_its_own() {
-    let again = open().source.open(&OpenOptions::default(), &Monitor::default()).expect("a chart");
-    assert_ne!(again.id, open().id);
-    assert_eq!(again.burst.frames, open().burst.frames);
+    assert!(earlier(burst.clone(), None) == earlier(burst.clone(), Some(detection.clone())));
+    assert!(earlier(burst.clone(), None) != earlier(empty((96, 72), 4), None));
+    assert!(file("a.csv") == file("a.csv") && file("a.csv") != file("b.csv"));
+    let truth = |params| with(Reference::Truth { burst: burst.clone(), params });
+    assert!(truth(params()) == truth(params()) && truth(params()) != truth(DetectorParams::default()));
+    assert!(truth(params()) != file("a.csv"));
+    let of_other = AgainstRequest { detection: Arc::new((*detection).clone()), ..file("a.csv") };
+    assert!(file("a.csv") != of_other);
 }

@@ -9,7 +9,6 @@
 //!
 //! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P
 //! (variance of its pixels) under independent noise of variance σ²: differences count, but the less the more of the
-//! (variance of its pixels) under independent noise of variance σ²: differences count, but the less the more of the
 //! tile is noise. P is the tile's variance in excess of σ². The second part keeps shifts near those that the coarser
 //! level found there or beside it. So the noise, which is known, decides how far a tile follows its own pixels: a blank
 //! tile stays with the prediction, a well-lit corner moves to its best match.
@@ -41,17 +40,12 @@ const MIN_SHARE: f32 = 0.25;
 /// Shift of every tile of an image, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ShiftField {
-    /// Grid of the tiles.
     pub grid: TileGrid,
-    /// Shift of each tile.
     pub shifts: Vec<Shift>,
 }
 
 /// Finds the shifts of the tiles of the reference frame, at full resolution. Both frames come as pyramids of the same
 /// sizes; `variance` is the noise variance of one frame.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(super) fn align(
     reference: &[Plane],
     frame: &[Plane],
@@ -81,8 +75,7 @@ fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Mon
                         Some(_) => (RADIUS, PRIOR_SIGMA),
                         None => (COARSEST_RADIUS, COARSEST_PRIOR_SIGMA),
                     };
-                    let tile = Tile::new(pair, i, j, &predictions, prior_sigma);
-                    tile.best(radius)
+                    Tile::new(pair, i, j, &predictions, prior_sigma).best(radius)
                 })
                 .collect())
         })
@@ -144,7 +137,6 @@ impl<'a> Tile<'a> {
         Self { pair, columns, rows, predictions, weight, prior: 0.5 / (prior_sigma * prior_sigma) }
     }
 
-    /// The shift of minimum cost.
     fn best(&self, radius: i32) -> Shift {
         let mut best = ([0i32; 2], f32::INFINITY);
         let mut seen: Vec<[i32; 2]> = Vec::with_capacity(81);
@@ -204,7 +196,6 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// Variance of the pixels of a rectangle.
 fn variance_of(plane: &Plane, columns: &Range<i64>, rows: &Range<i64>) -> f32 {
     let (mut sum, mut squares, mut count) = (0.0f64, 0.0f64, 0.0f64);
     for v in rows.clone() {
@@ -257,22 +248,9 @@ pub(super) fn pyramid(image: &Plane) -> Vec<Plane> {
         if last.width().min(last.height()) < 2 * TILE {
             break;
         }
-        levels.push(halved(last));
+        levels.push(last.halved());
     }
     levels
-}
-
-/// Means of 2×2 pixels; an odd last column or row is left out.
-fn halved(image: &Plane) -> Plane {
-    let (width, height) = (image.width() / 2, image.height() / 2);
-    let mut out = Plane::zeros(width, height);
-    for v in 0..height {
-        let (upper, lower) = (image.row(2 * v), image.row(2 * v + 1));
-        for ((out, a), b) in out.row_mut(v).iter_mut().zip(upper.chunks_exact(2)).zip(lower.chunks_exact(2)) {
-            *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
-        }
-    }
-    out
 }
 
 #[cfg(test)]
@@ -287,11 +265,5 @@ mod tests {
         assert_eq!(sizes(100, 65), [(100, 65), (50, 32), (25, 16)]);
         assert_eq!(sizes(3, 1), [(3, 1)]);
         assert_eq!(sizes(4000, 3000).len(), MAX_LEVELS);
-    }
-
-    #[test]
-    fn a_pixel_is_the_mean_of_four() {
-        let coarse = halved(&Plane::from_fn(5, 4, |u, v| (u + 10 * v) as f32));
-        assert_eq!((coarse.size(), coarse.data()), ((2, 2), &[5.5, 7.5, 25.5, 27.5][..]));
     }
 }

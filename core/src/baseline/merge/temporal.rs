@@ -37,9 +37,6 @@ pub(super) struct Aligned<'a> {
 }
 
 /// The merged image, in the geometry of the reference. `variance` is the noise variance of one frame.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(super) fn merge_tiles(
     reference: &Plane,
     others: &[Aligned<'_>],
@@ -105,7 +102,6 @@ impl Merging<'_> {
         out
     }
 
-    /// Tile (i, j), merged.
     fn tile(&self, i: usize, j: usize) -> Block {
         let at = (first_pixel(i), first_pixel(j));
         let reference = pixels(self.reference, at);

@@ -11,12 +11,9 @@ pub(super) const TILE: usize = 16;
 /// Distance between the centres of neighbouring tiles, pixels.
 pub(super) const STEP: usize = TILE / 2;
 
-/// Grid of the tiles of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TileGrid {
-    /// Tiles in a row.
     pub columns: usize,
-    /// Rows of tiles.
     pub rows: usize,
 }
 
@@ -32,7 +29,7 @@ pub(super) fn first_pixel(index: usize) -> i64 {
     (index * STEP) as i64 - STEP as i64
 }
 
-/// The window's weights along an axis.
+/// Weights along an axis.
 pub(super) fn window() -> [f32; TILE] {
     std::array::from_fn(|k| (0.5 - 0.5 * (TAU * (k as f64 + 0.5) / TILE as f64).cos()) as f32)
 }

@@ -8,16 +8,15 @@
 
 use super::wire::{DecodeRequest, Part, receive_reply, send};
 use super::{Expected, RawFrame};
-use crate::burst::error::OpenError;
+use crate::burst::error::{OpenError, OpenErrorKind};
 use crate::burst::options::OpenOptions;
 use crate::monitor::Monitor;
 use std::ffi::OsString;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, OnceLock, PoisonError};
-use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 /// The program that decodes files in a separate process, and the arguments that make it do so.
@@ -53,10 +52,8 @@ const PIXELS_A_SECOND: u64 = 250_000;
 const FILE_BYTES_A_SECOND: u64 = 1_000_000;
 /// Wall-clock time allowed, as a multiple of the allowed processor time: machines are busy.
 const CLOCK_FACTOR: u64 = 4;
-/// Interval between two checks for cancellation.
 const POLL: Duration = Duration::from_millis(10);
 
-/// Memory and time allowed for decoding a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Budget {
     memory_bytes: u64,
@@ -78,7 +75,6 @@ pub(super) fn takes(bytes: u64) -> bool {
     bytes > LARGE_BYTES && is_installed()
 }
 
-/// Whether a program that decodes is set.
 pub(super) fn is_installed() -> bool {
     WORKER.get().is_some()
 }
@@ -86,8 +82,7 @@ pub(super) fn is_installed() -> bool {
 /// Decodes `part` of the file `path`, of the format `kind`, in a child process.
 ///
 /// # Errors
-/// The child's error about the file; [`OpenError::Corrupt`] where the child ended without an answer, or
-/// [`OpenError::DecoderEnded`] where somebody else ended it.
+/// The child's error about the file; damage where the child ended without an answer, unless somebody else ended it.
 pub(super) fn decode(
     path: &Path,
     kind: &'static str,
@@ -98,12 +93,12 @@ pub(super) fn decode(
     monitor: &Monitor,
 ) -> Result<RawFrame, OpenError> {
     monitor.check()?;
-    let worker = WORKER.get().ok_or_else(|| failed(path, "no program is set that decodes it".to_owned()))?;
+    let worker = WORKER.get().ok_or_else(|| OpenError::unread(path, "no program is set that decodes it"))?;
     let mut running = Running::start(worker, path)?;
     let request = DecodeRequest {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         part,
-        expected: expected.map(|expected| expected.size),
+        expected: expected.map(|expected| (expected.first.to_string_lossy().into_owned(), expected.size)),
         options: OpenOptions { bias: None, flat: None, ..options.clone() },
         limits: options.limits,
         memory_bytes: budget.memory_bytes,
@@ -111,33 +106,43 @@ pub(super) fn decode(
     };
     let clock = Duration::from_secs(budget.cpu_seconds.saturating_mul(CLOCK_FACTOR));
     let (mut stdin, mut stdout, stderr) = running.pipes();
-    let first = expected.map(|expected| (expected.first, expected.size));
-    let watch = Watch { child: &running.child, monitor, until: Instant::now() + clock, done: AtomicBool::new(false) };
+    let until = Instant::now() + clock;
+    let child = &running.child;
+    // Ends the child when the work is cancelled or takes too long; ends itself when `over` is dropped.
+    let (over, is_over) = mpsc::channel::<()>();
+    let watch = move || {
+        while is_over.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
+            if monitor.is_cancelled() || Instant::now() >= until {
+                let _ = child.lock().unwrap_or_else(PoisonError::into_inner).kill();
+                return;
+            }
+        }
+    };
     let answer = std::thread::scope(|scope| {
-        let watching = std::thread::Builder::new().spawn_scoped(scope, || watch.until_done());
-        let watching = watching.map_err(|e| failed(path, format!("a thread could not be started: {e}")))?;
-        let _over = Over { done: &watch.done, thread: watching.thread().clone() };
+        let _over = over; // also when the reading unwinds
+        let watching = std::thread::Builder::new().spawn_scoped(scope, watch);
+        watching.map_err(|e| OpenError::unread(path, format!("a thread could not be started: {e}")))?;
         // Writing to a child that has already ended fails; its last output is read below.
-        Ok::<_, OpenError>(
-            send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, kind, first, &options.limits)),
-        )
+        let answer = send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, &options.limits));
+        Ok::<_, OpenError>(answer)
     })?;
     // The child ends when its input is closed.
     drop(stdin);
     monitor.check()?;
-    let is_overdue = Instant::now() >= watch.until;
+    let is_overdue = Instant::now() >= until;
     match answer {
         Ok(answer) => answer,
         Err(error) => Err(match running.last_words(&error, stderr, is_overdue, budget) {
-            Ending::OfFile(reason) => OpenError::Corrupt { path: path.into(), kind, reason },
-            Ending::FromOutside(signal) => OpenError::DecoderEnded { path: path.into(), kind, signal },
+            Ending::OfFile(reason) => OpenError::corrupt(path, kind, reason),
+            Ending::FromOutside(signal) => {
+                let problem = format!(
+                    "the decoder of this {kind} file was ended by signal {signal}, from outside or because the machine \
+                     has no memory left"
+                );
+                OpenError::new(OpenErrorKind::System, problem, "open it again").about(path)
+            }
         }),
     }
-}
-
-/// The error of a child process that could not be started.
-fn failed(path: &Path, reason: String) -> OpenError {
-    OpenError::Read { path: path.into(), reason }
 }
 
 /// Reason why there is no answer.
@@ -148,7 +153,6 @@ enum Ending {
     FromOutside(i32),
 }
 
-/// A child process, killed when this is dropped.
 struct Running {
     child: Mutex<Child>,
 }
@@ -171,13 +175,10 @@ impl Running {
             const CREATE_NO_WINDOW: u32 = 0x0800_0000;
             std::os::windows::process::CommandExt::creation_flags(&mut command, CREATE_NO_WINDOW);
         }
-        let child = command.spawn();
-        let child =
-            child.map_err(|e| failed(path, format!("the process that decodes it could not be started: {e}")))?;
-        Ok(Self { child: Mutex::new(child) })
+        let failed = |e| OpenError::unread(path, format!("the process that decodes it could not be started: {e}"));
+        Ok(Self { child: Mutex::new(command.spawn().map_err(failed)?) })
     }
 
-    /// The child's ends of the pipes; can be called once.
     fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
         const ASKED_FOR: &str = "it was started with this pipe, and nobody took it";
@@ -188,7 +189,6 @@ impl Running {
         )
     }
 
-    /// The reason why there is no answer.
     fn last_words(&mut self, error: &io::Error, stderr: ChildStderr, is_overdue: bool, budget: Budget) -> Ending {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
         // The child is ending by itself, or it sent something else than an answer and is killed.
@@ -258,38 +258,5 @@ fn signal_from_outside(status: &ExitStatus) -> Option<i32> {
     {
         let _ = status;
         None
-    }
-}
-
-/// Ends the child when the work is cancelled or takes too long.
-struct Watch<'a> {
-    child: &'a Mutex<Child>,
-    monitor: &'a Monitor,
-    until: Instant,
-    done: AtomicBool,
-}
-
-impl Watch<'_> {
-    fn until_done(&self) {
-        while !self.done.load(Ordering::Acquire) {
-            if self.monitor.is_cancelled() || Instant::now() >= self.until {
-                let _ = self.child.lock().unwrap_or_else(PoisonError::into_inner).kill();
-                return;
-            }
-            std::thread::park_timeout(POLL);
-        }
-    }
-}
-
-/// Ends the watch, also when the reading unwinds.
-struct Over<'a> {
-    done: &'a AtomicBool,
-    thread: Thread,
-}
-
-impl Drop for Over<'_> {
-    fn drop(&mut self) {
-        self.done.store(true, Ordering::Release);
-        self.thread.unpark();
     }
 }

@@ -1,10 +1,10 @@
 //! PNG, JPEG, PNM, WebP and BMP. Of an animation, the first picture is taken.
 
 use super::child::{self, Budget};
-use super::jpeg::{Soundness, soundness};
+use super::look::too_few_bytes;
 use super::pixels::{turned, turned_size};
 use super::wire::Part;
-use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_from_data};
+use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved};
 use crate::burst::error::OpenError;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
@@ -21,6 +21,8 @@ use std::path::Path;
 
 /// Memory that a decoder may take beyond the pixels, bytes.
 const BESIDES_BYTES: u64 = 1 << 26;
+/// Largest number of pixels of a byte of a file: of one bit each, in deflated data of the largest ratio, about.
+const PIXELS_A_BYTE: u64 = 8 * 1040;
 
 pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, OpenError> {
     let bytes = jpeg_bytes(path, format, limits)?;
@@ -47,6 +49,11 @@ pub(super) fn frame(
     let mut decoder = decoder(path, input.file, &bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
+    // Of WebP a few bytes can be a large picture of one colour.
+    let is_too_short = too_few_bytes(input.length, width.into(), height.into(), PIXELS_A_BYTE);
+    if let Some(reason) = is_too_short.filter(|_| format != ImageFormat::WebP) {
+        return Err(OpenError::corrupt(path, name(format), reason));
+    }
     let size = (width as usize, height as usize);
     let orientation = orientation(&mut decoder);
     Expected::check(expected, path, turned_size(size, orientation))?;
@@ -58,12 +65,11 @@ pub(super) fn frame(
         let budget = Budget::new(input.length, pixels, 2 * taken);
         return child::decode(path, name(format), Part::Only, expected, options, budget, monitor);
     }
-    let damage = match soundness_of(format, &bytes) {
-        Soundness::Damaged(reason) if !options.accept_damaged => {
-            return Err(OpenError::Corrupt { path: path.into(), kind: name(format), reason });
-        }
-        Soundness::Damaged(reason) => Some(reason),
-        Soundness::Whole | Soundness::Unknown => None,
+    let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(&bytes, true)) {
+        None => (None, None),
+        Some(Ok(samples)) => (Some(samples), None),
+        Some(Err(reason)) if options.accept_damaged => (None, Some(reason)),
+        Some(Err(reason)) => return Err(OpenError::corrupt(path, name(format), reason)),
     };
     let channels = usize::from(color.channel_count());
     let values = size.0 * size.1 * channels;
@@ -77,7 +83,7 @@ pub(super) fn frame(
     };
     match color {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
-            let values = read::<u8>(decoder, values).map_err(failure)?;
+            let values = whole.map_or_else(|| read::<u8>(decoder, values), Ok).map_err(failure)?;
             Ok(ranged(grey_from_interleaved(&values, channels, Curve::of(255.0, options.linearise)), 255.0, true))
         }
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
@@ -87,14 +93,13 @@ pub(super) fn frame(
         ColorType::Rgb32F | ColorType::Rgba32F => {
             let values = read::<f32>(decoder, values).map_err(failure)?;
             let values = grey_from_interleaved(&values, channels, Curve::Linear(1.0));
-            let frame = frame_from_data(path, 0, size, values, false)?;
+            let frame = frame_of_plane(path, 0, Plane::from_vec(size.0, size.1, values), false)?;
             Ok(RawFrame { plane: turned(frame.plane, orientation), ..frame })
         }
-        other => Err(OpenError::Unsupported {
-            path: path.into(),
-            kind: name(format),
-            reason: format!("its pixels are {other:?}; save it as grey or RGB of 8 or 16 bit"),
-        }),
+        other => {
+            let reason = format!("its pixels are {other:?}; save it as grey or RGB of 8 or 16 bit");
+            Err(OpenError::unsupported(path, name(format), reason))
+        }
     }
 }
 
@@ -111,8 +116,8 @@ fn check_end_of_text(path: &Path, mut file: &File) -> Result<(), OpenError> {
     };
     let (first, last) = ends().map_err(|e| OpenError::from_read(path, name(ImageFormat::Pnm), &e))?;
     if matches!(&first, b"P2" | b"P3") && last.is_ascii_digit() {
-        let reason = "no space or line end follows its last number, which may be cut".to_owned();
-        return Err(OpenError::Corrupt { path: path.into(), kind: name(ImageFormat::Pnm), reason });
+        let reason = "no space or line end follows its last number, which may be cut";
+        return Err(OpenError::corrupt(path, name(ImageFormat::Pnm), reason));
     }
     Ok(())
 }
@@ -140,12 +145,7 @@ fn bytes_per_pixel(format: ImageFormat, color: ColorType) -> u64 {
     u64::from(color.bytes_per_pixel()) + size_of::<f32>() as u64 + kept
 }
 
-/// Whether the picture's data is complete, for formats whose decoder would not say.
-fn soundness_of(format: ImageFormat, bytes: &[u8]) -> Soundness {
-    if format == ImageFormat::Jpeg { soundness(bytes, &[]) } else { Soundness::Unknown }
-}
-
-/// The whole file of a JPEG, which its decoder and `soundness` need at once; empty for other formats.
+/// The whole file of a JPEG, which is decoded strictly, and otherwise where that is asked for; empty for other formats.
 fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>, OpenError> {
     if format != ImageFormat::Jpeg {
         return Ok(Vec::new());
@@ -186,18 +186,15 @@ fn decoder<'a>(
 }
 
 fn failure(path: &Path, format: ImageFormat, error: ImageError) -> OpenError {
-    let (path, kind) = (path.to_path_buf(), name(format));
     match error {
-        ImageError::IoError(e) => OpenError::from_read(&path, kind, &e),
-        ImageError::Unsupported(e) => OpenError::Unsupported { path, kind, reason: e.to_string() },
-        ImageError::Limits(e) => OpenError::BeyondLimit {
-            path,
-            found: e.to_string(),
-            limit: "the memory of the largest frame allowed".into(),
-            remedy: "crop or shrink the frame".into(),
-        },
+        ImageError::IoError(e) => OpenError::from_read(path, name(format), &e),
+        ImageError::Unsupported(e) => OpenError::unsupported(path, name(format), e),
+        ImageError::Limits(e) => {
+            let limit = "the memory of the largest frame allowed";
+            OpenError::too_large(path, e.to_string(), limit, "crop or shrink the frame")
+        }
         ImageError::Decoding(_) | ImageError::Encoding(_) | ImageError::Parameter(_) => {
-            OpenError::Corrupt { path, kind, reason: error.to_string() }
+            OpenError::corrupt(path, name(format), error)
         }
     }
 }

@@ -18,23 +18,26 @@ mod tiff;
 mod wire;
 
 pub use child::DecodeWorker;
-pub(super) use look::RAW_EXTENSIONS;
+pub(super) use look::extensions;
 pub use pixels::LUMA_WEIGHTS;
 pub use serve::serve_decoding;
 
-use super::error::OpenError;
+use super::error::{OpenError, OpenErrorKind};
 use super::options::{Encoding, OpenOptions};
 use crate::monitor::{Monitor, Stage};
-use crate::plane::{Plane, memory};
-use look::{Directories, Kind, Refusal, check_picture, has_raw_extension, is_video, kind_of, named_kind};
+use crate::plane::Plane;
+use crate::plane::memory::{self, NoMemory};
+use ::image::ImageFormat::WebP;
+use look::{Directories, Kind, check_webp, is_video};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Unit of a file's values.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) enum FileScale {
     /// Integers of 8 or 16 bit: the largest value of the type. The plane is already divided by it.
     Range(f32),
@@ -46,7 +49,6 @@ pub(super) enum FileScale {
     },
     /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units.
     Data {
-        /// Whether the file holds integers.
         integer: bool,
         /// Largest magnitude in this frame.
         largest: f32,
@@ -70,14 +72,10 @@ impl FileScale {
     }
 }
 
-/// One decoded frame.
 #[derive(Debug)]
 pub(super) struct RawFrame {
-    /// Pixels of the frame.
     pub plane: Plane,
-    /// Unit of the pixels.
     pub scale: FileScale,
-    /// Relation of the pixels to light.
     pub encoding: Encoding,
     /// Sensor pixels along a side of one pixel of the plane: 1 unless a colour mosaic was binned.
     pub binning: usize,
@@ -97,18 +95,14 @@ impl RawFrame {
 /// Sizes that a file declares, before any pixel is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Header {
-    /// Columns.
     pub width: usize,
-    /// Rows.
     pub height: usize,
-    /// Number of frames in the file.
     pub frames: usize,
 }
 
 /// Size that a frame must have, and the file that it comes from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expected<'a> {
-    /// File of the burst's first frame.
     pub first: &'a Path,
     /// Size (columns, rows) of that frame.
     pub size: (usize, usize),
@@ -118,9 +112,10 @@ impl Expected<'_> {
     /// Checks that the file `path` has the expected size, if there is one.
     fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<(), OpenError> {
         match expected {
-            Some(Self { first, size: first_size }) if size != first_size => {
-                Err(OpenError::DifferentSizes { first: first.into(), first_size, path: path.into(), size })
-            }
+            Some(Self { first, size: first_size }) if size != first_size => Err(OpenError::different_sizes(
+                (&first.display().to_string(), first_size),
+                (&path.display().to_string(), size),
+            )),
             _ => Ok(()),
         }
     }
@@ -129,11 +124,7 @@ impl Expected<'_> {
 /// Number of frames in the file, for a TIFF at most 2; reads as little as possible.
 pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
     // Extensions are tried first, because this is called for every picture of a folder.
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if RAW_EXTENSIONS.contains(&&*extension) {
-        return Ok(1);
-    }
-    if ["png", "jpg", "jpeg", "pgm", "ppm", "pnm", "pbm", "pam", "webp", "bmp"].contains(&&*extension) {
+    if let Some(Kind::Raw | Kind::Picture(_)) = Kind::named(path) {
         return Ok(1);
     }
     // A thumbnail may lie between two pages.
@@ -141,8 +132,8 @@ pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
     let input = InputFile::open(path, PAGES)?;
     guarded(path, input.kind, || match input.kind {
         Kind::Raw | Kind::Picture(_) => Ok(1),
-        Kind::Npy => Ok(npy_header::read(path, input.file, &OpenOptions::default().limits)?.frames),
-        Kind::Tiff => tiff::frame_count(path, input),
+        Kind::Npy => Ok(npy_header::read(path, &input.file, &OpenOptions::default().limits)?.frames),
+        Kind::Tiff => tiff::frame_count(path, input.file),
     })
 }
 
@@ -163,15 +154,14 @@ pub(super) fn header(
             Ok((Header { width, height, frames: 1 }, Some(frame)))
         }
         Kind::Npy => {
-            let header = npy_header::read(path, input.file, limits)?;
-            Ok((Header { width: header.width, height: header.height, frames: header.frames }, None))
+            let npy_header::NpyHeader { width, height, frames, .. } = npy_header::read(path, &input.file, limits)?;
+            Ok((Header { width, height, frames }, None))
         }
-        Kind::Tiff => Ok((tiff::header(path, input, limits)?, None)),
+        Kind::Tiff => Ok((tiff::header(path, input.file, limits)?, None)),
         Kind::Picture(format) => Ok((image::header(path, input.file, format, limits)?, None)),
     })
 }
 
-/// Decodes a file that holds one frame.
 pub(super) fn frame(
     path: &Path,
     expected: Option<Expected<'_>>,
@@ -226,7 +216,7 @@ fn raw_frame(
     if child::is_installed() {
         // Two pixels a byte are more than any camera packs; a directory gives their number.
         let packed = input.length.saturating_mul(2);
-        let pixels = input.directories.as_ref().map_or(packed, Directories::pixels).min(options.limits.max_pixels);
+        let pixels = input.directories.as_ref().map_or(packed, |found| found.pixels).min(options.limits.max_pixels);
         const DECODER_BYTES_PER_PIXEL: u64 = 32;
         let budget = child::Budget::new(input.length, pixels, pixels.saturating_mul(DECODER_BYTES_PER_PIXEL));
         return child::decode(path, Kind::Raw.name(), wire::Part::Only, expected, options, budget, monitor);
@@ -240,14 +230,11 @@ fn raw_frame(
 
 /// A file whose declared sizes have been checked.
 struct InputFile {
-    /// Positioned at its start.
     file: File,
-    /// Length, bytes.
     length: u64,
     kind: Kind,
     /// The name of its kind, where its extension names another.
     misnamed: Option<&'static str>,
-    /// Directories of a TIFF, and of raw files that are TIFFs.
     directories: Option<Directories>,
 }
 
@@ -258,81 +245,57 @@ impl InputFile {
         let read_error = |e: std::io::Error| OpenError::from_io(path, &e);
         let metadata = std::fs::metadata(path).map_err(read_error)?;
         if !metadata.is_file() {
-            return Err(OpenError::NotAFile { path: path.into() }); // opening a pipe would wait for ever
+            return Err(OpenError::not_a_file(path));
         }
         let length = metadata.len();
         if length == 0 {
-            return Err(OpenError::EmptyFile { path: path.into() });
+            return Err(OpenError::damaged(path, "this file is empty (0 bytes)"));
         }
         let mut file = File::open(path).map_err(read_error)?;
         let mut start = Vec::with_capacity(32);
         (&mut file).take(32).read_to_end(&mut start).map_err(read_error)?;
         // A raw file may use a video container.
-        let is_raw = has_raw_extension(path);
+        let named = Kind::named(path);
+        let is_raw = named == Some(Kind::Raw);
         if is_video(&start) && !is_raw {
-            return Err(OpenError::Video { path: path.into() });
+            return Err(look::video(path));
         }
-        let mut kind = match kind_of(&start) {
-            // Unknown bytes with a raw extension are raw; a DNG is raw whatever its extension.
-            None if is_raw => Kind::Raw,
-            Some(Kind::Tiff) if is_raw => Kind::Raw,
+        let begins_as = Kind::of(&start);
+        let mut kind = match begins_as {
+            None | Some(Kind::Tiff) if is_raw => Kind::Raw,
             Some(kind) => kind,
             None => return Err(look::unknown(path, &start)),
         };
         let mut reader = BufReader::with_capacity(512, &mut file);
         let mut directories = None;
-        let looked = match kind {
-            Kind::Tiff | Kind::Raw if kind_of(&start) == Some(Kind::Tiff) => {
-                Directories::read(&mut reader, length, is_raw, pages).and_then(|found| {
-                    if found.is_dng {
-                        kind = Kind::Raw;
-                        found.check_chunks(&mut reader, length)?;
-                    }
-                    directories = Some(found);
-                    Ok(())
-                })
+        if begins_as == Some(Kind::Tiff) {
+            let found = Directories::read(&mut reader, length, is_raw, pages);
+            let found = found.map_err(|e| OpenError::from_read(path, kind.name(), &e))?;
+            if found.is_dng {
+                kind = Kind::Raw; // whatever its extension
             }
-            Kind::Picture(format) => check_picture(&mut reader, length, format),
-            Kind::Tiff | Kind::Raw | Kind::Npy => Ok(()),
-        };
-        looked.map_err(|refusal: Refusal| refusal.into_error(path, kind.name()))?;
+            directories = Some(found);
+        } else if kind == Kind::Picture(WebP) {
+            check_webp(&mut reader, length).map_err(|e| OpenError::from_read(path, kind.name(), &e))?;
+        }
         file.seek(SeekFrom::Start(0)).map_err(read_error)?;
-        let misnamed = named_kind(path).filter(|named| *named != kind.name()).map(|_| kind.name());
+        let misnamed = named.filter(|named| *named != kind).map(|_| kind.name());
         Ok(Self { file, length, kind, misnamed, directories })
     }
 }
 
 /// Error for raw files where the feature to read them is missing.
 fn without_raw(path: &Path) -> OpenError {
-    OpenError::Unsupported {
-        path: path.into(),
-        kind: "raw",
-        reason: "this program was built without raw frames (the feature 'raw'); convert it to a 16-bit TIFF".to_owned(),
-    }
+    let reason = "this program was built without raw frames (the feature 'raw'); convert it to a 16-bit TIFF";
+    OpenError::unsupported(path, "raw", reason)
 }
 
 /// Runs a decoder. A panic in it, and memory that the system refuses it, become errors about the file.
 fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, OpenError>) -> Result<T, OpenError> {
-    let decode =
-        || memory::refusable(decode).unwrap_or_else(|refused| Err(OpenError::NoMemory { path: path.into(), refused }));
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).unwrap_or_else(|_| {
-        Err(OpenError::Corrupt {
-            path: path.into(),
-            kind: kind.name(),
-            reason: "its decoder failed unexpectedly".into(),
-        })
-    })
-}
-
-/// Makes a frame of values in file units. Fails at the first value that is not finite.
-fn frame_from_data(
-    path: &Path,
-    frame: usize,
-    size: (usize, usize),
-    values: Vec<f32>,
-    integer: bool,
-) -> Result<RawFrame, OpenError> {
-    frame_of_plane(path, frame, Plane::from_vec(size.0, size.1, values), integer)
+    let no_memory = |refused: NoMemory| OpenError::new(OpenErrorKind::NoMemory, refused.to_string(), "").about(path);
+    let decode = || memory::refusable(decode).unwrap_or_else(|refused| Err(no_memory(refused)));
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode))
+        .unwrap_or_else(|_| Err(OpenError::corrupt(path, kind.name(), "its decoder failed unexpectedly")))
 }
 
 /// Makes a frame of a plane in file units. Fails at the first value that is not finite.
@@ -344,8 +307,7 @@ pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: b
     let largest = f32::from_bits(largest);
     if !largest.is_finite() {
         let index = values.iter().position(|v| !v.is_finite()).expect("the largest one is not finite");
-        let (u, v) = (index % plane.width(), index / plane.width());
-        return Err(OpenError::NotFinite { path: path.into(), frame, u, v, value: values[index] });
+        return Err(OpenError::not_finite(path, frame, plane.width(), index, values[index]));
     }
     Ok(RawFrame::linear(plane, FileScale::Data { integer, largest }))
 }
@@ -355,36 +317,25 @@ pub(super) struct Ticker<'a> {
     monitor: &'a Monitor,
     done: AtomicUsize,
     total: usize,
-    quiet: bool,
 }
 
 impl<'a> Ticker<'a> {
     /// Counter that reports the finished fraction of `total` frames to `monitor`.
     pub(super) fn new(monitor: &'a Monitor, total: usize) -> Self {
-        Self { monitor, done: AtomicUsize::new(0), total, quiet: false }
+        Self { monitor, done: AtomicUsize::new(0), total }
     }
 
-    /// Counter that checks for cancellation, but reports nothing.
-    pub(super) fn quiet(monitor: &'a Monitor) -> Self {
-        Self { quiet: true, ..Self::new(monitor, 0) }
-    }
-
-    /// The monitor for cancellation and reports.
     pub(super) fn monitor(&self) -> &'a Monitor {
         self.monitor
     }
 
-    /// Fails once the user has cancelled.
     pub(super) fn check(&self) -> Result<(), OpenError> {
         Ok(self.monitor.check()?)
     }
 
-    /// Counts one more finished frame.
     pub(super) fn tick(&self) {
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
-        if !self.quiet {
-            self.monitor.report(Stage::Open, done as f32 / self.total.max(1) as f32);
-        }
+        self.monitor.report(Stage::Open, done as f32 / self.total.max(1) as f32);
     }
 }
 
@@ -419,7 +370,7 @@ mod tests {
 
     #[test]
     fn the_first_failure_in_order_is_the_answer() {
-        let fail = |path: usize| OpenError::EmptyFile { path: path.to_string().into() };
+        let fail = |path: usize| OpenError::damaged(Path::new(&path.to_string()), "");
         for _ in 0..50 {
             let answer = in_order(100, |i| if i % 7 == 5 { Err(fail(i)) } else { Ok(i) });
             assert_eq!(answer, Err(fail(5)));

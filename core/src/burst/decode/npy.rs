@@ -2,7 +2,7 @@
 //! either byte order, in C or Fortran order. Booleans become 0 and 1.
 
 use super::npy_header::{self, Dtype, NpyHeader};
-use super::{Expected, FileScale, RawFrame, frame_from_data};
+use super::{Expected, FileScale, RawFrame, frame_of_plane};
 use crate::burst::decode::{Ticker, in_order};
 use crate::burst::error::OpenError;
 use crate::burst::options::Limits;
@@ -21,17 +21,17 @@ pub(super) fn frame(
     expected: Option<Expected<'_>>,
     limits: &Limits,
 ) -> Result<RawFrame, OpenError> {
-    let header = npy_header::read(path, reopened(path, &file)?, limits)?;
+    let header = npy_header::read(path, &file, limits)?;
     if header.frames != 1 {
-        return Err(OpenError::StackAmongFrames { path: path.into(), frames: header.frames });
+        return Err(OpenError::stack_among_frames(path, header.frames));
     }
     Expected::check(expected, path, (header.width, header.height))?;
-    let mut frames = stack(path, file, limits, &Ticker::quiet(&Monitor::default()))?;
+    let mut frames = stack(path, file, limits, &Ticker::new(&Monitor::default(), 1))?;
     Ok(frames.remove(0))
 }
 
 pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
-    let header = npy_header::read(path, reopened(path, &file)?, limits)?;
+    let header = npy_header::read(path, &file, limits)?;
     let planes = if header.fortran_order {
         read_fortran(path, file, &header, ticker)?
     } else {
@@ -41,44 +41,22 @@ pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_
             Ok(frame)
         })?
     };
-    let size = (header.width, header.height);
-    let frames = planes.into_iter().enumerate();
-    frames
-        .map(|(t, values)| match range(header.dtype) {
-            Some(full_scale) => {
-                Ok(RawFrame::linear(Plane::from_vec(size.0, size.1, values), FileScale::Range(full_scale)))
-            }
-            None => frame_from_data(path, t, size, values, is_integer(header.dtype)),
+    let is_integer = !matches!(header.dtype, Dtype::F16 | Dtype::F32 | Dtype::F64);
+    let planes = planes.into_iter().map(|values| Plane::from_vec(header.width, header.height, values));
+    planes
+        .enumerate()
+        .map(|(t, plane)| match header.range {
+            Some(full_scale) => Ok(RawFrame::linear(plane, FileScale::Range(full_scale))),
+            None => frame_of_plane(path, t, plane, is_integer),
         })
         .collect()
-}
-
-/// Second handle of a file, because the header's reader consumes one.
-fn reopened(path: &Path, file: &File) -> Result<File, OpenError> {
-    file.try_clone().map_err(|e| OpenError::from_io(path, &e))
-}
-
-/// Largest value of the types whose range is the full scale.
-fn range(dtype: Dtype) -> Option<f32> {
-    match dtype {
-        Dtype::Bool => Some(1.0),
-        Dtype::U8 => Some(255.0),
-        Dtype::U16 => Some(65535.0),
-        Dtype::I8 => Some(127.0),
-        Dtype::I16 => Some(32767.0),
-        _ => None,
-    }
-}
-
-fn is_integer(dtype: Dtype) -> bool {
-    !matches!(dtype, Dtype::F16 | Dtype::F32 | Dtype::F64)
 }
 
 /// Reads frame `t` of an array in C order.
 fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, OpenError> {
     let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let count = header.width * header.height;
-    let bytes = count * header.dtype.size();
+    let bytes = count * header.value_bytes;
     let mut file = File::open(path).map_err(fail)?;
     file.seek(SeekFrom::Start(header.data_offset + (t * bytes) as u64)).map_err(fail)?;
     let mut values = memory::with_capacity(count);
@@ -105,7 +83,7 @@ fn read_fortran(
     let (frames, height, width) = (header.frames, header.height, header.width);
     let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(width * height)).collect();
     file.seek(SeekFrom::Start(header.data_offset)).map_err(fail)?;
-    let mut left = frames * height * width * header.dtype.size();
+    let mut left = frames * height * width * header.value_bytes;
     let mut block = vec![0u8; BLOCK_BYTES.min(left)];
     let mut values = Vec::new();
     let (mut t, mut v, mut u) = (0, 0, 0);
@@ -133,7 +111,7 @@ fn read_fortran(
 
 /// Appends the values of `bytes`, divided by the type's range if it has one.
 fn convert(bytes: &[u8], header: &NpyHeader, values: &mut Vec<f32>) {
-    let divisor = range(header.dtype).unwrap_or(1.0);
+    let divisor = header.range.unwrap_or(1.0);
     macro_rules! from {
         ($type:ty) => {{
             const SIZE: usize = size_of::<$type>();

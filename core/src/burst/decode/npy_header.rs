@@ -5,15 +5,15 @@
 //! neither take memory nor nest without end. Format:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use crate::burst::error::OpenError;
+use crate::burst::error::{OpenError, OpenErrorKind};
 use crate::burst::options::Limits;
+use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
 
 /// Largest header allowed, bytes. Longer ones are of structured arrays, which are no pictures.
 const MAX_HEADER_BYTES: usize = 4096;
 
-/// Type of an array's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dtype {
     Bool,
@@ -30,53 +30,41 @@ pub(super) enum Dtype {
     F64,
 }
 
-impl Dtype {
-    /// Bytes of one value.
-    pub(super) fn size(self) -> usize {
-        match self {
-            Self::Bool | Self::U8 | Self::I8 => 1,
-            Self::U16 | Self::I16 | Self::F16 => 2,
-            Self::U32 | Self::I32 | Self::F32 => 4,
-            Self::U64 | Self::I64 | Self::F64 => 8,
-        }
-    }
+/// Each type, its code in the header, bytes of a value, and the largest value where that is the full scale.
+const DTYPES: [(Dtype, &str, usize, Option<f32>); 12] = [
+    (Dtype::Bool, "b1", 1, Some(1.0)),
+    (Dtype::U8, "u1", 1, Some(255.0)),
+    (Dtype::U16, "u2", 2, Some(65535.0)),
+    (Dtype::U32, "u4", 4, None),
+    (Dtype::U64, "u8", 8, None),
+    (Dtype::I8, "i1", 1, Some(127.0)),
+    (Dtype::I16, "i2", 2, Some(32767.0)),
+    (Dtype::I32, "i4", 4, None),
+    (Dtype::I64, "i8", 8, None),
+    (Dtype::F16, "f2", 2, None),
+    (Dtype::F32, "f4", 4, None),
+    (Dtype::F64, "f8", 8, None),
+];
 
-    fn from_code(code: &str) -> Option<Self> {
-        Some(match code {
-            "b1" => Self::Bool,
-            "u1" => Self::U8,
-            "u2" => Self::U16,
-            "u4" => Self::U32,
-            "u8" => Self::U64,
-            "i1" => Self::I8,
-            "i2" => Self::I16,
-            "i4" => Self::I32,
-            "i8" => Self::I64,
-            "f2" => Self::F16,
-            "f4" => Self::F32,
-            "f8" => Self::F64,
-            _ => return None,
-        })
-    }
-}
-
-/// Type, order and shape of a `.npy` file's array.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct NpyHeader {
     pub dtype: Dtype,
+    /// Bytes of a value.
+    pub value_bytes: usize,
+    /// Largest value of the types whose range is the full scale.
+    pub range: Option<f32>,
     pub big_endian: bool,
     /// Whether the first index runs fastest.
     pub fortran_order: bool,
     pub frames: usize,
     pub height: usize,
     pub width: usize,
-    /// Position of the first value in the file, bytes.
     pub data_offset: u64,
 }
 
 /// Reads the header, checks the shape against the limits, and the file's length against the shape.
-pub(super) fn read(path: &Path, mut file: std::fs::File, limits: &Limits) -> Result<NpyHeader, OpenError> {
-    let corrupt = |reason: &str| OpenError::Corrupt { path: path.into(), kind: "NPY", reason: reason.into() };
+pub(super) fn read(path: &Path, mut file: &File, limits: &Limits) -> Result<NpyHeader, OpenError> {
+    let corrupt = |reason: &str| OpenError::corrupt(path, "NPY", reason);
     let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
     let file_bytes = file.metadata().map_err(fail)?.len();
     file.rewind().map_err(fail)?; // handles of one file share their place
@@ -102,10 +90,11 @@ pub(super) fn read(path: &Path, mut file: std::fs::File, limits: &Limits) -> Res
     let (descr, fortran_order, shape) = parse(text).ok_or_else(|| corrupt("its header cannot be understood"))?;
 
     let (order, code) = descr.split_at_checked(1).unwrap_or(("", ""));
-    let dtype = Dtype::from_code(code).ok_or_else(|| OpenError::Unsupported {
-        path: path.into(),
-        kind: "NPY",
-        reason: format!("its values are of the type '{descr}'; save integers or floats, such as uint16 or float32"),
+    let record = DTYPES.iter().find(|(_, known, ..)| *known == code);
+    let (dtype, _, value_bytes, range) = *record.ok_or_else(|| {
+        let reason =
+            format!("its values are of the type '{descr}'; save integers or floats, such as uint16 or float32");
+        OpenError::unsupported(path, "NPY", reason)
     })?;
     let big_endian = match order {
         "<" | "|" | "=" => false,
@@ -114,23 +103,26 @@ pub(super) fn read(path: &Path, mut file: std::fs::File, limits: &Limits) -> Res
     };
     let (frames, height, width) = match shape[..] {
         [height, width] => (1, height, width),
-        [frames, height, width] => (frames, height, width),
-        _ => return Err(OpenError::NpyShape { path: path.into(), shape }),
+        [frames @ (1..), height, width] => (frames, height, width),
+        _ => {
+            let problem = format!("this array has the shape {shape:?}");
+            let remedy = "a stack is [frames, rows, columns], one frame is [rows, columns]";
+            return Err(OpenError::new(OpenErrorKind::Unsupported, problem, remedy).about(path));
+        }
     };
-    if frames == 0 {
-        return Err(OpenError::NpyShape { path: path.into(), shape });
-    }
     limits.check_frame(path, width, height)?;
     limits.check_burst(path, frames, width, height)?;
     let data_offset = data_offset + header_bytes as u64;
     // Cannot overflow: the limits have been checked.
-    let wanted = frames * height * width * dtype.size() as u64;
+    let wanted = frames * height * width * value_bytes as u64;
     let there = file_bytes.saturating_sub(data_offset);
     if there < wanted {
         return Err(corrupt(&format!("{wanted} bytes of values are announced, {there} are there")));
     }
     Ok(NpyHeader {
         dtype,
+        value_bytes,
+        range,
         big_endian,
         fortran_order,
         frames: frames as usize,

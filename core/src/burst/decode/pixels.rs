@@ -12,7 +12,6 @@ use std::sync::LazyLock;
 /// Weights of Rec. 709 for red, green and blue. They sum to 1.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// A numeric sample type of a file.
 pub(in crate::burst) trait Sample: Copy {
     /// Converts to the nearest `f32`.
     fn to_f32(self) -> f32;
@@ -28,6 +27,12 @@ macro_rules! sample {
 }
 
 sample!(u8 u16 u32 u64 i8 i16 i32 i64 f32 f64);
+
+impl Sample for half::f16 {
+    fn to_f32(self) -> f32 {
+        self.to_f32()
+    }
+}
 
 /// Luma of a colour. The luma of grey (r = g = b) is exact, because only differences are weighted.
 #[inline]
@@ -58,7 +63,6 @@ fn linear(encoded: f64) -> f32 {
     (if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }) as f32
 }
 
-/// Linear intensity of an sRGB-encoded byte.
 fn byte_linear<T: Sample>(byte: T) -> f32 {
     BYTES_LINEAR[(byte.to_f32() as usize).min(255)]
 }
@@ -113,7 +117,6 @@ pub(super) fn turned_size((width, height): (usize, usize), orientation: Orientat
 /// Function from a place of the turned picture, and the last column and row of the stored one, to the stored place.
 type PlaceOf = fn((usize, usize), (usize, usize)) -> (usize, usize);
 
-/// The picture turned upright.
 pub(super) fn turned(plane: Plane, orientation: Orientation) -> Plane {
     let (width, height) = plane.size();
     let (right, bottom) = (width - 1, height - 1);

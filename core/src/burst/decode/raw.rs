@@ -20,6 +20,7 @@ use crate::plane::Plane;
 use image::metadata::Orientation;
 use rawler::decoders::{RawDecodeParams, WellKnownIFD};
 use rawler::formats::tiff::IFD;
+use rawler::imgop::{Dim2, Point, Rect};
 use rawler::rawimage::{BlackLevel, RawPhotometricInterpretation};
 use rawler::rawsource::RawSource;
 use rawler::tags::{DngTag, TiffCommonTag};
@@ -29,12 +30,11 @@ use std::path::Path;
 /// Largest file per allowed pixel, bytes: float values, and the file's other data.
 const BYTES_PER_PIXEL: u64 = 8;
 
-/// The frame of a file that holds one frame.
 pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame, OpenError> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| OpenError::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
-    let corrupt = |e: rawler::RawlerError| OpenError::Corrupt { path: path.into(), kind: "raw", reason: e.to_string() };
+    let corrupt = |e: rawler::RawlerError| OpenError::corrupt(path, "raw", e);
     let decoder = rawler::get_decoder(&source).map_err(corrupt)?;
     // The declared size is checked before anything is decoded.
     let (mut width, mut height) = (0, 0);
@@ -50,17 +50,13 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     }
     options.limits.check_frame(path, width as u64, height as u64)?;
     let raw = decoder.raw_image(&source, &RawDecodeParams::default(), false).map_err(corrupt)?;
-    let unsupported = |reason: String| OpenError::Unsupported { path: path.into(), kind: "raw", reason };
-    let area = Area::of(&raw).ok_or_else(|| OpenError::Corrupt {
-        path: path.into(),
-        kind: "raw",
-        reason: "it has fewer values than its size announces".to_owned(),
-    })?;
-    let levels = RawLevels::of(&raw, (area.width, area.height), black_steps, options).map_err(unsupported)?;
+    let unsupported = |reason: String| OpenError::unsupported(path, "raw", reason);
+    let too_few = || OpenError::corrupt(path, "raw", "it has fewer values than its size announces");
+    let area = active_area(&raw).ok_or_else(too_few)?;
+    let levels = RawLevels::of(&raw, (area.d.w, area.d.h), black_steps, options).map_err(unsupported)?;
     let (plane, binning) = plane_of(&raw, &area, &levels, options.raw_colour).map_err(unsupported)?;
     if let Some(index) = plane.data().iter().position(|v| !v.is_finite()) {
-        let (u, v, value) = (index % plane.width(), index / plane.width(), plane.data()[index]);
-        return Err(OpenError::NotFinite { path: path.into(), frame: 0, u, v, value });
+        return Err(OpenError::not_finite(path, 0, plane.width(), index, plane.data()[index]));
     }
     let orientation = u8::try_from(raw.orientation.to_u16()).ok().and_then(Orientation::from_exif);
     let plane = turned(plane, orientation.unwrap_or(Orientation::NoTransforms));
@@ -68,40 +64,24 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white() }) })
 }
 
-/// Part of the sensor that sees light.
-struct Area {
-    left: usize,
-    top: usize,
-    width: usize,
-    height: usize,
-}
-
-impl Area {
-    /// Active area of `raw`; `None` where it is empty or exceeds the declared size, or where values are missing.
-    fn of(raw: &RawImage) -> Option<Self> {
-        let count = match &raw.data {
-            RawImageData::Integer(values) => values.len(),
-            RawImageData::Float(values) => values.len(),
-        };
-        let whole = Self { left: 0, top: 0, width: raw.width, height: raw.height };
-        let area = raw.active_area.map_or(whole, |area| Self {
-            left: area.p.x,
-            top: area.p.y,
-            width: area.d.w,
-            height: area.d.h,
-        });
-        let inside =
-            area.left.checked_add(area.width)? <= raw.width && area.top.checked_add(area.height)? <= raw.height;
-        let full = raw.width.checked_mul(raw.height)?.checked_mul(raw.cpp)? <= count;
-        (inside && full && area.width > 0 && area.height > 0 && raw.cpp > 0).then_some(area)
-    }
+/// Part of the sensor that sees light; `None` where it is empty or exceeds the declared size, or where values are
+/// missing.
+fn active_area(raw: &RawImage) -> Option<Rect> {
+    let count = match &raw.data {
+        RawImageData::Integer(values) => values.len(),
+        RawImageData::Float(values) => values.len(),
+    };
+    let area = raw.active_area.unwrap_or(Rect::new(Point::zero(), Dim2::new(raw.width, raw.height)));
+    let inside = area.p.x.checked_add(area.d.w)? <= raw.width && area.p.y.checked_add(area.d.h)? <= raw.height;
+    let full = raw.width.checked_mul(raw.height)?.checked_mul(raw.cpp)? <= count;
+    (inside && full && area.d.w > 0 && area.d.h > 0 && raw.cpp > 0).then_some(area)
 }
 
 /// One value for each pixel, or each square of 2×2, with the side of that square in pixels (1 or 2).
-fn plane_of(raw: &RawImage, area: &Area, levels: &RawLevels, colour: RawColour) -> Result<(Plane, usize), String> {
+fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) -> Result<(Plane, usize), String> {
     // Value of a pixel of the active area, as a fraction.
     let at = |u: usize, v: usize, c: usize| {
-        let index = ((area.top + v) * raw.width + area.left + u) * raw.cpp + c;
+        let index = ((area.p.y + v) * raw.width + area.p.x + u) * raw.cpp + c;
         let value = match &raw.data {
             RawImageData::Integer(values) => f32::from(values[index]),
             RawImageData::Float(values) => values[index],
@@ -110,7 +90,7 @@ fn plane_of(raw: &RawImage, area: &Area, levels: &RawLevels, colour: RawColour) 
     };
     if let (RawPhotometricInterpretation::Cfa(config), 1) = (&raw.photometric, raw.cpp) {
         let mosaic = &config.cfa;
-        let colour_at = |u: usize, v: usize| mosaic.color_at(area.top + v, area.left + u);
+        let colour_at = |u: usize, v: usize| mosaic.color_at(area.p.y + v, area.p.x + u);
         let mut square: Vec<usize> = (0..4).map(|k| colour_at(k % 2, k / 2)).collect();
         square.sort_unstable();
         if (mosaic.width, mosaic.height) != (2, 2) || square != [0, 1, 1, 2] {
@@ -119,7 +99,7 @@ fn plane_of(raw: &RawImage, area: &Area, levels: &RawLevels, colour: RawColour) 
                 mosaic.width, mosaic.height, mosaic.name
             ));
         }
-        let (width, height) = (area.width / 2, area.height / 2);
+        let (width, height) = (area.d.w / 2, area.d.h / 2);
         if width == 0 || height == 0 {
             return Err("its active area is smaller than a square of the mosaic".to_owned());
         }
@@ -132,8 +112,8 @@ fn plane_of(raw: &RawImage, area: &Area, levels: &RawLevels, colour: RawColour) 
         return Ok((plane, 2));
     }
     let plane = match raw.cpp {
-        1 => Plane::from_fn(area.width, area.height, |u, v| at(u, v, 0)),
-        3 => Plane::from_fn(area.width, area.height, |u, v| match colour {
+        1 => Plane::from_fn(area.d.w, area.d.h, |u, v| at(u, v, 0)),
+        3 => Plane::from_fn(area.d.w, area.d.h, |u, v| match colour {
             RawColour::Luma => {
                 grey_from_interleaved(&[at(u, v, 0), at(u, v, 1), at(u, v, 2)], 3, Curve::Linear(1.0))[0]
             }
@@ -166,7 +146,6 @@ pub(super) struct BlackSteps {
 }
 
 impl BlackSteps {
-    /// Reads the steps of a directory.
     pub(super) fn of(directory: &IFD) -> Self {
         let steps = |tag: DngTag| {
             let value = directory.get_entry(tag).map(|entry| &entry.value);

@@ -43,13 +43,10 @@ fn serve(path: &Path) -> io::Result<()> {
 
 fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame, OpenError> {
     if request.version != env!("CARGO_PKG_VERSION") {
-        return Err(OpenError::Read {
-            path: path.into(),
-            reason: "the program was replaced while it ran; start it again".to_owned(),
-        });
+        return Err(OpenError::unread(path, "the program was replaced while it ran; start it again"));
     }
     let options = OpenOptions { limits: request.limits, ..request.options.clone() };
-    let expected = request.expected.map(|size| Expected { first: path, size });
+    let expected = request.expected.as_ref().map(|(first, size)| Expected { first: Path::new(first), size: *size });
     match request.part {
         Part::Only => frame(path, expected, &options, &Monitor::default()),
         Part::Page { page: number, frame } => page(path, number, frame, &options),

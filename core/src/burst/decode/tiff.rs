@@ -5,37 +5,35 @@
 //! a page is no multiple of the tile's.
 
 use super::child::{self, Budget};
-use super::jpeg::{Soundness, soundness};
-use super::look::{Directories, MAX_TEXT_BYTES};
 use super::pixels::{turned, turned_size};
 use super::wire::Part;
-use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_from_data};
+use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes};
 use crate::burst::decode::{Ticker, in_order};
-use crate::burst::error::OpenError;
+use crate::burst::error::{OpenError, OpenErrorKind};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffResult};
 
 /// Number of frames, 2 standing for any larger number: reads no further than the second.
-pub(super) fn frame_count(path: &Path, input: InputFile) -> Result<usize, OpenError> {
+pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, OpenError> {
     let limits = Limits { max_frames: 1, ..Limits::default() };
-    match Pages::read(path, input, &limits) {
+    match Pages::read(path, file, &limits) {
         Ok(pages) => Ok(pages.list.len()),
-        Err(OpenError::BeyondLimit { .. } | OpenError::DifferentSizes { .. }) => Ok(2),
+        Err(error) if matches!(error.kind, OpenErrorKind::TooLarge | OpenErrorKind::Mismatch) => Ok(2),
         Err(error) => Err(error),
     }
 }
 
-pub(super) fn header(path: &Path, input: InputFile, limits: &Limits) -> Result<Header, OpenError> {
-    let Pages { size: (width, height), list } = Pages::read(path, input, limits)?;
+pub(super) fn header(path: &Path, file: File, limits: &Limits) -> Result<Header, OpenError> {
+    let Pages { size: (width, height), list } = Pages::read(path, file, limits)?;
     Ok(Header { width, height, frames: list.len() })
 }
 
@@ -46,13 +44,12 @@ pub(super) fn frame(
     options: &OpenOptions,
     monitor: &Monitor,
 ) -> Result<RawFrame, OpenError> {
-    let length = input.length;
-    let pages = Pages::read(path, input, &options.limits)?;
+    let pages = Pages::read(path, input.file, &options.limits)?;
     let [page] = pages.list[..] else {
-        return Err(OpenError::StackAmongFrames { path: path.into(), frames: pages.list.len() });
+        return Err(OpenError::stack_among_frames(path, pages.list.len()));
     };
     Expected::check(expected, path, pages.size)?;
-    PageReader::open(path, length, options, monitor)?.read(page, 0)
+    PageReader::open(path, input.length, options, monitor)?.read(page, 0)
 }
 
 /// Page `page`, which is frame `frame` of its burst.
@@ -63,13 +60,11 @@ pub(super) fn page(
     frame: usize,
     options: &OpenOptions,
 ) -> Result<RawFrame, OpenError> {
-    let length = input.length;
-    let pages = Pages::read(path, input, &options.limits)?;
+    let pages = Pages::read(path, input.file, &options.limits)?;
     if !pages.list.contains(&page) {
-        let reason = format!("it has no page {} any more", page + 1);
-        return Err(OpenError::Corrupt { path: path.into(), kind: "TIFF", reason });
+        return Err(OpenError::corrupt(path, "TIFF", format!("it has no page {} any more", page + 1)));
     }
-    PageReader::open(path, length, options, &Monitor::default())?.read(page, frame)
+    PageReader::open(path, input.length, options, &Monitor::default())?.read(page, frame)
 }
 
 pub(super) fn stack(
@@ -78,8 +73,7 @@ pub(super) fn stack(
     options: &OpenOptions,
     ticker: &Ticker<'_>,
 ) -> Result<Vec<RawFrame>, OpenError> {
-    let length = input.length;
-    let pages = Pages::read(path, input, &options.limits)?.list;
+    let pages = Pages::read(path, input.file, &options.limits)?.list;
     // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages rather than
     // single ones.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
@@ -87,7 +81,7 @@ pub(super) fn stack(
         pages.chunks(run).enumerate().map(|(i, run_pages)| (i * run, run_pages)).collect();
     let frames = in_order(runs.len(), |i| {
         let (first, pages) = runs[i];
-        let mut reader = PageReader::open(path, length, options, ticker.monitor())?;
+        let mut reader = PageReader::open(path, input.length, options, ticker.monitor())?;
         let mut frames = Vec::with_capacity(pages.len());
         for (k, &page) in pages.iter().enumerate() {
             ticker.check()?;
@@ -102,16 +96,14 @@ pub(super) fn stack(
 fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, OpenError> {
     file.rewind().map_err(|e| OpenError::from_io(path, &e))?; // handles of one file share their place
     let file_bytes = file.metadata().map_err(|e| OpenError::from_io(path, &e))?.len();
-    let mut decoder = Decoder::new(BufReader::new(file)).map_err(|e| failure(path, e))?;
+    let decoder = Decoder::new(BufReader::new(file)).map_err(|e| failure(path, e))?;
     let bytes = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let mut own = tiff::decoder::Limits::default();
-    // At most four samples of eight bytes. The library applies this limit to texts too, and prints a line to the
-    // standard error; so it is never below the longest text that the directories may have.
-    own.decoding_buffer_size = bytes(limits.max_pixels.saturating_mul(32).max(MAX_TEXT_BYTES));
+    // At most four samples of eight bytes.
+    own.decoding_buffer_size = bytes(limits.max_pixels.saturating_mul(32));
     own.intermediate_buffer_size = bytes(file_bytes.max(1 << 24));
     own.ifd_value_size = bytes(file_bytes.clamp(1 << 16, 1 << 26));
-    decoder = decoder.with_limits(own);
-    Ok(decoder)
+    Ok(decoder.with_limits(own))
 }
 
 /// The pages that are frames.
@@ -123,11 +115,10 @@ struct Pages {
 }
 
 impl Pages {
-    fn read(path: &Path, input: InputFile, limits: &Limits) -> Result<Self, OpenError> {
+    fn read(path: &Path, file: File, limits: &Limits) -> Result<Self, OpenError> {
         let fail = |e| failure(path, e);
-        let InputFile { mut file, directories, .. } = input;
-        let announced = directories.and_then(|directories| announced_images(&directories, &mut file));
         let mut decoder = decoder(path, file, limits)?;
+        let announced = announced_images(&mut decoder);
         let (mut size, mut list) = (None, Vec::new());
         for page in 0.. {
             if !is_thumbnail(&mut decoder) {
@@ -136,8 +127,8 @@ impl Pages {
                 let this = turned_size((width as usize, height as usize), orientation(&mut decoder));
                 let first_size = *size.get_or_insert(this);
                 if this != first_size {
-                    let (first, path) = (page_name(path, list[0]), page_name(path, page));
-                    return Err(OpenError::DifferentSizes { first, first_size, path, size: this });
+                    let name = |page: usize| format!("{} (page {})", path.display(), page + 1);
+                    return Err(OpenError::different_sizes((&name(list[0]), first_size), (&name(page), this)));
                 }
                 list.push(page);
                 limits.check_burst(path, list.len() as u64, width.into(), height.into())?;
@@ -148,36 +139,23 @@ impl Pages {
             decoder.next_image().map_err(fail)?;
         }
         let Some(size) = size else {
-            return Err(OpenError::Unsupported {
-                path: path.into(),
-                kind: "TIFF",
-                reason: "all its pages are thumbnails; save the full pictures".into(),
-            });
+            let reason = "all its pages are thumbnails; save the full pictures";
+            return Err(OpenError::unsupported(path, "TIFF", reason));
         };
         if let Some(announced) = announced.filter(|&n| n > 1 && list.len() == 1) {
-            return Err(OpenError::Unsupported {
-                path: path.into(),
-                kind: "TIFF",
-                reason: format!(
-                    "it announces {announced} images but lists only the first, as ImageJ does in files beyond 4 GiB; save it as BigTIFF, \
-                     as a .npy stack or as an image sequence"
-                ),
-            });
+            let reason = format!(
+                "it announces {announced} images but lists only the first, as ImageJ does in files beyond 4 GiB; \
+                 save it as BigTIFF, as a .npy stack or as an image sequence"
+            );
+            return Err(OpenError::unsupported(path, "TIFF", reason));
         }
         Ok(Self { size, list })
     }
 }
 
-/// Name of a page in messages.
-fn page_name(path: &Path, page: usize) -> PathBuf {
-    PathBuf::from(format!("{} (page {})", path.display(), page + 1))
-}
-
-/// Decoder of pages, one after the other.
 struct PageReader<'a> {
     path: &'a Path,
     decoder: FileDecoder,
-    /// Length of the file, bytes.
     length: u64,
     options: &'a OpenOptions,
     monitor: &'a Monitor,
@@ -209,7 +187,7 @@ impl<'a> PageReader<'a> {
         }
         let damage = match self.damage().map_err(fail)? {
             Some(reason) if !self.options.accept_damaged => {
-                return Err(OpenError::Corrupt { path: path.into(), kind: "TIFF", reason });
+                return Err(OpenError::corrupt(path, "TIFF", reason));
             }
             damage => damage,
         };
@@ -238,10 +216,14 @@ impl<'a> PageReader<'a> {
             if at.saturating_add(length) > self.length {
                 return Ok(Some("it ends before its picture data does".to_owned()));
             }
-            let mut bytes = memory::zeroed(length as usize);
+            let mut bytes: Vec<u8> = memory::zeroed(length as usize);
             file.seek(SeekFrom::Start(at))?;
             file.read_exact(&mut bytes)?;
-            if let Soundness::Damaged(reason) = soundness(&bytes, &tables) {
+            // Tables that stand apart have the picture's start marker, and an end marker of their own.
+            if !tables.is_empty() {
+                bytes.splice(..2.min(bytes.len()), tables[..tables.len().saturating_sub(2)].iter().copied());
+            }
+            if let Err(reason) = jpeg::samples(&bytes, false) {
                 return Ok(Some(reason));
             }
         }
@@ -260,14 +242,33 @@ fn is_thumbnail(decoder: &mut FileDecoder) -> bool {
 }
 
 /// Number of images that ImageJ wrote into its description.
-fn announced_images(directories: &Directories, file: &mut File) -> Option<usize> {
-    /// Part of the description that is read, bytes: its lines are few and short.
-    const BEGINNING: usize = 1 << 16;
-    let text = directories.description(file, BEGINNING)?;
+fn announced_images(decoder: &mut FileDecoder) -> Option<usize> {
+    // Its lines are few and short.
+    let mut beginning = vec![0; 1 << 16];
+    decoder.image_ifd().find_tag_bytes(Tag::ImageDescription, &mut beginning, 0).ok()??;
+    let text = String::from_utf8_lossy(beginning.split(|byte| *byte == 0).next()?);
     text.starts_with("ImageJ=").then_some(())?;
     text.lines().find_map(|line| line.strip_prefix("images=")?.trim().parse().ok())
 }
 
+/// Samples of `$result`, whatever their type, as `$samples` in `$value`.
+macro_rules! with_samples {
+    ($result:expr, $samples:ident => $value:expr) => {
+        match $result {
+            DecodingResult::U8($samples) => $value,
+            DecodingResult::U16($samples) => $value,
+            DecodingResult::U32($samples) => $value,
+            DecodingResult::U64($samples) => $value,
+            DecodingResult::I8($samples) => $value,
+            DecodingResult::I16($samples) => $value,
+            DecodingResult::I32($samples) => $value,
+            DecodingResult::I64($samples) => $value,
+            DecodingResult::F16($samples) => $value,
+            DecodingResult::F32($samples) => $value,
+            DecodingResult::F64($samples) => $value,
+        }
+    };
+}
 /// Decodes the decoder's current page; its size has been checked.
 fn decode_page(
     path: &Path,
@@ -276,7 +277,7 @@ fn decode_page(
     options: &OpenOptions,
 ) -> Result<RawFrame, OpenError> {
     let fail = |e| failure(path, e);
-    let unsupported = |reason: String| OpenError::Unsupported { path: path.into(), kind: "TIFF", reason };
+    let unsupported = |reason: String| OpenError::unsupported(path, "TIFF", reason);
     let (width, height) = decoder.dimensions().map_err(fail)?;
     let size = (width as usize, height as usize);
     let color = decoder.colortype().map_err(fail)?;
@@ -291,40 +292,17 @@ fn decode_page(
         return Err(unsupported(format!("its samples have {} bits; save it with 8, 16 or 32", color.bit_depth())));
     }
     let orientation = orientation(decoder);
-    let Samples { samples, planar } = read_samples(decoder, size, channels).map_err(fail)?;
-    macro_rules! grey {
-        ($samples:expr, $curve:expr) => {{
-            let values = grey($samples, size.0 * size.1, channels, planar, $curve);
-            values.ok_or_else(|| OpenError::Corrupt {
-                path: path.into(),
-                kind: "TIFF",
-                reason: "it has fewer samples than its size announces".into(),
-            })
-        }};
-    }
-    macro_rules! ranged {
-        ($samples:expr, $full_scale:expr, $curve:expr) => {{
-            let plane = Plane::from_vec(size.0, size.1, grey!($samples, $curve)?);
-            Ok(RawFrame::linear(plane, FileScale::Range($full_scale)))
-        }};
-    }
-    let decoded = match &samples {
-        DecodingResult::U8(s) => ranged!(s, 255.0, Curve::of(255.0, options.linearise)),
-        DecodingResult::U16(s) => ranged!(s, 65535.0, Curve::of(65535.0, options.linearise)),
-        DecodingResult::I8(s) => ranged!(s, 127.0, Curve::Linear(127.0)),
-        DecodingResult::I16(s) => ranged!(s, 32767.0, Curve::Linear(32767.0)),
-        DecodingResult::U32(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, true),
-        DecodingResult::U64(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, true),
-        DecodingResult::I32(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, true),
-        DecodingResult::I64(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, true),
-        DecodingResult::F32(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, false),
-        DecodingResult::F64(s) => frame_from_data(path, frame, size, grey!(s, Curve::Linear(1.0))?, false),
-        DecodingResult::F16(s) => {
-            let s: Vec<f32> = s.iter().map(|v| v.to_f32()).collect();
-            frame_from_data(path, frame, size, grey!(&s[..], Curve::Linear(1.0))?, false)
-        }
-    }?;
-    let is_photograph = channels > 2 && matches!(samples, DecodingResult::U8(_)) && !options.linearise;
+    let (samples, kind, planar) = read_samples(decoder, size, channels).map_err(fail)?;
+    let curve = Curve::of(kind.range.unwrap_or(1.0), kind.is_unsigned && options.linearise);
+    let values = with_samples!(&samples, s => grey(s, size.0 * size.1, channels, planar, curve));
+    let too_few = || OpenError::corrupt(path, "TIFF", "it has fewer samples than its size announces");
+    let values = values.ok_or_else(too_few)?;
+    let plane = Plane::from_vec(size.0, size.1, values);
+    let decoded = match kind.range {
+        Some(range) => RawFrame::linear(plane, FileScale::Range(range)),
+        None => frame_of_plane(path, frame, plane, !kind.is_float)?,
+    };
+    let is_photograph = channels > 2 && kind.range == Some(255.0) && !options.linearise;
     let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
     Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, ..decoded })
 }
@@ -343,115 +321,82 @@ fn grey<T: Sample>(samples: &[T], pixels: usize, channels: usize, planar: bool, 
 
 fn failure(path: &Path, error: tiff::TiffError) -> OpenError {
     use tiff::TiffError::{FormatError, IntSizeError, IoError, LimitsExceeded, UnsupportedError, UsageError};
-    let (path, kind) = (path.to_path_buf(), "TIFF");
     match error {
-        IoError(e) => OpenError::from_read(&path, kind, &e),
-        UnsupportedError(e) => OpenError::Unsupported {
+        IoError(e) => OpenError::from_read(path, "TIFF", &e),
+        UnsupportedError(e) => {
+            OpenError::unsupported(path, "TIFF", format!("{e}; save it as grey or RGB without exotic compression"))
+        }
+        LimitsExceeded => OpenError::too_large(
             path,
-            kind,
-            reason: format!("{e}; save it as grey or RGB without exotic compression"),
-        },
-        LimitsExceeded => OpenError::BeyondLimit {
-            path,
-            found: "a table or strip in it announces too many bytes".into(),
-            limit: "what the file itself could hold".into(),
-            remedy: "copy it again, or save it anew".into(),
-        },
-        FormatError(_) | IntSizeError | UsageError(_) => OpenError::Corrupt { path, kind, reason: error.to_string() },
+            "a table or strip in it announces too many bytes",
+            "what the file itself could hold",
+            "copy it again, or save it anew",
+        ),
+        FormatError(_) | IntSizeError | UsageError(_) => OpenError::corrupt(path, "TIFF", error),
     }
 }
 
-/// Decoder of a file.
-pub(super) type FileDecoder = Decoder<BufReader<File>>;
+type FileDecoder = Decoder<BufReader<File>>;
 
-/// Samples of a page.
-pub(super) struct Samples {
-    /// Interleaved, or plane after plane.
-    pub samples: DecodingResult,
-    /// Whether the samples are in planes.
-    pub planar: bool,
+struct SampleKind {
+    /// Largest value, where it is the full scale.
+    range: Option<f32>,
+    /// Whether they are unsigned integers of 8 or 16 bit, which may be encoded for screens.
+    is_unsigned: bool,
+    is_float: bool,
 }
 
-/// Reads the decoder's current page, of `size` (columns, rows) and `channels` samples a pixel.
-pub(super) fn read_samples(decoder: &mut FileDecoder, size: (usize, usize), channels: usize) -> TiffResult<Samples> {
-    const PLANES: u16 = 2;
-    let configuration = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
-    let (tile_width, tile_height) = decoder.chunk_dimensions();
-    let is_cut = !(size.0.is_multiple_of(tile_width as usize) && size.1.is_multiple_of(tile_height as usize));
-    if decoder.get_chunk_type() == ChunkType::Tile && configuration == Some(PLANES) && channels > 1 && is_cut {
-        let samples = planes_of_tiles(decoder, size, channels, (tile_width as usize, tile_height as usize))?;
-        return Ok(Samples { samples, planar: true });
+impl SampleKind {
+    fn of(samples: &DecodingResult) -> Self {
+        let (range, is_unsigned, is_float) = match samples {
+            DecodingResult::U8(_) => (Some(255.0), true, false),
+            DecodingResult::U16(_) => (Some(65535.0), true, false),
+            DecodingResult::I8(_) => (Some(127.0), false, false),
+            DecodingResult::I16(_) => (Some(32767.0), false, false),
+            DecodingResult::F16(_) | DecodingResult::F32(_) | DecodingResult::F64(_) => (None, false, true),
+            _ => (None, false, false),
+        };
+        Self { range, is_unsigned, is_float }
     }
-    let mut samples = DecodingResult::U8(Vec::new());
-    let layout = decoder.read_image_to_buffer(&mut samples)?;
-    Ok(Samples { samples, planar: layout.planes > 1 })
 }
 
-fn planes_of_tiles(
+/// Reads the decoder's current page, of `size` (columns, rows) and `channels` samples a pixel; returns its samples, the
+/// type that they have in the file, and whether they are plane after plane.
+fn read_samples(
     decoder: &mut FileDecoder,
     (width, height): (usize, usize),
     channels: usize,
-    (tile_width, tile_height): (usize, usize),
-) -> TiffResult<DecodingResult> {
+) -> TiffResult<(DecodingResult, SampleKind, bool)> {
+    const PLANES: u16 = 2;
+    let configuration = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
+    let (tile_width, tile_height) = decoder.chunk_dimensions();
+    let (tile_width, tile_height) = (tile_width as usize, tile_height as usize);
+    let is_cut = !(width.is_multiple_of(tile_width) && height.is_multiple_of(tile_height));
+    if decoder.get_chunk_type() != ChunkType::Tile || configuration != Some(PLANES) || channels < 2 || !is_cut {
+        let mut samples = DecodingResult::U8(Vec::new());
+        let layout = decoder.read_image_to_buffer(&mut samples)?;
+        let kind = SampleKind::of(&samples);
+        return Ok((samples, kind, layout.planes > 1));
+    }
     let across = width.div_ceil(tile_width);
     let tiles = across * height.div_ceil(tile_height);
-    let mut whole: Option<DecodingResult> = None;
+    let mut planes: Vec<f32> = memory::zeroed(channels * width * height);
+    let mut kind = SampleKind { range: None, is_unsigned: false, is_float: true };
     for chunk in 0..tiles * channels {
         let tile = decoder.read_chunk(chunk as u32)?;
         let (columns, rows) = decoder.chunk_data_dimensions((chunk % tiles) as u32);
-        let place = Place {
-            // In samples from the start of the first plane.
-            start: chunk / tiles * width * height
-                + (chunk % tiles) / across * tile_height * width
-                + (chunk % tiles) % across * tile_width,
-            stride: width,
-            columns: columns as usize,
-            rows: rows as usize,
-            samples: channels * width * height,
-        };
-        whole = Some(place.put(whole, tile));
-    }
-    Ok(whole.unwrap_or(DecodingResult::U8(Vec::new())))
-}
-
-/// Place of a tile's samples in the page.
-struct Place {
-    start: usize,
-    stride: usize,
-    columns: usize,
-    rows: usize,
-    samples: usize,
-}
-
-impl Place {
-    /// Copies the tile into the page's samples, which are allocated at the first tile.
-    fn put(&self, whole: Option<DecodingResult>, tile: DecodingResult) -> DecodingResult {
-        macro_rules! kinds {
-            ($($kind:ident)*) => {
-                match (whole, tile) {
-                    $((None, DecodingResult::$kind(tile)) => {
-                        let mut samples = vec![Default::default(); self.samples];
-                        self.copy(&mut samples, &tile);
-                        DecodingResult::$kind(samples)
-                    })*
-                    $((Some(DecodingResult::$kind(mut samples)), DecodingResult::$kind(tile)) => {
-                        self.copy(&mut samples, &tile);
-                        DecodingResult::$kind(samples)
-                    })*
-                    // All tiles of a page are of one kind.
-                    (Some(whole), _) => whole,
-                }
-            };
-        }
-        kinds!(U8 U16 U32 U64 I8 I16 I32 I64 F16 F32 F64)
-    }
-
-    fn copy<T: Copy>(&self, whole: &mut [T], tile: &[T]) {
-        for (row, values) in tile.chunks_exact(self.columns.max(1)).take(self.rows).enumerate() {
-            let start = self.start + row * self.stride;
-            if let Some(target) = whole.get_mut(start..start + self.columns) {
+        let (columns, rows) = (columns as usize, rows as usize);
+        kind = SampleKind::of(&tile);
+        let values: Vec<f32> = with_samples!(&tile, s => s.iter().map(|v| Sample::to_f32(*v)).collect());
+        // In samples from the start of the first plane.
+        let start = chunk / tiles * width * height
+            + (chunk % tiles) / across * tile_height * width
+            + (chunk % tiles) % across * tile_width;
+        for (row, values) in values.chunks_exact(columns.max(1)).take(rows).enumerate() {
+            if let Some(target) = planes.get_mut(start + row * width..start + row * width + columns) {
                 target.copy_from_slice(values);
             }
         }
     }
+    Ok((DecodingResult::F32(planes), kind, true))
 }

@@ -4,13 +4,11 @@
 use super::{FileScale, RawFrame};
 use crate::burst::error::OpenError;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
-use crate::plane::memory::NoMemory;
 use crate::plane::{Plane, memory};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// Maximum length of the JSON, bytes.
 const MAX_JSON_BYTES: u32 = 1 << 20;
 
 /// Part of a file to decode.
@@ -18,13 +16,8 @@ const MAX_JSON_BYTES: u32 = 1 << 20;
 pub(super) enum Part {
     /// The only frame of the file.
     Only,
-    /// A page of a TIFF, and the frame of the burst that it is.
-    Page {
-        /// Index in the file.
-        page: usize,
-        /// Index in the burst.
-        frame: usize,
-    },
+    /// A page of a TIFF, by its index in the file, which is this frame of the burst.
+    Page { page: usize, frame: usize },
 }
 
 /// Request to decode one file. Its path is an argument of the process, because a path need not be text.
@@ -32,13 +25,11 @@ pub(super) enum Part {
 pub(super) struct DecodeRequest {
     /// The program's version, which must be that of both processes.
     pub version: String,
-    /// Part of the file to decode.
     pub part: Part,
-    /// Expected size (columns, rows), if any.
-    pub expected: Option<(usize, usize)>,
+    /// The first frame's file, for messages, and the size (columns, rows) that this one must have too.
+    pub expected: Option<(String, (usize, usize))>,
     /// Options for opening, without calibration files.
     pub options: OpenOptions,
-    /// Limits of the frame's size.
     pub limits: Limits,
     /// Memory that the process may address, bytes.
     pub memory_bytes: u64,
@@ -46,32 +37,14 @@ pub(super) struct DecodeRequest {
     pub cpu_seconds: u64,
 }
 
-/// Head of a reply, before the pixels.
+/// A frame without its pixels, which follow.
 #[derive(Debug, Serialize, Deserialize)]
-enum ReplyHead {
-    Frame { size: (usize, usize), scale: ScaleData, encoding: Encoding, binning: usize, damage: Option<String> },
-    Failed(Failure),
-}
-
-/// A [`FileScale`] whose numbers are stored bit for bit.
-#[derive(Debug, Serialize, Deserialize)]
-enum ScaleData {
-    Range(u32),
-    Raw(u32),
-    Data { integer: bool, largest: u32 },
-}
-
-/// An [`OpenError`] about one file, without its path.
-#[derive(Debug, Serialize, Deserialize)]
-enum Failure {
-    Read { reason: String },
-    Corrupt { reason: String },
-    Unsupported { reason: String },
-    DifferentSizes { size: (usize, usize) },
-    NotFinite { frame: usize, u: usize, v: usize, bits: u32 },
-    ZeroSize { width: u64, height: u64 },
-    BeyondLimit { found: String, limit: String, remedy: String },
-    NoMemory { bytes: u64 },
+struct FrameHead {
+    size: (usize, usize),
+    scale: FileScale,
+    encoding: Encoding,
+    binning: usize,
+    damage: Option<String>,
 }
 
 /// Sends `value` as JSON after its length.
@@ -98,106 +71,50 @@ pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T
 /// Sends the reply, with the pixels of a frame.
 pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>) -> io::Result<()> {
     match reply {
-        Ok(frame) => {
-            let scale = match frame.scale {
-                FileScale::Range(range) => ScaleData::Range(range.to_bits()),
-                FileScale::Raw { white } => ScaleData::Raw(white.to_bits()),
-                FileScale::Data { integer, largest } => ScaleData::Data { integer, largest: largest.to_bits() },
-            };
-            let RawFrame { plane, encoding, binning, damage, .. } = frame;
-            send(to, &ReplyHead::Frame { size: plane.size(), scale, encoding, binning, damage })?;
+        Ok(RawFrame { plane, scale, encoding, binning, damage, misnamed: _ }) => {
+            let head = FrameHead { size: plane.size(), scale, encoding, binning, damage };
+            send(to, &Ok::<_, OpenError>(head))?;
             to.write_all(bytemuck::cast_slice(plane.data()))
         }
-        Err(error) => send(to, &ReplyHead::Failed(Failure::of(error))),
+        Err(error) => send(to, &Err::<FrameHead, _>(error)),
     }
 }
 
-/// Receives the reply about the file `path` of the format `kind`; `first` is the file whose size was expected, with
-/// that size.
+/// Receives the reply about the file `path`.
 ///
 /// # Errors
 /// Outer: the reply is damaged or cut off. Inner: the child's error about the file, or a frame beyond `limits`.
 pub(super) fn receive_reply(
     from: &mut impl Read,
     path: &Path,
-    kind: &'static str,
-    first: Option<(&Path, (usize, usize))>,
     limits: &Limits,
 ) -> io::Result<Result<RawFrame, OpenError>> {
-    match receive(from)? {
-        ReplyHead::Failed(failure) => Ok(Err(failure.into_error(path, kind, first))),
-        ReplyHead::Frame { size, scale, encoding, binning, damage } => {
-            if let Err(error) = limits.check_frame(path, size.0 as u64, size.1 as u64) {
-                return Ok(Err(error));
-            }
-            let mut values: Vec<f32> = memory::zeroed(size.0 * size.1);
-            from.read_exact(bytemuck::cast_slice_mut(&mut values))?;
-            let number = f32::from_bits;
-            let scale = match scale {
-                ScaleData::Range(range) => FileScale::Range(number(range)),
-                ScaleData::Raw(white) => FileScale::Raw { white: number(white) },
-                ScaleData::Data { integer, largest } => FileScale::Data { integer, largest: number(largest) },
-            };
-            let plane = Plane::from_vec(size.0, size.1, values);
-            Ok(Ok(RawFrame { plane, scale, encoding, binning, damage, misnamed: None }))
-        }
-    }
-}
-
-impl Failure {
-    fn of(error: OpenError) -> Self {
-        match error {
-            OpenError::Read { reason, .. } => Self::Read { reason },
-            OpenError::Corrupt { reason, .. } => Self::Corrupt { reason },
-            OpenError::Unsupported { reason, .. } => Self::Unsupported { reason },
-            OpenError::DifferentSizes { size, .. } => Self::DifferentSizes { size },
-            OpenError::NotFinite { frame, u, v, value, .. } => Self::NotFinite { frame, u, v, bits: value.to_bits() },
-            OpenError::ZeroSize { width, height, .. } => Self::ZeroSize { width, height },
-            OpenError::BeyondLimit { found, limit, remedy, .. } => {
-                Self::BeyondLimit { found, limit, remedy: remedy.into_owned() }
-            }
-            OpenError::NoMemory { refused, .. } => Self::NoMemory { bytes: refused.bytes },
-            // A file that disappeared or changed between two reads.
-            other => Self::Read { reason: other.to_string() },
-        }
-    }
-
-    fn into_error(self, path: &Path, kind: &'static str, first: Option<(&Path, (usize, usize))>) -> OpenError {
-        let path = path.to_path_buf();
-        match self {
-            Self::Read { reason } => OpenError::Read { path, reason },
-            Self::Corrupt { reason } => OpenError::Corrupt { path, kind, reason },
-            Self::Unsupported { reason } => OpenError::Unsupported { path, kind, reason },
-            Self::DifferentSizes { size } => {
-                let (first, first_size) = first.map_or((path.clone(), size), |(first, size)| (first.into(), size));
-                OpenError::DifferentSizes { first, first_size, path, size }
-            }
-            Self::NotFinite { frame, u, v, bits } => {
-                OpenError::NotFinite { path, frame, u, v, value: f32::from_bits(bits) }
-            }
-            Self::ZeroSize { width, height } => OpenError::ZeroSize { path, width, height },
-            Self::BeyondLimit { found, limit, remedy } => {
-                OpenError::BeyondLimit { path, found, limit, remedy: remedy.into() }
-            }
-            Self::NoMemory { bytes } => OpenError::NoMemory { path, refused: NoMemory { bytes } },
-        }
-    }
+    let head: Result<FrameHead, OpenError> = receive(from)?;
+    let checked = head.and_then(|head| {
+        limits.check_frame(path, head.size.0 as u64, head.size.1 as u64)?;
+        Ok(head)
+    });
+    let FrameHead { size, scale, encoding, binning, damage } = match checked {
+        Ok(head) => head,
+        Err(error) => return Ok(Err(error)),
+    };
+    let mut values: Vec<f32> = memory::zeroed(size.0 * size.1);
+    from.read_exact(bytemuck::cast_slice_mut(&mut values))?;
+    let plane = Plane::from_vec(size.0, size.1, values);
+    Ok(Ok(RawFrame { plane, scale, encoding, binning, damage, misnamed: None }))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn sent(reply: Result<RawFrame, OpenError>) -> Result<RawFrame, OpenError> {
-        let mut bytes = Vec::new();
-        send_reply(&mut bytes, reply).expect("memory takes everything");
-        let first = Some((Path::new("first.dng"), (9, 9)));
-        let limits = Limits::default();
-        receive_reply(&mut &bytes[..], Path::new("a.dng"), "raw", first, &limits).expect("an answer")
-    }
-
     #[test]
     fn frames_and_errors_come_through_as_they_are() {
+        let sent = |reply| {
+            let mut bytes = Vec::new();
+            send_reply(&mut bytes, reply).expect("memory takes everything");
+            receive_reply(&mut &bytes[..], Path::new("a.dng"), &Limits::default()).expect("an answer")
+        };
         for scale in [
             FileScale::Range(65535.0),
             FileScale::Raw { white: 0.1 + 0.2 },
@@ -212,26 +129,13 @@ mod tests {
             let bits = |plane: &Plane| plane.data().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&found.plane), bits(&plane));
         }
-        let path = || Path::new("a.dng").to_path_buf();
-        let text = || "why".to_owned();
-        for error in [
-            OpenError::Read { path: path(), reason: text() },
-            OpenError::Corrupt { path: path(), kind: "raw", reason: text() },
-            OpenError::Unsupported { path: path(), kind: "raw", reason: text() },
-            OpenError::DifferentSizes { first: "first.dng".into(), first_size: (9, 9), path: path(), size: (1, 2) },
-            OpenError::NotFinite { path: path(), frame: 0, u: 3, v: 4, value: f32::NEG_INFINITY },
-            OpenError::ZeroSize { path: path(), width: 0, height: 5 },
-            OpenError::BeyondLimit { path: path(), found: text(), limit: text(), remedy: "do that".into() },
-            OpenError::NoMemory { path: path(), refused: NoMemory { bytes: 7 } },
-        ] {
-            assert_eq!(sent(Err(error.clone())).expect_err("an error"), error);
-        }
+        let error = OpenError::not_finite(Path::new("a.dng"), 0, 9, 31, f32::NEG_INFINITY);
+        assert_eq!(sent(Err(error.clone())).expect_err("an error"), error);
     }
 
     #[test]
     fn what_is_no_answer_is_an_error() {
-        let limits = Limits::default();
-        let read = |bytes: &[u8]| receive_reply(&mut &bytes[..], Path::new("a"), "raw", None, &limits);
+        let read = |bytes: &[u8]| receive_reply(&mut &bytes[..], Path::new("a"), &Limits::default());
         assert!(read(b"").is_err() && read(&[255; 40]).is_err() && read(b"\x02\0\0\0{}").is_err());
         // A frame whose pixels are cut off.
         let mut bytes = Vec::new();

@@ -1,24 +1,22 @@
 //! Localisation and description of the keypoints of an octave, in parallel.
 
 pub mod descriptor;
-pub(super) mod patch;
 mod pooling;
 
+use crate::detector::along::{OctaveFrames, around};
 use crate::detector::describe::descriptor::{DescriptorScratch, Sums, descriptor_radius, pool, quantise, square_sums};
-use crate::detector::describe::patch::around;
 use crate::detector::feature::{Descriptor, Feature, Keypoint};
 use crate::detector::localise::scale;
-use crate::detector::localise::{FARTHEST_MOVE_PX, LocateScratch, kernel_reach, rim_radius};
+use crate::detector::localise::{FARTHEST_MOVE_PX, LocateScratch, kernel_reach, located, rim_radius};
 use crate::detector::orient::{OrientationScratch, orientations};
 use crate::detector::params::slope_grid::Slope;
-use crate::detector::scale_space::octave_pixel;
+use crate::detector::scale_space::{octave_pixel, octave_size};
+use crate::detector::search::setup::{FirstLevels, Search};
 use crate::kernel::machine::{KEYPOINTS_TOGETHER as TOGETHER, STRIP_COLUMNS};
 use crate::kernel::patch::{BlurScratch, Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::Cancelled;
-use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
-use patch::{Describing, OctaveFrames};
 use pooling::{CoarseScratch, CoarserScales};
 use rayon::prelude::*;
 
@@ -31,7 +29,7 @@ pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
     px > MISALIGNED_SIGMAS * sigma_px
 }
 
-/// Buffers that a thread reuses from keypoint to keypoint.
+/// Reused by a thread from keypoint to keypoint.
 #[derive(Default)]
 pub(super) struct DescribeScratch {
     raw: Patch,
@@ -44,7 +42,6 @@ pub(super) struct DescribeScratch {
     coarse: CoarseScratch,
 }
 
-/// A feature, its descriptor, and the index of its keypoint.
 #[derive(Debug, Clone)]
 pub(super) struct Described {
     pub feature: Feature,
@@ -52,25 +49,35 @@ pub(super) struct Described {
     pub keypoint: usize,
 }
 
+/// Inputs for describing the keypoints of one octave.
+pub(super) struct Describing<'a> {
+    pub search: &'a Search<'a>,
+    /// First levels of all octaves.
+    pub bases: &'a [FirstLevels],
+    pub octave: i32,
+    /// Frames at the octave's resolution, where features are described at their own slope.
+    pub own_slopes: Option<OctaveFrames<'a>>,
+    /// Called with the number of keypoints described since the last call.
+    pub described: &'a (dyn Fn(usize) + Sync),
+}
+
 impl Describing<'_> {
     /// Localises, orients and describes the octave's keypoints; the features' order depends on the keypoints alone.
     /// `first` is the number of the first keypoint.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once the monitor was cancelled.
     pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
         let order = self.in_order(keypoints);
         let Some(&(_, any)) = order.first() else { return Ok(Vec::new()) };
         // The bases of all slopes have one scale.
-        let kernels = self.kernels((self.base)(any.slope_index).sigma_octave());
-        let planes = self.own_slopes.map(OctaveFrames::planes).unwrap_or_default();
+        let from = self.search.base(self.bases, self.octave, any.slope_index).sigma_octave();
+        let kernels: Vec<GaussianKernel> =
+            (0..self.search.space.levels as i32).map(|level| self.kernel(level, from)).collect();
         let described: Vec<Vec<Described>> = order
             .par_chunks(TOGETHER)
             .map_init(DescribeScratch::default, |scratch, keypoints| {
                 let mut out = Vec::with_capacity(TOGETHER + TOGETHER / 2);
                 for &(number, keypoint) in keypoints {
-                    self.monitor.check()?;
-                    self.describe_one((first + number, keypoint), (&kernels, &planes), scratch, &mut out);
+                    self.search.monitor.check()?;
+                    self.describe_one(first + number, keypoint, &kernels, scratch, &mut out);
                 }
                 (self.described)(keypoints.len());
                 Ok(out)
@@ -87,54 +94,50 @@ impl Describing<'_> {
         order
     }
 
-    /// Kernels from the octave's base, with σ `from` (octave pixels), to each Gaussian level on which features are
-    /// described.
-    fn kernels(&self, from: f64) -> Vec<GaussianKernel> {
-        (0..self.space.levels as i32).map(|level| self.kernel(level, from)).collect()
-    }
-
     /// Kernel from σ `from`, octave pixels, to Gaussian level `level`.
     fn kernel(&self, level: i32, from: f64) -> GaussianKernel {
-        let sigma = self.space.sigma_octave(f64::from(level));
-        GaussianKernel::with_cut((sigma * sigma - from * from).max(0.0).sqrt(), self.space.kernel_cut)
+        let space = self.search.space;
+        let sigma = space.sigma_octave(f64::from(level));
+        GaussianKernel::with_cut((sigma * sigma - from * from).max(0.0).sqrt(), space.kernel_cut)
     }
 
     /// The coarser scales of the descriptors of features of Gaussian level `level`, from σ `from`, octave pixels.
     fn coarser_scales(&self, level: i32, from: f64) -> CoarserScales {
-        let sigma = self.space.sigma_octave(f64::from(level));
-        CoarserScales::new(self.params.describe_scales, sigma, from, self.space.kernel_cut)
+        let Search { space, params, .. } = self.search;
+        CoarserScales::new(params.describe_scales, space.sigma_octave(f64::from(level)), from, space.kernel_cut)
     }
 
-    /// Offsets of the frames at a keypoint's own slope, if it is described there and not at the grid's.
+    /// The octave's frames, and their offsets at a keypoint's own slope if it is described there, not at the grid's.
     fn own_slope(&self, keypoint: &Keypoint) -> Option<(&OctaveFrames<'_>, Vec<FrameOffset>)> {
-        let frames = self.own_slopes?;
-        let grid = self.grid.slope(keypoint.slope_index);
+        let frames = self.own_slopes.as_ref()?;
+        let grid = self.search.grid.slope(keypoint.slope_index);
         let off = Slope::new(keypoint.slope.u - grid.u, keypoint.slope.v - grid.v);
-        let outermost_px = off.magnitude() * 0.5 * (self.offsets[keypoint.slope_index].len() as f32 - 1.0);
+        let outermost_px = off.magnitude() * 0.5 * (self.search.planes.len() as f32 - 1.0);
         let sigma_px = keypoint.sigma_octave * octave_pixel(self.octave);
-        misaligned(outermost_px, sigma_px)
-            .then(|| (frames, frames.offsets(keypoint.slope, self.params.rules.interpolation)))
+        misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope)))
     }
 
-    /// Appends the features of one keypoint, one for each of its orientations. `kernels` lead to the levels, `planes`
-    /// are those of the octave's frames.
+    /// Appends the features of one keypoint, one for each of its orientations. `kernels` lead from the octave's first
+    /// level to each of its levels.
     fn describe_one(
         &self,
-        (number, keypoint): (usize, &Keypoint),
-        (kernels, planes): (&[GaussianKernel], &[&Plane]),
+        number: usize,
+        keypoint: &Keypoint,
+        kernels: &[GaussianKernel],
         scratch: &mut DescribeScratch,
         out: &mut Vec<Described>,
     ) {
-        let (size, pixel) = (self.size, octave_pixel(self.octave));
-        let base = (self.base)(keypoint.slope_index);
+        let Search { inputs, space, params, .. } = self.search;
+        let (size, pixel) = (octave_size(inputs.size_image, self.octave), octave_pixel(self.octave));
+        let base = self.search.base(self.bases, self.octave, keypoint.slope_index);
         let from = base.sigma_octave();
         let kernel = &kernels[keypoint.level as usize];
         // Reach of the descriptor's square and of the neighbours that its gradients need, and of the kernel around
         // them.
         let level_reach = |sigma: f32| descriptor_radius(sigma) + 1;
         let wanted_sigma = f64::from(keypoint.sigma_octave);
-        let mut reach = (scale::reach(wanted_sigma, self.space.levels) + FARTHEST_MOVE_PX)
-            .max(kernel_reach(rim_radius(wanted_sigma, self.space.levels), 1));
+        let mut reach = (scale::reach(wanted_sigma, space.levels) + FARTHEST_MOVE_PX)
+            .max(kernel_reach(rim_radius(wanted_sigma, space.levels), 1));
         let mut coarser = self.coarser_scales(keypoint.level, from);
         let needed = |kernel: &GaussianKernel, coarser: &CoarserScales, sigma: f32| {
             (level_reach(sigma) + kernel.radius()).max(coarser.reach(sigma))
@@ -144,14 +147,14 @@ impl Describing<'_> {
         }
         let DescribeScratch { raw, level: patch, .. } = scratch;
         base.patch(size, around(keypoint.x, reach), around(keypoint.y, reach), &mut scratch.patch, raw);
-        let located = self.located(keypoint, raw, from, &mut scratch.locate);
+        let located = located(self.search, self.bases, keypoint, raw, from, &mut scratch.locate);
         let Keypoint { x, y, sigma_octave: sigma, .. } = located;
         let reach_level = level_reach(sigma);
         if let Some((frames, offsets)) = self.own_slope(&located) {
             let kernel = self.kernel(keypoint.level, frames.sigma_octave(&offsets));
             coarser = self.coarser_scales(keypoint.level, frames.sigma_octave(&offsets));
             let needed = needed(&kernel, &coarser, sigma);
-            let own = frames.base(planes, &offsets);
+            let own = frames.base(&frames.planes, &offsets);
             own.patch(size, around(x, needed), around(y, needed), &mut scratch.patch, raw);
             raw.blurred(around(x, reach_level), around(y, reach_level), &kernel, &mut scratch.blur, patch);
         } else {
@@ -162,8 +165,7 @@ impl Describing<'_> {
             }
             raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         }
-        let max = self.params.max_orientations;
-        let angles = orientations(patch, size, (x, y), sigma, max, &mut scratch.orientation);
+        let angles = orientations(patch, size, (x, y), sigma, params.max_orientations, &mut scratch.orientation);
         let finest = |angle: &f32| square_sums(patch, size, (x, y), sigma, *angle, &mut scratch.descriptor);
         let mut sums: Vec<Vec<Sums>> = angles.iter().map(finest).map(|sums| vec![sums]).collect();
         let buffers = (&mut scratch.coarse, &mut scratch.blur, &mut scratch.descriptor);

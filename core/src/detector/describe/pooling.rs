@@ -5,7 +5,7 @@
 //! so the stacked patch is halved once, and each level is a blur of that.
 
 use super::descriptor::{DescriptorScratch, Sums, coarse_radius, disc_sums};
-use super::patch::around;
+use crate::detector::along::around;
 use crate::kernel::patch::{BlurScratch, Patch};
 use crate::plane::blur::GaussianKernel;
 
@@ -17,7 +17,7 @@ const SCALE_RATIO: f32 = 1.75;
 /// lies beyond weighs 0.3 %.
 const MAX_CUT: f64 = 3.0;
 
-/// Buffers of the coarser scales; reused from keypoint to keypoint.
+/// Reused from keypoint to keypoint.
 #[derive(Default)]
 pub(super) struct CoarseScratch {
     half: Patch,

@@ -132,10 +132,6 @@ mod tests {
     use crate::plane::Plane;
     use crate::synth::chart::draw_disc;
 
-    fn pixels(plane: &Plane) -> PixelView<'_> {
-        PixelView::of(plane)
-    }
-
     #[test]
     fn a_gaussian_blob_has_its_own_scale() {
         // The blob's own σ is b less the pixels': D is largest at σ = b/√k.
@@ -150,7 +146,7 @@ mod tests {
                 let blob = (b * b - from * from).sqrt();
                 let expected = blob / k.sqrt();
                 for start in [0.96, 1.0, 1.05] {
-                    let found = scale_peak(&pixels(&plane), (60.3, 54.8), start * expected, levels, from);
+                    let found = scale_peak(&PixelView::of(&plane), (60.3, 54.8), start * expected, levels, from);
                     if expected.powi(2) > from * from + MIN_VARIANCE * 1.3 {
                         let found = found.expect("a blob");
                         assert!((found / expected - 1.0).abs() < 1e-3, "{b} {levels} {from}: {found} {expected}");
@@ -169,7 +165,7 @@ mod tests {
             // disc.
             let k2 = 2f64.sqrt();
             let expected = radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt();
-            let found = scale_peak(&pixels(&plane), (70.4, 64.7), 1.04 * expected, 4, 0.5).expect("a disc");
+            let found = scale_peak(&PixelView::of(&plane), (70.4, 64.7), 1.04 * expected, 4, 0.5).expect("a disc");
             assert!((found / expected - 1.0).abs() < 2e-3, "{radius}: {found} {expected}");
         }
     }
@@ -179,7 +175,7 @@ mod tests {
         let ramp = Plane::from_fn(80, 70, |u, v| (u + 2 * v) as f32 * 0.003);
         let edge = Plane::from_fn(80, 70, |u, _| f32::from(u > 40));
         for plane in [ramp, edge] {
-            assert_eq!(scale_peak(&pixels(&plane), (40.5, 35.0), 3.0, 3, 0.5), None);
+            assert_eq!(scale_peak(&PixelView::of(&plane), (40.5, 35.0), 3.0, 3, 0.5), None);
         }
     }
 }

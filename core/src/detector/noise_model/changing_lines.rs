@@ -25,7 +25,7 @@ pub struct ChangingLines {
     /// with the next one.
     #[serde(skip)]
     coarse: f32,
-    /// Extent of the offsets.
+    /// Whether neighbouring lines differ.
     pub extent: Extent,
     /// Whether the smooth part of sharp offsets is shared by all bands as well, so that it is taken off too.
     #[serde(skip)]
@@ -53,15 +53,13 @@ const SHARED: [f32; 2] = [0.25, 4.0];
 const MAX_WIDE: f32 = 0.05;
 /// Inverse of the share of white offsets' power that two linear interpolations may leave.
 const INTERPOLATED: f32 = 2.0;
-/// Maximum number of slopes at which the power that remains is computed.
 const MAX_TRIED: f32 = 200.0;
 /// Number of lines to each side over which wide offsets are smoothed.
 const SMOOTHED: usize = 4;
 
 impl ChangingLines {
-    /// Finds the offsets in the `frames`' lines, given the mean `brightness` of the frames and the slopes of the
-    /// search across the lines, `slopes`, lines per frame.
-    pub fn find(frames: &[Lines], brightness: f32, slopes: &[f32]) -> Option<Self> {
+    /// Finds the offsets, given the mean `brightness` and the `slopes` of the search across the lines, lines per frame.
+    pub(super) fn find(frames: &[Lines], brightness: f32, slopes: &[f32]) -> Option<Self> {
         [Extent::Sharp, Extent::Wide].into_iter().find_map(|extent| {
             let found: Vec<Shared> = frames.iter().map(|frame| Shared::of(frame, extent)).collect();
             let n = found.iter().map(|frame| frame.even.len()).sum::<usize>() as f32;
@@ -88,8 +86,7 @@ impl ChangingLines {
         })
     }
 
-    /// Takes the offsets of this extent off the columns (`axis` 0) or rows (1) of a frame.
-    pub fn remove_from(&self, frame: &mut Plane, axis: usize) {
+    pub(super) fn remove_from(&self, frame: &mut Plane, axis: usize) {
         let lines = &lines_of(frame)[axis];
         let offsets = if self.is_whole { whole_offsets(lines) } else { offsets(lines, self.extent) };
         for v in 0..frame.height() {
@@ -104,14 +101,13 @@ impl ChangingLines {
 
     /// Variance of independent lines that have the same coarse means as the offsets in the mean of the frames, before
     /// they are taken off. Interpolation takes a part of what lasts, but not of coarse means.
-    pub fn variance_in_mean(&self) -> f32 {
+    pub(super) fn variance_in_mean(&self) -> f32 {
         if self.is_whole { 0.0 } else { self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0) }
     }
 }
 
 /// Offsets that the bands of one frame have in common, fraction of full scale.
 struct Shared {
-    /// Offsets by the even and by the odd bands.
     even: Vec<f32>,
     odd: Vec<f32>,
     /// Variance between the bands, summed over the lines.
@@ -156,8 +152,7 @@ fn whole_offsets(frame: &Lines) -> Vec<f32> {
     median(&bands.iter().collect::<Vec<_>>())
 }
 
-/// Offsets of a frame's lines: the median over the bands.
-fn offsets(frame: &Lines, extent: Extent) -> Vec<f32> {
+pub(super) fn offsets(frame: &Lines, extent: Extent) -> Vec<f32> {
     let bands: Vec<Vec<f32>> = frame.iter().map(|band| less_surroundings(band, extent)).collect();
     let offsets = median(&bands.iter().collect::<Vec<_>>());
     match extent {
@@ -189,7 +184,6 @@ fn less_surroundings(values: &[f32], extent: Extent) -> Vec<f32> {
     }
 }
 
-/// Median of the bands, line by line.
 fn median(bands: &[&Vec<f32>]) -> Vec<f32> {
     let mut values = vec![0.0; bands.len()];
     (0..bands[0].len())

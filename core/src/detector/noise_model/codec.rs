@@ -16,16 +16,13 @@ use serde::Serialize;
 
 /// Side of a codec's block, pixels; blocks begin at multiples of it.
 const SIDE: usize = 8;
-/// Number of blocks of a frame that are looked at, about.
 const BLOCKS: usize = 2048;
-/// Number of frames that are looked at.
 const FRAMES: usize = 4;
 /// Share of the blocks from which on they are no evidence of low noise.
 const MIN_FLAT: f32 = 0.25;
 /// Ratio of the shares with structure, half a block off the codec's blocks to in them, above which the blocks are a
 /// codec's: one with structure shares its pixels with four of those, an object of the scene lies in as many of either.
 const OFF_TO_IN: f32 = 1.25;
-/// Number of standard errors above which that ratio is significant.
 const SURE: f32 = 5.0;
 /// Standard deviation of a filter, pixels, above which it does not resolve blocks.
 const WIDE: f64 = 10.0;
@@ -42,9 +39,8 @@ pub struct Flattened {
 }
 
 impl Flattened {
-    /// Finds whether a codec flattened blocks of `frames`, whose values differ by `step` at least (0 if unknown: then
-    /// nothing is found).
-    pub fn find(frames: &[&Plane], step: f32) -> Option<Self> {
+    /// Finds the flattening of `frames` whose values differ by `step` at least; 0 if unknown: nothing is found.
+    pub(super) fn find(frames: &[&Plane], step: f32) -> Option<Self> {
         let (width, height) = frames.first()?.size();
         let (columns, rows) = ((width / SIDE).saturating_sub(1), (height / SIDE).saturating_sub(1));
         let total = columns * rows;
@@ -74,7 +70,7 @@ impl Flattened {
     }
 
     /// Whether enough blocks have structure to measure the noise.
-    pub fn is_measurable(&self) -> bool {
+    pub(in crate::detector) fn is_measurable(&self) -> bool {
         self.shown >= ENOUGH
     }
 
@@ -149,7 +145,6 @@ impl InBlock {
         Self(variances.map(|row| row.map(|x| x / mean)))
     }
 
-    /// Excess kurtosis that the place alone makes.
     pub fn kurtosis(&self) -> f32 {
         (3.0 * self.0.iter().flatten().map(|x| x * x).sum::<f64>() / (SIDE * SIDE) as f64 - 3.0) as f32
     }

@@ -8,7 +8,7 @@ use super::codec::Flattened;
 use super::contrast::{SceneMotion, looked_at};
 use super::fixed_pattern::{FixedPattern, are_struck, mask_struck};
 use super::frames::FrameSurvey;
-use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS};
+use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS, median};
 use super::reading::{BoxPyramid, Reading};
 use super::spectrum::{Sources, measure};
 use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// Noise and cleaned frames of a burst.
 #[derive(Debug, Clone)]
 pub struct Examined {
-    /// Noise model of the burst.
+    /// Its noise.
     pub model: NoiseModel,
     /// Frames that take part, cleaned.
     pub frames: Vec<Arc<Plane>>,
@@ -40,7 +40,7 @@ pub struct Examined {
 pub struct ForSearch<'a> {
     /// Scales of its filters.
     pub space: &'a ScaleSpace,
-    /// Octaves of the search.
+    /// Its octaves.
     pub octaves: Range<i32>,
     /// Slopes of the search, px/frame, by which the scene may move.
     pub slopes: &'a [Slope],
@@ -85,12 +85,14 @@ pub fn examine(
     let pattern_share = survey.pattern_share(&squares, about);
     // The mean of frames that have noise in common has more of it.
     let more = repeated_in_place(&survey.correlations, looked.len()) / shown;
-    let expected = Expected { variance: about * more, is_shared: !survey.correlations.is_empty(), slopes };
     let fastest = slopes.iter().map(|slope| slope.magnitude()).fold(0.0, f32::max);
     let is_struck = flattened.is_none() && are_struck(&first_look, &contrasts, about);
     let struck = if is_struck { mask_struck(&mut clean, about, fastest.ceil() as usize + 1) } else { 0 };
     monitor.check()?;
-    let (reading, mut pattern) = read(&mut clean, &looked, &expected, pyramid_levels(octaves), monitor)?;
+    // As the octaves, the scene's motion in them and the brightness around a candidate need them.
+    let levels = (octaves.end.max(1) as usize + 1).max(5);
+    let are_independent = survey.correlations.is_empty();
+    let (reading, mut pattern) = read(&mut clean, &looked, about * more, are_independent, slopes, levels, monitor)?;
     pattern.struck = struck;
     let is_changed = is_evened || struck > 0 || !pattern.is_empty();
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
@@ -157,45 +159,33 @@ fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
     frames.iter().map(|f| &**f).collect()
 }
 
-/// Number of pyramid levels that the octaves, the scene's motion in them and the brightness around a candidate need.
-fn pyramid_levels(octaves: &Range<i32>) -> usize {
-    (octaves.end.max(1) as usize + 1).max(5)
-}
-
-/// Expectations of the frames' noise and motion.
-struct Expected<'a> {
-    /// Variance of the noise of a frame whose mean with others has as much noise as if they were independent.
-    variance: f32,
-    /// Whether frames have noise in common: it may look like a pattern.
-    is_shared: bool,
-    /// Slopes by which the scene may move, px/frame.
-    slopes: &'a [Slope],
-}
-
 /// Variance of the mean of `frames` frames with these correlations relative to that of independent ones.
 fn repeated_in_place(correlations: &[f32], frames: usize) -> f32 {
     let shared = (1..).zip(correlations).map(|(lag, r)| (1.0 - lag as f32 / frames as f32).max(0.0) * r);
     1.0 + 2.0 * shared.sum::<f32>()
 }
 
-/// Reads the frames `looked` of `clean` closely and removes the sensor's pattern from all of `clean`: first what stays,
-/// then what changes.
+/// Reads the frames `looked` and removes the sensor's pattern from all: first what stays, then what changes. The
+/// mean of frames whose noise has this `variance` has as much noise as if they were independent.
 fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],
-    expected: &Expected<'_>,
+    variance: f32,
+    are_independent: bool,
+    slopes: &[Slope],
     levels: usize,
     monitor: &Monitor,
 ) -> Result<(Reading, FixedPattern), Cancelled> {
     let reading = |clean: &[Arc<Plane>], finds: bool| {
         let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
-        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), expected.variance);
+        let stands_out = FixedPattern::stands_out(planes.len(), planes[0].size(), variance);
         Reading::new(&planes, levels, stands_out.filter(|_| finds), monitor)
     };
     let mut read = reading(clean, true)?;
     let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
-    let mut pattern = FixedPattern::find(&planes, &read, expected.variance);
-    if expected.is_shared {
+    let mut pattern = FixedPattern::find(&planes, &read, variance);
+    // Noise that frames have in common may look like stripes.
+    if !are_independent {
         (pattern.columns, pattern.rows) = (None, None);
     }
     if !pattern.is_empty() {
@@ -207,7 +197,7 @@ fn read(
     }
     let brightness = read.columns.iter().flatten().flatten().sum::<f32>()
         / read.columns.iter().flatten().map(Vec::len).sum::<usize>() as f32;
-    let along = |axis: fn(&Slope) -> f32| expected.slopes.iter().map(axis).collect::<Vec<f32>>();
+    let along = |axis: fn(&Slope) -> f32| slopes.iter().map(axis).collect::<Vec<f32>>();
     pattern.changing_columns = ChangingLines::find(&read.columns, brightness, &along(|slope| slope.u));
     pattern.changing_rows = ChangingLines::find(&read.rows, brightness, &along(|slope| slope.v));
     for (axis, lines) in [pattern.changing_columns, pattern.changing_rows].into_iter().enumerate() {
@@ -219,20 +209,20 @@ fn read(
     Ok((read, pattern))
 }
 
-/// Variance of the noise of one frame in a region of the image: by its brightness, or, where the variance also depends
-/// on place, the mean over the squares inside.
+/// By its brightness, or, where the variance also depends on place, the mean over the squares inside.
 fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], region: &Region) -> f32 {
     let Region { columns, rows } = region;
     if model.excess.is_some() {
         let within = |x: f32, range: &Range<usize>| x >= range.start as f32 && x < range.end as f32;
         let inside = squares.iter().filter(|s| within(s.place.0, columns) && within(s.place.1, rows));
         let (sum, count) = inside.fold((0.0, 0usize), |(sum, count), s| (sum + s.variance, count + 1));
+        // Few would be inexact.
         if count >= SQUARES_INSIDE {
             return sum / count as f32;
         }
     }
     let at = |range: &Range<usize>| 0.5 * (range.start + range.end) as f32;
-    model.measured_variance_at(middle, (at(columns), at(rows)))
+    model.variance_at(middle, None, (at(columns), at(rows)))
 }
 
 /// Squares with their variances, and the number of independent values behind each, for `frames` frames.
@@ -243,7 +233,6 @@ fn listed(squares: &HighPass, variances: Vec<f32>, frames: usize) -> (Vec<Square
     (list, FREE_VALUES * (frames / 3).max(1) as f32)
 }
 
-/// Fits the variance over brightness.
 fn fit_brightness(model: &mut NoiseModel, (squares, free): &(Vec<Square>, f32), frames: usize, step: f32) {
     let pairs: Vec<(f32, f32)> = squares.iter().map(|s| (s.brightness, s.variance)).collect();
     model.transfer = match model.flattened {
@@ -254,13 +243,10 @@ fn fit_brightness(model: &mut NoiseModel, (squares, free): &(Vec<Square>, f32), 
     // Variance of rounding alone.
     let min = step * step / 12.0;
     model.transfer.min = model.transfer.min.max(min);
-    let mut brightness: Vec<f32> = squares.iter().map(|s| s.brightness).collect();
-    let middle = brightness.len() / 2;
-    let middle = *brightness.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let middle = median(squares.iter().map(|s| s.brightness).collect());
     model.frame_noise = model.transfer.variance(middle).sqrt();
 }
 
-/// Precomputes the data that the search needs at every candidate from the frames that were read, with their indices.
 fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octaves: Range<i32>) {
     let step = pyramids.len().div_ceil(FRAMES_SAMPLED);
     let first = (pyramids.len() - 1) % step / 2;
@@ -279,7 +265,6 @@ fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octav
     }
 }
 
-/// Number of squares inside a region from which on they give its variance.
 const SQUARES_INSIDE: usize = 6;
 
 #[cfg(test)]

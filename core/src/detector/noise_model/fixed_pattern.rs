@@ -10,10 +10,10 @@
 //! pixels `hot-pixels` 47 and `flickering-pixels` 23, without single frames' pixels `cosmic-streaks` 81, without the
 //! gate's allowance for what stripes leave `column-stripes` 597.
 
-use super::changing_lines::ChangingLines;
+use super::changing_lines::{ChangingLines, Extent, offsets};
 use super::contrast::Contrast;
-use super::high_pass::{FREE_VALUES, HighPass, quiet_variance};
-use super::reading::{BoxPyramid, Lines, REACH, Reading, less_local_mean};
+use super::high_pass::{FREE_VALUES, HighPass, around, quiet_variance};
+use super::reading::{BoxPyramid, Lines, REACH, Reading};
 use crate::plane::Plane;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -37,14 +37,10 @@ pub struct FixedPattern {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub changing_rows: Option<ChangingLines>,
     /// Number of pixels that were bright in one frame only, all frames together, and were masked there.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(skip_serializing_if = "super::is_zero")]
     pub struck: usize,
     /// Number of pixels that would be hot, but cannot be told from the scene because it stays in place too.
     pub inseparable: usize,
-}
-
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 /// Share of hot pixels above which they are taken for texture.
@@ -54,19 +50,18 @@ impl FixedPattern {
     /// Contrast with its row above which a pixel stands out, when `frames` frames of `size` are [read](Reading::new)
     /// for [`Self::find`]; `variance` is that of the noise of one frame. `None` where no pattern can be found: in fewer
     /// than four frames, in tiny ones, or without noise.
-    pub fn stands_out(frames: usize, (width, height): (usize, usize), variance: f32) -> Option<f32> {
+    pub(super) fn stands_out(frames: usize, (width, height): (usize, usize), variance: f32) -> Option<f32> {
         let can_be_found = frames >= 4 && width >= 2 * REACH && height >= 2 * REACH && variance > 0.0;
-        can_be_found.then(|| limit_of_first_look(frames, variance))
+        can_be_found.then(|| HOT * (variance / frames as f32).sqrt())
     }
 
-    /// Whether there is nothing to remove.
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.hot_pixels.is_empty() && self.columns.is_none() && self.rows.is_none()
     }
 
     /// Finds the pattern of frames of equal brightness from their `reading`; `variance` is that of the noise of one
     /// frame. Empty where only their pyramids were read.
-    pub fn find(frames: &[&Plane], reading: &Reading, variance: f32) -> Self {
+    pub(super) fn find(frames: &[&Plane], reading: &Reading, variance: f32) -> Self {
         if reading.columns.is_empty() {
             return Self::default();
         }
@@ -83,8 +78,7 @@ impl FixedPattern {
         Self { hot_pixels, columns, rows, inseparable, ..Self::default() }
     }
 
-    /// Removes the pattern from a frame.
-    pub fn remove_from(&self, frame: &mut Plane) {
+    pub(super) fn remove_from(&self, frame: &mut Plane) {
         mask(frame, &self.hot_pixels);
         let rows = self.rows.as_ref().map(|rows| &rows.offsets);
         for v in 0..frame.height() {
@@ -98,7 +92,6 @@ impl FixedPattern {
     }
 }
 
-/// Means of the lines over the first and over the second half of the frames.
 fn halves(frames: &[Lines]) -> [Lines; 2] {
     let (first, second) = frames.split_at(frames.len() / 2);
     [first, second].map(|half| {
@@ -111,8 +104,7 @@ fn halves(frames: &[Lines]) -> [Lines; 2] {
     })
 }
 
-/// Whether the scene stays in place: the halves of the frames have more in common, outside `hot` pixels, than they
-/// differ by.
+/// Whether the scene stays: outside `hot` pixels the halves of the frames have more in common than they differ by.
 fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
     if pyramids.iter().any(BoxPyramid::is_empty) {
         return false;
@@ -136,23 +128,12 @@ fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
 /// Distance of a hot pixel from every neighbour, in standard deviations of the frames' mean.
 const HOT: f32 = 6.0;
 
-/// Difference from both neighbours in its row above which a pixel is examined, in the mean of `frames` frames whose
-/// noise has the variance `variance` each.
-pub fn limit_of_first_look(frames: usize, variance: f32) -> f32 {
-    HOT * (variance / frames as f32).sqrt()
-}
-
 /// Hot pixels among those that stand out of their row and their neighbours, from the first row to the last.
 pub fn find(standing_out: &[(usize, usize)], frames: &[&Plane], variance: f32) -> Vec<(usize, usize)> {
     let is_hot = |at: &(usize, usize), known: &[(usize, usize)]| is_hot(frames, variance, *at, known);
     let mut found: Vec<(usize, usize)> = standing_out.iter().copied().filter(|at| is_hot(at, &[])).collect();
     // Where two hot pixels touch, the brighter one hides the other.
-    let (width, height) = frames[0].size();
-    let around = |&(u, v): &(usize, usize)| {
-        (v.saturating_sub(1)..(v + 2).min(height))
-            .flat_map(move |y| (u.saturating_sub(1)..(u + 2).min(width)).map(move |x| (x, y)))
-    };
-    let mut beside: Vec<(usize, usize)> = found.iter().flat_map(around).collect();
+    let mut beside: Vec<(usize, usize)> = found.iter().flat_map(|at| around(*at, frames[0].size())).collect();
     beside.sort_unstable();
     beside.dedup();
     beside.retain(|at| !found.contains(at) && is_hot(at, &found));
@@ -161,7 +142,6 @@ pub fn find(standing_out: &[(usize, usize)], frames: &[&Plane], variance: f32) -
     found
 }
 
-/// Replaces pixels by the median of the eight around them.
 pub fn mask(plane: &mut Plane, pixels: &[(usize, usize)]) {
     for &(u, v) in pixels {
         plane.row_mut(v)[u] = median(neighbours(u, v, plane.size()).map(|(x, y)| plane.at(x, y)));
@@ -325,12 +305,12 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
     struck.iter().map(Vec::len).sum()
 }
 
-/// Offsets of columns or rows, as far as they change within [`REACH`] of them.
+/// Offsets of columns or rows, as far as they change within 16 of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stripes {
     /// Offset of each column or row, fraction of full scale.
     pub offsets: Vec<f32>,
-    /// Standard deviation of the offsets.
+    /// Their standard deviation.
     pub deviation: f32,
 }
 
@@ -338,10 +318,9 @@ pub struct Stripes {
 const STRIPES: f32 = 6.0;
 
 impl Stripes {
-    /// Finds the stripes that the means over [bands](super::reading::BANDS) of both halves of a burst share; `None` if
-    /// there are none, or they are smooth as a scene is.
-    pub fn find(halves: &[Vec<Vec<f32>>; 2]) -> Option<Self> {
-        let [first, second] = halves.each_ref().map(|bands| offsets(bands));
+    /// Finds the stripes that both halves of a burst share; `None` if there are none, or they are smooth as a scene is.
+    pub(super) fn find(halves: &[Vec<Vec<f32>>; 2]) -> Option<Self> {
+        let [first, second] = halves.each_ref().map(|bands| offsets(bands, Extent::Sharp));
         let n = first.len() as f32;
         let product = |shift: usize| first.iter().zip(&second[shift..]).map(|(a, b)| a * b).sum::<f32>() / n;
         let power = |x: &[f32]| x.iter().map(|x| x * x).sum::<f32>() / n;
@@ -355,18 +334,6 @@ impl Stripes {
     }
 }
 
-/// Difference of each column from those around it: the median over the bands.
-fn offsets(bands: &[Vec<f32>]) -> Vec<f32> {
-    let sharp: Vec<Vec<f32>> = bands.iter().map(|band| less_local_mean(band)).collect();
-    (0..bands[0].len())
-        .map(|u| {
-            let mut values: Vec<f32> = sharp.iter().map(|band| band[u]).collect();
-            values.sort_by(f32::total_cmp);
-            0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::contrast::contrasts;
@@ -376,7 +343,6 @@ mod tests {
     use crate::synth::random::Stream;
     use crate::synth::{NoiseCase, SceneParams, synth_scene};
 
-    /// Plane with rows and columns exchanged.
     fn turned(plane: &Plane) -> Plane {
         Plane::from_fn(plane.height(), plane.width(), |u, v| plane.at(v, u))
     }
@@ -413,17 +379,6 @@ mod tests {
             assert_eq!(find(&case(noise), 0.02), FixedPattern::default(), "{noise:?}");
         }
         assert_eq!(find(&scene(3.0), 0.04), FixedPattern::default());
-    }
-
-    #[test]
-    fn hot_pixels_are_found_and_masked() {
-        let frames = case(NoiseCase::HotPixels);
-        let pattern = find(&frames, 0.02);
-        assert!((190..=200).contains(&pattern.hot_pixels.len()), "{}", pattern.hot_pixels.len());
-        let mut clean = frames[3].clone();
-        pattern.remove_from(&mut clean);
-        assert!(deviation(&frames[3]) > 0.021 && (deviation(&clean) / 0.02 - 1.0).abs() < 0.01);
-        assert!(clean.data().iter().all(|x| (x - 0.5).abs() < 0.13));
     }
 
     #[test]

@@ -10,8 +10,7 @@
 //! raise no count by themselves; leaving them out keeps the mean sharp and the count of frames true.
 
 use super::contrast::Contrast;
-use super::high_pass::HighPass;
-use crate::detector::noise_model::high_pass::{FREE_VALUES, SQUARE_PIXELS};
+use super::high_pass::{FREE_VALUES, HighPass, SQUARE_PIXELS, median, quantile, sorted, spread};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -44,10 +43,8 @@ pub struct FrameFacts {
     pub left_out: Option<LeftOut>,
 }
 
-/// Exposure and noise of all frames.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrameSurvey {
-    /// One entry a frame, in order.
     pub frames: Vec<FrameFacts>,
     /// Standard deviation of the logarithms of the exposures after removal of a steady trend, if it is large enough to
     /// be flicker; else 0.
@@ -75,7 +72,6 @@ const COPY: f32 = 0.02;
 const BRIGHT: f32 = 4.0;
 /// Number of squares of which at least one has to show the exposure.
 const MIN_BRIGHT: usize = 20;
-/// Number of earlier frames that are compared to find copies.
 const LOOK_BACK: usize = 4;
 /// Factor by which the mean's variance must fall for a frame to be left out for its noise.
 const WORTH_LEAVING_OUT: f32 = 0.9;
@@ -94,12 +90,10 @@ const NOISIER: f32 = 1.5;
 const UNUSUAL: f32 = 6.0;
 
 impl FrameSurvey {
-    /// Indices of the frames that take part.
     pub fn kept(&self) -> Vec<usize> {
         (0..self.frames.len()).filter(|&t| self.frames[t].left_out.is_none()).collect()
     }
 
-    /// Surveys the frames by their squares.
     pub fn new(squares: &HighPass) -> Self {
         let count = squares.frames();
         let usual = FrameFacts { gain: 1.0, relative_variance: 1.0, left_out: None };
@@ -136,15 +130,12 @@ impl FrameSurvey {
             return 0.0;
         }
         let weight = |t: usize| 1.0 / self.frames[t].gain;
-        let mut variances = squares.variances(&kept.iter().map(|&t| (t, weight(t))).collect::<Vec<_>>());
-        let (n, count) = (kept.len() as f32, variances.len() as f32);
+        let variances = squares.variances(&kept.iter().map(|&t| (t, weight(t))).collect::<Vec<_>>());
         let all = squares.noise_in(variances.clone()) / noise - 1.0;
-        variances.sort_by(f32::total_cmp);
-        let quantile = |part: f32| variances[((count - 1.0) * part).round() as usize];
         let of_noise = (2.0 / FREE_VALUES).sqrt();
-        let spread = (quantile(0.75) - quantile(0.25)) / (1.35 * quantile(0.5).max(f32::MIN_POSITIVE));
-        let error = of_noise * 1.5 / count.sqrt();
-        if all < SURE_OF_PATTERN * error || spread > EVEN_PATTERN * of_noise { 0.0 } else { all / (n + all) }
+        let error = of_noise * 1.5 / (variances.len() as f32).sqrt();
+        let is_uneven = spread(&sorted(variances)) > EVEN_PATTERN * of_noise;
+        if all < SURE_OF_PATTERN * error || is_uneven { 0.0 } else { all / (kept.len() as f32 + all) }
     }
 
     /// Leaves out a frame for the reason `why`, unless it is left out already or only two are kept.
@@ -178,7 +169,6 @@ impl FrameSurvey {
         }
     }
 
-    /// Finds black and flashed frames, and the exposures of the others.
     fn compare_brightness(&mut self, squares: &HighPass, looks: &Looks) {
         let mean = |t: usize| squares.brightness[t].iter().sum::<f32>() / squares.places.len() as f32;
         let mut order = self.kept();
@@ -287,13 +277,13 @@ const MIN_CORRELATION: f32 = 0.15;
 
 /// Variances in the squares of single frames and of differences of neighbours.
 struct Looks {
-    /// For each frame, the variance in each square.
+    /// By frame and square.
     frames: Vec<Vec<f32>>,
-    /// For each frame, the variance of the quiet squares.
+    /// Of the quiet squares, by frame.
     noise: Vec<f32>,
-    /// For each frame but the last, the variance of its difference to the next in each square.
+    /// Of each frame's difference to the next, by square.
     pairs: Vec<Vec<f32>>,
-    /// For each of these differences, the variance of the quiet squares.
+    /// Of the quiet squares of these differences.
     in_pairs: Vec<f32>,
 }
 
@@ -312,8 +302,7 @@ impl Looks {
     }
 }
 
-/// Ratio of brightnesses: the median over the squares in which the reference is brighter than `least`, weighted by its
-/// brightness.
+/// The median over the squares in which the reference is brighter than `least`, weighted by its brightness.
 fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     let mut ratios: Vec<(f32, f32)> =
         squares.iter().zip(reference).filter(|(_, r)| **r > least).map(|(x, r)| (x / r, *r)).collect();
@@ -345,13 +334,12 @@ fn shared_drift(squares: &HighPass, kept: &[usize], gains: &[f32], least: f32) -
         around(i).iter().map(|&t| squares.brightness[t][square]).sum::<f32>() / around(i).len() as f32
     };
     let changes = (0..squares.places.len()).map(|square| (mean(dark, square), mean(bright, square)));
-    let mut changes: Vec<f32> = changes.filter(|(a, b)| a.min(*b) > least).map(|(a, b)| (b / a).ln()).collect();
+    let changes = sorted(changes.filter(|(a, b)| a.min(*b) > least).map(|(a, b)| (b / a).ln()).collect());
     if changes.len() < MIN_BRIGHT {
         return 0.0;
     }
-    changes.sort_by(f32::total_cmp);
-    let quantile = |part: f32| changes[((changes.len() - 1) as f32 * part).round() as usize];
-    let (middle, spread) = (quantile(0.5), (quantile(0.75) - quantile(0.25)) / 1.35);
+    let [low, middle, high] = [0.25, 0.5, 0.75].map(|part| quantile(&changes, part));
+    let spread = (high - low) / 1.35;
     let range = (gains[kept[bright]] / gains[kept[dark]]).ln();
     if middle > MIN_DRIFT && middle > SHARED * spread { range } else { 0.0 }
 }
@@ -376,7 +364,6 @@ const EVEN_PATTERN: f32 = 1.25;
 
 /// Ratio of the variances that a fifth of the squares exceeds and a fifth falls below, up to which there is no texture.
 const EVEN: f32 = 1.75;
-/// Maximum lag for which a correlation is measured.
 const MAX_LAG: usize = 16;
 
 /// Correlations of the noise of frames 1, 2, … apart, from the flattest squares, and these with a frame's mean variance
@@ -396,8 +383,8 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     let own =
         |frames: &[usize]| -> Vec<f32> { mean(&frames.iter().map(|&t| &looks.frames[t][..]).collect::<Vec<_>>()) };
     // Noise varies little from square to square; texture does.
-    let spread = |mut values: Vec<f32>| {
-        values.sort_by(f32::total_cmp);
+    let spread = |values: Vec<f32>| {
+        let values = sorted(values);
         values[values.len() * 8 / 10] / values[values.len() * 2 / 10].max(f32::MIN_POSITIVE)
     };
     let of_frames = own(measuring);
@@ -436,15 +423,6 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     (correlations, (flat.to_vec(), usual))
 }
 
-/// Median of `values` (the upper one of two); 0 where there are none.
-pub(super) fn median(mut values: Vec<f32>) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -473,13 +451,6 @@ mod tests {
             assert!(survey.frames.iter().all(|f| f.gain == 1.0 && f.relative_variance == 1.0), "{case:?} {survey:?}");
             assert_eq!((survey.flicker, survey.correlations.clone()), (0.0, Vec::new()), "{case:?}");
         }
-    }
-
-    #[test]
-    fn a_frame_that_repeats_another_does_not_count() {
-        let survey = survey(NoiseCase::Doubled);
-        assert_eq!(survey.kept(), [0, 2, 4, 6, 8]);
-        assert_eq!(survey.frames[7].left_out, Some(LeftOut::Duplicate(6)));
     }
 
     #[test]

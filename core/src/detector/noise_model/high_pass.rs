@@ -12,7 +12,6 @@ use rayon::prelude::*;
 
 /// Side of a square, halved pixels.
 const SIDE: usize = 8;
-/// Number of values of a square.
 const AREA: usize = SIDE * SIDE;
 /// Number of image pixels of a square.
 pub const SQUARE_PIXELS: usize = 4 * AREA;
@@ -34,9 +33,8 @@ pub struct HighPass {
     pub places: Vec<(f32, f32)>,
     /// First column and row of each square in the image, with the surrounding pixels that the filter needs.
     corners: Vec<(usize, usize)>,
-    /// For each frame, the values of all squares.
     values: Vec<Vec<f32>>,
-    /// For each frame, the mean of each square, fraction of full scale.
+    /// Mean of each square by frame, fraction of full scale.
     pub brightness: Vec<Vec<f32>>,
     /// Whether quiet squares are no evidence of low noise, because a codec flattened them.
     pub are_flattened: bool,
@@ -48,7 +46,6 @@ impl HighPass {
         Self::at(frames, frames.first().map_or_else(Vec::new, |frame| corners(frame.size())))
     }
 
-    /// Filters the squares of a `lattice`.
     pub fn on_lattice(frames: &[&Plane], lattice: Lattice) -> Self {
         let Lattice { columns, rows, pitch } = lattice;
         Self::at(frames, (0..columns * rows).map(|i| (i % columns * pitch, i / columns * pitch)).collect())
@@ -71,7 +68,6 @@ impl HighPass {
         Self { places, values, brightness, corners, are_flattened: false }
     }
 
-    /// Squares of some of the frames.
     pub fn only(&self, frames: &[usize]) -> Self {
         Self {
             places: self.places.clone(),
@@ -82,8 +78,7 @@ impl HighPass {
         }
     }
 
-    /// Variance of the noise from the `variances` of all squares: of the quiet ones, or, where a codec flattened those,
-    /// their mean.
+    /// Variance of the noise from all squares: of the quiet ones, or, where a codec flattened those, their mean.
     pub fn noise_in(&self, variances: Vec<f32>) -> f32 {
         if self.are_flattened {
             variances.iter().sum::<f32>() / variances.len().max(1) as f32
@@ -92,7 +87,6 @@ impl HighPass {
         }
     }
 
-    /// Number of frames.
     pub fn frames(&self) -> usize {
         self.values.len()
     }
@@ -144,7 +138,6 @@ impl HighPass {
         (0..self.places.len()).into_par_iter().map(of_square).collect()
     }
 
-    /// Sum of the squared values of a combination of the frames in a square.
     fn power(&self, weights: &[(usize, f32)], square: usize) -> f32 {
         let range = square * AREA..(square + 1) * AREA;
         let mut sums = [0.0f32; AREA];
@@ -154,18 +147,14 @@ impl HighPass {
         sums.iter().map(|x| x * x).sum::<f32>()
     }
 
-    /// Whether the filtered values and the brightness of two frames are equal.
     pub fn same(&self, a: usize, b: usize) -> bool {
         self.values[a] == self.values[b] && self.brightness[a] == self.brightness[b]
     }
 }
 
-/// Squares at equal distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lattice {
-    /// Number of squares in a row.
     pub columns: usize,
-    /// Number of rows of squares.
     pub rows: usize,
     /// Distance of neighbours, image pixels.
     pub pitch: usize,
@@ -205,10 +194,8 @@ fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
 
 /// Side of a square with the border that its filter needs, halved pixels.
 const PATCH: usize = SIDE + 2;
-/// A square with the border that its filter needs.
 type Patch = [[f32; PATCH]; PATCH];
 
-/// Means over 2×2 pixels from the image's pixel (u, v) on.
 fn halved_patch(frame: &Plane, (u, v): (usize, usize)) -> Patch {
     let mut patch = Patch::default();
     for (y, out) in patch.iter_mut().enumerate() {
@@ -223,7 +210,6 @@ fn halved_patch(frame: &Plane, (u, v): (usize, usize)) -> Patch {
     patch
 }
 
-/// Calls `give` with the filtered values of a square, row by row.
 fn filter(patch: &Patch, give: &mut impl FnMut(f32)) {
     for rows in patch.windows(3) {
         let mut second = [0.0; PATCH];
@@ -234,7 +220,6 @@ fn filter(patch: &Patch, give: &mut impl FnMut(f32)) {
     }
 }
 
-/// Mean of a square, without its border.
 fn mean(patch: &Patch) -> f32 {
     patch[1..=SIDE].iter().map(|row| row[1..=SIDE].iter().sum::<f32>()).sum::<f32>() / AREA as f32
 }
@@ -255,6 +240,38 @@ pub fn quiet_variance(mut variances: Vec<f32>, free: f32) -> f32 {
     let lowest = &variances[..count];
     let expected = if count < variances.len() { 1.0 - 0.513 * (2.0 / free).sqrt() } else { 1.0 };
     lowest.iter().sum::<f32>() / (count as f32 * expected)
+}
+
+pub fn sorted(mut values: Vec<f32>) -> Vec<f32> {
+    values.sort_by(f32::total_cmp);
+    values
+}
+
+/// Value below which `part` (0 … 1) of the sorted values lie.
+pub fn quantile(sorted: &[f32], part: f32) -> f32 {
+    sorted[((sorted.len() - 1) as f32 * part).round() as usize]
+}
+
+/// Relative standard deviation of sorted values, from their quartiles: those of a normal distribution are 1.35 standard
+/// deviations apart.
+pub fn spread(sorted: &[f32]) -> f32 {
+    let part = |part| quantile(sorted, part);
+    (part(0.75) - part(0.25)) / (1.35 * part(0.5).max(f32::MIN_POSITIVE))
+}
+
+/// Median of `values` (the upper one of two); 0 where there are none.
+pub fn median(mut values: Vec<f32>) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+/// The places of a lattice around (x, y), and itself.
+pub fn around((x, y): (usize, usize), (columns, rows): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+    (y.saturating_sub(1)..(y + 2).min(rows))
+        .flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| (x, y)))
 }
 
 #[cfg(test)]
@@ -282,6 +299,7 @@ mod tests {
             assert!((quiet / 4e-4 - 1.0).abs() < 0.04, "{quiet}");
         }
         assert!(squares.same(1, 1) && !squares.same(1, 2));
+        assert!(HighPass::new(&[&noise((18, 300), 0.1, 1)]).places.is_empty() && HighPass::new(&[]).places.is_empty());
     }
 
     #[test]
@@ -315,17 +333,5 @@ mod tests {
         let still = mean(Slope::new(4.0, -1.0));
         assert!((still / 4e-4 - 1.0).abs() < 0.03, "{still}");
         assert!(mean(Slope::default()) > 0.05);
-    }
-
-    #[test]
-    fn squares_lie_inside_and_everywhere() {
-        let corners = corners((2000, 1500));
-        assert_eq!(corners.len(), MAX_SQUARES);
-        assert!(corners.iter().all(|&(u, v)| u + 2 * PATCH <= 2000 && v + 2 * PATCH <= 1500));
-        let mut counts = [0usize; 20];
-        corners.iter().for_each(|&(u, v)| counts[v / 300 * 4 + u / 500] += 1);
-        assert!(counts.iter().all(|&n| n > MAX_SQUARES / 40), "{counts:?}");
-        assert!(HighPass::new(&[&noise((18, 300), 0.1, 1)]).places.is_empty());
-        assert!(HighPass::new(&[]).places.is_empty());
     }
 }

@@ -1,25 +1,31 @@
 //! Noise model of a burst as cameras and files make it, for a noise gate that is right at every place.
 //!
 //! The gate of [`crate::detector::noise`] propagates white noise of one strength through the filters. Real noise grows
-//! with brightness and differs by place ([`variance`]), is correlated between neighbouring pixels and has long tails
-//! where files were compressed ([`spectrum`]); frames repeat others, are black or too noisy ([`frames`]), and a sensor
-//! has a pattern of its own ([`fixed_pattern`]). [`examine()`] finds all of it from the burst alone and gives a
+//! with brightness and differs by place (`variance`), is correlated between neighbouring pixels and has long tails
+//! where files were compressed (`spectrum`); frames repeat others, are black or too noisy (`frames`), and a sensor
+//! has a pattern of its own (`fixed_pattern`). [`examine()`] finds all of it from the burst alone and gives a
 //! [`NoiseModel`], which computes σ of D for an octave, a level, a slope and a place, with a [`NoiseWarning`] for each
 //! assumption that fails.
 
-pub mod changing_lines;
-pub mod codec;
-pub mod contrast;
-pub mod examine;
-pub mod fixed_pattern;
-pub mod frames;
-pub mod high_pass;
-pub mod reading;
-pub mod spectrum;
-pub mod variance;
-pub mod warning;
+mod changing_lines;
+mod codec;
+mod contrast;
+mod examine;
+mod fixed_pattern;
+mod frames;
+mod high_pass;
+pub(in crate::detector) mod reading;
+mod spectrum;
+mod variance;
+pub(in crate::detector) mod warning;
 
+pub use changing_lines::{ChangingLines, Extent};
+pub use codec::Flattened;
 pub use examine::{Examined, ForSearch, examine};
+pub use fixed_pattern::{FixedPattern, Stripes};
+pub use frames::{FrameFacts, LeftOut};
+pub use spectrum::LevelNoise;
+pub use variance::{ExcessMap, PhotonTransfer, TransferPoint};
 pub use warning::{NoiseWarning, WarningKind};
 
 use crate::detector::noise::dog_noise_variance;
@@ -27,14 +33,9 @@ use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::{SIGMA_INPUT, ScaleSpace};
 use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
-use changing_lines::{ChangingLines, Extent};
-use codec::{Flattened, InBlock};
-use fixed_pattern::{FixedPattern, Stripes};
-use frames::FrameFacts;
+use codec::InBlock;
 use reading::{BoxPyramid, REACH, sample_at};
 use serde::Serialize;
-use spectrum::LevelNoise;
-use variance::{ExcessMap, PhotonTransfer};
 
 /// Noise of a burst.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -75,18 +76,14 @@ pub struct NoiseModel {
 /// Brightness of the frames by place, and values derived from it for the search.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Brightness {
-    /// Pyramids of some of the frames, from the first to the last, with their indices among those that take part; empty
-    /// where the noise is uniform.
+    /// Of some of the frames, with their indices among those that take part; empty where the noise is uniform.
     pyramids: Vec<(usize, BoxPyramid)>,
-    /// Smallest variance of one frame's noise, for each octave.
+    /// Smallest variance of one frame's noise, for each octave from `first_octave` on.
     min_variance: Vec<f32>,
     /// Share of pixels that are cut off at black or white.
     cut_off: f32,
-    /// Brightest value, fraction of full scale.
     brightest: f32,
-    /// Mean of the frames' relative variances.
     relative_variance: f32,
-    /// First octave of the search.
     first_octave: i32,
 }
 
@@ -94,17 +91,15 @@ struct Brightness {
 /// little, is D: the measured excess of false features where half of the pixels are cut off requires six percent.
 const SKEWED: f32 = 0.12;
 /// Relative growth of the gate for each unit by which the logarithm of the noise, relative to white noise, rises over
-/// an octave. White noise falls fast with scale, so that few of its extremes in place beat the finer level too;
-/// correlated noise falls more slowly, and more do. With exact standard deviations it gave four times as many false
-/// features; this compensates for it.
+/// an octave: correlated noise falls more slowly with scale than white noise, so that more of its extremes in place
+/// beat the finer level too. With exact standard deviations it gave four times as many false features.
 const RISING: f32 = 0.12;
-/// Number of frames from which a stack's brightness is computed.
 const FRAMES_SAMPLED: usize = 4;
 /// Rounding error of D relative to the brightest value: two steps of `f32`.
 const ROUNDING: f32 = 2.4e-7;
 
-fn is_zero(share: &f32) -> bool {
-    *share == 0.0
+fn is_zero<T: Default + PartialEq>(x: &T) -> bool {
+    *x == T::default()
 }
 
 impl NoiseModel {
@@ -169,15 +164,16 @@ impl NoiseModel {
                 (u as i64 + offset.whole_u) as f32 + offset.part_u,
                 (v as i64 + offset.whole_v) as f32 + offset.part_v,
             );
-            sum += self.variance_at(pyramid, octave, at);
+            sum += self.variance_at(pyramid, Some(octave), at);
             count += 1;
         }
         if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
     }
 
-    /// Variance of the noise of the frame with `pyramid` around its place (u, v), at the resolution of `octave`.
-    fn variance_at(&self, pyramid: &BoxPyramid, octave: i32, (u, v): (f32, f32)) -> f32 {
-        let level = Self::brightness_level(octave).min(pyramid.len());
+    /// Variance of the noise of the frame with `pyramid` around its place (u, v), at the resolution of `octave`, or for
+    /// `None` as measured: not raised at borders between parts of different noise.
+    fn variance_at(&self, pyramid: &BoxPyramid, octave: Option<i32>, (u, v): (f32, f32)) -> f32 {
+        let level = Self::brightness_level(octave.unwrap_or(1)).min(pyramid.len());
         let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
         self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.at(octave, u, v))
     }
@@ -192,17 +188,10 @@ impl NoiseModel {
             if pyramids.is_empty() {
                 return self.frame_noise;
             }
-            let sum: f32 = pyramids.iter().map(|(_, p)| self.variance_at(p, self.brightness.first_octave, at)).sum();
+            let first = Some(self.brightness.first_octave);
+            let sum: f32 = pyramids.iter().map(|(_, p)| self.variance_at(p, first, at)).sum();
             (sum / pyramids.len() as f32).sqrt()
         })
-    }
-
-    /// Variance of the noise of the frame with `pyramid` at its place (u, v), without raising it at borders between
-    /// parts of different noise.
-    fn measured_variance_at(&self, pyramid: &BoxPyramid, (u, v): (f32, f32)) -> f32 {
-        let level = Self::brightness_level(1).min(pyramid.len());
-        let brightness = sample_at(pyramid.level(level), (1usize << level) as f32, u, v);
-        self.transfer.variance(brightness) * self.excess.as_ref().map_or(1.0, |excess| excess.measured_at(u, v))
     }
 
     /// Pyramid level at which brightness is read for an octave: squares a few times as large as its σ.
@@ -210,7 +199,6 @@ impl NoiseModel {
         (octave + 2).max(3) as usize
     }
 
-    /// Noise of a level; white where none was measured.
     fn level(&self, octave: i32, level: i32) -> LevelNoise {
         let of_octave = self.levels.get(self.octave_index(octave));
         of_octave

@@ -13,10 +13,8 @@ use std::ops::Range;
 /// Number of bands into which an image is cut along each axis.
 pub const BANDS: usize = 8;
 
-/// Results of the pass.
 #[derive(Debug, Clone, Default)]
 pub struct Reading {
-    /// Pyramids of the frames.
     pub pyramids: Vec<BoxPyramid>,
     /// Column and row of each pixel that stands out of its row in the mean of the frames, row by row.
     pub standing_out: Vec<(usize, usize)>,
@@ -30,7 +28,6 @@ pub struct Reading {
 /// Means of the lines (columns or rows) of a frame, one list for each of [`BANDS`] bands across them.
 pub type Lines = Vec<Vec<f32>>;
 
-/// Means of the columns and of the rows of a frame.
 pub fn lines_of(frame: &Plane) -> [Lines; 2] {
     let mut found = Reading::default();
     found.add_lines(cuts(frame.height()).into_iter().map(|rows| {
@@ -47,10 +44,8 @@ fn cuts(height: usize) -> Vec<Range<usize>> {
     (0..BANDS).map(|i| cut(i)..cut(i + 1)).collect()
 }
 
-/// Results of one band of rows.
 struct Band {
     standing_out: Vec<(usize, usize)>,
-    /// For each frame, one value a column.
     columns: Vec<Vec<f32>>,
     /// For each frame, values by band of columns, one a row.
     rows: Vec<Lines>,
@@ -60,9 +55,6 @@ impl Reading {
     /// Reads `frames` of one size (at least one, of at least 2×2 pixels) into pyramids of `levels` levels. With
     /// `stands_out`, the data for finding the sensor's pattern is read as well, and pixels are listed whose mean over
     /// the frames differs from those beside them by more than it; this needs at least two frames.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn new(
         frames: &[&Plane],
         levels: usize,
@@ -95,7 +87,6 @@ impl Reading {
         Ok(reading)
     }
 
-    /// Adds what was found in `bands` of rows, from the first to the last.
     fn add_lines(&mut self, bands: impl Iterator<Item = Band>) {
         for band in bands {
             self.standing_out.extend(band.standing_out);
@@ -115,7 +106,6 @@ impl Band {
         Self { standing_out: Vec::new(), columns: vec![vec![0.0; width]; frames], rows: vec![of_rows; frames] }
     }
 
-    /// Adds a row of a frame.
     fn add_row(&mut self, frame: usize, row: &[f32]) {
         add(&mut self.columns[frame], row);
         for (i, out) in self.rows[frame].iter_mut().enumerate() {
@@ -124,7 +114,6 @@ impl Band {
         }
     }
 
-    /// The band once all its `rows` rows were added.
     fn finished(mut self, rows: usize) -> Self {
         let scale = 1.0 / rows.max(1) as f32;
         self.columns.iter_mut().flatten().for_each(|sum| *sum *= scale);
@@ -160,7 +149,6 @@ fn add(sums: &mut [f32], row: &[f32]) {
     sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
 }
 
-/// Sum by sixteen independent partial sums.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sum_of(values: &[f32]) -> f32 {
     let (parts, rest) = values.as_chunks::<16>();
@@ -191,7 +179,6 @@ fn any_out(row: &[f32], limit: f32) -> bool {
     any != 0
 }
 
-/// Appends the pixels of row `v` that stand out; nearly none do.
 fn note_standing_out(row: &[f32], v: usize, limit: f32, out: &mut Vec<(usize, usize)>) {
     let n = row.len();
     if n < 3 {
@@ -216,7 +203,8 @@ pub struct BoxPyramid {
 }
 
 impl BoxPyramid {
-    /// Computes the means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square.
+    /// The means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square.
+    #[cfg(test)]
     pub fn new(frame: &Plane, count: usize) -> Self {
         if count == 0 || frame.width() < 2 || frame.height() < 2 {
             return Self { levels: Vec::new() };
@@ -224,7 +212,6 @@ impl BoxPyramid {
         Self::from_halved(halved(frame), count)
     }
 
-    /// Computes the pyramid from the means over squares of 2×2 pixels.
     pub(super) fn from_halved(first: Plane, count: usize) -> Self {
         let mut levels = vec![first];
         while levels.len() < count {
@@ -238,25 +225,19 @@ impl BoxPyramid {
     }
 
     /// Means over squares of 2^`level` pixels, `level` from 1 on; the coarsest ones where the pyramid ends before.
-    ///
-    /// # Panics
-    /// If the pyramid is empty: the frame is under 2×2 pixels, or no levels were made.
     pub fn level(&self, level: usize) -> &Plane {
         &self.levels[(level - 1).min(self.levels.len() - 1)]
     }
 
-    /// Number of levels.
     pub fn len(&self) -> usize {
         self.levels.len()
     }
 
-    /// Whether there are no levels, as for a frame under 2×2 pixels.
     pub fn is_empty(&self) -> bool {
         self.levels.is_empty()
     }
 }
 
-/// Means over squares of 2×2 pixels; a last odd column or row is left out.
 fn halved(plane: &Plane) -> Plane {
     let mut out = Plane::zeros(plane.width() / 2, plane.height() / 2);
     halve_rows(plane, 0..plane.height(), out.data_mut());
@@ -296,7 +277,6 @@ pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
 /// Number of columns to each side from whose mean an offset is measured: slower changes may be the scene.
 pub const REACH: usize = 16;
 
-/// Subtracts from each value the mean of those within [`REACH`].
 pub(super) fn less_local_mean(values: &[f32]) -> Vec<f32> {
     let mut sums = vec![0.0f64];
     for x in values {

@@ -18,8 +18,7 @@
 //! map `varying-6` 734 and `noisy-half` 525. The line over brightness serves scenes with light and dark parts (a test
 //! in `core/tests/detection/noise_model.rs`), which no kind of pure noise has.
 
-use super::frames::median;
-use super::high_pass::{Lattice, quiet_variance};
+use super::high_pass::{Lattice, around, median, quiet_variance, sorted, spread};
 use super::reading::sample_at;
 use crate::plane::Plane;
 use crate::plane::blur::{GaussianKernel, gaussian_blur};
@@ -51,22 +50,20 @@ pub struct TransferPoint {
     pub squares: usize,
 }
 
-/// Minimum number of squares of a group.
+/// Squares of a group at least, and groups at most.
 const MIN_SQUARES: usize = 24;
-/// Maximum number of groups.
 const MAX_GROUPS: usize = 16;
 /// Relative distance from the line beyond which a group does not count.
 const FAR: f64 = 0.4;
 /// Minimum difference between the darkest and the brightest group, in standard deviations of a square's brightness;
 /// groups of one brightness, sorted by their noise, differ by four.
 const MIN_SPAN: f64 = 7.0;
-/// Number of iterations of the fit.
 const FITS: usize = 12;
 
 impl PhotonTransfer {
     /// Fits squares of brightness `squares[i].0`, the mean of `pixels` values, and variance `squares[i].1`, from `free`
     /// independent values. All 0 without squares.
-    pub fn fit(squares: &[(f32, f32)], pixels: usize, free: f32) -> Self {
+    pub(super) fn fit(squares: &[(f32, f32)], pixels: usize, free: f32) -> Self {
         let mut sorted = squares.to_vec();
         sorted.sort_by(|x, y| x.0.total_cmp(&y.0));
         let groups = (sorted.len() / MIN_SQUARES).clamp(1, MAX_GROUPS);
@@ -85,7 +82,7 @@ impl PhotonTransfer {
     }
 
     /// Curve with one `variance`, squared fractions of full scale, at all brightnesses.
-    pub fn even(variance: f32) -> Self {
+    pub(super) fn even(variance: f32) -> Self {
         Self { dark: variance, ..Self::default() }
     }
 
@@ -95,14 +92,13 @@ impl PhotonTransfer {
     }
 }
 
-/// Variance of the quiet part of a group; where that is 0, as in files that round it away nearly everywhere, the mean.
+/// The mean where the quiet part has none, as in files that round it away nearly everywhere.
 fn variance_of(group: &[(f32, f32)], free: f32) -> f32 {
     let quiet = quiet_variance(group.iter().map(|s| s.1).collect(), free);
     if quiet > 0.0 { quiet } else { group.iter().map(|s| s.1).sum::<f32>() / group.len() as f32 }
 }
 
-/// Slope and offset of the line through the points; the slope is 0 where it is less than three times its error, or the
-/// brightness does not differ by more than its noise.
+/// Slope and offset; the slope is 0 below three times its error, or where the brightness hardly differs.
 fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
     let total = points.iter().map(|p| p.squares).sum::<usize>() as f64;
     let mean = points.iter().map(|p| f64::from(p.variance) * p.squares as f64).sum::<f64>() / total.max(1.0);
@@ -177,7 +173,6 @@ fn median_line(points: &[TransferPoint]) -> (f64, f64) {
     (a, middle(points.iter().map(|p| at(p).1 - a * at(p).0).collect()))
 }
 
-/// Noise of one square of the frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Square {
     /// Centre, image pixels.
@@ -191,14 +186,12 @@ pub struct Square {
 /// Variance relative to that predicted by the brightness, by place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExcessMap {
-    /// One value a cell, as measured.
-    pub cells: Plane,
-    /// Values with cells beside a border raised to the larger side.
-    pub raised: Plane,
-    /// These values as the filters of octaves 0, 1, … collect them.
+    /// As measured.
+    cells: Plane,
+    /// Values as the filters of octaves 0, 1, … collect them, with cells beside a border raised to the larger side.
     by_octave: Vec<Plane>,
     /// Side of a cell, image pixels.
-    pub cell_px: f32,
+    cell_px: f32,
     /// First pixel of the first cell: its middle is that of its square.
     first_px: f32,
 }
@@ -235,8 +228,7 @@ const OCTAVES: i32 = 6;
 
 /// Whether squares of `free` independent values differ by more than noise does from what their brightness predicts.
 pub fn differ_by_place(squares: &[Square], transfer: &PhotonTransfer, free: f32) -> bool {
-    let mut ratios: Vec<f32> = squares.iter().map(|square| square.excess(transfer)).collect();
-    ratios.sort_by(f32::total_cmp);
+    let ratios = sorted(squares.iter().map(|square| square.excess(transfer)).collect());
     ratios.len() >= 16 && spread(&ratios) > EVEN_SPREAD * (2.0 / free).sqrt()
 }
 
@@ -251,7 +243,7 @@ impl Square {
 impl ExcessMap {
     /// Finds the excess from the squares of a `lattice`, which each have `free` independent values; `None` where the
     /// noise is everywhere as the brightness predicts, or unknown.
-    pub fn find(squares: &[Square], lattice: Lattice, transfer: &PhotonTransfer, free: f32) -> Option<Self> {
+    pub(super) fn find(squares: &[Square], lattice: Lattice, transfer: &PhotonTransfer, free: f32) -> Option<Self> {
         let Lattice { columns, rows, pitch } = lattice;
         if columns < 4 || rows < 4 {
             return None;
@@ -263,7 +255,8 @@ impl ExcessMap {
                 let expected = (2.0 / free).sqrt();
                 (roughness(&ratios, (x, y)) <= TRUSTED_ROUGHNESS * expected).then(|| {
                     // The median of a mean of squares lies below its mean.
-                    median(around((x, y), lattice).map(|(x, y)| ratios.at(x, y)).collect()) / (1.0 - 2.0 / (3.0 * free))
+                    median(around((x, y), (columns, rows)).map(|(x, y)| ratios.at(x, y)).collect())
+                        / (1.0 - 2.0 / (3.0 * free))
                 })
             })
             .collect();
@@ -284,39 +277,21 @@ impl ExcessMap {
             let reach = COLLECTED * (octave as f32).exp2() / cell_px;
             if reach < 0.4 { raised.clone() } else { gaussian_blur(&raised, &GaussianKernel::new(f64::from(reach))) }
         };
-        Some(Self {
-            by_octave: (0..OCTAVES).map(collected).collect(),
-            raised,
-            cells,
-            cell_px,
-            first_px: lattice.first_px(),
-        })
+        Some(Self { by_octave: (0..OCTAVES).map(collected).collect(), cells, cell_px, first_px: lattice.first_px() })
     }
 
     /// Excess of the noise that the filters of `octave` collect around the image's place (u, v), or that of a border
-    /// beside it if that is larger.
-    pub fn at(&self, octave: i32, u: f32, v: f32) -> f32 {
-        let map = &self.by_octave[octave.clamp(0, OCTAVES - 1) as usize];
+    /// beside it if that is larger; `None`: as measured at that place.
+    pub(super) fn at(&self, octave: Option<i32>, u: f32, v: f32) -> f32 {
+        let map = octave.map_or(&self.cells, |octave| &self.by_octave[octave.clamp(0, OCTAVES - 1) as usize]);
         sample_at(map, self.cell_px, u - self.first_px, v - self.first_px)
     }
 
-    /// Excess at the image's place (u, v) as measured.
-    pub fn measured_at(&self, u: f32, v: f32) -> f32 {
-        sample_at(&self.cells, self.cell_px, u - self.first_px, v - self.first_px)
-    }
-
     /// Smallest and largest measured excess.
-    pub fn range(&self) -> (f32, f32) {
+    pub(super) fn range(&self) -> (f32, f32) {
         let fold = |f: fn(f32, f32) -> f32| self.cells.data().iter().copied().reduce(f).unwrap_or(1.0);
         (fold(f32::min), fold(f32::max))
     }
-}
-
-/// Cells of a lattice around (x, y), and itself.
-fn around((x, y): (usize, usize), lattice: Lattice) -> impl Iterator<Item = (usize, usize)> {
-    let Lattice { columns, rows, .. } = lattice;
-    (y.saturating_sub(1)..(y + 2).min(rows))
-        .flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| (x, y)))
 }
 
 /// Standard deviation of the logarithm of a cell's ratio that explains the second differences around it: a steady rise
@@ -331,13 +306,6 @@ fn roughness(ratios: &Plane, (x, y): (usize, usize)) -> f32 {
     ((rows.sum::<f32>() + columns.sum::<f32>()) / 6.0).sqrt()
 }
 
-/// Relative standard deviation from the quartiles of values sorted from the smallest to the largest.
-fn spread(sorted: &[f32]) -> f32 {
-    let quantile = |part: f32| sorted[((sorted.len() - 1) as f32 * part).round() as usize];
-    // The quartiles of a normal distribution are 1.35 standard deviations apart.
-    (quantile(0.75) - quantile(0.25)) / (1.35 * quantile(0.5).max(f32::MIN_POSITIVE))
-}
-
 /// All cells; those without an own value take the largest of their neighbours' values, step by step.
 fn filled(own: &[Option<f32>], columns: usize, rows: usize) -> Plane {
     let mut cells = own.to_vec();
@@ -345,9 +313,7 @@ fn filled(own: &[Option<f32>], columns: usize, rows: usize) -> Plane {
         let before = cells.clone();
         for (index, cell) in cells.iter_mut().enumerate().filter(|(_, cell)| cell.is_none()) {
             let (x, y) = (index % columns, index / columns);
-            let around = (y.saturating_sub(1)..(y + 2).min(rows))
-                .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| y * columns + x));
-            *cell = around.filter_map(|i| before[i]).reduce(f32::max);
+            *cell = around((x, y), (columns, rows)).filter_map(|(x, y)| before[y * columns + x]).reduce(f32::max);
         }
     }
     Plane::from_vec(columns, rows, cells.into_iter().map(|cell| cell.unwrap_or(1.0)).collect())
@@ -357,9 +323,7 @@ fn filled(own: &[Option<f32>], columns: usize, rows: usize) -> Plane {
 fn with_borders(cells: &Plane) -> Plane {
     let (columns, rows) = cells.size();
     Plane::from_fn(columns, rows, |x, y| {
-        let around = (y.saturating_sub(1)..(y + 2).min(rows))
-            .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| cells.at(x, y)));
-        let largest = around.fold(0.0, f32::max);
+        let largest = around((x, y), (columns, rows)).map(|(x, y)| cells.at(x, y)).fold(0.0, f32::max);
         if largest > BORDER * cells.at(x, y) { largest } else { cells.at(x, y) }
     })
 }
@@ -372,7 +336,6 @@ mod tests {
     use crate::synth::random::Stream;
     use crate::synth::{Camera, NoiseCase};
 
-    /// Brightness and variance of the squares of a sensor's frames of `signal`.
     fn squares(camera: &Camera, signal: &Plane) -> Vec<(f32, f32)> {
         let frames: Vec<Plane> = (1..=3)
             .map(|t| camera.capture(signal, &mut Stream::new(9, t), &Monitor::default()).expect("not cancelled"))
@@ -466,9 +429,10 @@ mod tests {
     #[test]
     fn a_noisier_half_is_found_with_its_border() {
         let map = map(&squares_in_place(NoiseCase::NoisyHalf)).expect("the halves differ");
-        let (left, right) = (map.at(0, 60.0, 180.0), map.at(0, 420.0, 180.0));
+        let at = |u: f32, v: f32| map.at(Some(0), u, v);
+        let (left, right) = (at(60.0, 180.0), at(420.0, 180.0));
         assert!((right / left / 9.0 - 1.0).abs() < 0.25, "{left} {right}");
-        assert!(map.at(0, 236.0, 100.0) > 0.4 * right, "{} {right}", map.at(0, 236.0, 100.0));
+        assert!(at(236.0, 100.0) > 0.4 * right, "{} {right}", at(236.0, 100.0));
         let (min, max) = map.range();
         assert!(min <= left && right <= max);
     }
@@ -479,7 +443,7 @@ mod tests {
         for (times, min_ratio) in [(2u8, 0.75), (6, 0.45)] {
             let map = map(&squares_in_place(NoiseCase::Varying(times))).expect("it varies");
             // Most and least noise, and half-way.
-            let at = |octave: i32, u: f32, v: f32| map.at(octave, u, v).sqrt();
+            let at = |octave: i32, u: f32, v: f32| map.at(Some(octave), u, v).sqrt();
             let (most, least, middle) = (at(0, 62.5, 62.5), at(0, 187.5, 62.5), at(0, 125.0, 125.0));
             let ratio = most / least / f32::from(times);
             assert!((min_ratio..1.35).contains(&ratio), "{times}: {most} {least} {middle}");

@@ -125,7 +125,6 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
     warnings
 }
 
-/// Warnings about the sensor's pattern.
 pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     let mut warnings = Vec::new();
     let hot = pattern.hot_pixels.len();
@@ -183,7 +182,6 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
 /// white --method merge --noise-gate strict --frames 0..8`).
 const KEPT_BY_MERGE: f32 = 12.0;
 
-/// Warning about the noise of a merged image.
 pub(in crate::detector) fn of_merge() -> NoiseWarning {
     let text = format!(
         "the merge takes strong noise of its middle frame for motion and keeps it: on noise alone {KEPT_BY_MERGE:.0} false features a \
@@ -192,7 +190,6 @@ pub(in crate::detector) fn of_merge() -> NoiseWarning {
     NoiseWarning::new(WarningKind::KeptByMerge, KEPT_BY_MERGE, text)
 }
 
-/// Warnings about correlation between pixels and about long tails.
 pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
     let max = |value: fn(&LevelNoise) -> f32| levels.iter().flatten().map(value).fold(0.0, f32::max);
     let mut warnings = Vec::new();
@@ -217,7 +214,6 @@ pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
     warnings
 }
 
-/// Warning about noise that differs by place.
 pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
     let (min, max) = excess?.range();
     let factor = (max / min.max(1e-6)).sqrt();
@@ -228,7 +224,6 @@ pub(super) fn of_places(excess: Option<&ExcessMap>) -> Option<NoiseWarning> {
     Some(NoiseWarning::new(WarningKind::DiffersByPlace, factor, text))
 }
 
-/// Distance between rows in which pixels are counted.
 const ROWS_APART: usize = 16;
 /// Share of cut-off pixels below which there is no warning.
 const MIN_CUT_OFF: f32 = 0.05;
@@ -270,7 +265,6 @@ fn numbered(frames: &[usize]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fixed_pattern::Stripes;
     use super::super::frames::FrameFacts;
     use super::*;
 
@@ -285,22 +279,10 @@ mod tests {
         assert!(text(0).starts_with("1 of 5 frames repeat an earlier one (number 1, counted from 0)"), "{}", text(0));
         assert!(text(1).contains("half as bright") && text(2).contains("noisier"), "{warnings:?}");
         assert!(text(3).contains("10.0 %") && text(4).contains("0.50"), "{warnings:?}");
-        assert!(of_frames(&FrameSurvey::default(), true).is_empty());
-    }
-
-    #[test]
-    fn the_pattern_is_said_with_its_number() {
-        let stripes = Some(Stripes { offsets: vec![0.0; 4], deviation: 0.02 });
-        let pattern = FixedPattern {
-            hot_pixels: vec![(1, 2)],
-            columns: stripes,
-            rows: None,
-            inseparable: 7,
-            ..FixedPattern::default()
-        };
-        let warnings = of_pattern(&pattern);
-        assert_eq!(warnings.iter().map(|w| w.number).collect::<Vec<_>>(), [1.0, 0.02, 7.0]);
-        assert!(of_pattern(&FixedPattern::default()).is_empty());
+        assert!(of_frames(&FrameSurvey::default(), true).is_empty() && of_pattern(&FixedPattern::default()).is_empty());
+        let warnings =
+            of_pattern(&FixedPattern { hot_pixels: vec![(1, 2)], inseparable: 7, ..FixedPattern::default() });
+        assert_eq!(warnings.iter().map(|w| w.number).collect::<Vec<_>>(), [1.0, 7.0]);
         assert_eq!(numbered(&[0, 1, 2, 3, 4, 5, 6, 7]), "numbers 0, 1, 2, 3, 4, 5 and 2 more, counted from 0");
     }
 }

@@ -1,6 +1,6 @@
 //! Change of one setting, as advice and explanations suggest it: commands print it, and the window applies it.
 
-use super::{DetectorParams, Param, ParamError};
+use super::{DetectorParams, Param, ParamDoc, ParamError};
 use serde::{Serialize, Serializer};
 
 /// A parameter and its new value, as the command line takes it.
@@ -49,15 +49,13 @@ impl ParamChange {
     pub fn all_applied(changes: &[Self], params: &DetectorParams) -> Result<DetectorParams, ParamError> {
         let mut changed = params.clone();
         for change in changes {
-            change.parameter.read(&mut changed, &change.value).map_err(|problem| change.unreadable(problem))?;
+            let ParamDoc { name: parameter, .. } = *change.parameter;
+            let remedy = format!("give what '--{parameter}' takes");
+            let wrong = |problem| ParamError { parameter, problem, remedy };
+            change.parameter.read(&mut changed, &change.value).map_err(wrong)?;
         }
         changed.validate()?;
         Ok(changed)
-    }
-
-    fn unreadable(&self, problem: String) -> ParamError {
-        let remedy = format!("give what '--{}' takes", self.parameter.name);
-        ParamError { parameter: self.parameter.name, problem, remedy }
     }
 }
 

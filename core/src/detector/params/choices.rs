@@ -116,13 +116,9 @@ impl std::str::FromStr for Distinct {
 
     /// Reads `off` or a number.
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.trim() {
-            "off" => Ok(Self::Off),
-            number => number
-                .parse()
-                .map(Self::Radius)
-                .map_err(|_| format!("'{text}' is neither 'off' nor a radius in σ, such as 1.25")),
-        }
+        let wrong = |_| format!("'{text}' is neither 'off' nor a radius in σ, such as 1.25");
+        let text = text.trim();
+        if text == "off" { Ok(Self::Off) } else { text.parse().map(Self::Radius).map_err(wrong) }
     }
 }
 
@@ -137,19 +133,24 @@ impl Serialize for Distinct {
 
 impl<'de> Deserialize<'de> for Distinct {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match NumberOrWord::deserialize(deserializer)? {
-            NumberOrWord::Number(radius) => Ok(Self::Radius(radius)),
-            NumberOrWord::Word(word) => word.parse().map_err(serde::de::Error::custom),
-        }
+        NumberOrWord::deserialize(deserializer)?.into_value(Self::Radius)
     }
 }
 
-/// A value that is a number or one of a few words.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum NumberOrWord {
     Number(f32),
     Word(String),
+}
+
+impl NumberOrWord {
+    fn into_value<T: std::str::FromStr<Err = String>, E: serde::de::Error>(self, of: fn(f32) -> T) -> Result<T, E> {
+        match self {
+            Self::Number(number) => Ok(of(number)),
+            Self::Word(word) => word.parse().map_err(E::custom),
+        }
+    }
 }
 
 /// Slopes with which a candidate is compared.
@@ -249,10 +250,7 @@ impl Serialize for NoiseGate {
 
 impl<'de> Deserialize<'de> for NoiseGate {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match NumberOrWord::deserialize(deserializer)? {
-            NumberOrWord::Number(k) => Ok(Self::Factor(k)),
-            NumberOrWord::Word(word) => word.parse().map_err(serde::de::Error::custom),
-        }
+        NumberOrWord::deserialize(deserializer)?.into_value(Self::Factor)
     }
 }
 

@@ -106,6 +106,8 @@ mod tests {
         assert_eq!(params.validate(), Ok(()));
         assert_eq!(DetectorParams::from_toml(&params.to_toml()), Ok(params));
         assert_eq!(DetectorParams::from_toml(""), Ok(DetectorParams::default()));
+        let error = DetectorParams::from_toml("peak_treshold = 1.0").expect_err("misspelt");
+        assert!(error.contains("peak_treshold"), "{error}");
     }
 
     #[test]
@@ -117,12 +119,6 @@ mod tests {
         assert_eq!(params.used_frames(20), 2..9);
         assert!(params.slopes.is_plane());
         assert_eq!(DetectorParams::from_toml(&params.to_toml()), Ok(params));
-    }
-
-    #[test]
-    fn a_misspelt_field_is_an_error_that_names_it() {
-        let error = DetectorParams::from_toml("peak_treshold = 1.0").expect_err("misspelt");
-        assert!(error.contains("peak_treshold"), "{error}");
     }
 
     #[test]

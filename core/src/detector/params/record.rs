@@ -223,14 +223,6 @@ impl Bounds {
         };
         end(self.range.0, f64::MIN)..=end(self.range.1, f64::MAX)
     }
-
-    /// Whether negative numbers are allowed.
-    pub fn allow_negative(&self) -> bool {
-        match self.range.0 {
-            Bound::Included(least) | Bound::Excluded(least) => least < 0.0,
-            Bound::Unbounded => true,
-        }
-    }
 }
 
 impl fmt::Display for Bounds {
@@ -300,43 +292,36 @@ impl<P> Param<P> {
     }
 
     /// Record with a description.
-    #[must_use]
     pub const fn described(self, doc: ParamDoc) -> Self {
         Self { doc, ..self }
     }
 
     /// Record of a parameter whose number is in `range`; `remedy` is given for others.
-    #[must_use]
     pub const fn within(self, range: (Bound<f64>, Bound<f64>), remedy: &'static str) -> Self {
         Self { bounds: Some(Bounds::new(range, remedy)), ..self }
     }
 
     /// Record with a field of the window of this speed and number of decimals.
-    #[must_use]
     pub const fn dragged(self, speed: f64, decimals: usize) -> Self {
         Self { drag: Drag { speed, decimals, ..self.drag }, ..self }
     }
 
     /// Record with a text after the number in the window.
-    #[must_use]
     pub const fn followed_by(self, suffix: &'static str) -> Self {
         Self { drag: Drag { suffix, ..self.drag }, ..self }
     }
 
     /// Record with a word that stands for 0 in the window.
-    #[must_use]
     pub const fn zero_is(self, word: &'static str) -> Self {
         Self { drag: Drag { zero: Some(word), ..self.drag }, ..self }
     }
 
     /// Record whose default is given in words.
-    #[must_use]
     pub const fn by_default(self, words: &'static str) -> Self {
         Self { default_words: Some(words), ..self }
     }
 
     /// Record of a parameter that has an effect only where `in_use` says so.
-    #[must_use]
     pub const fn used_if(self, in_use: fn(&P) -> bool) -> Self {
         Self { in_use, ..self }
     }
@@ -465,8 +450,7 @@ impl<P> Deref for Param<P> {
     }
 }
 
-/// Declares one parameter: its constant's name, the type of the parameters, the fields of [`ParamDoc`] in order, and
-/// its [`Param`].
+/// Declares the constant `$id`, the [`Param`] with these fields of its [`ParamDoc`].
 macro_rules! param {
     ($id:ident, $params:ty, $name:literal, $label:literal, $unit:literal, $term:literal, $meaning:literal, $effect:literal, $rest:expr) => {
         #[doc = concat!($meaning, " ", $effect)]

@@ -75,9 +75,7 @@ impl SlopeAxis {
     pub fn value(&self, index: f32) -> f32 {
         if self.count > 1 { self.min + index * self.step() } else { 0.5 * (self.min + self.max) }
     }
-}
 
-impl SlopeAxis {
     /// Checks the axis by itself.
     ///
     /// # Errors
@@ -120,10 +118,7 @@ impl std::str::FromStr for SlopeAxis {
         };
         let parts: Vec<&str> = text.split(':').collect();
         match parts.as_slice() {
-            [one] => {
-                let value = number(one)?;
-                Ok(Self { min: value, max: value, count: 1 })
-            }
+            [one] => number(one).map(|value| Self::new(value..=value, 1)),
             [min, max, count] => Ok(Self {
                 min: number(min)?,
                 max: number(max)?,
@@ -171,11 +166,7 @@ impl SlopeGrid {
 
     /// Grid with one slope.
     pub fn single(slope: Slope) -> Self {
-        Self {
-            u: SlopeAxis { min: slope.u, max: slope.u, count: 1 },
-            v: SlopeAxis { min: slope.v, max: slope.v, count: 1 },
-            direction_deg: 0.0,
-        }
+        Self::plane(slope.u..=slope.u, 1, slope.v..=slope.v, 1)
     }
 
     /// Number of slopes, Mu·Mv.
@@ -206,10 +197,7 @@ impl SlopeGrid {
         Slope::new(tidy(a * cos - b * sin), tidy(a * sin + b * cos))
     }
 
-    /// Slope with running index `index` = `j·Mu + i`.
-    ///
-    /// # Panics
-    /// Never; indices past the end give slopes outside the grid.
+    /// Slope with running index `index` = `j·Mu + i`. Indices past the end give slopes outside the grid.
     pub fn slope(&self, index: usize) -> Slope {
         let (i, j) = self.coordinates(index);
         self.at(i as f32, j as f32)
@@ -273,12 +261,7 @@ mod tests {
         assert_eq!(slopes[0], Slope::new(-3.0, 0.0));
         assert_eq!(slopes[4], Slope::new(1.0, 0.0));
         assert!(grid.on_rim(0, 0) && grid.on_rim(6, 0) && !grid.on_rim(3, 0));
-    }
-
-    #[test]
-    fn a_turned_line_goes_down() {
-        let grid = SlopeGrid::line_along(90.0, -1.0..=1.0, 3);
-        assert_eq!(grid.slope(2), Slope::new(0.0, 1.0));
+        assert_eq!(SlopeGrid::line_along(90.0, -1.0..=1.0, 3).slope(2), Slope::new(0.0, 1.0));
     }
 
     #[test]

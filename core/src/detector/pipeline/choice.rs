@@ -5,17 +5,16 @@
 //! and described, until there are enough features and the next keypoint is weaker than all of them. A feature has the
 //! strength of its keypoint, so the result is that of describing all keypoints and keeping the strongest features.
 
+use crate::detector::along::Along;
 use crate::detector::describe::Described;
-use crate::detector::describe::patch::{FramesOfOctaves, Motions};
 use crate::detector::distinct::{Blob, Deciding, Rule};
 use crate::detector::feature::{Feature, Keypoint, Tally, Test};
 use crate::detector::params::Distinct;
-use crate::detector::pipeline::left::{Known, Left};
-use crate::detector::search::setup::{Inputs, Search};
+use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints};
+use crate::detector::search::setup::Search;
 use crate::monitor::Cancelled;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::MutexGuard;
 use std::time::Instant;
 
 /// Fate of a keypoint in the choice.
@@ -29,13 +28,12 @@ pub(super) enum Verdict {
     Cut,
 }
 
-/// Features that were chosen, strongest first, and the fates of the keypoints.
-#[derive(Debug, Clone)]
+/// Fates of the keypoints.
+#[derive(Debug)]
 pub(super) struct Choice {
-    /// Features, strongest first.
-    pub(super) found: Vec<Described>,
-    /// Fate of each keypoint.
     pub(super) verdicts: Vec<Verdict>,
+    /// The keypoint of each feature, strongest first.
+    pub(super) ranked: Vec<usize>,
     /// Keypoints that are known to stay among those on their blobs.
     pub(super) distinct: Vec<usize>,
     /// Time for the comparison of keypoints on one blob, seconds.
@@ -43,7 +41,6 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// Counts the fates.
     pub(super) fn count(&self, tally: &mut Tally) {
         for verdict in &self.verdicts {
             match verdict {
@@ -59,33 +56,32 @@ impl Choice {
 const FEWEST: usize = 256;
 
 /// Inputs of a choice.
-pub(super) struct Choosing<'a, 'f> {
+pub(super) struct Chooser<'a> {
     pub(super) search: &'a Search<'a>,
-    pub(super) inputs: &'a Inputs,
-    /// Keypoints, in order of octaves.
-    pub(super) keypoints: &'a [Keypoint],
-    /// Their numbers among those that the search left; `None` for all of these.
-    pub(super) numbers: Option<&'a [u32]>,
-    /// Result of the search.
-    pub(super) left: &'a Left,
-    pub(super) frames: &'a FramesOfOctaves<'f>,
+    pub(super) outcome: &'a Outcome,
+    pub(super) passing: &'a PassingKeypoints,
+    pub(super) along: &'a Along<'a>,
 }
 
-impl Choosing<'_, '_> {
-    /// Chooses at most `max_features` features, 0 for all.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once the search's monitor was cancelled.
-    pub(super) fn choose(&self, max_features: usize) -> Result<Choice, Cancelled> {
+impl Chooser<'_> {
+    /// Chooses at most `max_features` features, 0 for all, and returns them, strongest first.
+    pub(super) fn choose(&self, max_features: usize) -> Result<(Vec<Described>, Choice), Cancelled> {
         let max = if max_features == 0 { usize::MAX } else { max_features };
-        let keypoints = self.keypoints;
-        let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, &self.search.space)).collect();
-        let mut twins = self.rule().map(|rule| Deciding::new(&blobs, rule));
+        let keypoints = &self.passing.keypoints[..];
+        let blobs: Vec<Blob> = keypoints.iter().map(|keypoint| Blob::of(keypoint, self.search.space)).collect();
+        let rule = match self.search.params.distinct {
+            Distinct::Off => None,
+            Distinct::Radius(radius) => Some(Rule { radius, scale_ratio: self.search.params.distinct_scale }),
+        };
+        let mut deciding = rule.map(|rule| Deciding::new(&blobs, rule));
         let mut distinct_secs = 0.0;
         let mut order: Vec<usize> = (0..keypoints.len()).collect();
         let strength = |index: &usize| keypoints[*index].strength();
         if max < keypoints.len() {
             order.par_sort_unstable_by(|a, b| strength(b).total_cmp(&strength(a)).then(a.cmp(b)));
+        }
+        if let Some(last) = keypoints.last().filter(|_| deciding.is_some()) {
+            self.along.make(last.octave);
         }
         let mut verdicts = vec![Verdict::Cut; keypoints.len()];
         let (mut found, mut left): (Vec<Described>, &[usize]) = (Vec::new(), &order);
@@ -105,12 +101,13 @@ impl Choosing<'_, '_> {
                 let (next, after) = left.split_at((missing - distinct.len()).max(FEWEST).min(left.len()));
                 left = after;
                 let started = Instant::now();
-                if let Some(twins) = &mut twins {
-                    self.compare(twins, next)?;
+                if let Some(deciding) = &mut deciding {
+                    let are_two = |a: usize, b: usize| self.along.are_two(&keypoints[a], &keypoints[b]);
+                    deciding.decide(next, are_two, self.search.monitor)?;
                 }
                 distinct_secs += started.elapsed().as_secs_f32();
                 for &index in next {
-                    match twins.as_ref().and_then(|twins| twins.covered_by(index)) {
+                    match deciding.as_ref().and_then(|deciding| deciding.covered_by(index)) {
                         Some(by) => verdicts[index] = Verdict::CoveredBy(by),
                         None => distinct.push(index),
                     }
@@ -129,98 +126,43 @@ impl Choosing<'_, '_> {
             weaker.for_each(|(verdict, _)| *verdict = Verdict::Cut);
         }
         found.iter().for_each(|one| verdicts[one.keypoint] = Verdict::Kept);
-        let distinct = twins.map(|twins| twins.stayed().collect()).unwrap_or_default();
-        Ok(Choice { found, verdicts, distinct, distinct_secs })
-    }
-
-    fn rule(&self) -> Option<Rule> {
-        match self.search.params.distinct {
-            Distinct::Off => None,
-            Distinct::Radius(radius) => Some(Rule { radius, scale_ratio: self.search.params.distinct_scale }),
-        }
-    }
-
-    /// Decides which of the keypoints `asked` show the blob of a stronger one.
-    fn compare(&self, twins: &mut Deciding<'_>, asked: &[usize]) -> Result<(), Cancelled> {
-        let search = self.search;
-        let motions = Motions {
-            frames: self.frames,
-            times: search.times,
-            size_image: search.size_image,
-            space: &search.space,
-            interpolation: search.params.rules.interpolation,
-        };
-        let compare = |a: usize, b: usize| motions.are_two(&self.keypoints[a], &self.keypoints[b]);
-        let are_two = |a: usize, b: usize| {
-            let (stronger, snr) = (self.number(a) as u32, self.keypoints[b].snr);
-            let known = |known: MutexGuard<'_, Known>| {
-                known.twins.iter().find(|(by, with, _)| (*by, *with) == (stronger, snr)).map(|(_, _, two)| *two)
-            };
-            self.known(b).and_then(known).unwrap_or_else(|| {
-                let two = compare(a, b);
-                if let Some(mut known) = self.known(b) {
-                    known.twins.retain(|(_, with, _)| *with == snr);
-                    known.twins.push((stronger, snr, two));
-                }
-                two
-            })
-        };
-        self.frames.make(self.keypoints.iter());
-        twins.decide(asked, are_two, search.monitor)
+        let distinct = deciding.map(|deciding| deciding.stayed().collect()).unwrap_or_default();
+        let ranked = found.iter().map(|one| one.keypoint).collect();
+        Ok((found, Choice { verdicts, ranked, distinct, distinct_secs }))
     }
 
     /// Appends the features of the keypoints `chosen`. `part` is the part of the progress that this takes.
     fn append(&self, found: &mut Vec<Described>, mut chosen: Vec<usize>, part: Range<f32>) -> Result<(), Cancelled> {
-        let search = self.search;
+        let PassingKeypoints { keypoints, numbers, .. } = self.passing;
+        let kept = |index: usize| self.outcome.described.get(numbers[index] as usize);
         chosen.sort_unstable();
         chosen.retain(|&index| {
-            let known = self.known(index);
-            let described = known.as_ref().and_then(|known| known.described.as_deref());
+            let described = kept(index).and_then(|kept| kept.get());
             found.extend(described.into_iter().flatten().map(|one| {
-                let feature = Feature { snr: self.keypoints[index].snr, ..one.feature };
+                let feature = Feature { snr: keypoints[index].snr, ..one.feature };
                 Described { feature, keypoint: index, ..one.clone() }
             }));
             described.is_none()
         });
-        let keypoints: Vec<Keypoint> = chosen.iter().map(|&index| self.keypoints[index]).collect();
-        let (octaves, levels) = (self.inputs.octaves(), (self.left.bases.as_deref(), &self.left.groups[..]));
+        let new: Vec<Keypoint> = chosen.iter().map(|&index| keypoints[index]).collect();
         let first = found.len();
-        found.extend(search.describe(&octaves, &keypoints, levels, self.frames, part)?);
+        found.extend(self.search.describe(&new, self.outcome, self.along, part)?);
         found[first..].iter_mut().for_each(|one| one.keypoint = chosen[one.keypoint]);
         for same in found[first..].chunk_by(|a, b| a.keypoint == b.keypoint) {
-            if let Some(mut known) = self.known(same[0].keypoint) {
-                known.described = Some(same.into());
+            if let Some(kept) = kept(same[0].keypoint) {
+                kept.get_or_init(|| same.into());
             }
         }
         Ok(())
     }
 
-    /// Number of keypoint `index` among those that the search left.
-    fn number(&self, index: usize) -> usize {
-        self.numbers.map_or(index, |numbers| numbers[index] as usize)
-    }
-
-    /// Later values of keypoint `index`, locked; `None` where nothing is kept.
-    fn known(&self, index: usize) -> Option<MutexGuard<'_, Known>> {
-        self.left.known(self.number(index))
-    }
-
     /// Marks the features at the limit of the slopes.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once the search's monitor was cancelled.
     pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
-        let limit = self.search.limit(self.frames);
         found.par_iter_mut().try_for_each(|one| {
-            let snr = one.feature.snr;
-            let known = self.known(one.keypoint).and_then(|known| known.at_limit).filter(|(with, _)| *with == snr);
-            one.feature.at_slope_limit = match known {
-                Some((_, at_limit)) => at_limit,
-                None => limit.is_at_limit(&one.feature)?,
-            };
-            if let Some(mut known) = self.known(one.keypoint) {
-                known.at_limit = Some((snr, one.feature.at_slope_limit));
-            }
+            self.search.monitor.check()?;
+            let number = self.passing.numbers[one.keypoint] as usize;
+            let rises = self.outcome.rises[number].get_or_init(|| self.along.rises(&one.feature));
+            one.feature.at_slope_limit = rises.iter().any(|rise| rise.exceeds_noise(one.feature.snr));
             Ok(())
         })
     }

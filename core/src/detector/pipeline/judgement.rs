@@ -7,6 +7,7 @@
 use super::trail::Trail;
 use crate::detector::feature::{Keypoint, Test};
 use crate::detector::params::SlopeNeighbours;
+use crate::detector::params::slope_grid::SlopeGrid;
 use crate::detector::refine::{Fit, Limits, Refined, fit, refine};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::search::ascends;
@@ -57,11 +58,9 @@ pub struct Neighbourhood {
     pixels: Vec<PartOfLevel>,
 }
 
-/// Part of an octave's first level.
 #[derive(Debug)]
 struct PartOfLevel {
     plane: Plane,
-    /// Column and row of its first pixel.
     first: (usize, usize),
 }
 
@@ -82,19 +81,17 @@ impl PartOfLevel {
 pub struct Judgement {
     /// D at the sample.
     pub value: f32,
-    /// The first test of the search that rejects it, if any. Whether it shows the same blob as a stronger keypoint is
-    /// decided later.
+    /// The first test of the search that rejects it, if any; those of the whole list come later.
     pub rejected_by: Option<Test>,
     /// σ_D at its level and slope where the noise is least.
     pub sigma_d_min: f32,
     /// σ_D at the sample.
     pub sigma_d: f32,
-    /// The strongest of the slopes that beat it by the joint rule, if any.
-    pub beaten_by: Option<usize>,
+    /// Whether a slope beats it by the joint rule.
+    pub is_beaten: bool,
     /// The quadratic fit; `None` where D has none.
     pub fit: Option<Fit>,
-    /// The keypoint that it makes, or would make if it passed all tests; `None` where the fit did not converge inside
-    /// the octave.
+    /// The keypoint that it would make if it passed all tests; `None` where the fit did not converge inside the octave.
     pub would_be: Option<Keypoint>,
 }
 
@@ -107,16 +104,13 @@ impl Judgement {
 
 impl Trail {
     /// D of all slopes around `region` of `octave`, at least one pixel of which must lie in the octave.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn neighbourhood(&self, octave: i32, region: &Region, monitor: &Monitor) -> Result<Neighbourhood, Cancelled> {
         self.with_search(monitor, |search| {
             let size = self.octave_size(octave);
             let held = region.widened(HELD, size);
             let first = octave == search.space.first_octave;
             let bank = if first { &search.banks.0 } else { &search.banks.1 };
-            let filters = OctaveFilters::new(&search.space, bank, &search.space.all_levels(), size);
+            let filters = OctaveFilters::new(search.space, bank, &search.space.all_levels(), size);
             let inputs = filters.inputs(&held);
             let one = |pixels: Pixels<'_>, scratch: &mut FilterScratch| {
                 let mut dog = DogTile::default();
@@ -127,12 +121,12 @@ impl Trail {
                 };
                 (dog, part)
             };
-            let bases = self.left.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
+            let bases = self.outcome.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
             let of_slope = |index: usize, scratch: &mut FilterScratch, stacked: &mut Vec<Tile>| {
                 monitor.check()?;
                 let pixels = match bases.filter(|_| !first) {
                     None => {
-                        stack_tiles(search.frames, &search.offsets[index..=index], octave, &inputs, stacked);
+                        stack_tiles(&search.planes, &search.offsets[index..=index], octave, &inputs, stacked);
                         Pixels::Stacked(&stacked[0])
                     }
                     Some(bases) => Pixels::Level(bases.at(index)),
@@ -160,8 +154,7 @@ impl Trail {
         })
     }
 
-    /// Judges the samples `samples` of a neighbourhood; `None` for those on the octave's border, which the search does
-    /// not examine.
+    /// Judges samples of a neighbourhood; `None` for those on the octave's border, which the search does not examine.
     pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
         let monitor = Monitor::default();
         self.with_search(&monitor, |search| {
@@ -181,7 +174,7 @@ impl Trail {
         let sigma_d_min = sigma_d[level_index][slope_index];
         let sigma_d = sigma_d_min * search.place_factor(octave, slope_index, x, y);
         let others = OtherSlopes::of(search.params);
-        let beaten_by = self.beaten_by(search, around, slope_index, &candidate, others);
+        let is_beaten = is_beaten(search, around, slope_index, &candidate, others);
         let part = around.pixels.get(slope_index).filter(|_| ascends(search.params, octave));
         let first = part.map(|part| search.first_level(part.view()));
         let samples = (own, first.as_ref());
@@ -189,7 +182,7 @@ impl Trail {
         let rejected_by = match at_own {
             Err(test) => Some(test),
             Ok(_) if !search.passes_gate(&candidate, sigma_d) => Some(Test::NoiseGate),
-            Ok(_) if beaten_by.is_some() => Some(Test::SlopeExtremum),
+            Ok(_) if is_beaten => Some(Test::SlopeExtremum),
             Ok(_) => refined.err(),
         };
         // No thresholds: every fit passes.
@@ -205,55 +198,37 @@ impl Trail {
             let slope = refined_slope(&search.grid, others, slope_index, &d_around);
             search.keypoint(octave, &candidate, &refined, (slope_index, slope), sigma_d)
         });
-        Some(Judgement { value, rejected_by, sigma_d_min, sigma_d, beaten_by, fit, would_be })
+        Some(Judgement { value, rejected_by, sigma_d_min, sigma_d, is_beaten, fit, would_be })
     }
+}
 
-    /// The slope that beats a candidate by the joint rule; of several, that with the largest |D| of the candidate's
-    /// sign around it.
-    fn beaten_by(
-        &self,
-        search: &Search<'_>,
-        around: &Neighbourhood,
-        slope_index: usize,
-        candidate: &Candidate,
-        others: OtherSlopes,
-    ) -> Option<usize> {
-        let OtherSlopes::Beaten(neighbours) = others else {
-            return None;
-        };
-        let Candidate { x, y, level_index, value } = *candidate;
-        let (i, j) = search.grid.coordinates(slope_index);
-        let compared = |&other: &usize| {
-            let (ii, jj) = search.grid.coordinates(other);
-            other != slope_index && (neighbours == SlopeNeighbours::All || (i.abs_diff(ii) <= 1 && j.abs_diff(jj) <= 1))
-        };
+fn is_beaten(
+    search: &Search<'_>,
+    around: &Neighbourhood,
+    slope_index: usize,
+    candidate: &Candidate,
+    others: OtherSlopes,
+) -> bool {
+    let OtherSlopes::Beaten(neighbours) = others else {
+        return false;
+    };
+    let Candidate { x, y, level_index, value } = *candidate;
+    compared_slopes(&search.grid, slope_index, neighbours)
         // Of two slopes with the same D the earlier one stays.
-        let beats =
-            |other: &usize| !beats_all_27(value, &around.tiles[*other], x, y, level_index, *other > slope_index);
-        let strongest = |other: usize| strongest_around(&around.tiles[other], x, y, level_index, value.signum()).1;
-        (0..search.grid.len()).filter(compared).filter(beats).max_by(|&a, &b| strongest(a).total_cmp(&strongest(b)))
-    }
+        .any(|other| !beats_all_27(value, &around.tiles[other], x, y, level_index, other > slope_index))
 }
 
-/// Largest sign·D among the 3×3×3 samples around and at (x, y, level index): its place, as (column, row, level index),
-/// and its value.
-pub fn strongest_around(
-    dog: &DogTile,
-    x: usize,
-    y: usize,
-    level_index: usize,
-    sign: f32,
-) -> ((usize, usize, usize), f32) {
-    let places = (level_index - 1..=level_index + 1)
-        .flat_map(|s| (y - 1..=y + 1).flat_map(move |v| (x - 1..=x + 1).map(move |u| (u, v, s))));
-    places
-        .map(|(u, v, s)| ((u, v, s), sign * dog.at(s, u, v)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .expect("there are 27 samples")
+/// The slopes that the joint rule compares with slope `index`.
+pub fn compared_slopes(grid: &SlopeGrid, index: usize, neighbours: SlopeNeighbours) -> impl Iterator<Item = usize> {
+    let grid = *grid;
+    let (i, j) = grid.coordinates(index);
+    (0..grid.len()).filter(move |&other| {
+        let (ii, jj) = grid.coordinates(other);
+        other != index && (neighbours == SlopeNeighbours::All || (i.abs_diff(ii) <= 1 && j.abs_diff(jj) <= 1))
+    })
 }
 
-/// D of the refined sample at the slopes around slope `index`, 0 beyond the grid; the search uses it for the refinement
-/// over slope.
+/// D of the refined sample at the slopes around slope `index`, 0 beyond the grid.
 fn d_around(
     search: &Search<'_>,
     around: &Neighbourhood,

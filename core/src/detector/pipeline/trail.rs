@@ -6,17 +6,18 @@
 //! in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those of a tile do not depend on
 //! the tile.
 
-use crate::detector::coherence::{self, Along, Evenness, FrameResponse};
-use crate::detector::describe::patch::{FramesOfOctaves, Motions, OctaveFrames};
+use crate::detector::along::Along;
+use crate::detector::coherence::{Evenness, FrameResponse};
 use crate::detector::distinct::{self, Blob};
 use crate::detector::feature::{Detection, Feature, Keypoint, Test};
+use crate::detector::memory::on_threads;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Distinct};
-use crate::detector::pipeline::choice::{Choice, Choosing, Verdict};
-use crate::detector::pipeline::left::{Left, Passing, SigmaD, sigma_d};
+use crate::detector::pipeline::choice::{Choice, Chooser, Verdict};
+use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, SigmaD, sigma_d};
 use crate::detector::scale_space::{ScaleSpace, octave_size};
-use crate::detector::search::setup::{FirstLevels, Inputs, Search};
+use crate::detector::search::setup::{Inputs, Search};
 use crate::kernel::patch::{Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -25,6 +26,7 @@ use crate::plane::tile::Region;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -34,33 +36,16 @@ type SampleKey = (i32, i32, usize, [u32; 2]);
 /// Radius of the keypoints considered, in links of a chain: keypoints that remove one another form chains.
 const CHAIN_LINKS: f32 = 6.0;
 
-/// Fates of the keypoints, and the keypoint of each feature, strongest first.
-#[derive(Debug)]
-pub(super) struct Chosen {
-    verdicts: Vec<Verdict>,
-    ranked: Vec<usize>,
-    /// Keypoints that are known to stay among those on their blobs.
-    distinct: Vec<usize>,
-}
-
-impl From<Choice> for Chosen {
-    fn from(Choice { found, verdicts, distinct, .. }: Choice) -> Self {
-        Self { verdicts, ranked: found.iter().map(|one| one.keypoint).collect(), distinct }
-    }
-}
-
 /// A detection and the data from which it was computed.
 #[derive(Debug)]
 pub struct Trail {
     pub(super) inputs: Inputs,
     /// Result of the search, which trails for other thresholds share.
-    pub(super) left: Arc<Left>,
-    /// Keypoints that pass the thresholds; `None` for all that the search left.
-    passing: Option<Passing>,
-    /// Choice of the features.
-    chosen: Chosen,
+    pub(super) outcome: Arc<Outcome>,
+    passing: PassingKeypoints,
+    choice: Choice,
     /// The choice without a maximum number of features, computed on first use.
-    uncut: OnceLock<Chosen>,
+    uncut: OnceLock<Choice>,
     by_sample: HashMap<SampleKey, usize>,
     /// Keypoints that are known to have stayed, sorted by row.
     stayed: Vec<(usize, Blob)>,
@@ -74,13 +59,14 @@ pub struct Trail {
 impl Trail {
     pub(super) fn new(
         inputs: Inputs,
-        left: Arc<Left>,
-        passing: Option<Passing>,
-        (choice, detection): (Choice, Detection),
+        outcome: Arc<Outcome>,
+        passing: PassingKeypoints,
+        choice: Choice,
+        detection: Detection,
     ) -> Self {
         let (by_sample, stayed, sigma_d, uncut) = (HashMap::new(), Vec::new(), Vec::new(), OnceLock::new());
-        let (chosen, search_secs) = (choice.into(), detection.times.total_secs());
-        Self { inputs, left, passing, chosen, uncut, by_sample, stayed, sigma_d, detection, search_secs }
+        let search_secs = detection.times.total_secs();
+        Self { inputs, outcome, passing, choice, uncut, by_sample, stayed, sigma_d, detection, search_secs }
     }
 
     /// Adds the lookup tables that questions need.
@@ -88,17 +74,19 @@ impl Trail {
         let key = |k: &Keypoint| (k.octave, k.level, k.slope_index, k.sample);
         self.by_sample = self.keypoints().iter().enumerate().map(|(index, k)| (key(k), index)).collect();
         let blob = |&index: &usize| (index, Blob::of(&self.keypoints()[index], &self.inputs.space));
-        self.stayed = self.chosen.distinct.iter().map(blob).collect();
+        self.stayed = self.choice.distinct.iter().map(blob).collect();
         self.stayed.sort_by(|a, b| a.1.v.total_cmp(&b.1.v));
         let monitor = Monitor::default();
         self.sigma_d = self.with_search(&monitor, sigma_d);
         self
     }
 
-    /// Calls `work` with the search of this detection.
     pub(super) fn with_search<T>(&self, monitor: &Monitor, work: impl FnOnce(&Search<'_>) -> T) -> T {
-        let planes = self.inputs.planes();
-        work(&Search::new(&self.inputs, &planes, monitor))
+        work(&Search::new(&self.inputs, monitor))
+    }
+
+    fn along(&self) -> Along<'_> {
+        Along::with_means(&self.inputs, &self.outcome.means)
     }
 
     /// Memory of the trail, bytes, without the frames among `others`, which are held elsewhere too. It grows as
@@ -107,15 +95,15 @@ impl Trail {
         let plane = |plane: &Plane| size_of_val(plane.data());
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
         let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
-        let means = self.left.means.iter().filter_map(OnceLock::get).flatten();
-        let bases = self.left.bases.iter().flatten().flat_map(FirstLevels::planes);
+        let means = self.outcome.means.iter().filter_map(OnceLock::get).flatten();
+        let bases = self.outcome.bases.iter().flatten().flat_map(|levels| &levels.planes);
         let planes: usize = bases.chain(means).map(plane).sum();
         let Detection { features, descriptors, .. } = &self.detection;
-        let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.chosen.ranked[..]);
+        let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.choice.ranked[..]);
         let of_keypoint = size_of::<(Keypoint, Verdict, SampleKey, usize)>();
         frames
             + planes
-            + self.left.bytes()
+            + self.outcome.bytes()
             + found
             + of_keypoint * self.keypoints().len()
             + size_of_val(&self.stayed[..])
@@ -123,10 +111,10 @@ impl Trail {
 
     /// Whether this trail and `other` go back to the same search: each can be [judged](Trail::rejudged) from the other.
     pub fn shares_search(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.left, &other.left)
+        Arc::ptr_eq(&self.outcome, &other.outcome)
     }
 
-    /// The detection.
+    /// The result.
     pub fn detection(&self) -> &Detection {
         &self.detection
     }
@@ -144,7 +132,7 @@ impl Trail {
     /// Parameters of the search that this trail goes back to: those that other parameters must [follow](super::follows)
     /// from to be judged without a search.
     pub fn searched_with(&self) -> &DetectorParams {
-        self.left.params()
+        &self.outcome.params
     }
 
     /// Size (columns, rows) of a frame.
@@ -179,13 +167,13 @@ impl Trail {
 
     /// All keypoints that passed the tests of the search, including those that show the same blob as a stronger one.
     pub fn keypoints(&self) -> &[Keypoint] {
-        self.passing.as_ref().map_or(&self.left.keypoints, |passing| &passing.keypoints)
+        &self.passing.keypoints
     }
 
     /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one. `None` for
     /// keypoints that [are cut](Trail::is_cut).
     pub fn covered_by(&self, index: usize) -> Option<usize> {
-        match self.chosen.verdicts[index] {
+        match self.choice.verdicts[index] {
             Verdict::CoveredBy(by) => Some(by),
             _ => None,
         }
@@ -194,7 +182,7 @@ impl Trail {
     /// Whether keypoint `index` is too weak for any feature of it to be among those kept. It is not compared with the
     /// stronger keypoints on its blob.
     pub fn is_cut(&self, index: usize) -> bool {
-        self.chosen.verdicts[index] == Verdict::Cut
+        self.choice.verdicts[index] == Verdict::Cut
     }
 
     /// First test that a keypoint that [is cut](Trail::is_cut) would fail if all features were kept. The first call
@@ -207,60 +195,42 @@ impl Trail {
     }
 
     /// The choice without a maximum number of features.
-    fn uncut(&self) -> &Chosen {
+    fn uncut(&self) -> &Choice {
         if self.inputs.params.max_features == 0 {
-            return &self.chosen;
+            return &self.choice;
         }
         let choose = || {
             let monitor = Monitor::default();
-            let planes = self.inputs.planes();
-            let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
-            let choosing = Choosing {
-                search: &Search::new(&self.inputs, &planes, &monitor),
-                inputs: &self.inputs,
-                keypoints: self.keypoints(),
-                numbers: self.passing.as_ref().map(|passing| &passing.numbers[..]),
-                left: &self.left,
-                frames: &frames,
-            };
-            Chosen::from(choosing.choose(0).expect("nobody cancels it"))
+            let search = &Search::new(&self.inputs, &monitor);
+            let chooser = Chooser { search, outcome: &self.outcome, passing: &self.passing, along: &self.along() };
+            chooser.choose(0).expect("nobody cancels it").1
         };
         // On threads of its own: a thread that waited for others here might meanwhile run a job that waits for this.
-        self.uncut.get_or_init(|| std::thread::scope(|scope| join(scope.spawn(|| on_own_threads(choose)))))
+        let on_own_threads = || {
+            std::thread::scope(|scope| {
+                scope.spawn(|| on_threads(0, choose)).join().unwrap_or_else(|panic| resume_unwind(panic))
+            })
+        };
+        self.uncut.get_or_init(on_own_threads)
     }
 
     /// Whether keypoint `index` would stay among those around it with another `radius` and `scale_ratio` for distinct
     /// keypoints. All of these are compared again: removed ones may then stay, and remove others.
     pub fn would_stay(&self, index: usize, radius: f32, scale_ratio: f32) -> bool {
-        let own = self.keypoints()[index].in_image();
+        let keypoints = self.keypoints();
+        let own = keypoints[index].in_image();
+        let own_radius = if let Distinct::Radius(radius) = self.inputs.params.distinct { radius } else { 0.0 };
         let near = |k: &Keypoint| {
             let (u, v, sigma) = k.in_image();
-            let reach = CHAIN_LINKS * radius.max(self.distinct_radius()) * sigma.max(own.2);
-            (u - own.0).hypot(v - own.1) <= reach
+            (u - own.0).hypot(v - own.1) <= CHAIN_LINKS * radius.max(own_radius) * sigma.max(own.2)
         };
-        let around: Vec<usize> = (0..self.keypoints().len()).filter(|&other| near(&self.keypoints()[other])).collect();
-        let blobs: Vec<Blob> =
-            around.iter().map(|&other| Blob::of(&self.keypoints()[other], &self.inputs.space)).collect();
-        let covered = self.with_motions(|motions| {
-            let are_two =
-                |a: usize, b: usize| motions.are_two(&self.keypoints()[around[a]], &self.keypoints()[around[b]]);
-            distinct::covered_by(&blobs, distinct::Rule { radius, scale_ratio }, are_two, &Monitor::default())
-                .expect("nobody cancels it")
-        });
+        let around: Vec<usize> = (0..keypoints.len()).filter(|&other| near(&keypoints[other])).collect();
+        let blobs: Vec<Blob> = around.iter().map(|&other| Blob::of(&keypoints[other], &self.inputs.space)).collect();
+        let along = self.along();
+        let are_two = |a: usize, b: usize| along.are_two(&keypoints[around[a]], &keypoints[around[b]]);
+        let rule = distinct::Rule { radius, scale_ratio };
+        let covered = distinct::covered_by(&blobs, rule, are_two, &Monitor::default()).expect("nobody cancels it");
         around.iter().zip(covered).any(|(&other, by)| other == index && by.is_none())
-    }
-
-    fn distinct_radius(&self) -> f32 {
-        if let Distinct::Radius(radius) = self.inputs.params.distinct { radius } else { 0.0 }
-    }
-
-    /// Calls `work` with the test of whether two keypoints at one place are separate structures.
-    fn with_motions<T>(&self, work: impl FnOnce(&Motions<'_, '_>) -> T) -> T {
-        let planes = self.inputs.planes();
-        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
-        let Inputs { times, size_image, space, params, .. } = &self.inputs;
-        let interpolation = params.rules.interpolation;
-        work(&Motions { frames: &frames, times, size_image: *size_image, space, interpolation })
     }
 
     /// Index of the keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for
@@ -277,14 +247,13 @@ impl Trail {
         let first = self.stayed.partition_point(|(_, other)| other.v < blob.v - reach);
         let last = self.stayed.partition_point(|(_, other)| other.v <= blob.v + reach);
         let blobs = self.stayed[first..last].iter().copied();
-        self.with_motions(|motions| {
-            distinct::would_cover(&blob, blobs, rule, |index| motions.are_two(&self.keypoints()[index], keypoint))
-        })
+        let along = self.along();
+        distinct::would_cover(&blob, blobs, rule, |index| along.are_two(&self.keypoints()[index], keypoint))
     }
 
     /// Index of the keypoint of feature `index` of the detection, or of those beyond `max_features`.
     pub fn keypoint_of_feature(&self, index: usize) -> usize {
-        self.chosen.ranked.get(index).copied().unwrap_or_else(|| self.uncut().ranked[index])
+        self.choice.ranked.get(index).copied().unwrap_or_else(|| self.uncut().ranked[index])
     }
 
     /// Number of features including those beyond `max_features`. The first call takes as long as describing all
@@ -304,7 +273,7 @@ impl Trail {
 
     /// Ranks by strength of a keypoint's features that are kept.
     pub fn ranks_of(&self, keypoint: usize) -> impl Iterator<Item = usize> + '_ {
-        self.chosen.ranked.iter().enumerate().filter(move |(_, of)| **of == keypoint).map(|(rank, _)| rank)
+        self.choice.ranked.iter().enumerate().filter(move |(_, of)| **of == keypoint).map(|(rank, _)| rank)
     }
 
     /// Index of the keypoint that was found at the sample (column, row) of an octave, level and slope.
@@ -314,7 +283,7 @@ impl Trail {
 
     /// Offsets at which the frames that took part are read at `slope`.
     pub fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
-        coherence::offsets(&self.inputs, slope)
+        self.inputs.offsets(slope)
     }
 
     /// σ_D at `octave` and `level` (−1 … S) for slope `slope_index` of the grid, at the place of least noise.
@@ -330,9 +299,7 @@ impl Trail {
         (place, slope): ((f32, f32), Slope),
         chosen: &[usize],
     ) -> f32 {
-        let all = self.offsets(slope);
-        let gate = self.detection.noise_gate_factor;
-        coherence::sigma_d_at(&self.inputs, gate, (octave, level), ((place, slope), &all), chosen)
+        self.inputs.sigma_d_at((octave, level), (place, slope), chosen)
     }
 
     /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of
@@ -344,7 +311,7 @@ impl Trail {
         (place, slope): ((f32, f32), Slope),
         chosen: &[usize],
     ) -> Vec<f32> {
-        self.along(|along| along.point_response((octave, levels), (place, slope), chosen))
+        self.along().response(octave, levels, place, slope, chosen)
     }
 
     /// The response of each frame that took part at the scale (octave, DoG level), along the motion through `place`
@@ -359,7 +326,7 @@ impl Trail {
         slope: Slope,
         monitor: &Monitor,
     ) -> Result<Vec<FrameResponse>, Cancelled> {
-        self.along(|along| along.each_frame(scale, place, slope, monitor))
+        self.along().each_frame(scale, place, slope, monitor)
     }
 
     /// Evenness of the frames' responses along the motion of each of `features`, in their order.
@@ -369,23 +336,24 @@ impl Trail {
     pub fn evenness_of(&self, features: &[Feature], monitor: &Monitor) -> Result<Vec<Evenness>, Cancelled> {
         let done = AtomicUsize::new(0);
         monitor.report(Stage::Frames, 0.0);
-        let evenness = |along: &Along<'_, '_>, feature: &Feature| {
+        let along = self.along();
+        let evenness = |feature: &Feature| {
             let evenness = along.evenness(feature, monitor)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             monitor.report(Stage::Frames, done as f32 / features.len() as f32);
             Ok(evenness)
         };
-        self.along(|along| features.par_iter().map(|feature| evenness(along, feature)).collect())
+        features.par_iter().map(evenness).collect()
     }
 
     /// The mean of the `chosen` frames (indices among those that took part), shifted by `slope`, in a rectangle of the
     /// image, less its value in the middle.
     pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
-        let planes = self.inputs.planes();
-        let frames = OctaveFrames::new(&planes, &self.inputs.times, 0, false);
-        let offsets = frames.offsets(slope, self.inputs.params.rules.interpolation);
+        let along = self.along();
+        let frames = along.of(0);
+        let offsets = frames.offsets(slope);
         let chosen_offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
-        let chosen: Vec<&Plane> = chosen.iter().map(|&index| planes[index]).collect();
+        let chosen: Vec<&Plane> = chosen.iter().map(|&index| frames.planes[index]).collect();
         let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
         let pixels = |range: &Range<usize>| range.start as i64..range.end as i64;
         let (columns, rows) = (pixels(&region.columns), pixels(&region.rows));
@@ -394,25 +362,4 @@ impl Trail {
         let values = rows.flat_map(|v| patch.row(v).iter().copied());
         Plane::from_vec(region.columns.len(), region.rows.len(), values.collect())
     }
-
-    /// Calls `work` with the source of responses along any motion.
-    fn along<T>(&self, work: impl FnOnce(&Along<'_, '_>) -> T) -> T {
-        let planes = self.inputs.planes();
-        let frames = FramesOfOctaves::new(&planes, &self.inputs.times, self.octaves()).with_means(&self.left.means);
-        let gate_factor = self.detection.noise_gate_factor;
-        work(&Along { frames: &frames, inputs: &self.inputs, gate_factor })
-    }
-}
-
-/// Calls `work` in a pool of threads of its own; in the current one where the system gives no more threads.
-fn on_own_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    match rayon::ThreadPoolBuilder::new().build() {
-        Ok(pool) => pool.install(work),
-        Err(_) => work(),
-    }
-}
-
-/// Result of a thread; its panic goes on here.
-fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
-    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }

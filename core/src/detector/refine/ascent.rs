@@ -3,7 +3,7 @@
 //! The samples of a coarse octave lie 2^o input pixels apart, and a fit to them depends on where they fall on a blob: a
 //! burst that is cropped by a pixel would keep other keypoints, with other values, and so another choice among those on
 //! one blob. So in octaves after the first the fit is only the start of an ascent. D at any place and scale is the
-//! difference of two sums of pixels under Gaussians; their [jets](crate::kernel::gaussian_jet) give its gradient and
+//! difference of two sums of pixels under Gaussians; their jets (`crate::kernel::gaussian_jet`) give its gradient and
 //! its second derivatives, over place and, since ∂G/∂σ = σ∇²G, over ln σ. Newton's steps lead to the maximum, which one
 //! or two evaluations reach. The first level is smooth enough that its pixels hold all of it.
 //!
@@ -20,24 +20,20 @@ use std::ops::Range;
 /// Source of exact values of D: an octave's first level, at one slope.
 #[derive(Debug, Clone, Copy)]
 pub struct FirstLevel<'a> {
-    /// Its pixels.
     pub pixels: PixelView<'a>,
-    /// Its σ, octave pixels.
+    /// Octave pixels.
     pub sigma: f64,
-    /// Scales of the search.
     pub space: &'a ScaleSpace,
 }
 
 /// A maximum of |D|.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
-    /// Column, octave pixels.
+    /// Octave pixels.
     pub x: f64,
-    /// Row, octave pixels.
     pub y: f64,
     /// DoG level index (1 is level 0).
     pub level: f64,
-    /// D.
     pub value: f64,
     /// Second derivatives of D in the image: uu, uv, vv.
     pub curvature: [f64; 3],
@@ -85,7 +81,8 @@ impl FirstLevel<'_> {
         let begin = log_sigma(level).max(finest);
         let unit = begin.exp();
         let radius = (CUT * (k2 * unit * unit - own).sqrt()).ceil() as usize + 1;
-        let local_mean = pixels_mean(&self.pixels, start, unit);
+        // The grey level around the place is subtracted, so that cutting the Gaussians off changes nothing.
+        let local_mean = self.pixels.local_mean(RIM.on_rim(std::f64::consts::SQRT_2 * unit), start);
         pixels.read(&self.pixels, (start.0.round() as i64, start.1.round() as i64), radius, local_mean);
         let (mut x, mut y, mut log) = (start.0, start.1, begin);
         for _ in 0..MAX_STEPS {
@@ -130,11 +127,6 @@ impl FirstLevel<'_> {
         }
         None
     }
-}
-
-/// The grey level around the place, which is subtracted so that cutting the Gaussians off changes nothing.
-fn pixels_mean(pixels: &PixelView<'_>, at: (f64, f64), sigma: f64) -> f32 {
-    pixels.local_mean(RIM.on_rim(std::f64::consts::SQRT_2 * sigma), at)
 }
 
 /// D and its derivatives over place and `log` = ln σ.

@@ -17,13 +17,10 @@ use crate::detector::scale_space::DogTile;
 /// A refined extremum, in octave pixels and DoG level indices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refined {
-    /// Column of the sample after the moves.
+    /// Of the sample after the moves.
     pub x: usize,
-    /// Row of the sample after the moves.
     pub y: usize,
-    /// Column of the extremum.
     pub x_refined: f64,
-    /// Row of the extremum.
     pub y_refined: f64,
     /// DoG level index of the extremum (1 is level 0).
     pub level_refined: f64,
@@ -44,10 +41,21 @@ pub fn edge_limit(edge_threshold: f32) -> f64 {
 pub struct Limits {
     /// Lower limit of |D| after interpolation due to noise.
     pub gate: f32,
-    /// Lower limit of |D| after interpolation.
     pub peak_threshold: f32,
-    /// Upper limit of the ratio of principal curvatures.
     pub edge_threshold: f32,
+}
+
+impl Limits {
+    /// Applies the tests of D at an extremum and of its [`Refined::edge_quotient`], each independently, in their order;
+    /// true where it passes.
+    pub(crate) fn tests(&self, value: f32, edge_quotient: f64) -> [(Test, bool); 3] {
+        [
+            (Test::NoiseGate, value.abs() >= self.gate),
+            (Test::InterpolatedContrast, value.abs() > self.peak_threshold),
+            // Below 0 where the curvatures differ in sign.
+            (Test::Edge, edge_quotient > 0.0 && edge_quotient < edge_limit(self.edge_threshold)),
+        ]
+    }
 }
 
 /// Maximum number of fits; the sample moves between them, so at most one time fewer. The tile must hold this many
@@ -82,9 +90,8 @@ fn solve(mut a: [[f64; 3]; 3], g: [f64; 3]) -> Option<[f64; 3]> {
 /// The quadratic fit around an extremum, before any test of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
-    /// Column of the sample after the moves.
+    /// Of the sample after the moves.
     pub x: usize,
-    /// Row of the sample after the moves.
     pub y: usize,
     /// Offset from that sample to the extremum: octave pixels along u and v, and DoG levels.
     pub offset: [f64; 3],
@@ -92,7 +99,6 @@ pub struct Fit {
     pub level_refined: f64,
     /// Upper limit of an accepted offset in levels.
     pub level_reach: f64,
-    /// Interpolated D.
     pub value: f64,
     /// Second derivatives of D in the image: uu, uv, vv.
     pub curvature: [f64; 3],
@@ -134,11 +140,12 @@ impl Fit {
         let (trace_squared, determinant) = self.trace_and_determinant();
         let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
         let (x, y) = self.place();
+        let [gate, contrast, edge] = limits.tests(self.value as f32, trace_squared / determinant);
         [
             (Test::Refinement, self.largest_offset() < MAX_OFFSET),
-            (Test::NoiseGate, self.value.abs() as f32 >= limits.gate),
-            (Test::InterpolatedContrast, self.value.abs() as f32 > limits.peak_threshold),
-            (Test::Edge, determinant > 0.0 && trace_squared / determinant < edge_limit(limits.edge_threshold)),
+            gate,
+            contrast,
+            edge,
             // Scales from level −1, the outermost DoG level, to level S+1, one step beyond the other end, as in VLFeat.
             (
                 Test::Outside,
@@ -164,10 +171,7 @@ impl From<Fit> for Refined {
 }
 
 /// Refines the extremum at (x, y, level index) in place and scale, and applies the tests that follow. `first` is the
-/// octave's first level where the octave is not the first; `size` is the octave's.
-///
-/// # Errors
-/// The test that rejects it.
+/// octave's first level where the octave is not the first; `size` is the octave's. Fails with the test that rejects it.
 pub fn refine(
     (dog, first): (&DogTile, Option<&FirstLevel<'_>>),
     place: (usize, usize),

@@ -19,19 +19,15 @@ const TILE: (usize, usize) = (320, 128);
 
 /// Motion stack of one slope, and its scales.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::detector) struct SlopeStack<'a> {
-    /// Frames of one size, in time order.
+pub struct SlopeStack<'a> {
+    /// Of one size, in time order.
     pub frames: &'a [&'a Plane],
-    /// Offsets at which they are read.
     pub offsets: &'a [FrameOffset],
-    /// Scales.
     pub space: &'a ScaleSpace,
-    /// Size (columns, rows) of a frame.
     pub size_image: (usize, usize),
 }
 
 impl<'a> SlopeStack<'a> {
-    /// Source of the first octave.
     pub fn base(&self) -> Base<'a> {
         Base::Frames { frames: self.frames, offsets: self.offsets, octave: self.space.first_octave }
     }
@@ -59,15 +55,14 @@ impl<'a> SlopeStack<'a> {
         for octave in self.space.first_octave..last {
             let size = octave_size(self.size_image, octave);
             let base = planes.last().map_or_else(|| self.base(), Base::Level);
-            let next = next_first_level(&base, self.space, size, &whole(size), monitor)?;
-            planes.push(next);
+            planes.push(next_first_level(&base, self.space, size, &whole(size), monitor)?);
         }
         Ok(planes)
     }
 }
 
 /// Region of the whole of an octave of `size`.
-pub(in crate::detector) fn whole(size: (usize, usize)) -> Region {
+pub fn whole(size: (usize, usize)) -> Region {
     Region { columns: 0..size.0, rows: 0..size.1 }
 }
 
@@ -100,9 +95,12 @@ fn whole_tiles(wanted: &Region, size: (usize, usize)) -> Region {
 /// place and its part of `out`. `out` is `size` divided by `step`.
 fn each_tile(
     base: &Base<'_>,
-    (space, levels): (&ScaleSpace, Range<usize>),
-    (size, wanted): ((usize, usize), &Region),
-    (out, step): (&mut Plane, usize),
+    space: &ScaleSpace,
+    levels: Range<usize>,
+    size: (usize, usize),
+    wanted: &Region,
+    out: &mut Plane,
+    step: usize,
     monitor: &Monitor,
     write: impl Fn(&DogTile, &Tile, &Region, Vec<&mut [f32]>) + Sync,
 ) -> Result<(), Cancelled> {
@@ -141,7 +139,7 @@ fn each_tile(
 }
 
 /// Computes one DoG level of a whole octave.
-pub(in crate::detector) fn dog_plane(
+pub fn dog_plane(
     base: &Base<'_>,
     space: &ScaleSpace,
     size: (usize, usize),
@@ -150,7 +148,7 @@ pub(in crate::detector) fn dog_plane(
 ) -> Result<Plane, Cancelled> {
     let mut out = Plane::zeros(size.0, size.1);
     let levels = level_index..level_index + 2;
-    each_tile(base, (space, levels), (size, &whole(size)), (&mut out, 1), monitor, |dog, _, region, part| {
+    each_tile(base, space, levels, size, &whole(size), &mut out, 1, monitor, |dog, _, region, part| {
         for (v, row) in region.rows.clone().zip(part) {
             row.copy_from_slice(dog.levels[0].row(v));
         }
@@ -167,7 +165,7 @@ fn next_first_level(
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
     let mut out = Plane::zeros(size.0 / 2, size.1 / 2);
-    each_tile(base, (space, next_level(space)), (size, wanted), (&mut out, 2), monitor, |_, level, region, part| {
+    each_tile(base, space, next_level(space), size, wanted, &mut out, 2, monitor, |_, level, region, part| {
         for (v, row) in part.into_iter().enumerate() {
             let from = level.row(region.rows.start + 2 * v);
             row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);

@@ -10,16 +10,13 @@ use crate::detector::scale_space::DogTile;
 use crate::plane::tile::{Region, Tile};
 use multiversion::multiversion;
 
-/// A sample that is an extremum in space and scale at its own slope.
+/// A sample, octave pixels, that is an extremum in space and scale at its own slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// Column, octave pixels.
     pub x: usize,
-    /// Row, octave pixels.
     pub y: usize,
-    /// Index of its DoG level: index 1 is level 0.
+    /// Index 1 is DoG level 0.
     pub level_index: usize,
-    /// D at the sample.
     pub value: f32,
 }
 
@@ -47,7 +44,6 @@ const RUN: usize = 64;
 /// Numbers of inner columns of a row that fail the cheapest tests.
 #[derive(Debug, Default, Clone, Copy)]
 struct Counts {
-    /// Below the peak threshold.
     below_peak: u32,
     /// Below the peak threshold or the noise gate.
     below_any: u32,
@@ -113,13 +109,6 @@ fn append_marked(marks: &[u8], first: u32, found: &mut Vec<u32>) {
     found.extend(rest.iter().zip(end..).filter(|(mark, _)| **mark != 0).map(|(_, at)| at));
 }
 
-/// Whether `value` beats three samples: it is above all, or, if it is not positive, below all.
-#[inline]
-fn beats_three(value: f32, samples: &[f32]) -> bool {
-    let (a, b, c) = (samples[0], samples[1], samples[2]);
-    if value > 0.0 { value > a && value > b && value > c } else { value < a && value < b && value < c }
-}
-
 /// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope. With
 /// `or_equals` it also passes when it equals them: of two slopes with equal D, which a motion half-way between them
 /// gives, exactly one must stay.
@@ -136,18 +125,17 @@ pub fn beats_all_27(value: f32, dog: &DogTile, x: usize, y: usize, level_index: 
     })
 }
 
-/// The three samples around column `x` of row `v`.
 #[inline]
 fn around(level: &Tile, x: usize, v: usize) -> &[f32] {
     let first = x - 1 - level.region().columns.start;
     &level.row(v)[first..first + 3]
 }
 
-/// Whether `value` at the sample beats its neighbours at the levels above and below.
 fn is_scale_extremum(value: f32, levels: &[Tile], x: usize, y: usize, level_index: usize) -> bool {
+    let beats = |other: &f32| if value > 0.0 { value > *other } else { value < *other };
     [&levels[level_index - 1], &levels[level_index + 1]]
         .iter()
-        .all(|level| (y - 1..=y + 1).all(|v| beats_three(value, around(level, x, v))))
+        .all(|level| (y - 1..=y + 1).all(|v| around(level, x, v).iter().all(beats)))
 }
 
 /// Appends the samples of `region` that pass the thresholds and are extrema at their own slope, and counts the others.
@@ -163,13 +151,14 @@ pub fn own_slope_extrema(
 ) {
     let mut found = Vec::with_capacity(region.columns.len() / 2);
     for level_index in 1..levels.len() - 1 {
-        level_extrema((levels, level_index), region, size, thresholds, tally, &mut found, out);
+        level_extrema(levels, level_index, region, size, thresholds, tally, &mut found, out);
     }
 }
 
 /// Appends the extrema of one level, given by its index, and counts the other samples. `found` is a reusable buffer.
 fn level_extrema(
-    (levels, level_index): (&[Tile], usize),
+    levels: &[Tile],
+    level_index: usize,
     region: &Region,
     (width, height): (usize, usize),
     thresholds: &Thresholds,
@@ -219,7 +208,7 @@ pub fn own_slope_verdict(
 ) -> Option<Result<Candidate, Test>> {
     let sample = Region { columns: x..x + 1, rows: y..y + 1 };
     let (mut tally, mut out) = (Tally::default(), Vec::new());
-    level_extrema((levels, level_index), &sample, size, thresholds, &mut tally, &mut Vec::new(), &mut out);
+    level_extrema(levels, level_index, &sample, size, thresholds, &mut tally, &mut Vec::new(), &mut out);
     let rejected = Test::ALL.into_iter().find(|test| tally.rejected_by(*test) > 0);
     (tally.samples > 0).then(|| out.first().copied().ok_or_else(|| rejected.expect("it passes or it is rejected")))
 }

@@ -15,22 +15,17 @@ pub(super) mod setup;
 pub mod slope_window;
 
 use crate::detector::feature::{Keypoint, Tally};
-use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::params::{DetectorParams, Localisation};
 use crate::detector::refine::ascent::FirstLevel;
 use crate::detector::refine::{Limits, Refined, refine};
-use crate::detector::scale_space::{
-    Base, DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_pixel, octave_size, stack_tiles,
-};
+use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
-use crate::detector::stack::coverage;
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::gaussian_bank::FilterScratch;
 use crate::kernel::machine::{STACKED_SLOPES, TILE_COLUMNS, TILE_ROWS, WINDOW_BYTES, WINDOWS_BYTES};
-use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile, cuts, split_mut};
@@ -40,9 +35,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Result of the search.
 pub(crate) struct Searched {
-    /// Keypoints in order of octaves, and within them of tiles and slopes.
+    /// In order of octaves, and within them of tiles and slopes.
     pub(crate) keypoints: Vec<Keypoint>,
-    /// Values that the thresholds compared, for each keypoint.
     pub(crate) evidence: Vec<Evidence>,
     /// First levels of each octave; none for the first octave, which is made from the frames. `None` where the slopes
     /// were searched in groups, which keep none.
@@ -63,27 +57,24 @@ pub(crate) struct Evidence {
     pub(crate) edge_quotient: f64,
 }
 
-/// A keypoint, and the values that the thresholds compared.
 type FoundKeypoint = (Keypoint, Evidence);
 
-/// Keypoints by octave and tile.
-type ByTile = Vec<Vec<Vec<FoundKeypoint>>>;
-
 impl Search<'_> {
-    /// Searches all octaves, one of the `groups` of slopes after the other; together they own every slope of the grid.
+    /// Searches one of the `groups` of slopes after the other; together they own every slope of the grid.
     pub(crate) fn octaves(
         &self,
         octaves: &Range<i32>,
         groups: &[SlopeGroup],
         tally: &mut Tally,
     ) -> Result<Searched, Cancelled> {
-        let mut found: ByTile = octaves.clone().map(|_| Vec::new()).collect();
+        // By octave and tile.
+        let mut found: Vec<Vec<Vec<FoundKeypoint>>> = octaves.clone().map(|_| Vec::new()).collect();
         let visited: usize = groups.iter().map(|group| group.visited.len()).sum();
         let (mut bases, mut done) = (None, 0.0);
         for group in groups {
             let share = SEARCH_PART * group.visited.len() as f32 / visited as f32;
             let keeps = groups.len() == 1;
-            bases = self.group(octaves, group, (keeps, &mut found), tally, (done, share))?;
+            bases = self.group(octaves, group, keeps, &mut found, tally, done, share)?;
             done += share;
         }
         let (keypoints, evidence) = found.into_iter().flatten().flatten().unzip();
@@ -97,12 +88,14 @@ impl Search<'_> {
         &self,
         octaves: &Range<i32>,
         group: &SlopeGroup,
-        (keeps, found): (bool, &mut ByTile),
+        keeps: bool,
+        found: &mut [Vec<Vec<FoundKeypoint>>],
         tally: &mut Tally,
-        (mut done, share): (f32, f32),
+        mut done: f32,
+        share: f32,
     ) -> Result<Option<Vec<FirstLevels>>, Cancelled> {
         let pixels = |octave: i32| {
-            let (width, height) = octave_size(self.size_image, octave);
+            let (width, height) = octave_size(self.inputs.size_image, octave);
             width as f32 * height as f32
         };
         let all_pixels: f32 = octaves.clone().map(pixels).sum();
@@ -111,7 +104,7 @@ impl Search<'_> {
             let share = share * pixels(octave) / all_pixels;
             let progress = |part: f32| self.monitor.report(Stage::Search { octave }, done + share * part);
             let last = bases.last().expect("the first octave's is there");
-            let (tiles, next) = self.octave(octave, (group, last), octave + 1 < octaves.end, tally, &progress)?;
+            let (tiles, next) = self.octave(octave, group, last, octave + 1 < octaves.end, tally, &progress)?;
             found.resize_with(tiles.len(), Vec::new);
             found.iter_mut().zip(tiles).for_each(|(found, tile)| found.extend(tile));
             if !keeps {
@@ -123,34 +116,19 @@ impl Search<'_> {
         Ok(keeps.then_some(bases))
     }
 
-    /// Source of the first level of an octave at a slope of the grid: the frames, or `bases`.
-    pub(crate) fn base<'s>(&'s self, octave: i32, bases: &'s FirstLevels, slope_index: usize) -> Base<'s> {
-        if octave == self.space.first_octave {
-            Base::Frames { frames: self.frames, offsets: &self.offsets[slope_index], octave }
-        } else {
-            Base::Level(bases.at(slope_index))
-        }
-    }
-
-    /// Number of slopes of the first octave that are stacked together.
-    pub(crate) fn slopes_together(&self) -> usize {
-        match self.grid.u.count {
-            row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
-            _ => STACKED_SLOPES,
-        }
-    }
-
-    /// σ_D at `octave` and DoG level index `level_index` for each slope, at the place of least noise.
-    pub(crate) fn sigma_d(&self, octave: i32, level_index: usize) -> Vec<f32> {
-        let sigma = |(slope, offsets): (Slope, &Vec<FrameOffset>)| {
-            self.noise.sigma_d(&self.space, (octave, level_index as i32 - 1), (slope, offsets), self.gate_factor)
+    /// σ_D at `octave` by DoG level index and slope, at the place of least noise.
+    pub(crate) fn sigma_d(&self, octave: i32) -> Vec<Vec<f32>> {
+        let slopes: Vec<Slope> = self.grid.slopes().collect();
+        let of_level = |level: i32| {
+            let slopes = slopes.iter().zip(&self.offsets);
+            slopes.map(|(&slope, offsets)| self.inputs.sigma_d(octave, level, slope, offsets)).collect()
         };
-        self.grid.slopes().zip(&self.offsets).map(sigma).collect()
+        (-1..=self.space.levels as i32).map(of_level).collect()
     }
 
     /// Buffers for a thread: unused ones, or new ones. Allocating memory anew costs as much as a good part of the
     /// search, so buffers are reused.
-    pub(crate) fn take_scratch(&self) -> TileScratch {
+    fn take_scratch(&self) -> TileScratch {
         self.unused.lock().ok().and_then(|mut unused| unused.pop()).unwrap_or_else(|| TileScratch {
             stacked: Vec::new(),
             filter: FilterScratch::default(),
@@ -159,14 +137,8 @@ impl Search<'_> {
         })
     }
 
-    pub(crate) fn put_back(&self, scratch: TileScratch) {
-        if let Ok(mut unused) = self.unused.lock() {
-            unused.push(scratch);
-        }
-    }
-
-    /// Ranges of columns and of rows that are the tiles of an octave of `size`.
-    pub(crate) fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
+    /// Columns and rows of the tiles of an octave of `size`.
+    fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
         let slopes = capacity(&self.grid, OtherSlopes::of(self.params));
         let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
         let row_bytes = slopes * (self.space.levels + 2) * (TILE_COLUMNS + 2 * HELD) * size_of::<f32>();
@@ -179,23 +151,22 @@ impl Search<'_> {
     fn octave(
         &self,
         octave: i32,
-        (group, bases): (&SlopeGroup, &FirstLevels),
+        group: &SlopeGroup,
+        bases: &FirstLevels,
         wants_next: bool,
         tally: &mut Tally,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<(Vec<Vec<FoundKeypoint>>, FirstLevels), Cancelled> {
-        let size = octave_size(self.size_image, octave);
+        let size = octave_size(self.inputs.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
-        let sigma_d: Vec<Vec<f32>> =
-            (0..self.space.levels + 2).map(|level_index| self.sigma_d(octave, level_index)).collect();
         let bank = if octave == self.space.first_octave { &self.banks.0 } else { &self.banks.1 };
         let job = Octave {
             octave,
             size,
             group,
             bases,
-            filters: OctaveFilters::new(&self.space, bank, &self.space.all_levels(), size),
-            sigma_d,
+            filters: OctaveFilters::new(self.space, bank, &self.space.all_levels(), size),
+            sigma_d: self.sigma_d(octave),
         };
         let mut next: Vec<Plane> = (0..if wants_next { group.visited.len() } else { 0 })
             .map(|_| Plane::zeros(size.0 / 2, size.1 / 2))
@@ -225,13 +196,15 @@ impl Search<'_> {
                 let found = self.tile(&job, region, next, &mut scratch, &|| {
                     progress(finished.fetch_add(1, Ordering::Relaxed) as f32 / steps as f32);
                 })?;
-                self.put_back(scratch);
+                if let Ok(mut unused) = self.unused.lock() {
+                    unused.push(scratch);
+                }
                 Ok(found)
             })
             .collect::<Result<_, Cancelled>>()?;
         results.iter().for_each(|(_, of_tile)| tally.merge(of_tile));
         let found = results.into_iter().map(|(found, _)| found).collect();
-        Ok((found, FirstLevels::new(group.visited.start, next)))
+        Ok((found, FirstLevels { first_slope: group.visited.start, planes: next }))
     }
 }
 
@@ -255,24 +228,22 @@ pub fn ascends(params: &DetectorParams, octave: i32) -> bool {
     octave != params.first_octave && params.rules.localisation == Localisation::Continuous
 }
 
-/// Data that the tiles of an octave share.
-pub(crate) struct Octave<'a> {
-    pub(crate) octave: i32,
-    /// Size (columns, rows) of the octave.
-    pub(crate) size: (usize, usize),
-    /// Slopes that are searched, and those that are visited for that.
-    pub(crate) group: &'a SlopeGroup,
+/// Data that its tiles share.
+struct Octave<'a> {
+    octave: i32,
+    size: (usize, usize),
+    group: &'a SlopeGroup,
     /// First level of the octave at the slopes that are visited; none for the first octave.
-    pub(crate) bases: &'a FirstLevels,
-    pub(crate) filters: OctaveFilters,
+    bases: &'a FirstLevels,
+    filters: OctaveFilters,
     /// σ_D by DoG level index and slope of the grid, at the place of least noise.
-    pub(crate) sigma_d: Vec<Vec<f32>>,
+    sigma_d: Vec<Vec<f32>>,
 }
 
 impl Search<'_> {
     /// Searches one tile over the slopes of a group. `next` holds the tile's parts of the next octave's first level,
     /// one for each slope that is visited, or is empty.
-    pub(crate) fn tile(
+    fn tile(
         &self,
         job: &Octave<'_>,
         region: &Region,
@@ -283,7 +254,11 @@ impl Search<'_> {
         let held = region.widened(HELD, job.size);
         let inputs = job.filters.inputs(&held);
         let first = job.octave == self.space.first_octave;
-        let together = self.slopes_together();
+        // Slopes that are stacked together: whole rows of the grid if possible.
+        let together = match self.grid.u.count {
+            row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
+            _ => STACKED_SLOPES,
+        };
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         let SlopeGroup { own, visited } = job.group;
         scratch.window.begin(visited);
@@ -292,7 +267,7 @@ impl Search<'_> {
             let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
             if first && place % together == 0 {
                 let slopes = &self.offsets[index..(index + together).min(visited.end)];
-                stack_tiles(self.frames, slopes, job.octave, &inputs, stacked);
+                stack_tiles(&self.planes, slopes, job.octave, &inputs, stacked);
             }
             let pixels =
                 if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
@@ -334,25 +309,18 @@ impl Search<'_> {
         Thresholds {
             peak: FIRST_PEAK_PART * self.params.peak_threshold,
             scale_ease: scale_ease(ascends(self.params, octave)),
-            gate: sigma_d.iter().map(|by_slope| first_part * self.gate_factor * by_slope[slope_index]).collect(),
+            gate: sigma_d.iter().map(|by_slope| first_part * self.inputs.gate_factor * by_slope[slope_index]).collect(),
         }
-    }
-
-    /// σ_D of a candidate, for the noise at its place and the number of frames that cover it.
-    fn sigma_d_at(&self, job: &Octave<'_>, slope_index: usize, candidate: &Candidate) -> f32 {
-        job.sigma_d[candidate.level_index][slope_index]
-            * self.place_factor(job.octave, slope_index, candidate.x, candidate.y)
     }
 
     /// Whether a sample whose noise is `sigma_d` passes the noise gate's first test.
     pub(crate) fn passes_gate(&self, candidate: &Candidate, sigma_d: f32) -> bool {
-        candidate.value.abs() >= first_gate_part(self.params) * (self.gate_factor * sigma_d)
+        candidate.value.abs() >= first_gate_part(self.params) * (self.inputs.gate_factor * sigma_d)
     }
 
-    /// Limits for a refined candidate whose noise is `sigma_d`.
     pub(crate) fn limits(&self, sigma_d: f32) -> Limits {
         Limits {
-            gate: if first_gate_part(self.params) < 1.0 { self.gate_factor * sigma_d } else { 0.0 },
+            gate: if first_gate_part(self.params) < 1.0 { self.inputs.gate_factor * sigma_d } else { 0.0 },
             peak_threshold: self.params.peak_threshold,
             edge_threshold: self.params.edge_threshold,
         }
@@ -361,17 +329,20 @@ impl Search<'_> {
     /// Compares the slope that was computed last with the others that are held.
     fn compare(&self, job: &Octave<'_>, window: &mut SlopeWindow, made: usize, tally: &mut Tally) {
         let first = ascends(self.params, job.octave).then(|| self.first_level(PixelView::of(job.bases.at(made))));
+        let sigma_d_at = |candidate: &Candidate| {
+            job.sigma_d[candidate.level_index][made] * self.place_factor(job.octave, made, candidate.x, candidate.y)
+        };
         let refined = |dog: &DogTile, candidate: &Candidate| {
-            let limits = self.limits(self.sigma_d_at(job, made, candidate));
+            let limits = self.limits(sigma_d_at(candidate));
             refine((dog, first.as_ref()), (candidate.x, candidate.y), candidate.level_index, job.size, limits)
         };
-        let passes = |candidate: &Candidate| self.passes_gate(candidate, self.sigma_d_at(job, made, candidate));
+        let passes = |candidate: &Candidate| self.passes_gate(candidate, sigma_d_at(candidate));
         window.compare(made, passes, refined, tally);
     }
 
     /// Source of exact values of D in an octave after the first, whose first level is `pixels`.
     pub(crate) fn first_level<'p>(&'p self, pixels: PixelView<'p>) -> FirstLevel<'p> {
-        FirstLevel { pixels, sigma: SIGMA_BASE, space: &self.space }
+        FirstLevel { pixels, sigma: SIGMA_BASE, space: self.space }
     }
 
     /// Appends the keypoints among the unbeaten candidates of one slope, and counts the others.
@@ -423,24 +394,8 @@ impl Search<'_> {
         .with_noise(sigma_d)
     }
 
-    /// See [`place_factor`], at one of the grid's slopes.
+    /// See [`Inputs::place_factor`](setup::Inputs::place_factor), at one of the grid's slopes.
     pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {
-        place_factor(self.noise, octave, &self.offsets[slope_index], (x, y), self.size_image)
+        self.inputs.place_factor(octave, &self.offsets[slope_index], (x, y))
     }
-}
-
-/// √(N / number of frames that cover the octave pixel (x, y) in the stack whose frames are read at `offsets`), times
-/// the ratio of the noise there to its smallest value.
-pub(crate) fn place_factor(
-    noise: &NoiseModel,
-    octave: i32,
-    offsets: &[FrameOffset],
-    (x, y): (usize, usize),
-    size_image: (usize, usize),
-) -> f32 {
-    let pixel = octave_pixel(octave);
-    let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
-    let at = (to_image(x, size_image.0), to_image(y, size_image.1));
-    let covering = coverage(offsets, at.0, at.1, size_image);
-    (offsets.len() as f32 / covering.max(1) as f32).sqrt() * noise.place_factor(octave, offsets, at, size_image)
 }

@@ -16,9 +16,9 @@ use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::params::{DetectorParams, Method, NoiseGate, NoiseModelKind};
 use crate::detector::refine::MAX_FITS;
 use crate::detector::scale_space::planes::SlopeStack;
-use crate::detector::scale_space::{ScaleSpace, searched_octaves};
+use crate::detector::scale_space::{Base, ScaleSpace, octave_pixel, searched_octaves};
 use crate::detector::search::slope_window::SlopeWindow;
-use crate::detector::stack::{FrameTimes, frame_offsets};
+use crate::detector::stack::{FrameTimes, coverage, frame_offsets};
 use crate::kernel::gaussian_bank::{FilterBank, FilterScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -32,18 +32,15 @@ pub(crate) const HELD: usize = MAX_FITS + 1;
 
 /// Constants of a detection that its tiles share.
 pub(crate) struct Search<'a> {
-    pub(crate) frames: &'a [&'a Plane],
-    pub(crate) times: &'a FrameTimes,
-    pub(crate) size_image: (usize, usize),
+    pub(crate) inputs: &'a Inputs,
+    pub(crate) params: &'a DetectorParams,
+    pub(crate) space: &'a ScaleSpace,
+    pub(crate) planes: Vec<&'a Plane>,
     pub(crate) grid: SlopeGrid,
     /// Offsets of the frames at each slope.
     pub(crate) offsets: Vec<Vec<FrameOffset>>,
-    pub(crate) space: ScaleSpace,
     /// Filters of the first octave and of the later ones.
     pub(crate) banks: (FilterBank, FilterBank),
-    pub(crate) params: &'a DetectorParams,
-    pub(crate) noise: &'a NoiseModel,
-    pub(crate) gate_factor: f32,
     pub(crate) monitor: &'a Monitor,
     /// Buffers that no thread is using.
     pub(crate) unused: Mutex<Vec<TileScratch>>,
@@ -55,40 +52,38 @@ pub(crate) struct TileScratch {
     pub(crate) filter: FilterScratch,
     /// The level from which the next octave starts.
     pub(crate) next: Tile,
-    pub(in crate::detector) window: SlopeWindow,
+    pub window: SlopeWindow,
 }
 
 impl<'a> Search<'a> {
-    /// Prepares a search of the `frames` of `inputs`.
-    pub(crate) fn new(inputs: &'a Inputs, frames: &'a [&'a Plane], monitor: &'a Monitor) -> Self {
-        let Inputs { times, size_image, space, params, noise, .. } = inputs;
+    pub(crate) fn new(inputs: &'a Inputs, monitor: &'a Monitor) -> Self {
+        let Inputs { space, params, .. } = inputs;
         let grid = params.used_slopes();
-        let offsets = |slope| times.of(frame_offsets(times.frame_count, slope, params.rules.interpolation));
         Self {
-            frames,
-            times,
-            size_image: *size_image,
-            grid,
-            offsets: grid.slopes().map(offsets).collect(),
-            banks: (space.bank(true, space.all_levels()), space.bank(false, space.all_levels())),
-            space: space.clone(),
+            inputs,
             params,
-            noise,
-            gate_factor: gate_factor(params),
+            space,
+            planes: inputs.planes(),
+            grid,
+            offsets: grid.slopes().map(|slope| inputs.offsets(slope)).collect(),
+            banks: (space.bank(true, space.all_levels()), space.bank(false, space.all_levels())),
             monitor,
             unused: Mutex::new(Vec::new()),
         }
     }
 
-    /// Octaves that are searched.
-    pub(crate) fn octave_range(&self) -> Range<i32> {
-        searched_octaves(self.params, self.size_image)
+    pub(crate) fn stack(&self, slope_index: usize) -> SlopeStack<'_> {
+        let (frames, offsets) = (&self.planes, &self.offsets[slope_index]);
+        SlopeStack { frames, offsets, space: self.space, size_image: self.inputs.size_image }
     }
 
-    /// Motion stack of one of the grid's slopes.
-    pub(crate) fn stack(&self, slope_index: usize) -> SlopeStack<'_> {
-        let (frames, offsets) = (self.frames, &self.offsets[slope_index]);
-        SlopeStack { frames, offsets, space: &self.space, size_image: self.size_image }
+    /// Source of the first level of an octave at a slope of the grid: the frames, or that of `bases`, which are the
+    /// first levels of all octaves.
+    pub(crate) fn base<'s>(&'s self, bases: &'s [FirstLevels], octave: i32, slope_index: usize) -> Base<'s> {
+        match (octave - self.space.first_octave) as usize {
+            0 => self.stack(slope_index).base(),
+            later => Base::Level(bases[later].at(slope_index)),
+        }
     }
 }
 
@@ -103,6 +98,7 @@ pub(crate) struct Inputs {
     pub(crate) space: ScaleSpace,
     pub(crate) params: DetectorParams,
     pub(crate) noise: Arc<NoiseModel>,
+    pub(crate) gate_factor: f32,
 }
 
 impl Inputs {
@@ -118,18 +114,41 @@ impl Inputs {
             return Err(DetectError::Param(refused.against_strict()));
         }
         let times = FrameTimes { frame_count: frames_used.len(), kept };
-        let (size_image, noise, params) = (burst.size(), Arc::new(model), params.clone());
-        Ok(Self { frames, times, frames_used, size_image, space, params, noise })
+        let (size_image, noise, gate_factor) = (burst.size(), Arc::new(model), gate_factor(params));
+        Ok(Self { frames, times, frames_used, size_image, space, params: params.clone(), noise, gate_factor })
     }
 
-    /// The frames by reference, as [`Search::new`] borrows them.
+    /// Inputs with other parameters, of which only those differ that are judged after the search.
+    pub(crate) fn judged_with(&self, params: &DetectorParams) -> Self {
+        Self { params: params.clone(), gate_factor: gate_factor(params), ..self.clone() }
+    }
+
     pub(crate) fn planes(&self) -> Vec<&Plane> {
         self.frames.iter().map(|frame| &**frame).collect()
     }
 
-    /// Octaves that are searched.
     pub(crate) fn octaves(&self) -> Range<i32> {
         searched_octaves(&self.params, self.size_image)
+    }
+
+    /// Offsets at which the frames that take part are read at `slope`.
+    pub(crate) fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
+        self.times.of(frame_offsets(self.times.frame_count, slope, self.params.rules.interpolation))
+    }
+
+    /// σ_D at `octave` and `level` (−1 … S) of the mean over the frames at `offsets`, at the place of least noise.
+    pub(crate) fn sigma_d(&self, octave: i32, level: i32, slope: Slope, offsets: &[FrameOffset]) -> f32 {
+        self.noise.sigma_d(&self.space, (octave, level), (slope, offsets), self.gate_factor)
+    }
+
+    /// √(N / number of frames that cover the octave pixel (x, y) in the stack whose frames are read at `offsets`),
+    /// times the ratio of the noise there to its smallest value.
+    pub(crate) fn place_factor(&self, octave: i32, offsets: &[FrameOffset], (x, y): (usize, usize)) -> f32 {
+        let (pixel, size) = (octave_pixel(octave), self.size_image);
+        let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
+        let at = (to_image(x, size.0), to_image(y, size.1));
+        let covering = coverage(offsets, at.0, at.1, size);
+        (offsets.len() as f32 / covering.max(1) as f32).sqrt() * self.noise.place_factor(octave, offsets, at, size)
     }
 }
 
@@ -172,7 +191,6 @@ pub(crate) struct SlopeGroup {
 }
 
 impl SlopeGroup {
-    /// Group of all `count` slopes.
     pub(crate) fn whole(count: usize) -> Self {
         Self { own: 0..count, visited: 0..count }
     }
@@ -197,25 +215,14 @@ impl SlopeGroup {
 /// First levels (s = −1) of one octave at consecutive slopes.
 #[derive(Debug, Default)]
 pub(crate) struct FirstLevels {
-    /// Index of the first slope in the grid.
-    first_slope: usize,
-    planes: Vec<Plane>,
+    pub(crate) first_slope: usize,
+    pub(crate) planes: Vec<Plane>,
 }
 
 impl FirstLevels {
-    /// Takes `planes` of the slopes from slope `first_slope` of the grid on.
-    pub(crate) fn new(first_slope: usize, planes: Vec<Plane>) -> Self {
-        Self { first_slope, planes }
-    }
-
     /// First level at slope `slope_index` of the grid, which is among those held.
     pub(crate) fn at(&self, slope_index: usize) -> &Plane {
         &self.planes[slope_index - self.first_slope]
-    }
-
-    /// All first levels that are held.
-    pub(crate) fn planes(&self) -> &[Plane] {
-        &self.planes
     }
 }
 

@@ -16,8 +16,7 @@ use std::ops::Range;
 
 /// Candidate that no slope has beaten so far.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::detector) struct Undecided {
-    /// The sample.
+pub struct Undecided {
     pub candidate: Candidate,
     /// The refined extremum, or the test that rejects it if no slope does.
     pub refined: Result<Refined, Test>,
@@ -36,18 +35,16 @@ impl Undecided {
 
 /// Values at other slopes that a candidate needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::detector) enum OtherSlopes {
-    /// None.
+pub enum OtherSlopes {
     Unseen,
     /// D around it at the neighbouring slopes, to refine its slope.
     Seen,
-    /// D around it at those slopes, which it must also beat.
+    /// D around it at the slopes that are compared, all of which it must beat.
     Beaten(SlopeNeighbours),
 }
 
 impl OtherSlopes {
-    /// Values that a search with `params` needs.
-    pub(in crate::detector) fn of(params: &DetectorParams) -> Self {
+    pub fn of(params: &DetectorParams) -> Self {
         match (params.used_extrema(), params.rules.localisation) {
             (SlopeExtrema::Joint, _) => Self::Beaten(params.rules.slope_neighbours),
             (SlopeExtrema::Each, Localisation::Quadratic) => Self::Seen,
@@ -57,7 +54,7 @@ impl OtherSlopes {
 
     /// Distance, in running slope indices, from a slope of `grid` to the farthest one that is held with it; `None` for
     /// all of them.
-    pub(in crate::detector) fn reach(self, grid: &SlopeGrid) -> Option<usize> {
+    pub fn reach(self, grid: &SlopeGrid) -> Option<usize> {
         match self {
             Self::Unseen => Some(0),
             Self::Beaten(SlopeNeighbours::All) => None,
@@ -68,10 +65,9 @@ impl OtherSlopes {
 
 /// DoG tiles and undecided candidates of the slopes in reach.
 #[derive(Debug)]
-pub(in crate::detector) struct SlopeWindow {
+pub struct SlopeWindow {
     grid: SlopeGrid,
     others: OtherSlopes,
-    /// Slopes that are visited.
     visited: Range<usize>,
     tiles: Vec<DogTile>,
     /// Candidates of the slope that was computed last.
@@ -79,13 +75,13 @@ pub(in crate::detector) struct SlopeWindow {
     undecided: Vec<Vec<Undecided>>,
 }
 
-/// Number of tiles that the window holds.
-pub(in crate::detector) fn capacity(grid: &SlopeGrid, others: OtherSlopes) -> usize {
+/// Number of tiles that a window holds.
+pub fn capacity(grid: &SlopeGrid, others: OtherSlopes) -> usize {
     others.reach(grid).map_or(grid.len(), |reach| (reach + 1).min(grid.len()))
 }
 
 impl SlopeWindow {
-    pub(in crate::detector) fn new(grid: SlopeGrid, others: OtherSlopes) -> Self {
+    pub fn new(grid: SlopeGrid, others: OtherSlopes) -> Self {
         let capacity = capacity(&grid, others);
         Self {
             grid,
@@ -99,12 +95,12 @@ impl SlopeWindow {
 
     /// Begins another tile, at which the consecutive slopes `visited` are visited. Only slopes whose neighbours are all
     /// among them may have candidates.
-    pub(in crate::detector) fn begin(&mut self, visited: &Range<usize>) {
+    pub fn begin(&mut self, visited: &Range<usize>) {
         self.visited = visited.clone();
     }
 
     /// The tile and the (emptied) list of candidates to fill for slope `index`.
-    pub(in crate::detector) fn slot_mut(&mut self, index: usize) -> (&mut DogTile, &mut Vec<Candidate>) {
+    pub fn slot_mut(&mut self, index: usize) -> (&mut DogTile, &mut Vec<Candidate>) {
         let slot = index % self.tiles.len();
         self.candidates.clear();
         (&mut self.tiles[slot], &mut self.candidates)
@@ -132,7 +128,7 @@ impl SlopeWindow {
     /// Compares the tile of slope `made` with the candidates that wait for it, and its candidates with the slopes
     /// before it. A candidate that passes `gate` and beats them waits with the result of `refine`. `tally` counts the
     /// others.
-    pub(in crate::detector) fn compare(
+    pub fn compare(
         &mut self,
         made: usize,
         gate: impl Fn(&Candidate) -> bool,
@@ -176,7 +172,7 @@ impl SlopeWindow {
     }
 
     /// Slopes whose candidates have been compared with all their neighbours once slope `made` has been compared.
-    pub(in crate::detector) fn decidable(&self, made: usize) -> Range<usize> {
+    pub fn decidable(&self, made: usize) -> Range<usize> {
         let Range { start: first, end } = self.visited;
         let last = made + 1 == end;
         match self.others.reach(&self.grid) {
@@ -190,27 +186,20 @@ impl SlopeWindow {
         }
     }
 
-    /// Candidates of slope `index` that have not been beaten.
-    pub(in crate::detector) fn undecided(&self, index: usize) -> &[Undecided] {
+    pub fn undecided(&self, index: usize) -> &[Undecided] {
         &self.undecided[index % self.undecided.len()]
     }
 
-    /// Slope of the extremum between the grid's slopes, from D of the refined sample at the slopes around slope
-    /// `index`. An axis on which `index` is the first or last keeps the grid's slope, and so do both where other slopes
-    /// are not used.
-    pub(in crate::detector) fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
+    /// See [`refined_slope`].
+    pub fn refined_slope(&self, index: usize, undecided: &Undecided) -> Slope {
         refined_slope(&self.grid, self.others, index, &undecided.around)
     }
 }
 
-/// See [`SlopeWindow::refined_slope`]; `around[dj + 1][di + 1]` is D of the refined sample at the slopes around slope
-/// `index`, 0 beyond the grid.
-pub(in crate::detector) fn refined_slope(
-    grid: &SlopeGrid,
-    others: OtherSlopes,
-    index: usize,
-    around: &[[f32; 3]; 3],
-) -> Slope {
+/// Slope of the extremum between the grid's slopes: `around[dj + 1][di + 1]` is D of the refined sample at the slopes
+/// around slope `index`, 0 beyond the grid. An axis on which `index` is the first or last keeps the grid's slope, and
+/// so do both where other slopes are not used.
+pub fn refined_slope(grid: &SlopeGrid, others: OtherSlopes, index: usize, around: &[[f32; 3]; 3]) -> Slope {
     if others == OtherSlopes::Unseen {
         return grid.slope(index);
     }
@@ -286,6 +275,7 @@ mod tests {
                 OtherSlopes::Beaten(SlopeNeighbours::Adjacent),
                 OtherSlopes::Beaten(SlopeNeighbours::All),
                 OtherSlopes::Seen,
+                OtherSlopes::Unseen,
             ] {
                 let (kept, around, tally) = kept(grid, others, &values);
                 let near = |a: usize, b: usize| a.abs_diff(b) <= 1;
@@ -306,44 +296,25 @@ mod tests {
                 let expected: Vec<usize> = (0..grid.len()).filter(is_kept).collect();
                 assert_eq!(kept, expected, "{grid:?} {others:?}");
                 let rejected = tally.rejected_by(Test::SlopeExtremum) as usize;
+                if others == OtherSlopes::Unseen {
+                    assert_eq!(capacity(&grid, others), 1);
+                    assert_eq!(refined_slope(&grid, others, grid.len() - 1, &around[0]), grid.slope(grid.len() - 1));
+                }
                 assert_eq!(rejected + kept.len(), grid.len());
                 for (index, around) in kept.iter().zip(&around) {
                     let (i, j) = grid.coordinates(*index);
                     for (dj, row) in (-1i64..).zip(around) {
                         for (di, &value) in (-1i64..).zip(row) {
                             let (ii, jj) = (i as i64 + di, j as i64 + dj);
-                            let there =
+                            let inside =
                                 (0..grid.u.count as i64).contains(&ii) && (0..grid.v.count as i64).contains(&jj);
-                            let expected = if there { values[jj as usize * grid.u.count + ii as usize] } else { 0.0 };
+                            let is_seen = others != OtherSlopes::Unseen || (di, dj) == (0, 0);
+                            let expected =
+                                if inside && is_seen { values[jj as usize * grid.u.count + ii as usize] } else { 0.0 };
                             assert_eq!(value, expected, "{grid:?} {index} {di} {dj}");
                         }
                     }
                 }
-            }
-        }
-    }
-
-    #[test]
-    fn slopes_for_themselves_are_decided_at_once_and_keep_the_slope_of_the_grid() {
-        for grid in grids() {
-            let mut window = SlopeWindow::new(grid, OtherSlopes::Unseen);
-            assert_eq!(capacity(&grid, OtherSlopes::Unseen), 1);
-            for made in 0..grid.len() {
-                let (tile, candidates) = window.slot_mut(made);
-                fill(tile, 1.0);
-                candidates.push(Candidate { x: 1, y: 1, level_index: 1, value: 1.0 });
-                let here = Refined {
-                    x: 1,
-                    y: 1,
-                    x_refined: 1.0,
-                    y_refined: 1.0,
-                    level_refined: 1.0,
-                    value: 1.0,
-                    edge_quotient: 4.0,
-                };
-                window.compare(made, |_| true, |_, _| Ok(here), &mut Tally::default());
-                assert_eq!(window.decidable(made), made..made + 1);
-                assert_eq!(window.refined_slope(made, &window.undecided(made)[0]), grid.slope(made));
             }
         }
     }

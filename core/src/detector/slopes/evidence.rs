@@ -40,7 +40,6 @@ pub struct SlopeEvidence {
     pub size: [f32; 2],
 }
 
-/// Evidence of all levels.
 pub(super) struct Seen {
     /// Evidence of every window that has any signal.
     pub evidence: Vec<SlopeEvidence>,
@@ -53,22 +52,16 @@ const BLOCKS: usize = 4;
 /// Variance of a sum of half-overlapping windows, which share noise, divided by the sum of their variances.
 const SHARED_NOISE: f64 = 1.37;
 
-/// Data shared by the work on all windows.
 pub(super) struct Looking<'a> {
     pub fourier: &'a Fourier,
     pub table: &'a SearchTable,
-    /// Frames at each level, the finest first.
     pub levels: &'a [Vec<Plane>],
-    /// Level of the first of them.
     pub first_level: u32,
     /// Number of lags, from 1 on, that do not count.
     pub ignored_lags: usize,
 }
 
 /// Collects the evidence of every window at every one of some levels, from all lags but the first few that are ignored.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(super) fn look(
     frames: &[&Plane],
     (levels, ignored_lags): (Range<u32>, usize),
@@ -121,7 +114,6 @@ impl Looking<'_> {
         Ok(seen)
     }
 
-    /// Evidence of each window of one block, and their sum.
     fn block(&self, level: usize, block: usize, monitor: &Monitor) -> Result<(Vec<SlopeEvidence>, Sum), Cancelled> {
         let frames = &self.levels[level];
         let (width, height) = frames[0].size();
@@ -172,14 +164,12 @@ impl Looking<'_> {
     }
 }
 
-/// Starts of half-overlapping windows that cover `length` pixels evenly.
 fn starts(length: usize) -> Vec<usize> {
     let room = length.saturating_sub(SIDE);
     let steps = room.div_ceil(SIDE / 2);
     (0..=steps).map(|i| (i * room).checked_div(steps).unwrap_or(0)).collect()
 }
 
-/// Sum of several windows.
 struct Sum {
     products: CrossSpectra,
     windows: usize,
@@ -233,9 +223,9 @@ const SURE_AMBIGUITY: f32 = 0.6;
 /// Minimum number of windows beside a line that make the grid a plane.
 const MIN_BESIDE: usize = 3;
 /// Maximum number of slopes on a line, unless the step would exceed [`COARSEST`] times the right one.
-const LINE_SLOPES: usize = 27;
+pub(super) const LINE_SLOPES: usize = 27;
 /// Maximum number of slopes along each axis of a plane, with that exception.
-const PLANE_SLOPES: usize = 11;
+pub(super) const PLANE_SLOPES: usize = 11;
 /// Coarsest step, as a multiple of the right one.
 const COARSEST: f64 = 2.0;
 /// Steps to choose from, as multiples of the right one: few, so that the choice rarely changes.
@@ -259,7 +249,6 @@ pub(super) struct Steps {
     pub same: f64,
 }
 
-/// Whether a window shows more than noise does.
 pub(super) fn is_significant(evidence: &SlopeEvidence) -> bool {
     evidence.significance >= LARGE_SIGNIFICANCE + SMALL_SIGNIFICANCE / side_in_smallest(evidence)
 }
@@ -331,8 +320,7 @@ fn off_line(evidence: &[SlopeEvidence], degrees: f64, steps: Steps) -> Vec<Slope
     confirmed(&off, steps)
 }
 
-/// Direction in which most of the evidence moves, in degrees from +u towards +v, −180 … 180: that of the line through
-/// slope 0 that fits it best.
+/// Direction, degrees from +u towards +v, −180 … 180, of the line through slope 0 that fits the evidence best.
 pub(super) fn direction_deg(evidence: &[SlopeEvidence]) -> f64 {
     let degrees = principal_deg(evidence, [0.0, 0.0]);
     let forward: f64 = evidence.iter().map(|e| f64::from(e.significance) * turned(e.slope, degrees)[0]).sum();
@@ -367,8 +355,7 @@ pub(super) fn turned(slope: Slope, degrees: f64) -> [f64; 2] {
     [u * cos + v * sin, v * cos - u * sin]
 }
 
-/// Ranges of the evidence along and across a direction.
-fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f64; 2]) {
+pub(super) fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f64; 2]) {
     let mut out = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for e in evidence {
         for (range, x) in out.iter_mut().zip(turned(e.slope, degrees)) {
@@ -378,24 +365,14 @@ fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f64; 2]) {
     (out[0], out[1])
 }
 
-/// Axis of slopes, in direction `degrees`, for a line that holds confirmed evidence; `None` without evidence.
-pub(super) fn axis_of(evidence: &[SlopeEvidence], steps: Steps, degrees: f64) -> Option<SlopeAxis> {
-    (!evidence.is_empty()).then(|| axis(ranges(evidence, degrees).0, steps.search, LINE_SLOPES))
-}
-
-/// Number of slopes from `min` to `max` px/frame, on a line or on an axis of a plane.
-pub(super) fn count_for([min, max]: [f64; 2], steps: Steps, is_plane: bool) -> usize {
-    count([min, max], steps.search, if is_plane { PLANE_SLOPES } else { LINE_SLOPES })
-}
-
-fn count([min, max]: [f64; 2], step: f64, slopes: usize) -> usize {
+pub(super) fn count([min, max]: [f64; 2], step: f64, slopes: usize) -> usize {
     let with_step = |step: f64| ((max - min) / step - 0.05).ceil().max(2.0) as usize + 1;
     with_step(step).min(slopes.max(with_step(COARSEST * step)))
 }
 
 /// Axis of slopes at multiples of the step, which end one to two steps beyond `range`: slopes that hardly differ, as
 /// those of a burst and of a part of it, give the same points.
-fn axis([min, max]: [f64; 2], step: f64, slopes: usize) -> SlopeAxis {
+pub(super) fn axis([min, max]: [f64; 2], step: f64, slopes: usize) -> SlopeAxis {
     let of = |coarser: f64| {
         let step = readable(coarser * step);
         ((min / step + ON_A_POINT).floor() - 1.0, (max / step - ON_A_POINT).ceil() + 1.0, step)

@@ -27,7 +27,9 @@ use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
-use evidence::{Seen, Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, look, turned};
+use evidence::{
+    LINE_SLOPES, PLANE_SLOPES, Seen, Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, look, turned,
+};
 use peak::{Path, SearchTable, Track};
 use serde::Serialize;
 use spectra::{Fourier, MAX_LAG, SIDE};
@@ -69,7 +71,8 @@ pub fn find_slopes(
     let used = burst.frames.get(params.used_frames(burst.len())).unwrap_or_default();
     let frames: Vec<&Plane> = used.iter().map(|f| &**f).collect();
     if frames.len() < 2 {
-        return Ok(SlopeFinding::still(0.0));
+        let grid = SlopeGrid::single(Slope::default());
+        return Ok(SlopeFinding { grid, verdict: SlopeVerdict::Still, ..SlopeFinding::default() });
     }
     let fourier = Fourier::new();
     let track = direction_deg.map_or(Track::Plane, |degrees| {
@@ -91,13 +94,12 @@ pub fn find_slopes(
     let order = path.as_ref().and_then(|path| regularity::of_order(&path.way, path.error));
     let still = finding.verdict == SlopeVerdict::Still && order.is_none();
     warnings.extend(order);
-    let deviation = path.map(|path| (path.deviation(), path.limit(still)));
+    let deviation = path.map(|path| (peak::distance_from_a_line(&path.way), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
     let spectrum = spectrum(&seen, &table, levels.start);
     Ok(SlopeFinding { spectrum, warnings, ..finding.with_deviation(deviation) })
 }
 
-/// Steps that define near and far slopes for a search with `params` of `frames` frames.
 fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
     let gaps = (frames.max(2) - 1) as f64;
     let space = ScaleSpace::of(params);
@@ -117,21 +119,21 @@ impl SlopeFinding {
     }
 }
 
-/// Axis of slopes, in direction `direction_deg`, for a line that holds the confirmed `evidence`, for a search of
-/// `frames` frames with `params`; `None` without evidence.
+/// Axis of slopes in direction `direction_deg` for a line that holds the confirmed `evidence`; `None` without any.
 pub(crate) fn axis_through(
     evidence: &[SlopeEvidence],
     params: &DetectorParams,
     frames: usize,
     direction_deg: f32,
 ) -> Option<SlopeAxis> {
-    evidence::axis_of(evidence, steps_of(params, frames), f64::from(direction_deg))
+    let range = || evidence::ranges(evidence, f64::from(direction_deg)).0;
+    (!evidence.is_empty()).then(|| evidence::axis(range(), steps_of(params, frames).search, LINE_SLOPES))
 }
 
-/// Number of slopes with which the range of `axis` would be searched: with the step that the finest features need, or a
-/// coarser one where the range is long.
+/// Number of slopes with which the range of `axis` would be searched.
 pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: usize, is_plane: bool) -> usize {
-    evidence::count_for([axis.min, axis.max].map(f64::from), steps_of(params, frames), is_plane)
+    let most = if is_plane { PLANE_SLOPES } else { LINE_SLOPES };
+    evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, frames).search, most)
 }
 
 /// Parameters with which `burst` is searched, and the finding where the slopes are found from it. The baselines have no
@@ -164,11 +166,10 @@ pub fn resolve(
 struct Size {
     /// Number of frames less one.
     gaps: f64,
-    /// Size (columns, rows) of the image.
+    /// Columns and rows.
     pixels: (usize, usize),
 }
 
-/// Grid and verdict under the assumption that the motion is straight.
 fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> SlopeFinding {
     let significant: Vec<SlopeEvidence> = seen.evidence.iter().filter(|e| is_significant(e)).copied().collect();
     let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
@@ -176,7 +177,7 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     let kept = confirmed(&clear, steps);
     let kept: Vec<SlopeEvidence> = kept.into_iter().filter(|e| stays_inside(e.slope, size)).collect();
     let Some(grid) = grid_for(&kept, steps, line_deg) else {
-        return SlopeFinding { evidence: seen.evidence.clone(), ..SlopeFinding::nothing(max) };
+        return SlopeFinding { significance: max, evidence: seen.evidence.clone(), ..SlopeFinding::default() };
     };
     let still = stands_still(&kept, steps, size.gaps);
     let grid = if still { SlopeGrid::single(Slope::default()) } else { grid };
@@ -195,11 +196,9 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
         significance: max,
         direction_deg: (!still).then(|| direction_deg(&kept) as f32),
         moved_px: moved_px as f32,
-        deviation_px: None,
-        warnings: Vec::new(),
         evidence: seen.evidence.clone(),
-        spectrum: SlopeSpectrum::default(),
         grid,
+        ..SlopeFinding::default()
     }
 }
 
@@ -261,7 +260,6 @@ fn path_of(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<Path> {
     })
 }
 
-/// Power over slopes of the whole image, at the finest level.
 fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum {
     let Some(whole) = seen.wholes.first() else {
         return SlopeSpectrum::default();
@@ -269,7 +267,7 @@ fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum
     let unit = f64::from(1u32 << first_level);
     let fourier = Fourier::new();
     let planes = fourier.correlations(&whole.lags, &mut fourier.scratch(0));
-    let slopes = table.slopes().iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
+    let slopes = table.slopes.iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
     SlopeSpectrum {
         slopes,
         significance: table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect(),
@@ -277,7 +275,7 @@ fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum
 }
 
 /// Kind of motion that a burst shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlopeVerdict {
     /// Slopes were found.
@@ -285,6 +283,7 @@ pub enum SlopeVerdict {
     /// Nothing moves: a still tripod.
     Still,
     /// The frames have nothing significant in common; the grid is the usual one.
+    #[default]
     NothingSeen,
     /// The picture does not move uniformly: no slope aligns all frames. The finding's warnings name the reason where it
     /// is known.
@@ -303,8 +302,8 @@ pub struct SlopeSpectrum {
     pub significance: Vec<f32>,
 }
 
-/// Slopes to search, and the evidence for them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Slopes to search, and the evidence for them. By default nothing is seen.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct SlopeFinding {
     /// Grid to search.
     pub grid: SlopeGrid,
@@ -335,30 +334,7 @@ pub struct SlopeFinding {
 }
 
 impl SlopeFinding {
-    /// Finding of slope 0 with `confidence`.
-    fn still(confidence: f32) -> Self {
-        let grid = SlopeGrid::single(Slope::default());
-        Self { grid, verdict: SlopeVerdict::Still, confidence, ..Self::nothing(0.0) }
-    }
-
-    /// Finding of the usual grid, because nothing is seen: `significance` is too small.
-    fn nothing(significance: f32) -> Self {
-        Self {
-            grid: SlopeGrid::default(),
-            verdict: SlopeVerdict::NothingSeen,
-            confidence: 0.0,
-            significance,
-            direction_deg: None,
-            moved_px: 0.0,
-            deviation_px: None,
-            warnings: Vec::new(),
-            evidence: Vec::new(),
-            spectrum: SlopeSpectrum::default(),
-        }
-    }
-
-    /// Sets the distance from a uniform motion. `deviation` is this distance and the limit above which it changes the
-    /// verdict, in pixels.
+    /// `deviation` is the distance from a uniform motion, and the limit above which it changes the verdict, pixels.
     fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
         let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
         let verdict = match self.verdict {

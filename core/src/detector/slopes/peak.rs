@@ -27,13 +27,10 @@ const SEARCH_STEP: f64 = 0.8;
 const MIN_OVERLAP: f32 = 0.03;
 /// Part of P by which texture may shift its peak, in addition to the noise.
 const TEXTURE_PART: f64 = 0.01;
-/// Maximum number of Newton steps.
 const STEPS: usize = 5;
 
-/// Slopes to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Track {
-    /// All of the plane.
     Plane,
     /// Slopes along a unit vector (u, v).
     Line([f64; 2]),
@@ -42,7 +39,6 @@ pub(super) enum Track {
 /// Slope of a window, in level pixels per frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Peak {
-    /// Slope (u, v).
     pub slope: [f64; 2],
     /// Power there divided by its standard deviation if the frames had nothing in common.
     pub significance: f64,
@@ -62,15 +58,14 @@ struct Tap {
 /// Slopes of the search, with the taps that read the correlations. Shared by all windows of all levels.
 pub(super) struct SearchTable {
     track: Track,
-    /// Slopes, level pixels per frame.
-    slopes: Vec<[f64; 2]>,
+    /// Level pixels per frame.
+    pub slopes: Vec<[f64; 2]>,
     taps: Vec<Vec<Tap>>,
     step: f64,
     overlap: Vec<f32>,
 }
 
 impl SearchTable {
-    /// Table for `lag_count` lags and windows whose overlap with themselves is `overlap`.
     pub fn new(lag_count: usize, track: Track, overlap: &[f32]) -> Self {
         let lags = lag_count.clamp(1, SEARCH_LAGS);
         let step = SEARCH_STEP / lags as f64;
@@ -87,8 +82,7 @@ impl SearchTable {
         Self { track, slopes, taps, step, overlap: overlap.to_vec() }
     }
 
-    /// Peak of the correlations `planes` of lags 1, 2, …, given the variance of their noise; `None` where the variance
-    /// is zero, or no slope has power.
+    /// Peak of the correlations of lags 1, 2, …; `None` where the variance is zero, or no slope has power.
     pub fn strongest(&self, planes: &[Vec<f32>], variance: &[f64]) -> Option<Peak> {
         if variance.iter().all(|v| *v <= 0.0) {
             return None;
@@ -113,11 +107,6 @@ impl SearchTable {
             Some(other) => Some(Peak { ambiguity: other.significance / peak.significance, ..peak }),
             None => Some(peak),
         }
-    }
-
-    /// Slopes of the grid, level pixels per frame.
-    pub fn slopes(&self) -> &[[f64; 2]] {
-        &self.slopes
     }
 
     /// Significance at every slope of the grid, from the first few lags.
@@ -193,13 +182,11 @@ impl SearchTable {
     }
 }
 
-/// Index of the largest of the scores that count.
 fn best(scores: &[f64], counts: impl Fn(usize) -> bool) -> Option<usize> {
     (0..scores.len()).filter(|i| counts(*i)).max_by(|a, b| scores[*a].total_cmp(&scores[*b]))
 }
 
 impl Tap {
-    /// Tap for lag `lag` of `slope`; `None` where the window overlaps too little.
     fn new(slope: [f64; 2], lag: usize, overlap: &[f32]) -> Option<Self> {
         let shift = slope.map(|s| s * lag as f64);
         let w = overlap_at(overlap, shift);
@@ -213,7 +200,6 @@ impl Tap {
     }
 }
 
-/// Splits a shift into whole pixels and fractions.
 fn split(shift: [f64; 2]) -> ([i64; 2], [f64; 2]) {
     let whole = shift.map(f64::floor);
     (whole.map(|x| x as i64), [shift[0] - whole[0], shift[1] - whole[1]])
@@ -238,7 +224,6 @@ pub(super) fn unbiased(plane: &[f32], overlap: &[f32]) -> Vec<f32> {
     plane.iter().zip(overlap).map(|(a, w)| if *w < 0.2 * MIN_OVERLAP { 0.0 } else { a / w }).collect()
 }
 
-/// Correlations of one window, or of the sum of several.
 struct Stack<'a> {
     /// Correlations divided by the overlap.
     planes: &'a [Vec<f32>],
@@ -247,7 +232,6 @@ struct Stack<'a> {
 }
 
 impl Stack<'_> {
-    /// Overlap at each lag of `slope`.
     fn weights(&self, slope: [f64; 2]) -> Vec<f64> {
         let weight = |lag: usize| f64::from(overlap_at(self.overlap, slope.map(|s| s * lag as f64)));
         (1..=self.planes.len()).map(weight).map(|w| if w < f64::from(MIN_OVERLAP) { 0.0 } else { w }).collect()
@@ -289,7 +273,6 @@ const SHIFT_ERROR: f64 = 1.2;
 /// Path of the picture as a whole; all lengths in one unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Path {
-    /// Position of each frame.
     pub way: Vec<[f64; 2]>,
     /// Error of a single position relative to the next one.
     pub error: f64,
@@ -300,13 +283,7 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// Largest distance from the uniform motion that fits the path best.
-    pub fn deviation(&self) -> f64 {
-        distance_from_a_line(&self.way)
-    }
-
-    /// Distance from a uniform motion above which the motion is not straight, for a path in image pixels and windows
-    /// that stand still or not.
+    /// Distance above which the motion is not straight, for a path in image pixels.
     pub fn limit(&self, still: bool) -> f64 {
         // In clear frames the path is exact, and nothing is forgiven.
         let least = if still { (super::STILL_LEVEL_PX * self.pixel).min(10.0 * self.noise) } else { 0.0 };
@@ -395,7 +372,7 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f
 }
 
 /// Largest distance of points that follow each other at equal intervals from the uniform motion that fits them best.
-fn distance_from_a_line(way: &[[f64; 2]]) -> f64 {
+pub(super) fn distance_from_a_line(way: &[[f64; 2]]) -> f64 {
     let middle = 0.5 * (way.len() as f64 - 1.0);
     let times: Vec<f64> = (0..way.len()).map(|t| t as f64 - middle).collect();
     let spread: f64 = times.iter().map(|t| t * t).sum();

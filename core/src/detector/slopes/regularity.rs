@@ -66,9 +66,7 @@ pub(super) fn of_order(way: &[[f64; 2]], noise: f64) -> Option<MotionWarning> {
         order = reversed;
     }
     let distances: Vec<f64> = order.windows(2).map(|w| (along[w[1]] - along[w[0]]).abs()).collect();
-    let mut sorted = distances.clone();
-    sorted.sort_by(f64::total_cmp);
-    let step = sorted[sorted.len() / 2];
+    let step = median(distances.clone());
     if step <= MIN_STEP * noise || across.iter().any(|off| off.abs() > REGULAR * step) {
         return None;
     }
@@ -152,18 +150,16 @@ pub(super) fn of_places(evidence: &[SlopeEvidence], steps: Steps, size: Size) ->
     let corner = 0.5 * (size.pixels.0 as f64).hypot(size.pixels.1 as f64) * size.gaps;
     let counts = |x: f64| left < LEFT && x.abs() * corner > 2.0 * super::SAME_SMEAR_PX && x.abs() > OVER_SHEAR * shear;
     let mut warnings = Vec::new();
+    let mut warn = |kind, number: f64, text| {
+        warnings.push(MotionWarning { kind, frames: Vec::new(), number: number as f32, text });
+    };
     if counts(turn) {
         let degrees = (turn * size.gaps).to_degrees();
         let text = format!(
             "the frames turn by {:.1}° over the burst, so the slopes differ from place to place; use fewer frames",
             degrees.abs()
         );
-        warnings.push(MotionWarning {
-            kind: MotionWarningKind::Turns,
-            frames: Vec::new(),
-            number: degrees as f32,
-            text,
-        });
+        warn(MotionWarningKind::Turns, degrees, text);
     }
     if counts(growth) {
         let percent = 100.0 * growth * size.gaps;
@@ -172,12 +168,7 @@ pub(super) fn of_places(evidence: &[SlopeEvidence], steps: Steps, size: Size) ->
             "the picture {grows} by {:.1} % over the burst, so the slopes differ from place to place; use fewer frames",
             percent.abs()
         );
-        warnings.push(MotionWarning {
-            kind: MotionWarningKind::Grows,
-            frames: Vec::new(),
-            number: percent as f32,
-            text,
-        });
+        warn(MotionWarningKind::Grows, percent, text);
     }
     warnings
 }
@@ -203,9 +194,7 @@ fn affine(evidence: &[&SlopeEvidence], size: Size, error: f64) -> Option<([[f64;
     for _ in 0..FITS {
         fit = [solve(&at, &slopes, &weights, 0)?, solve(&at, &slopes, &weights, 1)?];
         let off: Vec<f64> = distances(&at, &slopes, &fit).zip(&errors).map(|(d, e)| d / e).collect();
-        let mut sorted = off.clone();
-        sorted.sort_by(f64::total_cmp);
-        typical = sorted[sorted.len() / 2].max(0.2);
+        typical = median(off.clone()).max(0.2);
         for ((weight, plain), off) in weights.iter_mut().zip(&plain).zip(off) {
             *weight = plain * (1.0 - (off / (FAR * typical)).min(1.0).powi(2)).powi(2);
         }
@@ -214,10 +203,15 @@ fn affine(evidence: &[&SlopeEvidence], size: Size, error: f64) -> Option<([[f64;
     let total: f64 = plain.iter().sum();
     let mean = |axis: usize| slopes.iter().zip(&plain).map(|(s, w)| s[axis] * w).sum::<f64>() / total;
     let none = [[mean(0), 0.0, 0.0], [mean(1), 0.0, 0.0]];
-    let mut before: Vec<f64> = distances(&at, &slopes, &none).zip(&errors).map(|(d, e)| d / e).collect();
-    before.sort_by(f64::total_cmp);
-    let left = typical / before[before.len() / 2].max(f64::MIN_POSITIVE);
+    let before = median(distances(&at, &slopes, &none).zip(&errors).map(|(d, e)| d / e).collect());
+    let left = typical / before.max(f64::MIN_POSITIVE);
     Some((fit.map(|[_, u, v]| [u / unit, v / unit]), left))
+}
+
+/// The upper one of two; of at least one value.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 /// Distance of each slope from the affine map `fit` of its place.

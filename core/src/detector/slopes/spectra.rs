@@ -8,7 +8,6 @@
 //! t + k; products of the same lag k are added up. A frame is never multiplied by itself, so that the frames' own
 //! noise, which differs from frame to frame, adds nothing on average.
 
-use crate::kernel::conjugate_products::add_conjugate_products;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -31,7 +30,6 @@ const BAND_RATIO: f64 = 1.6;
 /// Largest lag that is used: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
 
-/// Half a spectrum, real and imaginary parts apart.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spectrum {
     pub re: Vec<f32>,
@@ -41,7 +39,7 @@ pub(super) struct Spectrum {
 impl Spectrum {
     /// Adds conj(a)·b.
     fn add_product(&mut self, a: &Self, b: &Self) {
-        add_conjugate_products((&a.re, &a.im), (&b.re, &b.im), &mut self.re, &mut self.im);
+        add_conjugate_products(&a.re, &a.im, &b.re, &b.im, &mut self.re, &mut self.im);
     }
 
     fn zeros() -> Self {
@@ -51,6 +49,17 @@ impl Spectrum {
     fn add(&mut self, other: &Self) {
         self.re.iter_mut().zip(&other.re).for_each(|(a, b)| *a += b);
         self.im.iter_mut().zip(&other.im).for_each(|(a, b)| *a += b);
+    }
+}
+
+/// Adds conj(a)·b to `re` and `im`, at most as many as `a` and `b` have: the innermost loop of the finder.
+#[multiversion(targets("x86_64+avx2+fma", "aarch64+neon"))]
+fn add_conjugate_products(a_re: &[f32], a_im: &[f32], b_re: &[f32], b_im: &[f32], re: &mut [f32], im: &mut [f32]) {
+    let n = re.len();
+    let (a_re, a_im, b_re, b_im, im) = (&a_re[..n], &a_im[..n], &b_re[..n], &b_im[..n], &mut im[..n]);
+    for i in 0..n {
+        re[i] += a_re[i] * b_re[i] + a_im[i] * b_im[i];
+        im[i] += a_re[i] * b_im[i] - a_im[i] * b_re[i];
     }
 }
 
@@ -66,7 +75,6 @@ pub(super) struct CrossSpectra {
 }
 
 impl CrossSpectra {
-    /// Empty sums for `frame_count` frames.
     pub fn zeros(frame_count: usize) -> Self {
         let gaps = frame_count.saturating_sub(1);
         let lags = gaps.min(MAX_LAG);
@@ -87,7 +95,6 @@ impl CrossSpectra {
         }
     }
 
-    /// Adds the products of other windows.
     pub fn add(&mut self, other: &Self) {
         self.lags.iter_mut().zip(&other.lags).for_each(|(a, b)| a.add(b));
         self.neighbours.iter_mut().zip(&other.neighbours).for_each(|(a, b)| a.add(b));
@@ -106,7 +113,6 @@ pub(super) struct Fourier {
     pub overlap: Vec<f32>,
 }
 
-/// Buffers that a thread reuses for every window.
 pub(super) struct Scratch {
     packed: Vec<Complex32>,
     turned: Vec<Complex32>,
@@ -226,7 +232,6 @@ fn transform(fft: &dyn Fft<f32>, data: &mut [Complex32], turned: &mut [Complex32
     data.copy_from_slice(turned);
 }
 
-/// Index of the opposite frequency.
 fn opposite(i: usize) -> usize {
     (SIDE - i / SIDE) % SIDE * SIDE + (SIDE - i % SIDE) % SIDE
 }
@@ -266,11 +271,9 @@ const SMALL_PIXELS: usize = 25_000;
 /// Number of pixels up to which images are examined from level 1 on, larger ones from level 2 on: so the finder costs a
 /// small part of a detection.
 const MEDIUM_PIXELS: usize = 270_000;
-/// Maximum number of levels.
 const LEVELS: u32 = 3;
 
-/// Levels at which an image of `size` is examined: those of [`LEVELS`] whose sides are at least `min_side` level
-/// pixels.
+/// Levels at which an image of `size` is examined: those whose sides are at least `min_side` level pixels.
 pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Range<u32> {
     let larger_than = |pixels: usize| u32::from(width * height > pixels);
     let first = larger_than(SMALL_PIXELS) + larger_than(MEDIUM_PIXELS);
@@ -279,10 +282,6 @@ pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Ra
     first..first + (first..first + LEVELS).take_while(fits).count() as u32
 }
 
-/// Computes every frame at each of `levels`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(super) fn pyramids(frames: &[&Plane], levels: Range<u32>, monitor: &Monitor) -> Result<Vec<Vec<Plane>>, Cancelled> {
     let of_frames: Vec<Vec<Plane>> = frames
         .par_iter()

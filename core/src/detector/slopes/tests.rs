@@ -179,7 +179,6 @@ fn a_crop_by_a_pixel_leaves_the_grids_points_in_place() {
     }
 }
 
-/// A frame of white noise.
 fn noise(seed: u64, size: (usize, usize)) -> Plane {
     let mut stream = Stream::new(seed, 9);
     Plane::from_fn(size.0, size.1, |_, _| 0.5 + 0.05 * stream.normal() as f32)

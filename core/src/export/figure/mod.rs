@@ -19,6 +19,7 @@ pub use layout::lay_out;
 pub use links::{FigureLink, draw_links};
 pub use svg::write_drawing_svg;
 
+use crate::detector::Feature;
 use crate::plane::display::Display;
 use std::sync::Arc;
 
@@ -53,6 +54,31 @@ pub struct FigureMark {
     pub weight: f32,
     /// Whether the circle is dashed.
     pub dashed: bool,
+}
+
+impl FigureMark {
+    /// A plain circle.
+    pub fn circle(centre: [f32; 2], radius: f32, color: Colour) -> Self {
+        Self { centre, radius, orientation: None, motion: None, color, opacity: 1.0, weight: 1.0, dashed: false }
+    }
+
+    /// A feature of a burst of `frames` frames with the arrow of its motion; dashed at the limit of the searched
+    /// slopes, beyond which its true motion may lie.
+    pub fn of(feature: &Feature, frames: usize, color: Colour) -> Self {
+        Self {
+            motion: Some(motion_over(feature, frames)),
+            opacity: 0.95,
+            dashed: feature.at_slope_limit,
+            ..Self::circle([feature.u, feature.v], feature.circle_radius_px(), color)
+        }
+    }
+}
+
+/// Places (u, v) of a feature in the first and in the last of `frames` frames, image pixels.
+pub fn motion_over(feature: &Feature, frames: usize) -> [[f32; 2]; 2] {
+    let half_span = 0.5 * frames.saturating_sub(1) as f32;
+    let (du, dv) = (half_span * feature.slope.u, half_span * feature.slope.v);
+    [[feature.u - du, feature.v - dv], [feature.u + du, feature.v + dv]]
 }
 
 /// Colours of values, from the smallest to the largest.

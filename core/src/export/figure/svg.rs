@@ -100,13 +100,3 @@ impl std::fmt::Display for Hex {
         write!(f, "#{r:02x}{g:02x}{b:02x}")
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colours_are_short() {
-        assert_eq!(Hex([0, 171, 255]).to_string(), "#00abff");
-    }
-}

@@ -47,7 +47,6 @@ pub struct SlopeAdvice {
     pub changes: Vec<ParamChange>,
 }
 
-/// All advice, the most important first.
 pub(super) fn advice(cache: &ProbeCache, spectrum: &Spectrum) -> Vec<SlopeAdvice> {
     let judging = Judging::new(cache.detection(), cache.params(), Some(&spectrum.finding), &spectrum.evidence);
     let Some(judging) = judging else { return Vec::new() };
@@ -64,14 +63,16 @@ pub(super) fn advice(cache: &ProbeCache, spectrum: &Spectrum) -> Vec<SlopeAdvice
     advice
 }
 
-/// Data from which the advice is made.
 struct Telling<'a> {
     cache: &'a ProbeCache,
     spectrum: &'a Spectrum,
     judging: Judging<'a>,
 }
 
-/// Minimum number of places of a relevant periodic texture.
+/// Minimum share of the picture that all frames should show at the typical slope of the evidence.
+const COVERED: f32 = 0.7;
+/// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
+const STRAIGHT_PX: f32 = 1.4;
 const ALIAS_PLACES: usize = 2;
 
 impl Telling<'_> {
@@ -79,13 +80,12 @@ impl Telling<'_> {
         let alias: &Alias =
             self.spectrum.aliases.iter().find(|a| a.inside_range > 0 && a.places.len() >= ALIAS_PLACES)?;
         let [u, v] = alias.places[0];
+        let period = number(alias.period_px, 1);
         let sentence = format!(
-            "the texture around ({}, {}) and at {} repeats every {} px, so it responds again at slopes {} px/frame apart, {} within the range, with side lobes of {:.0} % between them",
+            "the texture around ({}, {}) and at {} repeats every {period} px, so it responds again at slopes {period} px/frame apart, {} within the range, with side lobes of {:.0} % between them",
             number(u, 0),
             number(v, 0),
             counted(alias.places.len() - 1, "more place"),
-            number(alias.period_px, 1),
-            number(alias.period_px, 1),
             counted(alias.inside_range, "time"),
             100.0 * alias.side_lobe
         );
@@ -97,8 +97,7 @@ impl Telling<'_> {
         })
     }
 
-    /// The part of the range around the unambiguous evidence that contains no alias; `None` where that evidence itself
-    /// needs more.
+    /// The part of the range around the evidence that contains no alias; `None` where the evidence itself needs more.
     fn within_a_period(&self, alias: &Alias) -> Option<ParamChange> {
         let grid = self.judging.grid;
         let of_first = |d: [f32; 2]| {
@@ -122,14 +121,7 @@ impl Telling<'_> {
             ParamChange::new(parameter, part)
         })
     }
-}
 
-/// Minimum share of the picture that all frames should show at the typical slope of the evidence.
-const COVERED: f32 = 0.7;
-/// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
-const STRAIGHT_PX: f32 = 1.4;
-
-impl Telling<'_> {
     fn frames(&self) -> Option<SlopeAdvice> {
         let finding = &self.spectrum.finding;
         let frames = self.spectrum.frames;
@@ -167,7 +159,6 @@ impl Telling<'_> {
         })
     }
 
-    /// The change that uses only the middle `count` frames.
     fn middle_frames(&self, count: usize) -> ParamChange {
         let used = self.cache.detection().frames_used.clone();
         let start = used.start + (used.len() - count.min(used.len())) / 2;

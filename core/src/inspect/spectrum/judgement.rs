@@ -32,7 +32,6 @@ const NEEDED: f64 = 0.4;
 const AT_LIMIT: f64 = 0.08;
 /// Part of those that must lie at one end of an axis for the axis to be widened there.
 const OF_THOSE: f64 = 0.25;
-/// Minimum number of features for which this part is computed.
 const ENOUGH_FEATURES: usize = 10;
 
 /// Judgement of the slopes of a search.
@@ -56,12 +55,10 @@ pub fn judgement(
     Judging::new(detection, params, finding, &evidence).map(|judging| judging.judgement())
 }
 
-/// Inputs of the judgement.
 pub(super) struct Judging<'a> {
     detection: &'a Detection,
     params: &'a DetectorParams,
     finding: Option<&'a SlopeFinding>,
-    /// Confirmed evidence.
     evidence: &'a [SlopeEvidence],
     pub grid: SlopeGrid,
     /// Number of frames used.
@@ -111,8 +108,7 @@ impl<'a> Judging<'a> {
         SlopeJudgement { sentence, advice }
     }
 
-    /// The one fault that matters most: direction before range, and range before step, because the changes of each mend
-    /// those after it too.
+    /// The first fault of direction, range and step: its changes mend those after it too.
     fn advice(&self) -> Option<SlopeAdvice> {
         let found = self.finding.map(|finding| (finding.grid, finding.verdict));
         // Motions within half a step of 0 lose no more there than half-way between two slopes of a right grid.
@@ -163,7 +159,6 @@ impl<'a> Judging<'a> {
         [(false, self.grid.u), (true, self.grid.v)].into_iter().filter(|(_, axis)| axis.count > 1)
     }
 
-    /// The changes from the searched slopes to `wanted`.
     fn changes_to(&self, wanted: SlopeGrid) -> Vec<ParamChange> {
         let grid = self.grid;
         let u = (wanted.u != grid.u).then(|| ParamChange::new(doc::SLOPES_U, wanted.u));

@@ -15,7 +15,6 @@ pub use advice::{SlopeAdvice, Subject};
 pub use judgement::{SlopeJudgement, judgement};
 
 use super::ProbeCache;
-use crate::detector::limit::response_loss;
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Detection, Feature, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
 use crate::inspect::shares::direction_of;
@@ -84,12 +83,10 @@ pub struct Spectrum {
     pub advice: Vec<SlopeAdvice>,
 }
 
-/// Maximum number of grid steps beyond the rim that are shown.
 const MAX_BEYOND: i64 = 40;
 
 impl Spectrum {
-    /// The searched slope with the most features that do not lie at the limit; `None` without features. See
-    /// [`slope_with_most_features`].
+    /// See [`slope_with_most_features`].
     pub fn most_features(&self) -> Option<Slope> {
         // The slopes searched come first, in the grid's order.
         let counts: Vec<usize> = self.bars.iter().filter(|bar| bar.is_searched).map(|bar| bar.features).collect();
@@ -98,9 +95,6 @@ impl Spectrum {
 }
 
 /// Computes the spectrum of the burst of `cache`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cancelled> {
     let (trail, params) = (&cache.trail, cache.params());
     let grid = params.used_slopes();
@@ -210,12 +204,6 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
         .collect()
 }
 
-/// The part (0 … 1) of its response that the finest blob loses half a step away from its slope: `step` in px/frame,
-/// `frames` frames, the blob's scale `sigma` in px.
-pub fn step_loss(step: f32, frames: usize, sigma: f32) -> f32 {
-    response_loss(0.5 * step, frames, sigma)
-}
-
 /// A texture that is periodic along an axis of the slopes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alias {
@@ -235,9 +223,7 @@ pub struct Alias {
     pub places: Vec<[f32; 2]>,
 }
 
-/// Minimum ambiguity of a window to be examined.
 const AMBIGUOUS: f32 = 0.5;
-/// Minimum significance of a window to be examined.
 const SIGNIFICANT: f32 = 6.5;
 /// Maximum number of windows examined: the most significant ones.
 const MAX_WINDOWS: usize = 120;
@@ -246,8 +232,7 @@ const SAME_PERIOD: f32 = 0.12;
 /// Pixels to each side in which a period is searched.
 const HALF_PX: usize = 32;
 
-/// Finds the periodic textures of a burst; those with aliases in range and with the most places come first. `all` is
-/// the evidence of every window, `confirmed` the confirmed evidence.
+/// Periodic textures, those with aliases in range and with the most places first; `all` is evidence of every window.
 fn aliases(
     cache: &ProbeCache,
     confirmed: &[SlopeEvidence],
@@ -302,8 +287,7 @@ fn aliases(
     Ok(found)
 }
 
-/// The slope of a window: that of the smallest confirmed evidence that contains its middle, or its own where there is
-/// none.
+/// The slope of the smallest confirmed evidence that contains the window's middle, otherwise the window's own.
 fn believed(window: &SlopeEvidence, confirmed: &[SlopeEvidence]) -> Slope {
     let holds = |e: &&SlopeEvidence| {
         (e.centre[0] - window.centre[0]).abs() <= 0.5 * e.size[0]
@@ -343,10 +327,11 @@ fn highest_lobe(frames: usize) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::detector::limit::response_loss;
 
     #[test]
     fn the_loss_grows_with_step_and_frames_and_not_with_scale() {
+        let step_loss = |step: f32, frames, sigma| response_loss(0.5 * step, frames, sigma);
         // The step that METHOD recommends, 2σ/(N − 1), loses little; twice that begins to matter.
         let recommended = 2.0 * 1.9 / 9.0;
         let loss = step_loss(recommended, 10, 1.9);

@@ -21,9 +21,7 @@ use crate::kernel::machine::{BATCH_ROWS, MAX_LEVEL_ROWS};
 use crate::plane::blur::GaussianKernel;
 use crate::plane::tile::{Region, Tile};
 use crate::plane::vectors::Aligned;
-use passes::{
-    BLOCK, Band, Blocks, Packed, Sink, convolve_row, edge_columns, edge_rows, inner_rows, packed, whole_blocks,
-};
+use passes::{BLOCK, Band, Blocks, Packed, Sink, convolve_row, edge_columns, edge_rows, inner_rows, packed};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 use weights::{Edges, Kernel, Section};
@@ -35,7 +33,6 @@ pub const LEVEL_CUT: f64 = 4.5;
 #[derive(Debug)]
 pub struct FilterBank {
     chain: Vec<GaussianKernel>,
-    /// Range of the chain's levels that are made.
     wanted: Range<usize>,
     kernels: Vec<Kernel>,
     /// The weights near a border that is far from the opposite one.
@@ -50,23 +47,12 @@ impl FilterBank {
         Self { chain, wanted, kernels, edges }
     }
 
-    /// Number of levels that the bank makes.
-    pub fn len(&self) -> usize {
-        self.kernels.len()
-    }
-
-    /// Whether the bank makes no level.
-    pub fn is_empty(&self) -> bool {
-        self.kernels.is_empty()
-    }
-
     /// Pixels to each side that a value of any level depends on.
     pub fn radius(&self) -> usize {
         self.kernels.iter().map(Kernel::radius).max().unwrap_or(0)
     }
 }
 
-/// Source of a tile's pixels.
 pub trait Lines {
     /// Row `v` from column `first` on, up to the end of its memory: at least all held columns.
     fn line(&self, v: usize, first: usize) -> &[f32];
@@ -84,7 +70,6 @@ impl Lines for Tile {
     }
 }
 
-/// Buffers between the passes; reused, so that filtering does not allocate.
 #[derive(Debug, Default)]
 pub struct FilterScratch {
     line: Aligned,
@@ -94,7 +79,6 @@ pub struct FilterScratch {
     level: Aligned,
 }
 
-/// Arguments and buffers of one call of [`filter_tile`].
 struct FilterJob<'a, L: Lines + ?Sized> {
     along_u: &'a Axis,
     along_v: &'a Axis,
@@ -125,7 +109,7 @@ pub fn filter_tile<L: Lines + ?Sized>(
     batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
 ) {
     assert_eq!(differences.len() + 1, along_u.levels.len(), "one difference fewer than levels");
-    let stride = whole_blocks(region.columns.len());
+    let stride = region.columns.len().next_multiple_of(BLOCK);
     differences.iter_mut().for_each(|tile| tile.reset(region, stride));
     if let Some((_, tile)) = &mut keep {
         tile.reset(region, stride);
@@ -189,7 +173,6 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         self.held.start = top;
     }
 
-    /// Runs the first pass for row `v`.
     #[inline(always)]
     fn make_band_row<S: Simd>(&mut self, simd: S, v: usize) {
         let index = v - self.held.start;
@@ -222,7 +205,6 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// Runs the second pass for the rows `batch`.
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>) {
         // As many rows as registers allow.
@@ -234,12 +216,11 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
                     while first < part.end {
                         let left = part.end - first;
                         let rows = if left >= max { max } else { 1 << left.ilog2() };
-                        let place = Place { section, index, batch_start: batch.start, first, block };
                         match rows {
-                            8 => self.level_rows::<S, 8>(simd, place),
-                            4 => self.level_rows::<S, 4>(simd, place),
-                            2 => self.level_rows::<S, 2>(simd, place),
-                            _ => self.level_rows::<S, 1>(simd, place),
+                            8 => self.level_rows::<S, 8>(simd, section, index, batch.start, first, block),
+                            4 => self.level_rows::<S, 4>(simd, section, index, batch.start, first, block),
+                            2 => self.level_rows::<S, 2>(simd, section, index, batch.start, first, block),
+                            _ => self.level_rows::<S, 1>(simd, section, index, batch.start, first, block),
                         }
                         first += rows;
                     }
@@ -249,10 +230,16 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// Computes a few rows of a block of columns.
     #[inline(always)]
-    fn level_rows<S: Simd, const ROWS: usize>(&mut self, simd: S, place: Place) {
-        let Place { section, index, batch_start, first, block } = place;
+    fn level_rows<S: Simd, const ROWS: usize>(
+        &mut self,
+        simd: S,
+        section: Section,
+        index: usize,
+        batch_start: usize,
+        first: usize,
+        block: usize,
+    ) {
         let FilterScratch { bands, level, .. } = &mut *self.scratch;
         let (rows, top, stride) = (bands[index].block(block / BLOCK), self.held.start, self.stride);
         let weights = &self.along_v.levels[index];
@@ -268,7 +255,6 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         }
     }
 
-    /// Copies a block of columns of a finished level to the tile of the kept level.
     fn keep_block(&mut self, index: usize, batch: &Range<usize>, block: usize) {
         if let Some((_, tile)) = self.keep.as_mut().filter(|(kept, _)| *kept == index) {
             let out = tile.rows_from_mut(batch.start, batch.len()).chunks_exact_mut(self.stride);
@@ -279,26 +265,11 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
     }
 }
 
-/// Position of the rows of a level that are computed together.
-#[derive(Clone, Copy)]
-struct Place {
-    section: Section,
-    /// Index of the level.
-    index: usize,
-    /// First row of the batch.
-    batch_start: usize,
-    /// First row to compute.
-    first: usize,
-    /// First column of the block, within the tile.
-    block: usize,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::gaussian_bank::FilterBank;
     use crate::plane::Plane;
-    use crate::plane::blur::{GaussianKernel, gaussian_blur};
+    use crate::plane::blur::gaussian_blur;
 
     fn chain() -> Vec<GaussianKernel> {
         [1.5, 1.2, 1.6, 2.0, 2.5].map(GaussianKernel::new).to_vec()
@@ -309,7 +280,7 @@ mod tests {
     }
 
     fn filtered(plane: &Plane, bank: &FilterBank, region: &Region, keep: usize) -> (Vec<Tile>, Tile) {
-        let mut differences = vec![Tile::default(); bank.len() - 1];
+        let mut differences = vec![Tile::default(); bank.kernels.len() - 1];
         let mut kept = Tile::default();
         let axes = (bank.axis(plane.width()), bank.axis(plane.height()));
         let mut rows = Vec::new();

@@ -15,6 +15,7 @@
 pub(crate) use crate::kernel::machine::{BLOCK_COLUMNS as BLOCK, WIDEST_VECTOR as VECTOR};
 
 use crate::kernel::gaussian_bank::weights::{Axis, Dense, Weights};
+use crate::kernel::machine::{load, store};
 use crate::plane::vectors::Aligned;
 use pulp::Simd;
 use std::ops::Range;
@@ -25,7 +26,6 @@ pub(crate) const MOST: usize = 8;
 /// Taps of some levels, interleaved.
 #[derive(Debug)]
 pub(crate) struct Packed {
-    /// Range of the levels.
     pub levels: Range<usize>,
     /// `taps[distance·levels + level]`, zero beyond a level's radius.
     taps: Vec<f32>,
@@ -58,24 +58,21 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Index of column `column`.
     #[inline(always)]
     fn place(self, column: usize) -> usize {
         column / BLOCK * self.step + column % BLOCK
     }
 }
 
-/// Convolves one row: `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side;
-/// `out[level]` receives its blocks.
+/// `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side.
 #[inline(always)]
 pub(crate) fn convolve_row<S: Simd>(
     simd: S,
     group: &Packed,
-    (line, reach): (&[f32], usize),
+    line: (&[f32], usize),
     blocks: Blocks,
     out: &mut [&mut [f32]],
 ) {
-    let line = (line, reach);
     match group.levels.len() {
         1 => convolve::<S, 1>(simd, group, line, blocks, out),
         2 => convolve::<S, 2>(simd, group, line, blocks, out),
@@ -144,8 +141,7 @@ fn convolve<S: Simd, const L: usize>(
     }
 }
 
-/// Overwrites the columns of `columns` that lie near a border: `line[reach + i]` is column `columns.start + i`, and
-/// `out` receives the blocks that begin there.
+/// Overwrites the columns that lie near a border; `line[reach + i]` is column `columns.start + i`.
 #[inline(always)]
 pub(crate) fn edge_columns<S: Simd>(
     simd: S,
@@ -225,8 +221,7 @@ impl Sink<'_> {
     }
 }
 
-/// Computes `ROWS` rows away from the borders; the first one is row `radius` of `rows`, which holds the kernel's radius
-/// more on both sides. `column` is the block's first one in the tile.
+/// Computes `ROWS` rows away from the borders; the first one is row `radius` of `rows`.
 #[inline(always)]
 pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
     simd: S,
@@ -315,10 +310,8 @@ pub(crate) fn edge_rows<S: Simd, const ROWS: usize>(
     }
 }
 
-/// A row of a block of columns.
 pub(crate) type Row = [f32; BLOCK];
 
-/// Some rows of one level.
 #[derive(Debug, Default)]
 pub(crate) struct Band {
     data: Aligned,
@@ -328,7 +321,6 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Makes room for `room` rows of `blocks` blocks of columns.
     pub fn reset(&mut self, blocks: usize, room: usize) {
         self.data.grow(blocks * room * BLOCK);
         (self.blocks, self.room) = (blocks, room);
@@ -339,7 +331,6 @@ impl Band {
         self.room * BLOCK
     }
 
-    /// The rows of block `block`.
     #[inline(always)]
     pub fn block(&self, block: usize) -> &[Row] {
         self.data[block * self.step()..(block + 1) * self.step()].as_chunks().0
@@ -352,51 +343,11 @@ impl Band {
         &mut self.data[row * BLOCK..end]
     }
 
-    /// Moves rows `rows` to row `to` in every block.
     pub fn move_rows(&mut self, rows: std::ops::Range<usize>, to: usize) {
         for block in 0..self.blocks {
             let start = block * self.room;
             let from = (start + rows.start) * BLOCK..(start + rows.end) * BLOCK;
             self.data.copy_within(from, (start + to) * BLOCK);
-        }
-    }
-}
-
-/// `n` rounded up to whole blocks.
-pub(crate) fn whole_blocks(n: usize) -> usize {
-    n.next_multiple_of(BLOCK)
-}
-
-/// The vector that begins at `row[at]`.
-#[inline(always)]
-pub(crate) fn load<S: Simd>(row: &[f32], at: usize) -> S::f32s {
-    S::as_simd_f32s(&row[at..at + S::F32_LANES]).0[0]
-}
-
-/// Writes a vector to `row[at..]`.
-#[inline(always)]
-pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
-    S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_are_found_block_by_block_and_move_together() {
-        let mut band = Band::default();
-        band.reset(3, 5);
-        for row in 0..5 {
-            let step = band.step();
-            let values = band.row_mut(row);
-            (0..3).for_each(|block| values[block * step..][..BLOCK].fill((10 * block + row) as f32));
-        }
-        band.move_rows(3..5, 0);
-        for block in 0..3 {
-            let rows: Vec<f32> = band.block(block).iter().map(|row| row[BLOCK - 1]).collect();
-            let first = 10.0 * block as f32;
-            assert_eq!(rows, [first + 3.0, first + 4.0, first + 2.0, first + 3.0, first + 4.0]);
         }
     }
 }

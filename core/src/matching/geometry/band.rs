@@ -95,13 +95,14 @@ impl GuidingBand {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{Random, camera_bending, scene_in_space};
+    use super::super::tests::{camera_bending, scene_in_space};
     use crate::matching::{Geometry, MatchParams, PointPair, verify};
     use crate::monitor::Monitor;
+    use crate::synth::random::Stream;
 
     #[test]
     fn a_band_holds_what_has_a_small_error() {
-        let mut random = Random::new(5);
+        let mut random = Stream::new(0, 5);
         let scene = scene_in_space(&mut random, 120);
         let pairs: Vec<PointPair> = scene.iter().map(|&(a, b)| PointPair { a, b, rank: 0.0 }).collect();
         let (a, b): (Vec<[f64; 2]>, Vec<[f64; 2]>) = scene.into_iter().unzip();

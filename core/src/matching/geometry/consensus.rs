@@ -23,6 +23,7 @@
 //! Everything happens in a fixed order on one thread, and the random numbers are ChaCha's, which a seed determines for
 //! all time: the same matches, parameters and seed give the same bits.
 
+use crate::matching::params::MatchParams;
 use crate::monitor::{Cancelled, Monitor};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -30,13 +31,11 @@ use std::sync::LazyLock;
 
 /// A model to be estimated from matches.
 pub(super) trait Problem {
-    /// Type of the model.
     type Model: Clone;
 
     /// Number of matches that determine a model, up to a few solutions.
     const SAMPLE_SIZE: usize;
 
-    /// Number of matches.
     fn count(&self) -> usize;
 
     /// Appends all models that fit the sample exactly; none for a degenerate sample.
@@ -59,25 +58,6 @@ pub(super) trait Problem {
     }
 }
 
-/// Parameters of the estimate.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Settings {
-    /// Max error of an inlier, in the problem's unit.
-    pub max_error: f64,
-    /// Probability that no better model was missed, at which sampling stops.
-    pub confidence: f64,
-    /// Maximum number of samples.
-    pub max_iterations: usize,
-    /// Seed of the samples.
-    pub seed: u64,
-}
-
-/// The best model found, if any, and the number of samples drawn.
-pub(super) struct Consensus<M> {
-    pub model: Option<M>,
-    pub iterations: usize,
-}
-
 /// Minimum number of samples: a model found by luck should not end the search at once.
 const MIN_ITERATIONS: usize = 50;
 /// Maximum number of steps of a local optimisation; most end after three to five.
@@ -88,26 +68,28 @@ const POLISH_TOLERANCE: f64 = 1e-3;
 /// local optimisation ends.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model with the minimum cost. `order` are the indices of all matches, the most promising first.
+/// The model with the minimum cost, if any, for inliers with an error of at most `max_error` in the problem's unit; and
+/// the number of samples drawn. `order` are the indices of all matches, the most promising first.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,
-    settings: &Settings,
+    max_error: f64,
+    params: &MatchParams,
     monitor: &Monitor,
-) -> Result<Consensus<P::Model>, Cancelled> {
+) -> Result<(Option<P::Model>, usize), Cancelled> {
     monitor.check()?;
     let count = problem.count();
     debug_assert_eq!(count, order.len(), "each match has its place in the order");
     if count < P::SAMPLE_SIZE {
-        return Ok(Consensus { model: None, iterations: 0 });
+        return Ok((None, 0));
     }
-    let loss = Loss::new(settings.max_error);
-    let mut sampler = Sampler::new(order, P::SAMPLE_SIZE, settings.seed);
+    let loss = Loss::new(max_error);
+    let mut sampler = Sampler::new(order, P::SAMPLE_SIZE, params.seed);
     let mut sample = vec![0; P::SAMPLE_SIZE];
     let mut models = Vec::new();
     let mut best: Option<(P::Model, f64)> = None;
     let mut min_raw = f64::INFINITY;
-    let (mut iterations, mut needed) = (0, settings.max_iterations);
+    let (mut iterations, mut needed) = (0, params.max_iterations);
     while iterations < needed {
         if iterations % 64 == 0 {
             monitor.check()?;
@@ -127,22 +109,21 @@ pub(super) fn estimate<P: Problem>(
             }
             let inliers = inlier_count(problem, &candidate.0, &loss);
             best = Some(candidate);
-            needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, settings.confidence)
+            needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, f64::from(params.confidence))
                 .max(MIN_ITERATIONS)
-                .min(settings.max_iterations);
+                .min(params.max_iterations);
         }
     }
     monitor.check()?;
-    let best = best.map(|best| finished(problem, best, settings, &loss, &mut sampler));
-    Ok(Consensus { model: best.map(|(model, _)| model), iterations })
+    let best = best.map(|best| finished(problem, best, max_error, &loss, &mut sampler));
+    Ok((best.map(|(model, _)| model), iterations))
 }
 
-/// The best model after two more attempts to improve it: by descent on a smoother cost, and by repair of a degenerate
-/// model.
+/// The best model after descent on a smoother cost and repair of a degenerate model.
 fn finished<P: Problem>(
     problem: &P,
     mut best: (P::Model, f64),
-    settings: &Settings,
+    max_error: f64,
     loss: &Loss,
     sampler: &mut Sampler,
 ) -> (P::Model, f64) {
@@ -155,7 +136,7 @@ fn finished<P: Problem>(
         }
     };
     // A cost twice as wide has fewer local minima in which a descent ends.
-    let wide = Loss::new(2.0 * settings.max_error);
+    let wide = Loss::new(2.0 * max_error);
     if let Some(cost) = cost_below(problem, &best.0, &wide, f64::INFINITY) {
         let (start, _) = polish(problem, best.0.clone(), cost, &wide);
         attempt(&mut best, start);
@@ -178,8 +159,7 @@ fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64
     Some(sum)
 }
 
-/// Descends from a model to the nearest local minimum of the cost, by reweighted least squares. Never returns a worse
-/// one.
+/// Descends to the nearest local minimum of the cost, by reweighted least squares; never to a worse model.
 fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (P::Model, f64) {
     let mut best = (model, cost);
     let mut weights = vec![0.0; problem.count()];
@@ -233,7 +213,6 @@ const K: f64 = 3.64;
 /// to about 10⁻⁵ of the cost.
 const STEPS: usize = 2048;
 
-/// Cost and weight at the steps of the squared residual.
 struct Table {
     cost: [f64; STEPS + 1],
     weight: [f64; STEPS + 1],
@@ -273,7 +252,6 @@ fn raw_cost(fraction: f64) -> f64 {
     0.5 * lower_gamma_5_2(x) + 0.5 * x * (upper_gamma_3_2(x) - upper_gamma_3_2(max))
 }
 
-/// Loss of residuals, constant above a threshold.
 #[derive(Clone, Copy)]
 pub(super) struct Loss {
     table: &'static Table,
@@ -286,7 +264,6 @@ impl Loss {
         Self { table: &TABLE, steps_per_squared_error: STEPS as f64 / (threshold * threshold) }
     }
 
-    /// Whether a squared residual is within the threshold.
     pub(super) fn is_inlier(&self, squared_error: f64) -> bool {
         squared_error * self.steps_per_squared_error <= STEPS as f64
     }
@@ -316,14 +293,11 @@ impl Loss {
 /// here by default.
 const UNIFORM_AFTER: f64 = 20_000.0;
 
-/// Sampler of different matches.
 pub(super) struct Sampler {
     random: ChaCha8Rng,
-    /// Match indices, the most promising first.
+    /// Match indices, the most promising first, and the number of them that are drawn from.
     order: Vec<usize>,
-    /// Number of first matches that are drawn from.
     open: usize,
-    /// Number of samples drawn so far.
     drawn: f64,
     /// The paper's T_n and T'_n: the samples that plain RANSAC would have drawn from the open set, and the sample after
     /// which the set grows.
@@ -333,8 +307,7 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// Creates a sampler of `size` matches out of `order`, which begins with the most promising and has at least
-    /// `size`.
+    /// `order` begins with the most promising and has at least `size` matches.
     pub(super) fn new(order: Vec<usize>, size: usize, seed: u64) -> Self {
         let count = order.len();
         // The samples among the first `size` that UNIFORM_AFTER uniform samples of all matches would hold.
@@ -350,7 +323,6 @@ impl Sampler {
         }
     }
 
-    /// Draws the next sample: different matches, as indices.
     pub(super) fn draw(&mut self, sample: &mut [usize]) {
         self.drawn += 1.0;
         let count = self.order.len();
@@ -404,7 +376,6 @@ mod tests {
         assert!(iterations_needed(30, 100, 7, 0.999) > 30_000);
     }
 
-    /// The mean of numbers: a problem as simple as possible.
     struct Mean(Vec<f64>);
 
     impl Problem for Mean {
@@ -429,23 +400,25 @@ mod tests {
         }
     }
 
+    fn found(numbers: Vec<f64>, monitor: &Monitor) -> Result<(Option<f64>, usize), Cancelled> {
+        let order = (0..numbers.len()).collect();
+        estimate(&Mean(numbers), order, 1.0, &MatchParams { seed: 1, ..MatchParams::default() }, monitor)
+    }
+
     #[test]
     fn outliers_do_not_move_the_mean() {
         let numbers = [1.0, 1.2, 0.9, 1.1, 0.8, 40.0, 50.0, 60.0, 70.0, -30.0, -99.0].to_vec();
-        let settings = Settings { max_error: 1.0, confidence: 0.99, max_iterations: 1000, seed: 1 };
-        let found = estimate(&Mean(numbers), (0..11).collect(), &settings, &Monitor::default()).expect("not cancelled");
-        assert!((found.model.expect("a mean") - 1.0).abs() < 0.01);
-        assert_eq!(found.iterations, MIN_ITERATIONS);
+        let (mean, iterations) = found(numbers, &Monitor::default()).expect("not cancelled");
+        assert!((mean.expect("a mean") - 1.0).abs() < 0.01);
+        assert_eq!(iterations, MIN_ITERATIONS);
     }
 
     #[test]
     fn too_few_have_no_model_and_cancelling_ends_it() {
-        let settings = Settings { max_error: 1.0, confidence: 0.99, max_iterations: 1000, seed: 1 };
-        let none = estimate(&Mean(Vec::new()), Vec::new(), &settings, &Monitor::default()).expect("not cancelled");
-        assert!(none.model.is_none() && none.iterations == 0);
+        assert_eq!(found(Vec::new(), &Monitor::default()), Ok((None, 0)));
         let monitor = Monitor::default();
         monitor.cancel();
-        assert!(estimate(&Mean(vec![1.0]), vec![0], &settings, &monitor).is_err());
+        assert!(found(vec![1.0], &monitor).is_err());
     }
 
     /// ∫ f over `from..to` by Simpson's rule.

@@ -16,19 +16,16 @@
 //! Horn's, "Recovering Baseline and Orientation from 'Essential' Matrix", 1990, which needs no singular values).
 
 use super::consensus::Problem;
-use super::linear::epipolar_row;
+use super::linear::{epipolar_row, equation};
 use super::points::{RayPair, Vector9, cross_matrix, matrix_of, null_space};
 use super::polynomial::real_roots;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use std::sync::LazyLock;
 
-/// Estimation of E from matched directions.
 pub(super) struct EssentialProblem<'a> {
     /// Matched directions (x, y, 1).
     pub pairs: &'a [RayPair],
-    /// Focal lengths of A's camera, pixels.
-    pub focal_a: [f64; 2],
-    /// Focal lengths of B's camera, pixels.
-    pub focal_b: [f64; 2],
+    pub focal_px: [f64; 2],
 }
 
 impl Problem for EssentialProblem<'_> {
@@ -45,7 +42,7 @@ impl Problem for EssentialProblem<'_> {
     }
 
     fn squared_error(&self, model: &Matrix3<f64>, index: usize) -> f64 {
-        let (value, squared_gradient) = self.equation(model, &self.pairs[index]);
+        let (value, squared_gradient) = equation(model, &self.pairs[index], self.focal_px);
         if squared_gradient > 0.0 { value * value / squared_gradient } else { f64::INFINITY }
     }
 
@@ -65,7 +62,7 @@ impl Problem for EssentialProblem<'_> {
         let mut right = SVector::<f64, 5>::zeros();
         let mut used = 0;
         for (pair, &weight) in self.pairs.iter().zip(weights) {
-            let (value, squared_gradient) = self.equation(&e, pair);
+            let (value, squared_gradient) = equation(&e, pair, self.focal_px);
             if weight > 0.0 && squared_gradient > 0.0 {
                 let (a, b) = (pair.a_homogeneous(), pair.b_homogeneous());
                 let slopes = SVector::<f64, 5>::from(changes.map(|change| b.dot(&(change * a))));
@@ -94,24 +91,6 @@ impl Problem for EssentialProblem<'_> {
     }
 }
 
-impl EssentialProblem<'_> {
-    /// The value d_bᵀ·E·d_a, and the squared length of its gradient with respect to the pixels' four coordinates.
-    fn equation(&self, e: &Matrix3<f64>, pair: &RayPair) -> (f64, f64) {
-        let ([x, y], [u, v]) = (pair.a, pair.b);
-        let in_b = [e.m11 * x + e.m12 * y + e.m13, e.m21 * x + e.m22 * y + e.m23];
-        let in_a = [e.m11 * u + e.m21 * v + e.m31, e.m12 * u + e.m22 * v + e.m32];
-        let value = u * in_b[0] + v * in_b[1] + e.m31 * x + e.m32 * y + e.m33;
-        let gradient = [
-            in_b[0] / self.focal_b[0],
-            in_b[1] / self.focal_b[1],
-            in_a[0] / self.focal_a[0],
-            in_a[1] / self.focal_a[1],
-        ];
-        (value, gradient.iter().map(|g| g * g).sum())
-    }
-}
-
-/// Two unit vectors perpendicular to `v` and to each other.
 fn tangents(v: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let axis = if v.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
     let first = v.cross(&axis).normalize();
@@ -148,28 +127,11 @@ type Cubic = [f64; 20];
 
 /// Index in [`MONOMIALS`] of the product of two monomials given by their indices; 20 for a product beyond the third
 /// degree.
-static PRODUCT: [[usize; 20]; 20] = products();
-
-const fn products() -> [[usize; 20]; 20] {
-    let mut table = [[20; 20]; 20];
-    let (mut i, mut j, mut k) = (0, 0, 0);
-    while i < 20 {
-        while j < 20 {
-            while k < 20 {
-                let (a, b, c) = (MONOMIALS[i], MONOMIALS[j], MONOMIALS[k]);
-                if a[0] + b[0] == c[0] && a[1] + b[1] == c[1] && a[2] + b[2] == c[2] {
-                    table[i][j] = k;
-                }
-                k += 1;
-            }
-            k = 0;
-            j += 1;
-        }
-        j = 0;
-        i += 1;
-    }
-    table
-}
+static PRODUCT: LazyLock<[[usize; 20]; 20]> = LazyLock::new(|| {
+    let sum = |i: usize, j: usize| std::array::from_fn(|axis| MONOMIALS[i][axis] + MONOMIALS[j][axis]);
+    let index = |exponents: [usize; 3]| MONOMIALS.iter().position(|of| *of == exponents).unwrap_or(20);
+    std::array::from_fn(|i| std::array::from_fn(|j| index(sum(i, j))))
+});
 
 /// Indices of x, y, z and 1 in `MONOMIALS`.
 const LINEAR: [usize; 4] = [12, 15, 18, 19];
@@ -178,9 +140,10 @@ const QUADRATIC: [usize; 10] = [5, 7, 9, 11, 12, 14, 15, 17, 18, 19];
 
 /// Adds `factor` times the product of `p` (whose monomials are at `p_places`) and the linear `q` to `sum`.
 fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &Cubic) {
+    let product = &*PRODUCT;
     for &i in p_places {
         for j in LINEAR {
-            sum[PRODUCT[i][j]] += factor * p[i] * q[j];
+            sum[product[i][j]] += factor * p[i] * q[j];
         }
     }
 }
@@ -328,7 +291,10 @@ impl RelativePose {
 
     /// The angle of the rotation, radians, 0 … π.
     pub fn rotation_angle(&self) -> f64 {
-        angle_of(&self.rotation)
+        // From both sine and cosine: each alone is inexact at one of the ends.
+        let r = &self.rotation;
+        let sine = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12).norm();
+        libm::atan2(sine, r.trace() - 1.0)
     }
 
     /// The depths, along A's and B's axes, at which the two rays in the directions (x, y, 1) of `pair` come closest.
@@ -342,19 +308,6 @@ impl RelativePose {
         // Directions less than 10⁻⁵ rad apart do not determine a depth.
         (determinant > 1e-10 * aa * bb).then(|| ((ab * bt - bb * at) / determinant, (aa * bt - ab * at) / determinant))
     }
-
-    /// Whether the point seen in these directions is in front of both cameras.
-    fn is_in_front(&self, pair: &RayPair) -> bool {
-        self.depths(pair).is_some_and(|(in_a, in_b)| in_a > 0.0 && in_b > 0.0)
-    }
-}
-
-/// The angle of a rotation, radians.
-fn angle_of(rotation: &Matrix3<f64>) -> f64 {
-    // From both sine and cosine: each alone is inexact at one of the ends.
-    let r = rotation;
-    let sine = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12).norm();
-    libm::atan2(sine, r.trace() - 1.0)
 }
 
 /// The four poses of an essential matrix, (R₁, t), (R₂, t), (R₁, −t), (R₂, −t); `None` for a degenerate matrix.
@@ -376,7 +329,6 @@ pub(super) fn poses_of(e: &Matrix3<f64>) -> Option<[RelativePose; 4]> {
     Some([pose(first, direction), pose(second, direction), pose(first, -direction), pose(second, -direction)])
 }
 
-/// The rotation nearest to a matrix that is nearly one, by Newton's iteration for the polar decomposition.
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut r = *matrix;
     for _ in 0..30 {
@@ -390,13 +342,14 @@ fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (r.iter().all(|x| x.is_finite()) && r.determinant() > 0.0).then_some(r)
 }
 
-/// The pose of an essential matrix for which most of `pairs`, matched directions, lie in front of both cameras, and
-/// their number.
+/// The pose for which most of `pairs`, matched directions, lie in front of both cameras, and their number.
 pub(super) fn pose_in_front<'a>(
     e: &Matrix3<f64>,
     pairs: impl Iterator<Item = &'a RayPair> + Clone,
 ) -> Option<(RelativePose, usize)> {
-    let counted = poses_of(e)?.map(|pose| (pose, pairs.clone().filter(|pair| pose.is_in_front(pair)).count()));
+    let is_in_front =
+        |pose: &RelativePose, pair: &RayPair| pose.depths(pair).is_some_and(|(in_a, in_b)| in_a > 0.0 && in_b > 0.0);
+    let counted = poses_of(e)?.map(|pose| (pose, pairs.clone().filter(|pair| is_in_front(&pose, pair)).count()));
     // The first of several with equal numbers.
     counted.into_iter().reduce(|best, other| if other.1 > best.1 { other } else { best })
 }

@@ -25,7 +25,6 @@ use super::points::{RayPair, Vector9, cross_matrix, matrix_of, min_eigenvector, 
 use super::polynomial::real_roots;
 use nalgebra::{Matrix3, SMatrix};
 
-/// Estimation of F from matches in normalised coordinates.
 pub(super) struct FundamentalProblem<'a> {
     pub pairs: &'a [RayPair],
 }
@@ -57,7 +56,7 @@ impl Problem for FundamentalProblem<'_> {
         let mut normal = SMatrix::<f64, 9, 9>::zeros();
         let mut used = 0;
         for (pair, &weight) in self.pairs.iter().zip(weights) {
-            let gradient = squared_gradient(model, pair);
+            let (_, gradient) = equation(model, pair, [1.0; 2]);
             if weight > 0.0 && gradient > 0.0 {
                 let row = Vector9::from(epipolar_row(pair));
                 normal.syger(weight / gradient, &row, &row, 1.0);
@@ -123,23 +122,23 @@ pub(super) fn epipolar_row(pair: &RayPair) -> [f64; 9] {
     [u * x, u * y, u, v * x, v * y, v, x, y, 1.0]
 }
 
-/// The squared length of the gradient of x_bᵀ·F·x_a with respect to the four coordinates.
-fn squared_gradient(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
-    let ([x, y], [u, v]) = (pair.a, pair.b);
-    let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
-    let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
-    in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1]
-}
-
 /// The squared Sampson distance: to first order, the distance that both points together must move to satisfy F exactly.
 /// Infinite at the epipoles.
 pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
+    let (value, gradient) = equation(f, pair, [1.0; 2]);
+    if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
+}
+
+/// The value x_bᵀ·F·x_a, and the squared length of its gradient with respect to the four coordinates in pixels, of
+/// which `px` make a unit along each axis.
+#[inline(always)]
+pub(super) fn equation(f: &Matrix3<f64>, pair: &RayPair, px: [f64; 2]) -> (f64, f64) {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
     let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
     let value = u * in_b[0] + v * in_b[1] + f.m31 * x + f.m32 * y + f.m33;
-    let gradient = in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1];
-    if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
+    let gradient = [in_b[0] / px[0], in_b[1] / px[1], in_a[0] / px[0], in_a[1] / px[1]];
+    (value, gradient.iter().map(|g| g * g).sum())
 }
 
 /// Up to three matrices of rank 2 for which seven matches hold exactly.
@@ -229,7 +228,6 @@ pub(super) fn squared_error(h: &Homography, pair: &RayPair) -> f64 {
     0.5 * (squared(in_b, pair.b) + squared(in_a, pair.a))
 }
 
-/// Estimation of H from matches in normalised coordinates.
 pub(super) struct HomographyProblem<'a> {
     pub pairs: &'a [RayPair],
 }

@@ -120,7 +120,6 @@ pub(super) fn straight_fundamental(essential: &Matrix3<f64>, camera: &Camera) ->
     direction_of.transpose() * essential * direction_of
 }
 
-/// A rectangle of pixels.
 #[derive(Debug, Clone, Copy)]
 struct Bounds {
     low: [f64; 2],

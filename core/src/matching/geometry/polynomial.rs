@@ -29,7 +29,6 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Coefficients of Π (x − r).
     fn with_roots(roots: &[f64]) -> Vec<f64> {
         roots.iter().fold(vec![1.0], |c, r| {
             let mut product = vec![0.0; c.len() + 1];

@@ -13,7 +13,7 @@ use burstscope_core::inspect::truth::{AgainstTruth, TruthError, against_truth, r
 use burstscope_core::inspect::unmatched::{ComparedPair, Losses, Lost};
 use burstscope_core::inspect::{Fate, Outcome, ProbeCache};
 use burstscope_core::matching::{Geometry, MatchParams, match_detections};
-use burstscope_core::plane::tile::Region;
+use burstscope_core::plane::statistics::Region;
 use burstscope_core::synth::examples::{Example, disc_place};
 use burstscope_core::{Burst, Monitor, detect};
 use burstscope_lab::synth::{

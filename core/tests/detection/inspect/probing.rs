@@ -57,8 +57,8 @@ fn a_kept_blob_is_level_and_its_peak_is_in_the_map() {
     let fate = probe.subject_fate().expect("it was kept");
     assert!(fate.is_kept() && !fate.features.is_empty(), "{fate:#?}");
     assert!((fate.slope.u - 1.0).abs() < 0.05, "{fate:?}");
-    assert_eq!(probe.shares.shape, Shape::Level, "{}", probe.shares.meaning);
-    assert!(probe.shares.coherence.expect("clear") > 0.95);
+    assert_eq!(probe.shares.evenness.shape, Shape::Level, "{}", probe.shares.meaning);
+    assert!(probe.shares.evenness.coherence.expect("clear") > 0.95);
     assert!(probe.summary.contains("kept"), "{}", probe.summary);
     // The map peaks where the feature is, in the unit of its snr.
     let map = &probe.response;
@@ -214,7 +214,7 @@ fn candidates_account_for_everything_that_was_an_extremum() {
         }
         // Each mark agrees with the detailed report.
         for mark in survey.marks.iter().filter(|m| m.snr > 2.0).step_by(37) {
-            let fate = fate_of(&cache.trail, &mark.of_sample(), &Monitor::default()).expect("not cancelled");
+            let fate = fate_of(&cache.trail, &mark.sample, &Monitor::default()).expect("not cancelled");
             let fate = fate.expect("examined");
             assert_eq!((fate.first_failed, fate.value, fate.snr), (mark.first_failed, mark.value, mark.snr));
             let margin = mark.first_failed.and_then(|test| fate.report(test).margin()).map(|m| m as f32);

@@ -2,7 +2,7 @@
 
 use super::support::{folder, grey8, open, save, tiff_pages};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Limits, OpenError, OpenOptions};
+use burstscope_core::burst::{Burst, Limits, OpenError, OpenErrorKind, OpenOptions};
 use ndarray::{Array1, Array2, Array3, Array4};
 use ndarray_npy::write_npy;
 use std::fs;
@@ -26,7 +26,7 @@ fn missing_empty_and_foreign_files() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     failure(&at("missing.png"), &["no such file"]);
-    assert!(matches!(open(&[]), Err(OpenError::NothingGiven)));
+    assert!(open(&[]).expect_err("nothing").to_string().contains("nothing to open"));
     fs::create_dir(at("empty")).expect("made");
     failure(&at("empty"), &["no pictures", "png", "tiff", "npy"]);
     fs::create_dir(at("texts")).expect("made");
@@ -73,8 +73,8 @@ fn a_pipe_is_refused_instead_of_waited_for() {
     let socket = folder();
     let path = socket.path().join("pipe.png");
     let _listener = std::os::unix::net::UnixListener::bind(&path).expect("a socket");
-    assert!(matches!(Burst::open(&path), Err(OpenError::NotAFile { .. })));
-    assert!(matches!(Burst::open("/dev/null"), Err(OpenError::NotAFile { .. })));
+    failure(&path, &["neither a regular file nor a folder"]);
+    failure(Path::new("/dev/null"), &["neither a regular file nor a folder"]);
 }
 
 #[test]
@@ -86,19 +86,19 @@ fn a_bad_picture_in_a_folder_is_named_and_never_skipped() {
     let good = fs::read(folder.path().join("3.png")).expect("read");
     fs::write(folder.path().join("3.png"), &good[..good.len() / 2]).expect("written");
     let error = Burst::open(folder.path()).expect_err("truncated");
-    assert!(matches!(error, OpenError::Corrupt { ref path, kind: "PNG", .. } if path.ends_with("3.png")), "{error}");
+    assert!(error.problem.contains("PNG file is truncated") && error.subject.ends_with("3.png"), "{error}");
     // Of two bad files the first is named, whichever thread fails first.
     fs::write(folder.path().join("2.png"), "").expect("written");
     for _ in 0..20 {
         let error = Burst::open(folder.path()).expect_err("two bad ones");
-        assert!(matches!(error, OpenError::EmptyFile { ref path } if path.ends_with("2.png")), "{error}");
+        assert!(error.problem.contains("empty") && error.subject.ends_with("2.png"), "{error}");
     }
     #[cfg(unix)]
     {
         fs::remove_file(folder.path().join("2.png")).expect("removed");
         std::os::unix::fs::symlink("nowhere", folder.path().join("2.png")).expect("linked");
         let error = Burst::open(folder.path()).expect_err("a link to nowhere");
-        assert!(matches!(error, OpenError::NotFound { ref path } if path.ends_with("2.png")), "{error}");
+        assert!(error.kind == OpenErrorKind::NotFound && error.subject.ends_with("2.png"), "{error}");
     }
 }
 
@@ -128,8 +128,7 @@ fn values_that_are_not_finite_are_located() {
         stack[[1, 3, 2]] = value;
         stack[[2, 0, 0]] = value;
         write_npy(&path, &stack).expect("written");
-        let error = failure(&path, &["frame 1", "(2, 3)", word]);
-        assert!(matches!(error, OpenError::NotFinite { frame: 1, u: 2, v: 3, .. }), "{error}");
+        failure(&path, &["frame 1", "(2, 3)", word]);
     }
     write_npy(&path, &Array2::from_elem((2, 2), 1e300f64)).expect("written");
     failure(&path, &["frame 0", "(0, 0)", "inf"]);
@@ -149,7 +148,7 @@ fn arrays_of_other_shapes_and_types() {
     write_npy(&path, &Array3::<u8>::zeros((0, 3, 4))).expect("written");
     failure(&path, &["[0, 3, 4]"]);
     write_npy(&path, &Array3::<u8>::zeros((2, 0, 4))).expect("written");
-    assert!(matches!(failure(&path, &["4×0"]), OpenError::ZeroSize { .. }));
+    failure(&path, &["no pixels (4×0)"]);
     fs::write(&path, b"\x93NUMPY\x01\x00\x3f\x00{'descr': '<c8', 'fortran_order': False, 'shape': (2, 2)}         ")
         .expect("written");
     failure(&path, &["<c8", "uint16 or float32"]);
@@ -161,7 +160,7 @@ fn folders_and_files_are_not_mixed() {
     let file = folder.path().join("a.png");
     save(&file, &grey8(2, 2, 0));
     let error = open(&[file, folder.path().into()]).expect_err("mixed");
-    assert!(matches!(error, OpenError::MixedInput { .. }), "{error}");
+    assert!(error.problem.contains("either folders or files"), "{error}");
 }
 
 #[test]
@@ -170,7 +169,7 @@ fn frames_without_a_common_unit_are_refused() {
     save(&folder.path().join("1.png"), &grey8(2, 1, 0));
     write_npy(folder.path().join("2.npy"), &Array2::from_elem((1, 2), 300.0f32)).expect("written");
     let error = Burst::open(folder.path()).expect_err("no common unit");
-    assert!(matches!(error, OpenError::MixedSamples { ref path, .. } if path.ends_with("2.npy")), "{error}");
+    assert!(error.problem.contains("no unit in common") && error.remedy.ends_with("2.npy"), "{error}");
 }
 
 #[test]
@@ -180,7 +179,7 @@ fn limits_are_checked_before_memory_is_taken() {
     let options = OpenOptions { limits, ..OpenOptions::default() };
     let fails = |path: &Path, word: &str| {
         let error = Burst::open_with(&[path.into()], &options, &Monitor::default()).expect_err(word);
-        assert!(matches!(error, OpenError::BeyondLimit { .. }), "{error}");
+        assert_eq!(error.kind, OpenErrorKind::TooLarge, "{error}");
         assert!(error.to_string().contains(word), "{error}");
     };
     let at = |name: &str| folder.path().join(name);
@@ -199,13 +198,13 @@ fn limits_are_checked_before_memory_is_taken() {
     fails(&at("many"), "3 × 30×30");
     // A few bytes that announce a huge picture, against the default limits.
     fs::write(at("giant.pam"), "P7\nWIDTH 200000\nHEIGHT 200000\nDEPTH 1\nMAXVAL 255\nENDHDR\n").expect("written");
-    assert!(matches!(failure(&at("giant.pam"), &["200000×200000"]), OpenError::BeyondLimit { .. }));
+    assert_eq!(failure(&at("giant.pam"), &["200000×200000"]).kind, OpenErrorKind::TooLarge);
     let giant = "{'descr': '<f8', 'fortran_order': True, 'shape': (4000, 16000, 16000), }";
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((giant.len() as u16).to_le_bytes());
     bytes.extend(giant.as_bytes());
     fs::write(at("giant.npy"), bytes).expect("written");
-    assert!(matches!(failure(&at("giant.npy"), &["MiB"]), OpenError::BeyondLimit { .. }));
+    assert_eq!(failure(&at("giant.npy"), &["MiB"]).kind, OpenErrorKind::TooLarge);
 }
 
 #[test]

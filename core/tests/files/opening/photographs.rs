@@ -4,7 +4,7 @@
 use super::support::{assert_close, folder, open, save};
 use crate::shared::shared;
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, OpenError, OpenOptions, find_bursts};
+use burstscope_core::burst::{Burst, Encoding, OpenErrorKind, OpenOptions, find_bursts};
 use image::{ExtendedColorType, ImageEncoder, Luma, Rgb, RgbImage};
 use std::path::Path;
 
@@ -88,7 +88,7 @@ fn pictures_are_turned_as_the_camera_was_held() {
     // Frames of the same orientation are one burst; upright and rotated ones have different sizes.
     let at = |n: u16| folder.path().join(format!("{n}.png"));
     assert_eq!(open(&[at(6), at(8)]).expect("a burst").size(), (2, 3));
-    assert!(matches!(open(&[at(1), at(6)]), Err(OpenError::DifferentSizes { .. })));
+    assert!(open(&[at(1), at(6)]).expect_err("turned").problem.contains("have one size"));
 }
 
 /// A TIFF of `size` in planes of red, green and blue, each in tiles of 16×16, with `sample(plane, u, v)` as values.
@@ -186,7 +186,7 @@ fn a_film_is_refused_with_the_way_to_its_frames() {
         let path = folder.path().join(name);
         std::fs::write(&path, start).expect("written");
         let error = open(&[path]).expect_err(name);
-        assert!(matches!(error, OpenError::Video { .. }), "{error}");
+        assert!(error.problem.contains("video"), "{error}");
         let words = error.to_string();
         assert!(words.contains("ffmpeg -i '") && words.contains("frames/frame_%05d.png"), "{words}");
     }
@@ -196,7 +196,7 @@ fn a_film_is_refused_with_the_way_to_its_frames() {
     // A still picture in the same container is no film, but cannot be opened either.
     let heic = folder.path().join("g.heic");
     std::fs::write(&heic, b"\0\0\0\x18ftypheic\0\0\0\0mif1heic").expect("written");
-    assert!(matches!(open(&[heic]), Err(OpenError::UnknownKind { .. })));
+    assert!(open(&[heic]).expect_err("of another kind").problem.contains("not a picture of a kind"));
     assert!(find_bursts(&[folder.path().join("e.gif")]).is_ok(), "what it is, is told when it is opened");
 }
 
@@ -257,8 +257,8 @@ fn sensor_raw_files_open_or_are_refused_with_a_reason() {
         assert!((0.01..0.9).contains(&mean) && values.iter().all(|v| (-0.1..1.3).contains(v)), "mean {mean}");
     } else {
         let error = opened.expect_err("nothing reads it");
-        assert!(matches!(error, OpenError::Unsupported { .. }) && error.to_string().contains("raw"), "{error}");
+        assert!(error.kind == OpenErrorKind::Unsupported && error.to_string().contains("raw"), "{error}");
     }
     let error = Burst::open(data.join("raw/openisp_test_1920x1080.raw")).expect_err("no header");
-    assert!(matches!(error, OpenError::UnknownKind { .. }), "{error}");
+    assert!(error.problem.contains("not a picture of a kind"), "{error}");
 }

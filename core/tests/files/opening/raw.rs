@@ -3,7 +3,7 @@
 use super::dng::{Dng, sensor_values};
 use super::support::folder;
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, Limits, OpenError, OpenOptions, RawColour};
+use burstscope_core::burst::{Burst, Encoding, Limits, OpenError, OpenErrorKind, OpenOptions, RawColour};
 use burstscope_core::detector::{DetectorParams, SlopeGrid};
 use burstscope_core::synth::{ChartParams, synth_chart};
 use std::path::Path;
@@ -148,7 +148,7 @@ fn a_folder_of_raw_frames_is_a_burst_with_bias_and_features() {
     let png = folder.path().join("bias.png");
     image::ImageBuffer::<image::Luma<u16>, _>::from_pixel(96, 72, image::Luma([100u16])).save(&png).expect("written");
     let error = opened(&night, &OpenOptions { bias: Some(png), ..OpenOptions::default() }).expect_err("another kind");
-    assert!(matches!(error, OpenError::CalibrationUnit { .. }), "{error}");
+    assert!(error.problem.contains("the bias frame does not fit"), "{error}");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn damaged_and_huge_files_are_errors() {
     let small = Limits { max_side_px: 8, ..Limits::default() };
     std::fs::write(&path, &whole).expect("written");
     let error = opened(&path, &OpenOptions { limits: small, ..OpenOptions::default() }).expect_err("too large");
-    assert!(matches!(error, OpenError::BeyondLimit { .. }), "{error}");
+    assert_eq!(error.kind, OpenErrorKind::TooLarge, "{error}");
     for length in [0, 4, 9, 60, 200, 300, whole.len() - 30, whole.len() - 1] {
         std::fs::write(&path, &whole[..length]).expect("written");
         if let Err(error) = opened(&path, &OpenOptions::default()) {

@@ -1,7 +1,7 @@
 //! One method on one trajectory: from its features to COLMAP's cameras. Writes the dataset and its database, runs the
 //! mapper, computes the errors.
 
-use crate::evaluate::MatchMethod;
+use crate::evaluate::BurstMethod;
 use crate::figures::FiguresError;
 use crate::synth::{Motion, Trajectory};
 use burstscope_core::detector::SearchParams;
@@ -54,7 +54,9 @@ mod with_database {
     use crate::evaluate::poses::{PoseStudy, evaluate_poses, read_trajectory};
     use crate::synth::write_trajectory;
     use burstscope_core::burst::{BurstFiles, OpenOptions};
-    use burstscope_core::dataset::{CameraChoice, ColmapJob, DatasetSource, FeatureJob, ImageKind, export_colmap};
+    use burstscope_core::dataset::{
+        CameraChoice, ColmapJob, DatasetSource, FeatureJob, FeatureStore, ImageKind, export_colmap,
+    };
     use burstscope_core::matching::{Camera, CameraModel, PairSelection};
     use std::fs::File;
     use std::io::{Read, Seek, SeekFrom};
@@ -104,7 +106,8 @@ mod with_database {
             pairs: PairSelection::default(),
             camera: CameraChoice::Known(camera),
         };
-        let report = export_colmap(&bursts, &out, &job, &mut |_| {}, &silent)?;
+        let mut store = FeatureStore::open(&out, &job.features)?;
+        let report = export_colmap(&mut store, &bursts, &job, &mut |_| {}, &silent)?;
         let sparse = out.join("sparse");
         let started = Instant::now();
         let gave_up = run_mapper(program, &report.database, &report.images_folder, &sparse, monitor)?;
@@ -294,7 +297,7 @@ pub(super) struct Run {
     /// Seed of the trajectory.
     pub seed: u64,
     /// The method.
-    pub method: MatchMethod,
+    pub method: BurstMethod,
     /// Number of bursts of the trajectory.
     pub bursts: usize,
     /// Results of matching.

@@ -1,7 +1,7 @@
 //! The trajectories, the methods, and their runs.
 
 use super::mapper::{self, How, Matched, Reconstructed, Run};
-use crate::evaluate::{BurstMethod, EvaluateError, MatchMethod, MatchStudy, Searches, Shot, motion_name};
+use crate::evaluate::{BurstMethod, EvaluateError, MatchStudy, Searches, Shot, motion_name};
 use crate::figures::record::Pieces;
 use crate::figures::{FigureSize, FiguresError};
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
@@ -55,12 +55,12 @@ impl Study {
 
     /// The methods for a motion, in the order of the tables. BuFF 1D searches one direction, and is only used for
     /// motion in one.
-    pub fn methods(motion: Motion) -> Vec<MatchMethod> {
+    pub fn methods(motion: Motion) -> Vec<BurstMethod> {
         let burst = [BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d, BurstMethod::Buff2d];
         let is_meant = |method: &BurstMethod| motion == Motion::OneD || *method != BurstMethod::Buff1d;
         let found = std::iter::once(BurstMethod::BuffAuto);
-        let of_bursts = burst.into_iter().filter(is_meant).chain(found).map(MatchMethod::Burst);
-        std::iter::once(MatchMethod::Gold).chain(of_bursts).collect()
+        let of_bursts = burst.into_iter().filter(is_meant).chain(found);
+        std::iter::once(BurstMethod::Gold).chain(of_bursts).collect()
     }
 
     fn way(&self, motion: Motion, seed: u64) -> TrajectoryParams {
@@ -135,7 +135,7 @@ impl Study {
     }
 
     /// The search and matching parameters of a method.
-    fn how(&self, method: MatchMethod) -> How {
+    fn how(&self, method: BurstMethod) -> How {
         let searches = Searches {
             detector: &self.detector,
             slopes_1d: self.slopes_1d,
@@ -143,20 +143,17 @@ impl Study {
             direction_deg: None,
         };
         let search = match method {
-            MatchMethod::Burst(BurstMethod::BuffAuto) => {
-                SearchParams { detector: self.detector.clone(), slopes: SlopeChoice::AUTO }
-            }
-            MatchMethod::Burst(method) => searches.params(method).into(),
-            MatchMethod::Gold => searches.params(BurstMethod::SiftFrame).into(),
+            BurstMethod::BuffAuto => SearchParams { detector: self.detector.clone(), slopes: SlopeChoice::AUTO },
+            method => searches.params(method).into(),
         };
-        How { is_gold: method == MatchMethod::Gold, search, matching: self.matching.clone() }
+        How { is_gold: method == BurstMethod::Gold, search, matching: self.matching.clone() }
     }
 
     /// Finds the features of all bursts by `method` and matches every pair.
-    fn matched(&self, method: MatchMethod, drawn: &Drawn, monitor: &Monitor) -> Result<Matched, FiguresError> {
+    fn matched(&self, method: BurstMethod, drawn: &Drawn, monitor: &Monitor) -> Result<Matched, FiguresError> {
         let study = MatchStudy {
             methods: vec![method],
-            has_gold: method == MatchMethod::Gold,
+            has_gold: method == BurstMethod::Gold,
             detector: self.detector.clone(),
             slopes_1d: self.slopes_1d,
             slopes_2d: self.slopes_2d,

@@ -3,9 +3,9 @@
 
 use super::mapper::{Reconstructed, Run};
 use super::study::Study;
-use crate::evaluate::figure::method_line;
+use crate::evaluate::curves::LINE;
 use crate::evaluate::poses::Projection;
-use crate::evaluate::{MatchMethod, motion_name};
+use crate::evaluate::{BurstMethod, motion_name};
 use crate::figures::Made;
 use crate::figures::drawing::{Cell, Table};
 use crate::synth::{Light, Motion};
@@ -160,7 +160,7 @@ pub(super) fn time(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
         let whole = features.zip(mapper).map(|(a, b)| a + b);
         vec![motion, method, Cell::of(features, 2), Cell::of(mapper, 2), Cell::of(whole, 2)]
     };
-    let is_timed = |group: &&Group<'_>| group[0].method != MatchMethod::Gold;
+    let is_timed = |group: &&Group<'_>| group[0].method != BurstMethod::Gold;
     let mut notes = notes(study, runs, missing);
     let threads = rayon::current_num_threads();
     notes.push(format!(
@@ -217,7 +217,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
         write_centres(&mut csv, motion, "truth", &numbered);
         let project = |&(_, centre): &Centre| axes.project(centre);
         let places: Vec<[f64; 2]> = numbered.iter().map(project).collect();
-        let estimates: Vec<(MatchMethod, Vec<Centre>)> =
+        let estimates: Vec<(BurstMethod, Vec<Centre>)> =
             of_way.iter().filter_map(|run| Some((run.method, centres_of(run)?))).collect();
         let all_centres = estimates.iter().flat_map(|(_, centres)| centres);
         let factor = enlargement(&places, all_centres.map(|centre| (centre.0, project(centre))));
@@ -227,21 +227,17 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
             let factor = f64::from(factor);
             (true_x + factor * (x - true_x), true_y + factor * (y - true_y), None)
         };
-        let series = |label: &str, (colour, dashes, width), centres: &[Centre]| Series {
+        let series = |label: &str, (colour, dashes), centres: &[Centre]| Series {
             label: label.to_owned(),
             colour,
             dashes,
-            width,
+            width: LINE,
             points: centres.iter().map(drawn).collect(),
         };
-        let mut all = vec![series("true places", ("#24292f", "", 1.6), &numbered)];
+        let mut all = vec![series("true places", ("#24292f", ""), &numbered)];
         for (method, centres) in &estimates {
-            let style = match method {
-                MatchMethod::Burst(method) => method_line(*method),
-                MatchMethod::Gold => ("#e69f00", "2 2", 2.0),
-            };
             write_centres(&mut csv, motion, method.name(), centres);
-            all.push(series(method.label(), style, centres));
+            all.push(series(method.label(), method.line(), centres));
         }
         let area = Area { x: 76.0 + 480.0 * column as f64, y: 110.0, width: 380.0, height: 300.0 };
         let (range_x, range_y) = ranges(&all, area.width / area.height);
@@ -317,7 +313,7 @@ mod tests {
     use crate::evaluate::BurstMethod;
     use crate::figures::FigureSize;
 
-    fn run(motion: Motion, seed: u64, method: MatchMethod, reconstructed: Option<Reconstructed>) -> Run {
+    fn run(motion: Motion, seed: u64, method: BurstMethod, reconstructed: Option<Reconstructed>) -> Run {
         let k = seed as f64;
         let matched = Matched {
             keypoints: 100.0 * k,
@@ -334,7 +330,7 @@ mod tests {
     #[test]
     fn trajectories_of_one_motion_are_averaged_and_what_is_missing_stays_missing() {
         let study = Study::new(FigureSize::Quick);
-        let buff = MatchMethod::Burst(BurstMethod::Buff1d);
+        let buff = BurstMethod::Buff1d;
         let model = Reconstructed {
             registered: 6,
             points_per_image: Some(50.0),
@@ -346,7 +342,7 @@ mod tests {
         };
         let none = Reconstructed { gave_up: Some("ERROR: no pair".into()), ..Reconstructed::default() };
         let runs = [
-            run(Motion::OneD, 1, MatchMethod::Gold, None),
+            run(Motion::OneD, 1, BurstMethod::Gold, None),
             run(Motion::OneD, 1, buff, Some(model.clone())),
             run(Motion::OneD, 2, buff, Some(none)),
         ];
@@ -382,7 +378,7 @@ mod tests {
         let run = Run {
             motion: Motion::OneD,
             seed: 1,
-            method: MatchMethod::Gold,
+            method: BurstMethod::Gold,
             bursts: 3,
             matched: Matched::default(),
             reconstructed: Some(model),

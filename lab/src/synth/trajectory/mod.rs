@@ -24,6 +24,8 @@ use burstscope_core::files::mark::Kind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::synth::noise::{Camera, quantisation_step};
+#[cfg(feature = "cli")]
+use burstscope_core::synth::options::motions;
 use burstscope_core::synth::truth::NoiseTruth;
 use burstscope_core::synth::{Motion, SynthError, check_common};
 use rayon::prelude::*;
@@ -41,32 +43,48 @@ pub enum Light {
     Electrons(f64),
 }
 
+impl Default for Light {
+    fn default() -> Self {
+        Self::Snr(0.3)
+    }
+}
+
 /// Parameters of a trajectory.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct TrajectoryParams {
     /// Columns.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PIXELS", default_value_t = Self::default().width))]
     pub width: usize,
     /// Rows.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "PIXELS", default_value_t = Self::default().height))]
     pub height: usize,
-    /// Number of bursts, 1 … 1000.
+    /// Number of bursts.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().bursts))]
     pub bursts: usize,
-    /// Number of frames of each burst, N.
+    /// Number of frames of each burst.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().frames))]
     pub frames: usize,
-    /// Number of planes, 1 … 16; the farthest one is a wall that fills the frame.
+    /// Number of planes; the farthest fills the frame.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().planes))]
     pub planes: usize,
-    /// Motion of the camera: in one dimension sideways, so that everything moves horizontally; in two forward and
-    /// sideways, so that motion spreads in all directions.
+    /// How the camera goes: 1d is sideways, so that everything moves horizontally; 2d is forward and sideways.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions()))]
     pub motion: Motion,
-    /// Largest apparent motion on an axis, pixels per frame, as the mean over half a burst; the camera's speed is
-    /// chosen for it.
+    /// Largest apparent motion on an axis, pixels per frame; the camera's speed is chosen for it.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SLOPE", default_value_t = Self::default().max_slope))]
     pub max_slope: f64,
     /// Amount of light.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub light: Light,
     /// Standard deviation of the read noise, electrons.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ELECTRONS", default_value_t = Self::default().read_noise))]
     pub read_noise: f64,
-    /// Bits of the converter, 4 … 16.
+    /// Bits of the camera's converter.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "BITS", default_value_t = Self::default().bits))]
     pub bits: u32,
-    /// Seed of scene, path and noise.
+    /// Seed: the same seed makes the same scene, way and noise on every machine.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().seed))]
     pub seed: u64,
 }
 
@@ -82,7 +100,7 @@ impl Default for TrajectoryParams {
             planes: 4,
             motion: Motion::OneD,
             max_slope: 3.0,
-            light: Light::Snr(0.3),
+            light: Light::default(),
             read_noise: 2.0,
             bits: 12,
             seed: 1,
@@ -90,7 +108,6 @@ impl Default for TrajectoryParams {
     }
 }
 
-/// Ratio of the focal length to the image's width.
 const FOCAL_SHARE: f64 = 0.9;
 /// Electrons at full scale at the highest useful gain, for a camera in the dark: 8 levels of 12 bits for each electron.
 /// In more light the gain is lower.
@@ -343,7 +360,6 @@ pub struct BurstTruth {
     pub slope_v: [f64; 2],
 }
 
-/// File that holds the folder's truth.
 const TRUTH_FILE: &str = "trajectory.json";
 
 /// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
@@ -384,7 +400,6 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
     })
 }
 
-/// The text of the trajectory file.
 fn poses(trajectory: &Trajectory) -> String {
     let mut text = String::from(
         "# timestamp tx ty tz qx qy qz qw: the burst's number, the camera in the world at mid-burst, metres\n",

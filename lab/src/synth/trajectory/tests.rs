@@ -198,39 +198,3 @@ fn nonsense_is_named_with_its_remedy() {
     monitor.cancel();
     assert!(matches!(Trajectory::new(&small(), &monitor), Err(SynthError::Cancelled(_))));
 }
-
-#[test]
-fn an_earlier_trajectory_is_replaced_and_other_files_are_left_alone() {
-    let home = tempfile::tempdir().expect("a folder");
-    let dir = home.path().join("way");
-    let params = TrajectoryParams { width: 48, height: 36, bursts: 2, frames: 2, planes: 2, ..Default::default() };
-    let params = TrajectoryParams { max_slope: 1.0, ..params };
-    let write = |bursts: usize| {
-        let params = TrajectoryParams { bursts, ..params.clone() };
-        let trajectory = Trajectory::new(&params, &Monitor::default()).expect("a trajectory");
-        write_trajectory(&dir, &trajectory, &Monitor::default())
-    };
-    write(3).expect("written");
-    write(2).expect("replaced");
-    assert!(dir.join("bursts/burst_001/frame_001.png").is_file() && !dir.join("bursts/burst_002").exists());
-    assert!(!dir.join("gold/burst_002.png").exists());
-    // A foreign note among the frames, or beside them, protects the folder.
-    for place in ["bursts/burst_000/notes.txt", "bursts/notes.txt", "gold/notes.txt", "notes.txt"] {
-        std::fs::write(dir.join(place), "precious").expect("written");
-        assert!(matches!(write(1), Err(WriteBurstError::Occupied(_))), "{place}");
-        std::fs::remove_file(dir.join(place)).expect("removed");
-    }
-    write(1).expect("replaced");
-}
-
-#[test]
-fn cancelling_leaves_nothing() {
-    let home = tempfile::tempdir().expect("a folder");
-    let params = TrajectoryParams { width: 48, height: 36, bursts: 1, frames: 2, planes: 1, ..Default::default() };
-    let trajectory = Trajectory::new(&params, &Monitor::default()).expect("a trajectory");
-    let monitor = Monitor::default();
-    monitor.cancel();
-    let result = write_trajectory(&home.path().join("way"), &trajectory, &monitor);
-    assert!(matches!(result, Err(WriteBurstError::Cancelled(_))));
-    assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 0);
-}

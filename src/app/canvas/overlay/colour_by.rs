@@ -1,11 +1,11 @@
 //! Colours of features, and their legend. All features get their colours here.
 
-use crate::app::view::ColourBy;
-use crate::detector::feature::Feature;
-use crate::detector::{SlopeAxis, SlopeGrid};
+use crate::app::view::{ColourBy, Known, quantity_value};
+use crate::detector::quantity::{Colours, Span};
+use crate::detector::{Feature, SlopeAxis, SlopeGrid};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
-use crate::plane::display::{ColourMap, direction_colour};
+use crate::plane::display::direction_colour;
 use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
 
@@ -13,7 +13,6 @@ use std::sync::Arc;
 /// detection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourScale {
-    /// Quantity that the colour shows.
     pub by: ColourBy,
     /// Value of the first colour, in the quantity's unit; unused (0) for the directions of a plane of slopes.
     pub min: f32,
@@ -22,7 +21,6 @@ pub struct ColourScale {
     /// For [`ColourBy::SlopeDirection`] of slopes on a line: the line's direction, degrees from +u towards +v. The
     /// colours then run along it instead of around a wheel.
     pub line_deg: Option<f32>,
-    /// 256 colours from min to max.
     table: Vec<Color32>,
     /// Coherence of each feature, where known; for [`ColourBy::Coherence`].
     coherences: Option<Arc<Vec<Judged>>>,
@@ -30,7 +28,6 @@ pub struct ColourScale {
     set_up: Option<SetUp>,
 }
 
-/// Colour of features whose quantity is not known.
 const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
@@ -41,21 +38,20 @@ impl ColourScale {
             return Self { line_deg: Some(line_deg), ..Self::with_range(ColourBy::SlopeU, axis.min, axis.max) }
                 .of_line();
         }
-        let range = |value: fn(&Feature) -> f32| {
-            features.iter().map(value).filter(|x| x.is_finite()).fold(None, |range: Option<(f32, f32)>, x| {
+        let of = |value: &dyn Fn(&Feature) -> f32| {
+            let values = features.iter().map(value).filter(|x| x.is_finite());
+            values.fold(None, |range: Option<(f32, f32)>, x| {
                 Some(range.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
             })
         };
-        let (min, max) = match by {
-            ColourBy::SlopeDirection => (0.0, range(|f| f.slope.magnitude()).map_or(1.0, |r| r.1)),
-            ColourBy::SlopeU => range(|f| f.slope.u).unwrap_or((-1.0, 1.0)),
-            ColourBy::SlopeV => range(|f| f.slope.v).unwrap_or((-1.0, 1.0)),
-            ColourBy::Scale => range(|f| f.sigma).unwrap_or((1.0, 16.0)),
-            ColourBy::Snr => range(|f| f.snr).unwrap_or((1.0, 100.0)),
-            ColourBy::Limit | ColourBy::Coherence => (0.0, 1.0),
-            ColourBy::Depth => (1.0, 10.0),
-            ColourBy::Response => {
-                let limit = range(|f| f.response.abs()).map_or(0.1, |r| r.1);
+        let (min, max) = match (by.quantity(), by.colours().span) {
+            (None, _) => (0.0, of(&|f| f.slope.magnitude()).map_or(1.0, |range| range.1)),
+            (_, Span::Always(min, max)) => (min, max),
+            (Some(quantity), Span::Found(min, max)) => {
+                of(&|f| quantity.of(f).unwrap_or(f32::NAN)).unwrap_or((min, max))
+            }
+            (Some(quantity), Span::Around(limit)) => {
+                let limit = of(&|f| quantity.of(f).unwrap_or(f32::NAN).abs()).map_or(limit, |range| range.1);
                 (-limit, limit)
             }
         };
@@ -64,19 +60,18 @@ impl ColourScale {
 
     /// Creates a scale over a given range; an empty range is widened.
     pub fn with_range(by: ColourBy, min: f32, max: f32) -> Self {
+        let Colours { map, part: [first, last], is_log, .. } = by.colours();
         let (min, max) = match by {
-            ColourBy::Scale | ColourBy::Snr | ColourBy::Depth => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
+            _ if is_log => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
             ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
             ColourBy::SlopeU | ColourBy::SlopeV if max <= min => (min - 0.5, min + 0.5),
             _ => (min, if max > min { max } else { min + 1e-6 }),
         };
-        let (map, first, last) = map_of(by);
         let lut = map.lut();
         let table = (0..256)
             .map(|i| {
                 let t = first + (last - first) * i as f32 / 255.0;
-                let [r, g, b] = lut[(t * 255.0).round() as usize];
-                Color32::from_rgb(r, g, b)
+                rgb(lut[(t * 255.0).round() as usize])
             })
             .collect();
         Self { by, min, max, line_deg: None, table, coherences: None, set_up: None }
@@ -122,43 +117,31 @@ impl ColourScale {
         }
     }
 
-    /// Colour of `feature`, whose index is `index`.
     pub fn colour(&self, index: usize, feature: &Feature) -> Color32 {
-        match self.by {
-            ColourBy::SlopeDirection if self.line_deg.is_some() => {
-                let (sin, cos) = self.line_deg.unwrap_or(0.0).to_radians().sin_cos();
-                self.along(cos * feature.slope.u + sin * feature.slope.v)
+        let slope = feature.slope;
+        let value = match (self.by.quantity(), self.line_deg) {
+            (None, Some(degrees)) => {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                Some(cos * slope.u + sin * slope.v)
             }
-            ColourBy::SlopeDirection => {
-                let slope = feature.slope;
-                let [r, g, b] = direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max);
-                Color32::from_rgb(r, g, b)
+            (None, None) => {
+                return rgb(direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max));
             }
-            ColourBy::SlopeU => self.along(feature.slope.u),
-            ColourBy::SlopeV => self.along(feature.slope.v),
-            ColourBy::Scale => self.along(feature.sigma),
-            ColourBy::Snr => self.along(feature.snr),
-            ColourBy::Limit => self.along(f32::from(feature.at_slope_limit)),
-            ColourBy::Response => self.along(feature.response),
-            ColourBy::Coherence => {
-                let value = self.coherences.as_ref().and_then(|values| values.get(index)?.coherence);
-                value.map_or(UNKNOWN, |value| self.along(value))
+            (Some(quantity), _) => {
+                let judged = self.coherences.as_ref().and_then(|values| values.get(index));
+                let depth_m = self.set_up.as_ref().and_then(|set_up| set_up.depth_at(slope));
+                quantity_value(quantity, index, feature, Known { judged, depth_m })
             }
-            ColourBy::Depth => {
-                let metres = self.set_up.as_ref().and_then(|set_up| set_up.depth_at(feature.slope));
-                metres.map_or(UNKNOWN, |metres| self.along(metres as f32))
-            }
-        }
+        };
+        value.map_or(UNKNOWN, |value| self.along(value))
     }
 
-    /// Colour of unknown quantities.
     pub fn unknown(&self) -> Color32 {
         UNKNOWN
     }
 
-    /// Colour of a value.
     pub fn along(&self, value: f32) -> Color32 {
-        let t = if matches!(self.by, ColourBy::Scale | ColourBy::Snr | ColourBy::Depth) {
+        let t = if self.by.colours().is_log {
             (value.max(1e-6) / self.min).ln() / (self.max / self.min).ln()
         } else {
             (value - self.min) / (self.max - self.min)
@@ -166,7 +149,6 @@ impl ColourScale {
         self.table[(t.clamp(0.0, 1.0) * 255.0).round() as usize]
     }
 
-    /// Whether colours show directions, on a wheel.
     pub fn has_wheel(&self) -> bool {
         self.by == ColourBy::SlopeDirection && self.line_deg.is_none()
     }
@@ -268,22 +250,8 @@ fn line_of(grid: &SlopeGrid) -> Option<(f32, SlopeAxis)> {
     }
 }
 
-fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+pub(super) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
-}
-
-/// Colour map and the part of it that is used: ends too dark to be seen over a dark picture are left out.
-fn map_of(by: ColourBy) -> (ColourMap, f32, f32) {
-    match by {
-        // Turbo stands out from grey pictures and from the diverging maps of DoG responses alike.
-        ColourBy::SlopeDirection | ColourBy::SlopeU | ColourBy::SlopeV | ColourBy::Response | ColourBy::Limit => {
-            (ColourMap::Turbo, 0.08, 0.92)
-        }
-        ColourBy::Scale | ColourBy::Snr | ColourBy::Depth => (ColourMap::Magma, 0.45, 1.0),
-        // Uneven responses stand out in red; most features are at the other end, which is light enough for a dark
-        // picture.
-        ColourBy::Coherence => (ColourMap::Turbo, 0.92, 0.25),
-    }
 }
 
 #[cfg(test)]

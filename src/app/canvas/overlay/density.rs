@@ -13,7 +13,6 @@ use egui::{Rect, pos2};
 /// Number of features in a cell of which anything is drawn.
 const SEEN_IN_A_CELL: u16 = 14;
 
-/// Number of lines that begin in a cell.
 const LINES_IN_A_CELL: u16 = 3;
 
 /// Empty cells for the part `view_image` of a picture of `points_per_pixel` points an image pixel.
@@ -24,7 +23,6 @@ fn cells(points_per_pixel: f32, view_image: Rect) -> Cells {
 /// The features that are drawn in full, and their number beside that of all that are in view.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Drawn {
-    /// Flag of each feature: drawn in full.
     pub flags: Vec<bool>,
     /// Features in view that are drawn as dots, strongest first.
     pub dots: Vec<usize>,
@@ -37,7 +35,6 @@ pub struct Drawn {
 /// Group of a feature that is drawn: those of one group take no place from those of the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Group {
-    /// Features of the picture.
     Own,
     /// Features that are fainter, because they were found elsewhere.
     Faint,

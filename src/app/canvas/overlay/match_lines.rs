@@ -5,18 +5,15 @@
 //! a small ring.
 
 use super::super::RectTransform;
+use super::colour_by::rgb;
 use super::strokes::Strokes;
 use crate::export::{INLIER_COLOR, OUTLIER_COLOR};
 use egui::{Color32, Painter, Pos2, Rect, Shape};
 
-/// Verification state of a match.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineKind {
-    /// Agrees with the geometry.
     Inlier,
-    /// Does not agree with it.
     Outlier,
-    /// No geometry was asked for.
     Unverified,
 }
 
@@ -39,38 +36,29 @@ impl LineKind {
         }
     }
 
-    /// Whether the line is dashed.
     pub fn is_dashed(self) -> bool {
         self == Self::Outlier
     }
 }
 
-/// Line of a match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchLine {
     /// Index of the match, by which it is selected.
     pub index: usize,
-    /// Place in A, image pixels.
     pub a: Pos2,
-    /// Place in B, image pixels.
     pub b: Pos2,
-    /// Kind of the match.
     pub kind: LineKind,
 }
 
 /// Place of one of the two pictures in the window.
 #[derive(Debug, Clone, Copy)]
 pub struct Pane {
-    /// From image pixels to points of the window.
     pub ui_from_image: RectTransform,
-    /// The canvas, in points.
     pub rect_ui: Rect,
 }
 
-/// Style of the lines.
 #[derive(Debug, Clone, Copy)]
 pub struct MatchLineStyle {
-    /// Opacity, 0 … 1.
     pub opacity: f32,
     /// The selected match, above all others.
     pub selected: Option<usize>,
@@ -83,7 +71,6 @@ pub struct MatchLineStyle {
 /// Maximum distance of the pointer from an end or from a line, in points.
 const END_TOLERANCE_POINTS: f32 = 7.0;
 const LINE_TOLERANCE_POINTS: f32 = 4.0;
-/// Width of a line, in points.
 const WIDTH: f32 = 1.3;
 /// Length of a dash and of the gap after it, in points.
 const DASH: (f32, f32) = (6.0, 4.5);
@@ -162,10 +149,6 @@ pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<
     best.map(|(_, _, index)| index)
 }
 
-fn rgb([r, g, b]: [u8; 3]) -> Color32 {
-    Color32::from_rgb(r, g, b)
-}
-
 fn distance_to_segment(pos: Pos2, from: Pos2, to: Pos2) -> f32 {
     let along = to - from;
     let t = ((pos - from).dot(along) / along.length_sq().max(1e-9)).clamp(0.0, 1.0);
@@ -207,12 +190,5 @@ mod tests {
         let lines = [line(0, (10.0, 10.0), (500.0, 10.0), LineKind::Inlier)];
         assert_eq!(match_at(&lines, &panes(), pos2(12.0, 12.0)), Some(0));
         assert_eq!(match_at(&lines, &panes(), pos2(60.0, 10.0)), None);
-    }
-
-    #[test]
-    fn kinds_differ_in_colour_and_in_stroke() {
-        assert_ne!(LineKind::Inlier.colour(), LineKind::Outlier.colour());
-        assert_ne!(LineKind::Inlier.is_dashed(), LineKind::Outlier.is_dashed());
-        assert_eq!(LineKind::of(Some(false)), LineKind::Outlier);
     }
 }

@@ -20,29 +20,23 @@ pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_line
 
 use super::{CanvasOutput, RectTransform};
 use crate::detector::feature::Feature;
+use crate::export::motion_over;
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
 use strokes::Strokes;
 
-/// Style of the features.
 #[derive(Debug, Clone, Copy)]
 pub struct OverlayStyle<'a> {
-    /// Colours of the features.
     pub scale: &'a ColourScale,
     /// Number of frames of the burst that were used, N: the arrow spans N − 1 steps.
     pub frames: usize,
     /// Flag of each feature, `false` hides it; `None` shows all.
     pub shown: Option<&'a [bool]>,
-    /// Index of the selected feature.
     pub selected: Option<usize>,
-    /// Index of the feature under the pointer.
     pub hovered: Option<usize>,
     /// Whether the features belong to older parameters or another picture, and are drawn dimmed.
     pub stale: bool,
-    /// Whether circles are drawn.
     pub circles: bool,
-    /// Whether orientation ticks are drawn.
     pub orientations: bool,
-    /// Whether arrows of motion are drawn.
     pub motion: bool,
 }
 
@@ -63,14 +57,6 @@ impl<'a> OverlayStyle<'a> {
     }
 }
 
-/// Places of a feature in the first and in the last of `frames` frames, in image pixels.
-pub fn motion_image(feature: &Feature, frames: usize) -> (Pos2, Pos2) {
-    let half_span = 0.5 * frames.saturating_sub(1) as f32;
-    let (du, dv) = (half_span * feature.slope.u, half_span * feature.slope.v);
-    (pos2(feature.u - du, feature.v - dv), pos2(feature.u + du, feature.v + dv))
-}
-
-/// Whether feature `i` is shown.
 fn is_shown(shown: Option<&[bool]>, i: usize) -> bool {
     shown.is_none_or(|flags| flags.get(i).copied().unwrap_or(true))
 }
@@ -141,8 +127,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
     let centre = t.pos(pos2(feature.u, feature.v));
     let radius = (feature.circle_radius_px() * t.scale()).max(MIN_RADIUS_POINTS);
     if style.motion {
-        let (first, last) = motion_image(feature, style.frames);
-        let (first, last) = (t.pos(first), t.pos(last));
+        let [first, last] = motion_over(feature, style.frames).map(|place| t.pos(place.into()));
         if first.distance(last) > 3.0 {
             strokes.arrow(first, last, 0.8 * line.width, line.colour.gamma_multiply(0.85));
         }
@@ -157,7 +142,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
 
 /// Whether any part of the feature may be visible in the canvas.
 fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
-    let (first, last) = motion_image(feature, frames);
+    let [first, last] = motion_over(feature, frames).map(Pos2::from);
     let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
     let bounds = egui::Rect::from_two_pos(first, last)
         .union(egui::Rect::from_center_size(pos2(feature.u, feature.v), egui::Vec2::splat(2.0 * reach)));
@@ -203,7 +188,6 @@ pub fn feature_at(
     near.map(|(_, _, i)| i).or(around.map(|(_, i)| i))
 }
 
-/// Mark of a compared feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedMark {
     /// Place, image pixels.
@@ -212,7 +196,6 @@ pub struct ComparedMark {
     pub sigma: f32,
     /// Previous place of a feature that moved, image pixels; a line is drawn from it.
     pub from_image: Option<Pos2>,
-    /// Colour of the circle.
     pub colour: Color32,
     /// Whether the feature is not one of ours.
     pub dashed: bool,
@@ -269,14 +252,12 @@ pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> 
     near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
 }
 
-/// Circle at a place of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CircleMark {
     /// Centre, image pixels.
     pub centre: Pos2,
     /// Radius, image pixels.
     pub radius: f32,
-    /// Colour of the circle.
     pub colour: Color32,
     /// Whether the circle stands out.
     pub strong: bool,
@@ -284,10 +265,8 @@ pub struct CircleMark {
 
 /// Maximum distance of the pointer from a mark's centre, points; from its line, half as much.
 const REACH: f32 = 6.0;
-/// Minimum radius of a circle, points.
 const MIN_RADIUS: f32 = 2.0;
 
-/// Draws the visible marks.
 pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>) {
     let rect = output.painter.clip_rect();
     let mut strokes = Strokes::new(output.painter.ctx().pixels_per_point());
@@ -346,10 +325,9 @@ mod tests {
 
     #[test]
     fn motion_spans_the_burst_about_the_middle() {
-        let (first, last) = motion_image(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), 5);
-        assert_eq!((first, last), (pos2(96.0, 52.0), pos2(104.0, 48.0)));
-        let (first, last) = motion_image(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), 1);
-        assert_eq!(first, last);
+        let over = |frames| motion_over(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), frames);
+        assert_eq!(over(5), [[96.0, 52.0], [104.0, 48.0]]);
+        assert_eq!(over(1), [[100.0, 50.0]; 2]);
     }
 
     #[test]

@@ -5,7 +5,6 @@
 
 use egui::{Color32, Mesh, Pos2, Vec2};
 
-/// Collects strokes into one mesh.
 pub struct Strokes {
     mesh: Mesh,
     /// Width of the soft edge: one pixel of the screen, in points.
@@ -13,7 +12,6 @@ pub struct Strokes {
 }
 
 impl Strokes {
-    /// Creates an empty collection for a screen with `pixels_per_point`.
     pub fn new(pixels_per_point: f32) -> Self {
         Self { mesh: Mesh::default(), feather: 1.0 / pixels_per_point }
     }
@@ -26,7 +24,6 @@ impl Strokes {
         strokes
     }
 
-    /// Returns the mesh of all strokes.
     pub fn into_mesh(self) -> Mesh {
         self.mesh
     }
@@ -78,7 +75,6 @@ impl Strokes {
         }
     }
 
-    /// Adds a straight line.
     pub fn line(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32) {
         let along = to - from;
         if along.length_sq() < 1e-6 {
@@ -104,7 +100,6 @@ impl Strokes {
         }
     }
 
-    /// Adds a line with an arrow head at `to`.
     pub fn arrow(&mut self, from: Pos2, to: Pos2, width: f32, colour: Color32) {
         self.line(from, to, width, colour);
         let along = to - from;

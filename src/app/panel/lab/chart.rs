@@ -13,14 +13,10 @@ use crate::plane::statistics::{Region, percentiles};
 use crate::study::{ShownChart, StudyPoint};
 use egui::{Color32, ComboBox, Pos2, RichText, Sense, Shape, Stroke, Ui, vec2};
 
-/// Colour of found discs.
 const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
-/// Colour of missed discs.
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
-/// Colour of false features.
 const FALSE: Color32 = Color32::from_rgb(213, 94, 0);
 
-/// Draws the panel.
 pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, queue: &mut Queue) {
     choice_ui(ui, &mut model.lab);
     if model.lab.selected.is_none() {
@@ -50,7 +46,6 @@ pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, 
     });
 }
 
-/// Draws the choice of result, ratio, method and chart.
 fn choice_ui(ui: &mut Ui, lab: &mut Lab) {
     let sets: Vec<(LabSet, String)> = lab
         .shown_results()

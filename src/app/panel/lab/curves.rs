@@ -13,14 +13,12 @@ use std::collections::BTreeSet;
 /// Maximum distance of the pointer from a point, in points of the window.
 const REACH_UI: f32 = 14.0;
 
-/// Curve with its style.
 struct Drawn {
     set: LabSet,
     name: String,
     curve: StudyCurve,
 }
 
-/// Draws the plots.
 pub fn curves_ui(ui: &mut Ui, lab: &mut Lab) {
     let results = lab.shown_results();
     let Some((.., first)) = results.first() else {
@@ -256,7 +254,6 @@ mod tests {
     use crate::synth::ChartParams;
     use std::sync::OnceLock;
 
-    /// Result of a study of one small chart at two ratios.
     fn result() -> LabResult {
         static RESULT: OnceLock<LabResult> = OnceLock::new();
         let study = || {

@@ -1,6 +1,15 @@
 //! Panels of the Lab: the settings of a study (question, charts, methods, kept curves), the curves, which grow while
 //! charts are finished, and the chart behind a point of a curve.
 
+/// Draws a field of a grid: its name, help and widget.
+macro_rules! field {
+    ($ui:expr, $name:literal, $help:literal, $widget:expr) => {{
+        let label = $ui.label($name).on_hover_text($help);
+        $ui.add($widget).on_hover_text($help).labelled_by(label.id);
+        $ui.end_row();
+    }};
+}
+
 pub mod chart;
 pub mod curves;
 pub mod planted;
@@ -10,7 +19,6 @@ use crate::app::panel::widgets::{name_field, section_ui};
 use crate::app::project::Model;
 use crate::app::project::lab::{Lab, LabQuestion};
 use crate::evaluate::BurstMethod;
-use crate::evaluate::figure::method_line;
 use crate::synth::Motion;
 use egui::{Color32, DragValue, Grid, Label, ProgressBar, RichText, TextEdit, Ui};
 
@@ -20,7 +28,6 @@ fn curve_colour(ui: &Ui, colour: &str) -> Color32 {
     if ui.visuals().dark_mode { colour.lerp_to_gamma(Color32::WHITE, 0.3) } else { colour }
 }
 
-/// Draws the panel.
 pub fn lab_settings_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     section_ui(ui, "Study", |ui| {
         question_ui(ui, &mut model.lab);
@@ -82,15 +89,6 @@ fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some(problem) = problem {
         ui.add(Label::new(RichText::new(problem).color(ui.visuals().error_fg_color)).wrap());
     }
-}
-
-/// Draws a field of the charts: its name, help and widget.
-macro_rules! field {
-    ($ui:expr, $name:literal, $help:literal, $widget:expr) => {{
-        let label = $ui.label($name).on_hover_text($help);
-        $ui.add($widget).on_hover_text($help).labelled_by(label.id);
-        $ui.end_row();
-    }};
 }
 
 fn charts_ui(ui: &mut Ui, lab: &mut Lab) {
@@ -179,7 +177,7 @@ fn methods_ui(ui: &mut Ui, lab: &mut Lab) {
     for method in BurstMethod::ALL {
         let mut on = lab.methods.contains(&method);
         ui.horizontal(|ui| {
-            crate::app::panel::widgets::dot_ui(ui, curve_colour(ui, method_line(method).0));
+            crate::app::panel::widgets::dot_ui(ui, curve_colour(ui, method.line().0));
             if ui.checkbox(&mut on, method.label()).changed() {
                 if on {
                     lab.methods.push(method);
@@ -204,7 +202,6 @@ fn dark_copy_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     button_ui(ui, model, queue, ActionId::OpenDarkCopy, None);
 }
 
-/// Draws the list.
 pub fn kept_ui(ui: &mut Ui, lab: &mut Lab) {
     let mut forgotten = None;
     for (index, kept) in lab.kept.iter_mut().enumerate() {

@@ -11,14 +11,11 @@ use crate::plane::display::{ColourMap, Display};
 use crate::recover::{Contrast, Planted, RecoverReport, RecoverStudy, Shape, bounds};
 use egui::{Color32, DragValue, Grid, Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
 
-/// Colour of the things that were found.
 const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
-/// Colour of the things that were missed.
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
 /// Maximum distance of the pointer from a thing, in points of the window.
 const REACH_UI: f32 = 10.0;
 
-/// Draws the settings.
 pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
     Grid::new("lab planted").num_columns(2).show(ui, |ui| {
         ui.label("Shape").on_hover_text("Discs of even brightness, or Gaussian blobs of σ = radius/√2");
@@ -34,22 +31,24 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
             ui.selectable_value(&mut study.contrast, Contrast::Both, "Both");
         });
         ui.end_row();
-        let help = "Radius at which SNRs and slopes are varied";
-        let label = ui.label("At radius").on_hover_text(help);
-        let field =
-            DragValue::new(&mut study.at_radius).range(bounds::RADIUS.span()).speed(0.1).max_decimals(1).suffix(" px");
-        ui.add(field).on_hover_text(help).labelled_by(label.id);
-        ui.end_row();
-        let help = "Copies of the burst, each with other things; more give smaller errors";
-        let label = ui.label("Copies").on_hover_text(help);
-        ui.add(DragValue::new(&mut study.copies).range(bounds::COPIES.span()))
-            .on_hover_text(help)
-            .labelled_by(label.id);
-        ui.end_row();
-        let help = "Seed of the first copy; those of the others count up from it";
-        let label = ui.label("First seed").on_hover_text(help);
-        ui.add(DragValue::new(&mut study.first_seed)).on_hover_text(help).labelled_by(label.id);
-        ui.end_row();
+        field!(
+            ui,
+            "At radius",
+            "Radius at which SNRs and slopes are varied",
+            DragValue::new(&mut study.at_radius).range(bounds::RADIUS.span()).speed(0.1).max_decimals(1).suffix(" px")
+        );
+        field!(
+            ui,
+            "Copies",
+            "Copies of the burst, each with other things; more give smaller errors",
+            DragValue::new(&mut study.copies).range(bounds::COPIES.span())
+        );
+        field!(
+            ui,
+            "First seed",
+            "Seed of the first copy; those of the others count up from it",
+            DragValue::new(&mut study.first_seed)
+        );
     });
     let mut has_own = study.at_snr.is_some();
     ui.horizontal(|ui| {

@@ -10,18 +10,15 @@ pub(super) const WIDTH: f32 = 46.0;
 /// Width of the bar, and its distance from the map, points.
 const BAR: f32 = 9.0;
 const GAP: f32 = 5.0;
-/// Number of colours.
 const STEPS: usize = 48;
 /// Smallest distance of two numbers, points.
 const APART: f32 = 11.0;
 
 /// Bar of colours from −`range` to `range`.
 pub(super) struct ColourBar {
-    /// Largest magnitude.
     pub(super) range: f32,
     /// Factor of the noise gate, where the values are in its unit.
     pub(super) gate: Option<f32>,
-    /// Value under the pointer.
     pub(super) pointed: Option<f32>,
 }
 
@@ -54,7 +51,6 @@ impl ColourBar {
         ticks
     }
 
-    /// Draws the bar right of the map in `map`.
     pub(super) fn draw(&self, ui: &Ui, map: Rect) {
         let painter: &Painter = ui.painter();
         let left = map.right() + GAP;

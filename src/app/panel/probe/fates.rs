@@ -7,40 +7,17 @@ use crate::app::pane::PaneId;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::style;
-use crate::app::view::signed;
-use crate::detector::Test;
 use crate::inspect::fate::{Outcome, Rival, TestReport};
 use crate::inspect::probe::Wanted;
-use crate::inspect::report::{test_name, test_sentence, value_text};
-use crate::inspect::words::{counted_from_one, number, slope_text};
+use crate::inspect::words::{counted_from_one, number, sentence, slope_text, snr_text, value_text};
 use crate::inspect::{Fate, Outlook, Probe};
 use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
 use std::ops::Range;
 
-/// Height of a row of the list, points.
 const ROW: f32 = 18.0;
-/// Number of visible rows of the list.
 const ROWS_SEEN: usize = 6;
 
-/// Short name of a test.
-fn short_name(test: Test) -> &'static str {
-    match test {
-        Test::PeakThreshold => "peak threshold",
-        Test::NoiseGate => "noise gate",
-        Test::SpaceExtremum => "in space",
-        Test::ScaleExtremum => "in scale",
-        Test::SlopeExtremum => "in slope",
-        Test::Refinement => "fit settles",
-        Test::InterpolatedContrast => "fit's contrast",
-        Test::Edge => "edge",
-        Test::Outside => "inside",
-        Test::Duplicate => "distinct",
-        Test::MaxFeatures => "strongest",
-    }
-}
-
-/// Draws the lists, and below them the selected candidate's tests.
 pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
     let (probe, subject) = (&answer.probe, answer.probe.subject.fate);
     scale_ui(ui, model, answer);
@@ -76,7 +53,6 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
     }
 }
 
-/// Draws the choice of the scale near which candidates come first.
 fn scale_ui(ui: &mut Ui, model: &mut Model, answer: &Probed) {
     let sigma_text = |sigma: f32| format!("Near σ {} px", number(sigma, 1));
     let chosen = model.probe.near_sigma;
@@ -93,7 +69,6 @@ fn scale_ui(ui: &mut Ui, model: &mut Model, answer: &Probed) {
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("Scale of candidates: {text}")));
 }
 
-/// Draws a list of candidates, some rows of which are visible.
 fn list_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, listed: Range<usize>) {
     let (fates, first) = (&answer.probe.fates[listed.clone()], listed.start);
     heading_ui(ui);
@@ -149,15 +124,15 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     let outcome = match fate.first_failed {
         None => "kept".to_owned(),
         Some(test) => {
-            let margin = fate.report(test).margin().map(margin_text).unwrap_or_default();
-            format!("{} {margin}", short_name(test))
+            format!("{} {}", test.record().short, fate.report(test).margin_text())
         }
     };
-    let strength = if fate.snr.is_finite() { number(fate.snr, 1) } else { "∞".to_owned() };
     let away = number((u - at_u).hypot(v - at_v), 1);
     let font = FontId::proportional(12.0);
-    for ((text, x), align) in
-        [away, number(fate.sigma, 1), slope_text(fate.slope), strength, outcome.clone()].iter().zip(COLUMNS).zip(ALIGNS)
+    for ((text, x), align) in [away, number(fate.sigma, 1), slope_text(fate.slope), snr_text(fate.snr), outcome.clone()]
+        .iter()
+        .zip(COLUMNS)
+        .zip(ALIGNS)
     {
         let pos = egui::pos2(rect.left() + x * rect.width(), rect.center().y);
         let good = *text == outcome && fate.is_kept() && !selected;
@@ -180,16 +155,6 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     clicked
 }
 
-/// Distance beyond or short of a limit, in percent; empty from 1000 % on.
-fn margin_text(margin: f64) -> String {
-    if margin.is_finite() && margin.abs() < 10.0 {
-        format!("{} %", signed((100.0 * margin) as f32, 0)).replace('-', "−")
-    } else {
-        String::new()
-    }
-}
-
-/// Draws the verdict, the remedy, and every test in order.
 fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outlook>), queue: &mut Queue) {
     let verdict = counted_from_one(&fate.verdict);
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
@@ -213,13 +178,6 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outl
     for report in fate.tests.iter().filter(telling) {
         test_ui(ui, report, fate.first_failed == Some(report.test));
     }
-}
-
-/// Makes a sentence: adds a capital letter and a full stop.
-pub(super) fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
-    format!("{first}{}.", letters.as_str())
 }
 
 fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
@@ -252,11 +210,11 @@ fn test_ui(ui: &mut Ui, report: &TestReport, first: bool) {
         Outcome::NotAsked => ("–", ui.visuals().weak_text_color(), "is not applied"),
         Outcome::Unknown => ("?", ui.visuals().weak_text_color(), "cannot be decided"),
     };
-    let (value, limit) = numbers_of(report);
-    let margin = report.margin().map(margin_text).unwrap_or_default();
-    let tip = format!("{}: {says} {value} {limit} {margin}", test_name(report.test));
+    let value = report.value.map(value_text).unwrap_or_default();
+    let (record, limit, margin) = (report.test.record(), report.limit_text(), report.margin_text());
+    let tip = format!("{}: {says} {value} {limit} {margin}", record.name);
     let is_weak = matches!(report.outcome, Outcome::NotAsked | Outcome::Unknown);
-    let text = format!("{}: {}", short_name(report.test), counted_from_one(&test_sentence(report)));
+    let text = format!("{}: {}", record.short, counted_from_one(&report.sentence()));
     let mut text = RichText::new(text).size(12.0);
     text = if is_weak { text.weak() } else { text };
     text = if first { text.strong() } else { text };
@@ -266,57 +224,4 @@ fn test_ui(ui: &mut Ui, report: &TestReport, first: bool) {
         ui.painter().text(rect.center(), Align2::CENTER_CENTER, mark, FontId::proportional(12.0), colour);
         ui.add(Label::new(text).wrap()).on_hover_text(tip.trim_end());
     });
-}
-
-fn numbers_of(report: &TestReport) -> (String, String) {
-    let sign = if report.side == crate::inspect::fate::Side::AtLeast { '≥' } else { '≤' };
-    let value = report.value.map(value_text).unwrap_or_default();
-    (value, report.limit.map_or_else(String::new, |limit| format!("{sign} {}", value_text(limit))))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::inspect::fate::Side;
-
-    #[test]
-    fn margins_are_percents_with_a_real_minus_and_nothing_where_they_say_nothing() {
-        let texts = [(0.25, "+25 %"), (-0.081, "−8 %"), (0.0, "0 %"), (-0.003, "0 %"), (12.0, ""), (f64::INFINITY, "")];
-        for (margin, text) in texts {
-            assert_eq!(margin_text(margin), text);
-        }
-    }
-
-    #[test]
-    fn a_test_says_its_value_and_on_which_side_of_the_limit_it_passes() {
-        let report = TestReport {
-            test: Test::NoiseGate,
-            outcome: Outcome::Fails,
-            value: Some(3.9),
-            limit: Some(4.64),
-            side: Side::AtLeast,
-            unit: "σ",
-            rival: None,
-        };
-        assert_eq!(numbers_of(&report), ("3.9".to_owned(), "≥ 4.64".to_owned()));
-        let edge = TestReport { test: Test::Edge, side: Side::AtMost, ..report };
-        assert_eq!(numbers_of(&edge).1, "≤ 4.64");
-        assert_eq!(numbers_of(&TestReport { value: None, limit: None, ..report }), (String::new(), String::new()));
-    }
-
-    #[test]
-    fn each_test_has_a_short_name_of_its_own() {
-        let mut names: Vec<&str> = Test::ALL.map(short_name).to_vec();
-        assert!(names.iter().all(|name| name.len() <= 14), "{names:?}");
-        names.sort_unstable();
-        names.dedup();
-        assert_eq!(names.len(), Test::ALL.len());
-    }
-
-    #[test]
-    fn sentences_begin_with_a_capital_and_end_with_a_stop() {
-        assert_eq!(sentence("élan is kept"), "Élan is kept.");
-        assert_eq!(sentence("σ is 2"), "Σ is 2.");
-        assert_eq!(sentence(""), ".");
-    }
 }

@@ -19,7 +19,7 @@ use crate::app::view::signed;
 use crate::detector::ParamChange;
 use crate::inspect::suspicion::{Kind, Suspicion};
 use crate::inspect::verdict::{Judged, Verdict};
-use crate::inspect::words::{counted_from_one, number};
+use crate::inspect::words::{counted_from_one, number, sentence};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::requests::Probed;
@@ -28,11 +28,9 @@ use egui::{
     Color32, Frame, Label, Margin, ProgressBar, Rect, RichText, ScrollArea, Stroke, TextureHandle, TextureOptions, Ui,
     pos2,
 };
-use fates::sentence;
 use std::any::Any;
 use std::sync::Arc;
 
-/// State of the panel, kept between passes: its pictures as textures.
 #[derive(Default)]
 pub struct ProbePanel {
     response: PlaneTexture,
@@ -53,7 +51,12 @@ pub fn probe_tab_ui(
         return false;
     }
     if model.probe.is_in_use() {
-        tabs_ui(ui, model, (other, help));
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut model.probe.is_open, false, other).on_hover_text(help);
+            ui.selectable_value(&mut model.probe.is_open, true, "Probe")
+                .on_hover_text("Why there is a feature at a place, or why there is none");
+        });
+        ui.separator();
     }
     if model.probe.is_open {
         probe_ui(ui, model, panel, queue);
@@ -61,16 +64,6 @@ pub fn probe_tab_ui(
     model.probe.is_open
 }
 
-fn tabs_ui(ui: &mut Ui, model: &mut Model, (other, help): (&str, &str)) {
-    ui.horizontal(|ui| {
-        ui.selectable_value(&mut model.probe.is_open, false, other).on_hover_text(help);
-        ui.selectable_value(&mut model.probe.is_open, true, "Probe")
-            .on_hover_text("Why there is a feature at a place, or why there is none");
-    });
-    ui.separator();
-}
-
-/// Draws the panel.
 fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut Queue) {
     mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
@@ -134,7 +127,6 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
     }
 }
 
-/// Draws a warning when the answer belongs to other parameters.
 fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if model.probe_is_stale() && !model.slots[model.probe.side].detecting.is_pending() {
         ui.horizontal_wrapped(|ui| {
@@ -146,7 +138,6 @@ fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
 }
 
-/// Draws a button that changes a parameter and searches again.
 fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Queue) {
     let button = ui.add_enabled(model.takes_advice(model.probe.side), egui::Button::new("Apply"));
     let response =
@@ -170,7 +161,6 @@ fn strength_text(answer: &Probed, value: f32) -> String {
     if answer.probe.response.is_noiseless { format!("{value:+.1e}") } else { format!("{} σ", signed(value, 1)) }
 }
 
-/// Last drawn texture.
 #[derive(Default)]
 pub struct PlaneTexture(Option<Made>);
 
@@ -218,18 +208,6 @@ impl PlaneTexture {
     }
 }
 
-fn title(kind: Kind) -> (&'static str, &'static str) {
-    match kind {
-        Kind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
-        Kind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),
-        Kind::AtLimit => {
-            ("At the limit?", "Its slope is at the end of the searched range, and its response rises beyond")
-        }
-        Kind::Alias => ("An alias?", "The texture repeats, and another slope shows it as well"),
-    }
-}
-
-/// Draws the verdict where nothing is suspected that explains it, and all suspicions.
 fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
     let is_clear = |judged: &&Judged| matches!(judged.verdict, Verdict::Real | Verdict::Unclear);
     if let Some(judged) = answer.probe.judged.as_ref().filter(is_clear) {
@@ -247,7 +225,14 @@ fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Qu
 }
 
 fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &mut Queue) {
-    let (name, help) = title(suspicion.kind);
+    let (name, help) = match suspicion.kind {
+        Kind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
+        Kind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),
+        Kind::AtLimit => {
+            ("At the limit?", "Its slope is at the end of the searched range, and its response rises beyond")
+        }
+        Kind::Alias => ("An alias?", "The texture repeats, and another slope shows it as well"),
+    };
     ui.label(RichText::new(name).strong().color(style::warning(ui))).on_hover_text(help);
     ui.add(Label::new(sentence(&counted_from_one(&suspicion.evidence))).wrap());
     if suspicion.change.is_none() && suspicion.other.is_none() {

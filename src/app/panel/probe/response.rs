@@ -3,23 +3,20 @@
 
 use super::colour_bar::{self, ColourBar, range_of};
 use super::{PlaneTexture, strength_text};
-use crate::app::pane::Pane;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::detector::Slope;
 use crate::inspect::Fate;
 use crate::inspect::probe::Wanted;
-use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane};
+use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane, outline};
 use crate::inspect::words::{number, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::Probed;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
-/// Height of a scale's row, points.
 const ROW: f32 = 9.0;
 
-/// Draws the maps.
 pub(super) fn response_ui(
     ui: &mut Ui,
     model: &mut Model,
@@ -40,15 +37,10 @@ pub(super) fn response_ui(
     } else {
         format!("D in σ of its noise, each scale with its own range; lines: gate {} σ", number(map.gate, 2))
     };
-    ui.add(
-        egui::Label::new(
-            RichText::new(format!("{unit}; dashes: range searched; rings: candidates, bold: kept")).small().weak(),
-        )
-        .wrap(),
-    );
+    let legend = format!("{unit}; dashes: range searched; rings: candidates, bold: kept");
+    ui.add(egui::Label::new(RichText::new(legend).small().weak()).wrap());
 }
 
-/// Draws the map of slope × scale.
 fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap, texture: &mut PlaneTexture) {
     let (columns, rows) = map.snr.size();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
@@ -63,37 +55,21 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     let row = cell.map_or(subject, |(_, row)| row);
     let pointed = cell.map(|(column, row)| map.snr.at(column, row));
     ColourBar { range: range_of(map.snr.row(row), gate_of(map)), gate: gate_of(map), pointed }.draw(ui, area.rect);
-    let of_scale = format!("of σ {}", number(map.scales[row].sigma, 1));
-    let below = pos2(area.rect.right() + RIGHT, area.rect.bottom() + 8.0);
-    let small = TextStyle::Small.resolve(ui.style());
-    ui.painter().text(below, Align2::RIGHT_CENTER, of_scale, small, ui.visuals().weak_text_color());
-    let font = TextStyle::Small.resolve(ui.style());
+    let below = |x: f32| pos2(x, area.rect.bottom() + 8.0);
+    small_ui(ui, below(area.rect.right() + RIGHT), &format!("of σ {}", number(map.scales[row].sigma, 1)));
     let each = rows.div_ceil((height / 13.0) as usize).max(1);
     for (row, scale) in map.scales.iter().enumerate().step_by(each) {
-        let at = pos2(area.rect.left() - 4.0, area.pos(0.0, row as f32).y);
-        ui.painter().text(
-            at,
-            Align2::RIGHT_CENTER,
-            number(scale.sigma, 1),
-            font.clone(),
-            ui.visuals().weak_text_color(),
-        );
+        small_ui(ui, pos2(area.rect.left() - 4.0, area.pos(0.0, row as f32).y), &number(scale.sigma, 1));
     }
-    ui.painter().text(
-        pos2(area.rect.left() - 4.0, area.rect.bottom() + 8.0),
-        Align2::RIGHT_CENTER,
-        "σ px",
-        font,
-        ui.visuals().weak_text_color(),
-    );
+    small_ui(ui, below(area.rect.left() - 4.0), "σ px");
     for (index, fate) in answer.probe.fates.iter().enumerate().rev() {
         let (slope, sigma) = refined(answer, fate);
-        let at = area.pos(column_of(&map.slopes, along(map, slope)), row_of(map, sigma));
+        let at = area.pos(map.column_of(slope), map.row_at(sigma));
         ring(&painter, at, fate.is_kept(), answer.probe.subject.fate == Some(index));
     }
     let cursor = model.probed_pane().cursor;
     if let Some(row) = map.row_of(cursor.octave, cursor.level) {
-        square(&painter, area.pos(column_of(&map.slopes, along(map, cursor.slope)), row as f32));
+        square(&painter, area.pos(map.column_of(cursor.slope), row as f32));
     }
     let clicked = response.clicked();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over slope and scale"));
@@ -110,7 +86,12 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     }
 }
 
-/// Draws the map of slope × slope at one scale.
+/// Draws a small text that ends at `at`.
+fn small_ui(ui: &Ui, at: Pos2, text: &str) {
+    let font = TextStyle::Small.resolve(ui.style());
+    ui.painter().text(at, Align2::RIGHT_CENTER, text, font, ui.visuals().weak_text_color());
+}
+
 fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane, texture: &mut PlaneTexture) {
     let (columns, rows) = plane.snr.size();
     let room = ui.available_width() - LEFT - RIGHT;
@@ -124,16 +105,14 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     rims(&painter, &area, &plane.u, false);
     rims(&painter, &area, &plane.v, true);
     contour(&painter, &area, &plane.snr, gate);
-    let font = TextStyle::Small.resolve(ui.style());
-    let weak = ui.visuals().weak_text_color();
+    let tick = Stroke::new(1.0, ui.visuals().weak_text_color());
     let each = plane.v.grid.len().div_ceil((height / 16.0) as usize).max(1);
     for &v in plane.v.grid.iter().step_by(each) {
-        let at = pos2(area.rect.left() - 4.0, area.pos(0.0, column_of(&plane.v, v)).y);
-        ui.painter().hline(area.rect.left() - 3.0..=area.rect.left(), at.y, Stroke::new(1.0, weak));
-        ui.painter().text(at, Align2::RIGHT_CENTER, number(v, 2), font.clone(), weak);
+        let at = pos2(area.rect.left() - 4.0, area.pos(0.0, plane.v.column_of(v)).y);
+        ui.painter().hline(area.rect.left() - 3.0..=area.rect.left(), at.y, tick);
+        small_ui(ui, at, &number(v, 2));
     }
-    let name = pos2(area.rect.left() - 4.0, area.rect.bottom() + 8.0);
-    ui.painter().text(name, Align2::RIGHT_CENTER, "v", font, weak);
+    small_ui(ui, pos2(area.rect.left() - 4.0, area.rect.bottom() + 8.0), "v");
     let cell = response.hover_pos().and_then(|pos| area.cell(pos));
     let pointed = cell.map(|(column, row)| plane.snr.at(column, row));
     ColourBar { range, gate: gate_of(map), pointed }.draw(ui, area.rect);
@@ -141,11 +120,11 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     let fates = answer.probe.fates.iter().enumerate();
     for (index, fate) in fates.filter(|(_, fate)| (fate.octave, fate.level) == scale).rev() {
         let (slope, _) = refined(answer, fate);
-        let at = area.pos(column_of(&plane.u, slope.u), column_of(&plane.v, slope.v));
+        let at = area.pos(plane.u.column_of(slope.u), plane.v.column_of(slope.v));
         ring(&painter, at, fate.is_kept(), answer.probe.subject.fate == Some(index));
     }
     let cursor = model.probed_pane().cursor.slope;
-    square(&painter, area.pos(column_of(&plane.u, cursor.u), column_of(&plane.v, cursor.v)));
+    square(&painter, area.pos(plane.u.column_of(cursor.u), plane.v.column_of(cursor.v)));
     let clicked = response.clicked();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response over both slopes"));
     let Some((column, row)) = cell else { return };
@@ -162,11 +141,10 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     }
 }
 
-/// Shows the DoG at that slope and scale in the focused pane.
 fn go_to(model: &mut Model, slope: Slope, scale: &Scale) {
     model.focus_on_side(model.probe.side);
     model.playing = false;
-    let pane: &mut Pane = model.focused_mut();
+    let pane = model.focused_mut();
     (pane.cursor.slope, pane.slope_chosen) = (slope, true);
     (pane.cursor.octave, pane.cursor.level) = (scale.octave, scale.level);
     pane.show(ViewKind::Dog);
@@ -202,52 +180,24 @@ fn refined(answer: &Probed, fate: &Fate) -> (Slope, f32) {
     }
 }
 
-/// Position of a slope along the map's axis: the nearest column, plus the slope's distance from it along the axis.
-fn along(map: &ResponseMap, slope: Slope) -> f32 {
-    let apart = |column: &usize| {
-        let other = map.columns[*column];
-        (other.u - slope.u).hypot(other.v - slope.v)
-    };
-    let Some(nearest) = (0..map.columns.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))) else { return 0.0 };
-    let (Some(&first), Some(&last)) = (map.columns.first(), map.columns.last()) else { return 0.0 };
-    let (du, dv) = (last.u - first.u, last.v - first.v);
-    let length = du.hypot(dv);
-    let on = map.columns[nearest];
-    let more = if length > 0.0 { ((slope.u - on.u) * du + (slope.v - on.v) * dv) / length } else { 0.0 };
-    map.slopes.values[nearest] + more
-}
-
-/// Row of a scale; fractions lie between rows, which are uniform in the logarithm of σ.
-fn row_of(map: &ResponseMap, sigma: f32) -> f32 {
-    let Some(next) = map.scales.iter().position(|scale| scale.sigma >= sigma) else {
-        return map.scales.len() as f32 - 1.0;
-    };
-    let Some(before) = next.checked_sub(1) else { return 0.0 };
-    let (a, b) = (map.scales[before].sigma, map.scales[next].sigma);
-    before as f32 + (sigma / a).ln() / (b / a).ln()
-}
-
 /// Space for the numbers beside and below a map, points.
-pub(super) const LEFT: f32 = 30.0;
+const LEFT: f32 = 30.0;
 const BELOW: f32 = 28.0;
-/// Space for the colour bar, points.
 const RIGHT: f32 = colour_bar::WIDTH;
 
-/// Area of a map in the panel: cells in `rect`.
-pub(super) struct Area {
-    pub(super) rect: Rect,
-    pub(super) cells: (usize, usize),
+struct Area {
+    rect: Rect,
+    cells: (usize, usize),
 }
 
 impl Area {
     /// Position of a cell's centre; fractions lie between cells.
-    pub(super) fn pos(&self, column: f32, row: f32) -> Pos2 {
+    fn pos(&self, column: f32, row: f32) -> Pos2 {
         let (width, height) = (self.cells.0 as f32, self.cells.1 as f32);
         self.rect.min + vec2((column + 0.5) / width * self.rect.width(), (row + 0.5) / height * self.rect.height())
     }
 
-    /// Cell under `pos`.
-    pub(super) fn cell(&self, pos: Pos2) -> Option<(usize, usize)> {
+    fn cell(&self, pos: Pos2) -> Option<(usize, usize)> {
         let at = |x: f32, span: f32, n: usize| ((x / span * n as f32).max(0.0) as usize).min(n - 1);
         let from = pos - self.rect.min;
         self.rect
@@ -256,37 +206,21 @@ impl Area {
     }
 }
 
-/// Allocates space for a map with numbers beside and below it.
-pub(super) fn area_ui(ui: &mut Ui, height: f32, cells: (usize, usize)) -> (Area, egui::Response) {
+fn area_ui(ui: &mut Ui, height: f32, cells: (usize, usize)) -> (Area, egui::Response) {
     let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), height + BELOW), Sense::click());
     let rect = Rect::from_min_max(whole.min + vec2(LEFT, 2.0), whole.max - vec2(RIGHT, BELOW - 2.0));
     (Area { rect, cells }, response)
 }
 
-/// Column of a slope along an axis; fractions lie between columns.
-pub(super) fn column_of(axis: &FineAxis, slope: f32) -> f32 {
-    match axis.values[..] {
-        [first, second, ..] => (slope - first) / (second - first),
-        _ => 0.0,
-    }
-}
-
-/// First and last slope of a grid.
-pub(super) fn ends(grid: &[f32]) -> Vec<f32> {
-    let mut ends: Vec<f32> = grid.first().into_iter().chain(grid.last()).copied().collect();
-    ends.dedup();
-    ends
-}
-
 /// Draws marks at the grid's slopes, numbers at some of them, and the axis's name.
-pub(super) fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
+fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
     let (painter, colour) = (ui.painter(), ui.visuals().weak_text_color());
     let font = TextStyle::Small.resolve(ui.style());
     let bottom = area.rect.bottom();
     let room = (area.rect.width() / 42.0).max(1.0) as usize;
     let each = axis.grid.len().div_ceil(room).max(1);
     for (index, &slope) in axis.grid.iter().enumerate() {
-        let x = area.pos(column_of(axis, slope), 0.0).x;
+        let x = area.pos(axis.column_of(slope), 0.0).x;
         painter.vline(x, bottom..=bottom + 3.0, Stroke::new(1.0, colour));
         if index % each == 0 {
             painter.text(pos2(x, bottom + 3.0), Align2::CENTER_TOP, number(slope, 2), font.clone(), colour);
@@ -296,12 +230,12 @@ pub(super) fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
 }
 
 /// Draws dashes at the ends of the searched slopes, and faint lines at each slope.
-pub(super) fn rims(painter: &Painter, area: &Area, axis: &FineAxis, upright: bool) {
+fn rims(painter: &Painter, area: &Area, axis: &FineAxis, upright: bool) {
     if axis.grid.len() < 2 {
         return;
     }
     let line = |at: f32| {
-        let column = column_of(axis, at);
+        let column = axis.column_of(at);
         if upright {
             let y = area.pos(0.0, column).y;
             [pos2(area.rect.left(), y), pos2(area.rect.right(), y)]
@@ -313,31 +247,20 @@ pub(super) fn rims(painter: &Painter, area: &Area, axis: &FineAxis, upright: boo
     for &slope in &axis.grid {
         painter.line_segment(line(slope), Stroke::new(0.5, Color32::from_black_alpha(40)));
     }
-    for rim in ends(&axis.grid) {
+    for rim in [axis.grid[0], axis.grid[axis.grid.len() - 1]] {
         painter.extend(egui::Shape::dashed_line(&line(rim), Stroke::new(1.0, Color32::from_gray(60)), 3.0, 3.0));
     }
 }
 
-/// Draws lines between cells that reach the gate and cells that do not.
-pub(super) fn contour(painter: &Painter, area: &Area, plane: &Plane, gate: f32) {
-    let reaches = |column: usize, row: usize| plane.at(column, row).abs() >= gate;
-    let (columns, rows) = plane.size();
-    let stroke = Stroke::new(1.2, Color32::BLACK);
-    for row in 0..rows {
-        for column in 0..columns {
-            let (x, y) = (column as f32, row as f32);
-            if column + 1 < columns && reaches(column, row) != reaches(column + 1, row) {
-                painter.line_segment([area.pos(x + 0.5, y - 0.5), area.pos(x + 0.5, y + 0.5)], stroke);
-            }
-            if row + 1 < rows && reaches(column, row) != reaches(column, row + 1) {
-                painter.line_segment([area.pos(x - 0.5, y + 0.5), area.pos(x + 0.5, y + 0.5)], stroke);
-            }
-        }
+fn contour(painter: &Painter, area: &Area, plane: &Plane, gate: f32) {
+    for ends in outline(plane, gate) {
+        let ends = ends.map(|(column, row)| area.pos(column, row));
+        painter.line_segment(ends, Stroke::new(1.2, Color32::BLACK));
     }
 }
 
 /// Draws a candidate; kept and selected ones are larger.
-pub(super) fn ring(painter: &Painter, at: Pos2, kept: bool, selected: bool) {
+fn ring(painter: &Painter, at: Pos2, kept: bool, selected: bool) {
     let radius = if kept || selected { 5.5 } else { 2.5 };
     let width = if kept { 2.0 } else { 1.0 };
     let colour = if selected { Color32::from_rgb(0, 90, 30) } else { Color32::from_gray(30) };
@@ -347,8 +270,7 @@ pub(super) fn ring(painter: &Painter, at: Pos2, kept: bool, selected: bool) {
     painter.circle_stroke(at, radius, Stroke::new(width, colour));
 }
 
-/// Draws the place of the focused pane's cursor.
-pub(super) fn square(painter: &Painter, at: Pos2) {
+fn square(painter: &Painter, at: Pos2) {
     let rect = Rect::from_center_size(at, vec2(8.0, 8.0));
     for (width, colour) in [(3.0, Color32::from_white_alpha(200)), (1.2, Color32::BLACK)] {
         painter.rect_stroke(rect, 0.0, Stroke::new(width, colour), StrokeKind::Middle);
@@ -363,7 +285,6 @@ mod tests {
     use crate::inspect::{ProbeCache, ProbeOptions, probe};
     use crate::monitor::Monitor;
 
-    /// Response map of a small burst, searched on `slopes`.
     fn map(slopes: SlopeGrid) -> ResponseMap {
         let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
         let cache = ProbeCache::new(&open((48, 40), 3).burst, &params.into(), &Monitor::default()).expect("valid");
@@ -377,17 +298,17 @@ mod tests {
         let (last, scales) = (map.scales.len() - 1, &map.scales);
         assert!(last >= 3);
         for (row, scale) in scales.iter().enumerate() {
-            assert!((row_of(&map, scale.sigma) - row as f32).abs() < 1e-3, "row {row}");
+            assert!((map.row_at(scale.sigma) - row as f32).abs() < 1e-3, "row {row}");
         }
         let between = (scales[1].sigma * scales[2].sigma).sqrt();
-        assert!((row_of(&map, between) - 1.5).abs() < 1e-3);
-        assert_eq!((row_of(&map, 0.01), row_of(&map, 1e4)), (0.0, last as f32), "beyond the map is its rim");
+        assert!((map.row_at(between) - 1.5).abs() < 1e-3);
+        assert_eq!((map.row_at(0.01), map.row_at(1e4)), (0.0, last as f32), "beyond the map is its rim");
         for (column, &slope) in map.columns.iter().enumerate() {
-            assert!((along(&map, slope) - map.slopes.values[column]).abs() < 1e-5, "column {column}");
+            assert!((map.column_of(slope) - column as f32).abs() < 1e-4, "column {column}");
         }
-        let first = map.columns[0];
-        let outside = along(&map, Slope::new(first.u - 0.25, first.v));
-        assert!((outside - (map.slopes.values[0] - 0.25)).abs() < 1e-5, "{outside}");
+        let (first, next) = (map.columns[0], map.columns[1]);
+        let outside = map.column_of(Slope::new(first.u - 0.5 * (next.u - first.u), first.v));
+        assert!((outside + 0.5).abs() < 1e-4, "{outside}");
     }
 
     #[test]

@@ -2,20 +2,18 @@
 
 use super::PlaneTexture;
 use crate::app::project::Model;
+use crate::app::style::ACCENT;
 use crate::detector::coherence::Shape;
 use crate::inspect::shares::{FrameShare, Shares};
-use crate::inspect::words::{number, slope_text};
+use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::requests::Probed;
 use egui::{Color32, Label, RichText, Sense, Stroke, Ui, vec2};
 use egui_plot::{HLine, Line, Plot, PlotPoints, Points};
 
-/// Maximum number of patches in a row of the strip.
 const IN_ROW: usize = 12;
-/// Minimum size of a useful patch, points.
 const PATCH: f32 = 18.0;
 
-/// Draws the strip, the plot and their explanation.
 pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
     let shares = &answer.probe.shares;
     if shares.frames.is_empty() {
@@ -26,14 +24,11 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture
     strip_ui(ui, model, answer, texture);
     ui.add_space(4.0);
     plot_ui(ui, shares);
-    let colour = match shares.shape {
+    let colour = match shares.evenness.shape {
         Shape::Level | Shape::Unclear => ui.visuals().text_color(),
         Shape::Uneven | Shape::Bump => crate::app::style::warning(ui),
     };
-    let meaning = shares.meaning.trim();
-    let mut letters = meaning.chars();
-    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
-    ui.add(Label::new(RichText::new(format!("{first}{}.", letters.as_str())).color(colour)).wrap())
+    ui.add(Label::new(RichText::new(sentence(&shares.meaning)).color(colour)).wrap())
         .on_hover_text("Coherence: 1 if all frames respond alike; if only some respond, about their share");
 }
 
@@ -80,7 +75,6 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
     }
 }
 
-/// All patches in one picture.
 fn montage(frames: &[FrameShare], columns: usize, rows: usize) -> Plane {
     let side = frames[0].patch.width();
     Plane::from_fn(side * columns, side * rows, |x, y| {
@@ -91,7 +85,7 @@ fn montage(frames: &[FrameShare], columns: usize, rows: usize) -> Plane {
 
 /// Draws the response of each frame, with one standard deviation of its noise to each side.
 fn plot_ui(ui: &mut Ui, shares: &Shares) {
-    let covering: Vec<&FrameShare> = shares.frames.iter().filter(|frame| frame.covers).collect();
+    let covering = || shares.frames.iter().filter(|frame| frame.covers);
     let point = |frame: &FrameShare| [frame.frame as f64, f64::from(frame.value)];
     let response = Plot::new("shares")
         .height(96.0)
@@ -108,19 +102,16 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
         )
         .show(ui, |plot| {
             plot.hline(HLine::new("zero", 0.0).color(Color32::GRAY).width(1.0));
-            plot.hline(
-                HLine::new("mean", f64::from(shares.mean))
-                    .color(crate::app::style::ACCENT)
-                    .style(egui_plot::LineStyle::dashed_dense()),
-            );
-            for frame in &covering {
+            let mean = HLine::new("mean", f64::from(shares.evenness.mean)).color(ACCENT);
+            plot.hline(mean.style(egui_plot::LineStyle::dashed_dense()));
+            for frame in covering() {
                 let [x, y] = point(frame);
                 let noise = f64::from(frame.sigma_d);
                 let bar = PlotPoints::from(vec![[x, y - noise], [x, y + noise]]);
-                plot.line(Line::new("noise", bar).color(crate::app::style::ACCENT).width(1.2));
+                plot.line(Line::new("noise", bar).color(ACCENT).width(1.2));
             }
-            let points: PlotPoints<'_> = covering.iter().map(|frame| point(frame)).collect();
-            plot.points(Points::new("response", points).color(crate::app::style::ACCENT).radius(3.0));
+            let points: PlotPoints<'_> = covering().map(point).collect();
+            plot.points(Points::new("response", points).color(ACCENT).radius(3.0));
         })
         .response;
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Response of each frame"));

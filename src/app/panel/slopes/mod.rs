@@ -106,11 +106,7 @@ pub fn judgement_ui(ui: &mut Ui, model: &mut Model) {
 }
 
 fn sentence_of(clause: &str) -> String {
-    let mut sentence = format!("{clause}.");
-    if let Some(first) = sentence.get_mut(0..1) {
-        first.make_ascii_uppercase();
-    }
-    with_whole_numbers(&sentence)
+    with_whole_numbers(&crate::inspect::words::sentence(clause))
 }
 
 /// Draws one piece of advice; `name` is that of its button.

@@ -2,9 +2,8 @@
 //! depths.
 
 use crate::app::project::Model;
-use crate::app::project::filter::depth_text;
 use crate::app::project::side::Side;
-use crate::app::view::signed_slope;
+use crate::app::view::{depth_text, signed_slope};
 use crate::detector::{Slope, SlopeChoice};
 use crate::inspect::set_up::{SetUp, bounds};
 use egui::{Button, CollapsingHeader, DragValue, Grid, Label, RichText, Role, Ui, WidgetInfo};

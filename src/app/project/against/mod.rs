@@ -11,30 +11,22 @@ use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{Detection, SearchParams};
 use crate::engine::{Engine, Wanted};
 use crate::inspect::changes::ForeignFeature;
-use crate::requests::{
-    Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, OpenBurst, Reference, Request,
-};
+use crate::requests::{Against as Answered, AgainstRequest, BurstId, ComparedWith, JobError, OpenBurst, Reference};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Reference of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum With {
-    /// An earlier result.
     Pinned,
-    /// Features of a file.
     File,
-    /// The truth of the burst.
     Truth,
 }
 
 impl With {
-    /// All of them, in the order of the switch.
     pub const ALL: [Self; 3] = [Self::Pinned, Self::File, Self::Truth];
 
-    /// Name of the reference.
     pub fn label(self) -> &'static str {
         match self {
             Self::Pinned => "Pinned result",
@@ -43,7 +35,6 @@ impl With {
         }
     }
 
-    /// Explanation of the reference, and how to load it.
     pub fn help(self) -> &'static str {
         match self {
             Self::Pinned => "Gained, lost and moved features against the pinned result",
@@ -55,36 +46,28 @@ impl With {
     }
 }
 
-/// A comparison as it is shown.
 #[derive(Debug, Clone)]
 pub struct Shown {
-    /// The reference.
     pub with: With,
-    /// The features that were compared.
     pub detection: Arc<Detection>,
     /// One row for each feature of ours or theirs; the most interesting first.
     pub rows: Vec<Row>,
-    /// The counts in a line.
     pub summary: String,
     /// Whether the truth, if it is the reference, is complete.
     pub is_whole_truth: bool,
-    /// Label of rows of ours alone.
     ours: &'static str,
 }
 
 impl Shown {
-    /// Label of rows of `kind`.
     pub fn label(&self, kind: Kind) -> &'static str {
         if kind == Kind::Ours { self.ours } else { kind.label(self.with) }
     }
 
-    /// Number of rows of `kind`.
     pub fn count(&self, kind: Kind) -> usize {
         self.rows.iter().filter(|row| row.kind == kind).count()
     }
 }
 
-/// A result that was pinned.
 #[derive(Debug, Clone)]
 pub struct Pinned {
     burst: BurstId,
@@ -93,23 +76,18 @@ pub struct Pinned {
     detection: Option<Arc<Detection>>,
 }
 
-/// Features of a file.
 #[derive(Debug, Clone)]
 pub struct ForeignFile {
     burst: BurstId,
-    /// The file.
     pub path: PathBuf,
     features: Option<Arc<Vec<ForeignFeature>>>,
 }
 
-/// Comparison in a session file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SavedAgainst {
-    /// Reference of the comparison.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with: Option<With>,
-    /// Path of the file of other features.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
     /// Parameters of the pinned result: the detection is repeated, which gives the same bits.
@@ -117,28 +95,19 @@ pub struct SavedAgainst {
     pub pinned: Option<SearchParams>,
 }
 
-/// The comparison of the features of one burst.
 #[derive(Debug, Default)]
 pub struct Against {
-    /// The pinned result.
     pub pinned: Option<Pinned>,
-    /// The opened features of a file.
     pub file: Option<ForeignFile>,
     /// Burst that was checked for a truth, and whether it has one.
     truth: Option<(BurstId, bool)>,
-    /// Reference of the comparison on show.
     pub with: Option<With>,
-    /// The comparison, once it was made.
     pub shown: Option<Arc<Shown>>,
     /// Kinds that are not drawn and not listed.
     pub hidden: Vec<Kind>,
-    /// The selected row.
     pub selected: Option<usize>,
-    /// The row under the pointer.
     pub hovered: Option<usize>,
-    /// The request for the comparison.
     pub wanted: Wanted<AgainstRequest>,
-    /// Error for which there is no comparison.
     pub problem: Option<String>,
 }
 
@@ -152,7 +121,6 @@ impl Against {
         }
     }
 
-    /// Shows the comparison with `with`, or none.
     pub fn show(&mut self, with: Option<With>) {
         if self.with != with {
             (self.with, self.shown, self.problem) = (with, None, None);
@@ -163,13 +131,10 @@ impl Against {
         }
     }
 
-    /// Whether rows of `kind` are drawn and listed.
     pub fn shows(&self, kind: Kind) -> bool {
         !self.hidden.contains(&kind)
     }
-}
 
-impl Against {
     /// Forgets the references of another burst than the open one.
     fn check(&mut self, open: Option<&OpenBurst>) {
         let id = open.map(|open| open.id);
@@ -183,7 +148,6 @@ impl Against {
         }
     }
 
-    /// Request for the comparison that is wanted now, of the features `found` in `burst`.
     fn wanted_for(&self, burst: &OpenBurst, found: &FoundFeatures) -> Option<AgainstRequest> {
         let with = match self.with? {
             With::Pinned => {
@@ -202,7 +166,7 @@ impl Against {
     /// Takes a comparison, unless `wanted` is another one by now.
     fn take(&mut self, compared: ComparedWith, wanted: Option<&AgainstRequest>) {
         let ComparedWith { request, against: answered } = compared;
-        let is_wanted = wanted.is_some_and(|wanted| wanted.is_same(&request));
+        let is_wanted = wanted.is_some_and(|wanted| *wanted == request);
         let Some(with) = self.with.filter(|_| is_wanted) else { return };
         if let (Some(pinned), Some(found)) = (&mut self.pinned, answered.found_again()) {
             pinned.detection = Some(found.clone());
@@ -236,16 +200,6 @@ impl Model {
         }
     }
 
-    /// Forgets the pinned result of `side`.
-    pub fn unpin_result(&mut self, side: Side) {
-        let against = &mut self.slots[side].against;
-        against.pinned = None;
-        if against.with == Some(With::Pinned) {
-            against.show(None);
-        }
-    }
-
-    /// Compares the features of `side` with those of the file at `path`.
     pub fn lay_over(&mut self, side: Side, path: PathBuf) {
         let slot = &mut self.slots[side];
         if let Some(burst) = &slot.burst {
@@ -255,16 +209,19 @@ impl Model {
         }
     }
 
-    /// Forgets the features that were opened for `side`.
-    pub fn forget_foreign(&mut self, side: Side) {
+    /// Forgets the pinned result or the opened features of `side`.
+    pub fn forget_reference(&mut self, side: Side, with: With) {
         let against = &mut self.slots[side].against;
-        against.file = None;
-        if against.with == Some(With::File) {
+        match with {
+            With::Pinned => against.pinned = None,
+            With::File => against.file = None,
+            With::Truth => {}
+        }
+        if against.with == Some(with) {
             against.show(None);
         }
     }
 
-    /// Takes the comparisons, or their errors.
     pub(in crate::app) fn take_comparisons(&mut self) {
         for side in Side::BOTH {
             let wanted = self.wanted_comparison(side);
@@ -279,7 +236,6 @@ impl Model {
         }
     }
 
-    /// Requests the comparisons that are missing.
     pub(in crate::app) fn ask_for_comparisons(&mut self, engine: &Engine) {
         for side in Side::BOTH {
             let slot = &mut self.slots[side];
@@ -295,7 +251,6 @@ impl Model {
         }
     }
 
-    /// Request for the comparison of `side` that is wanted now.
     fn wanted_comparison(&self, side: Side) -> Option<AgainstRequest> {
         self.slots[side].against.wanted_for(self.burst_of(side)?, self.found_of(side)?)
     }
@@ -359,23 +314,5 @@ mod tests {
         bench.settle();
         let [a, b] = summaries(&bench.model);
         assert_eq!([b, a], before);
-    }
-
-    #[test]
-    fn a_result_of_b_is_pinned_and_compared_with_what_is_found_next() {
-        let mut bench = Bench::with_two_charts();
-        bench.model.pin_result(Side::B);
-        assert!(bench.model.slots.b.against.has(With::Pinned) && !bench.model.slots.a.against.has(With::Pinned));
-        bench.model.params.max_features = 2;
-        bench.run_until(|model, _| {
-            model.is_settled()
-                && model.shown_comparison(Side::B).is_some_and(|shown| shown.detection.features.len() == 2)
-        });
-        let shown = bench.model.shown_comparison(Side::B).expect("there");
-        assert!(shown.count(Kind::Theirs) > 0 && shown.count(Kind::Ours) == 0, "{}", shown.summary);
-        let saved = bench.model.saved_against(Side::B).expect("pinned");
-        assert!(saved.pinned.is_some() && bench.model.saved_against(Side::A).is_none());
-        bench.model.unpin_result(Side::B);
-        assert!(bench.model.shown_comparison(Side::B).is_none() && bench.model.saved_against(Side::B).is_none());
     }
 }

@@ -8,7 +8,6 @@ use crate::inspect::truth::AgainstTruth;
 use crate::requests::{Against, ProbeQuestion};
 use crate::synth::Truth;
 
-/// Kind of a row: in which of the two results the feature is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
     /// Theirs alone: lost, only in the file, missed.
@@ -32,7 +31,6 @@ impl Kind {
         }
     }
 
-    /// Label of the kind in a comparison with `with`.
     pub fn label(self, with: With) -> &'static str {
         match (with, self) {
             (With::Pinned, Self::Theirs) => "Lost",
@@ -50,10 +48,8 @@ impl Kind {
     }
 }
 
-/// A feature of ours or theirs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Kind of the row.
     pub kind: Kind,
     /// Place (u, v) at mid-burst, input pixels: ours where both have it.
     pub pos_image: [f32; 2],
@@ -63,7 +59,6 @@ pub struct Row {
     pub slope: Option<Slope>,
     /// Place in the other result, if it moved.
     pub from_image: Option<[f32; 2]>,
-    /// Our feature.
     pub feature: Option<usize>,
     /// The candidate of ours that was to become it, where one is known.
     pub candidate: Option<Sample>,
@@ -104,17 +99,12 @@ pub(super) fn of(with: With, detection: &Detection, against: &Against) -> (Vec<R
     (rows, summary)
 }
 
+fn theirs(pos_image: [f32; 2], sigma: f32, slope: Option<Slope>, note: String) -> Row {
+    Row { kind: Kind::Theirs, pos_image, sigma, slope, from_image: None, feature: None, candidate: None, note }
+}
+
 fn ours(kind: Kind, index: usize, f: &Feature) -> Row {
-    Row {
-        kind,
-        pos_image: [f.u, f.v],
-        sigma: f.sigma,
-        slope: Some(f.slope),
-        from_image: None,
-        feature: Some(index),
-        candidate: None,
-        note: String::new(),
-    }
+    Row { kind, feature: Some(index), ..theirs([f.u, f.v], f.sigma, Some(f.slope), String::new()) }
 }
 
 fn rows_of_changes(with: With, changes: &Changes, before: &[Spot], features: &[Feature]) -> Vec<Row> {
@@ -122,16 +112,7 @@ fn rows_of_changes(with: With, changes: &Changes, before: &[Spot], features: &[F
     let whose = if with == With::File { "of theirs" } else { "of the pinned result" };
     let lost = changes.lost.iter().map(|&index| {
         let spot = &before[index];
-        Row {
-            kind: Kind::Theirs,
-            pos_image: spot.pos_image,
-            sigma: spot.sigma,
-            slope: spot.slope,
-            from_image: None,
-            feature: None,
-            candidate: None,
-            note: format!("number {} {whose}", index + 1),
-        }
+        theirs(spot.pos_image, spot.sigma, spot.slope, format!("number {} {whose}", index + 1))
     });
     let same = changes.same.iter().map(|same| {
         let was = &before[same.before];
@@ -151,16 +132,9 @@ fn rows_of_changes(with: With, changes: &Changes, before: &[Spot], features: &[F
 fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) -> Vec<Row> {
     let missed = against.missed.iter().map(|miss| {
         let disc = &truth.features[miss.disc];
-        Row {
-            kind: Kind::Theirs,
-            pos_image: [disc.u as f32, disc.v as f32],
-            sigma: disc.sigma as f32,
-            slope: Some(Slope::new(disc.slope_u as f32, disc.slope_v as f32)),
-            from_image: None,
-            feature: None,
-            candidate: miss.fate.as_ref().map(|fate| fate.of_sample()),
-            note: miss.why.clone(),
-        }
+        let slope = Slope::new(disc.slope_u as f32, disc.slope_v as f32);
+        let row = theirs([disc.u as f32, disc.v as f32], disc.sigma as f32, Some(slope), miss.why.clone());
+        Row { candidate: miss.fate.as_ref().map(|fate| fate.of_sample()), ..row }
     });
     let found = against.found.iter().map(|&(index, disc)| {
         let (f, disc) = (&features[index], &truth.features[disc]);

@@ -14,50 +14,37 @@ use crate::detector::{Detection, DetectorParams};
 use crate::engine::{Engine, Wanted};
 use crate::requests::{
     BurstId, BurstSource, CompareRequest, Compared, DetectRequest, Detected, JobError, MatchRequest, OpenBurst,
-    OpenRequest, Request, Running,
+    OpenRequest, Running,
 };
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Result of a method on one burst.
 #[derive(Debug, Clone)]
 pub struct MethodFound {
-    /// The burst.
     pub burst: BurstId,
-    /// The parameters it was made with.
     pub params: DetectorParams,
-    /// The features.
     pub detection: Arc<Detection>,
-    /// Wall-clock time of the detection.
     pub elapsed: Duration,
 }
 
-/// Step of the comparison, for one method.
 #[derive(Debug, Clone)]
 pub struct CompareJob {
-    /// The method.
     pub method: Contender,
     /// Burst that is searched; matching uses both.
     pub side: Side,
-    /// The request.
     pub request: CompareRequest,
 }
 
-/// State of the comparison of methods.
 #[derive(Debug, Default)]
 pub struct Compare {
-    /// Choice of methods, and display settings.
     pub look: CompareLook,
     /// Sharp images of A's and of B's view, each as a burst of one frame.
     pub gold: [Option<OpenBurst>; 2],
     /// The request for the missing piece of work, one at a time, so that times can be compared.
     pub wanted: Wanted<CompareRequest>,
-    /// The piece of work that is requested.
     asked: Option<CompareJob>,
-    /// Requests for the gold standards' images.
     pub opening_gold: Sides<Wanted<OpenRequest>>,
-    /// The methods for which there are panes.
     arranged: Vec<Contender>,
     found: [[Option<MethodFound>; 2]; 5],
     matches: [Option<Matches>; 5],
@@ -76,23 +63,19 @@ impl Compare {
         Some((self.asked.as_ref()?.method, self.wanted.running()?))
     }
 
-    /// Error of the last step for `method`, if it failed.
     pub fn problem(&self, method: Contender) -> Option<&str> {
         self.failed.iter().rev().find(|(job, _)| job.method == method).map(|(_, why)| why.as_str())
     }
 
-    /// Results of all methods.
     pub fn all_found_mut(&mut self) -> impl Iterator<Item = &mut MethodFound> {
         self.found.iter_mut().flatten().flatten()
     }
 
-    /// Takes the result of a method.
     pub fn take_found(&mut self, method: Contender, side: Side, found: MethodFound) {
         self.failed.retain(|(job, _)| job.method != method);
         self.found[method.index()][side as usize] = Some(found);
     }
 
-    /// Takes a method's matches.
     pub fn take_matches(&mut self, method: Contender, matches: Matches) {
         self.failed.retain(|(job, _)| job.method != method);
         self.matches[method.index()] = Some(matches);
@@ -109,21 +92,12 @@ impl Compare {
     }
 }
 
-impl MethodFound {
-    /// Wraps the engine's answer.
-    pub fn new(detected: Detected, elapsed: Duration) -> Self {
-        Self { burst: detected.burst, params: detected.params, detection: detected.detection, elapsed }
-    }
-}
-
 impl Model {
-    /// Opens an image as the gold standard of `side`.
     pub(in crate::app) fn open_gold(&mut self, side: Side, source: BurstSource, engine: &Engine) {
         let options = self.calibration.clone();
         self.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
     }
 
-    /// Takes the gold standards that were opened, and the results of methods.
     pub(in crate::app) fn take_compared(&mut self) {
         for side in Side::BOTH {
             for ended in self.compare.opening_gold[side].take() {
@@ -142,8 +116,9 @@ impl Model {
         for ended in self.compare.wanted.take() {
             let Some(job) = self.compare.asked.take() else { continue };
             match ended.result {
-                Ok(Compared::Detected(detected)) => {
-                    self.compare.take_found(job.method, job.side, MethodFound::new(detected, ended.elapsed));
+                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
+                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
+                    self.compare.take_found(job.method, job.side, found);
                 }
                 Ok(Compared::Matched(matched)) => {
                     self.compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
@@ -188,7 +163,6 @@ impl Model {
         }
     }
 
-    /// The parameters of `method` on `side`.
     pub fn method_params(&self, method: Contender, side: Side) -> DetectorParams {
         method.params(&self.params_of(side))
     }
@@ -204,7 +178,7 @@ impl Model {
     /// Matches between the features of `method` in A and in B, with the present parameters.
     pub fn method_matches(&self, method: Contender) -> Option<&Matches> {
         let wanted = self.wanted_method_matches(method)?;
-        self.compare.matches[method.index()].as_ref().filter(|matches| matches.request.is_same(&wanted))
+        self.compare.matches[method.index()].as_ref().filter(|matches| matches.request == wanted)
     }
 
     fn wanted_method_matches(&self, method: Contender) -> Option<MatchRequest> {
@@ -252,7 +226,7 @@ impl Model {
     }
 
     fn has_failed(&self, job: &CompareJob) -> bool {
-        let same = |other: &CompareJob| other.method == job.method && other.request.is_same(&job.request);
+        let same = |other: &CompareJob| other.method == job.method && other.request == job.request;
         self.compare.failed.iter().any(|(failed, _)| same(failed))
     }
 
@@ -275,13 +249,10 @@ impl Model {
     }
 }
 
-/// Choice of the methods that are compared, and display settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CompareLook {
-    /// The methods.
     pub methods: Vec<Contender>,
-    /// Whether features are drawn.
     pub features: bool,
 }
 
@@ -292,7 +263,6 @@ impl Default for CompareLook {
 }
 
 impl CompareLook {
-    /// Whether `method` is compared.
     pub fn shows(&self, method: Contender) -> bool {
         self.methods.contains(&method)
     }
@@ -348,7 +318,6 @@ impl Model {
         self.compare.arranged = if is_laid_out { self.contenders() } else { Vec::new() };
     }
 
-    /// Lays out the methods that are compared.
     pub fn lay_out_methods(&mut self, preset: MethodsPreset) {
         let (methods, both) = (self.contenders(), self.burst_of(Side::B).is_some());
         self.panes.lay_out_methods(preset, &methods, both);

@@ -1,56 +1,37 @@
 //! A dataset with the states of its bursts and the matches of its pairs.
 
 use super::pairs::{BurstPair, PairTable, pair_of};
-use crate::burst::{BurstFiles, OpenOptions};
-use crate::dataset::{DatasetSource, FinishedBurst, image_name};
+use crate::burst::BurstFiles;
+use crate::dataset::{FinishedBurst, image_name};
 use crate::detector::SearchParams;
 use crate::inspect::words::counted;
 use crate::matching::ImageCounts;
-use crate::requests::{BurstSource, Bursts, DatasetEvent, Keeping, OpenBurst, OpenDataset};
-use std::path::PathBuf;
+use crate::requests::{BurstSource, DatasetEvent, Keeping, OpenBurst, OpenDataset};
+use std::ops::Deref;
 use std::sync::Arc;
 
-/// A dataset that is open.
+/// A dataset that is open. All that the engine has said of it is read as if it were its own.
 #[derive(Debug, Clone)]
 pub struct Dataset {
-    /// Source of the dataset.
-    pub source: DatasetSource,
-    /// Its bursts; at least one.
-    pub bursts: Bursts,
-    /// Folder in which its features are kept.
-    pub folder: Option<PathBuf>,
-    /// Reason why they cannot be kept there.
-    pub folder_error: Option<String>,
-    /// The parameters to which the states refer.
-    pub params: SearchParams,
-    /// Options with which its bursts are opened.
-    pub open: OpenOptions,
-    /// Other parameters, with which the features in the folder were found.
-    pub other_params: Option<SearchParams>,
-    /// State of each burst.
+    pub opened: OpenDataset,
     pub states: Vec<BurstState>,
     /// The bursts chosen as A and B, by their places.
     pub pair: [Option<usize>; 2],
-    /// The matches of its pairs.
     pub matches: PairTable,
 }
 
+impl Deref for Dataset {
+    type Target = OpenDataset;
+
+    fn deref(&self) -> &OpenDataset {
+        &self.opened
+    }
+}
+
 impl Dataset {
-    /// The dataset of the engine's answer; nothing is chosen and nothing matched.
-    pub fn new(open: OpenDataset) -> Self {
-        let states = open.finished.into_iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
-        Self {
-            source: open.source,
-            bursts: open.bursts,
-            folder: open.folder,
-            folder_error: open.folder_error,
-            params: open.params,
-            open: open.open,
-            other_params: open.other_params,
-            states,
-            pair: [None; 2],
-            matches: PairTable::default(),
-        }
+    pub fn new(opened: OpenDataset) -> Self {
+        let states = opened.finished.iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
+        Self { opened, states, pair: [None; 2], matches: PairTable::default() }
     }
 
     /// Replaces the dataset by a newer reading of the same bursts, with another folder or other parameters. The chosen
@@ -65,7 +46,6 @@ impl Dataset {
         }
     }
 
-    /// Place of the burst that is open in the inspector, if it belongs to the dataset.
     pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
         let BurstSource::Paths(paths) = &open?.source else { return None };
         self.bursts.iter().position(|b| b.paths == *paths)
@@ -79,7 +59,6 @@ impl Dataset {
         self.bursts.iter().position(named)
     }
 
-    /// The burst at `place`, as the inspector opens it.
     pub fn source_at(&self, place: usize) -> Option<BurstSource> {
         self.bursts.get(place).map(|burst| BurstSource::Paths(burst.paths.clone()))
     }
@@ -102,13 +81,11 @@ impl Dataset {
         }
     }
 
-    /// Folder, parameters and options for keeping features; `None` if they cannot be kept.
     pub fn keeping(&self) -> Option<Keeping> {
         let folder = self.folder.clone().filter(|_| self.folder_error.is_none())?;
         Some(Keeping { folder, params: self.params.clone(), open: self.open.clone() })
     }
 
-    /// Numbers of bursts by state.
     pub fn counts(&self) -> StateCounts {
         let mut counts = StateCounts::default();
         for state in &self.states {
@@ -146,7 +123,7 @@ impl Dataset {
         if others {
             self.matches.forget();
         }
-        self.params = params.clone();
+        self.opened.params = params.clone();
         for state in &mut self.states {
             if others || !matches!(state, BurstState::Done(_)) {
                 *state = BurstState::Waiting;
@@ -154,7 +131,6 @@ impl Dataset {
         }
     }
 
-    /// Updates states and matches after an event of the work.
     pub fn take_event(&mut self, event: &DatasetEvent) {
         let (index, state) = match event {
             // A finished burst is only checked.
@@ -162,7 +138,7 @@ impl Dataset {
             DatasetEvent::Begun { index } => (*index, BurstState::Running),
             DatasetEvent::Done { index, finished } => {
                 // These features replace those of other parameters.
-                self.other_params = None;
+                self.opened.other_params = None;
                 if !matches!(self.states.get(*index), Some(BurstState::Done(_))) {
                     self.matches.forget_burst(*index);
                 }
@@ -179,7 +155,6 @@ impl Dataset {
         }
     }
 
-    /// The pair of A and B, if both are chosen.
     pub fn selected(&self) -> Option<BurstPair> {
         let [a, b] = self.pair;
         pair_of(a?, b?)
@@ -190,7 +165,6 @@ impl Dataset {
         self.pair = [Some(a), Some(b)];
     }
 
-    /// Marks running bursts as waiting: the work has ended.
     pub fn stop(&mut self) {
         for state in &mut self.states {
             if *state == BurstState::Running {
@@ -210,12 +184,10 @@ impl Dataset {
     }
 }
 
-/// State of a burst.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BurstState {
     /// Its features were not found yet, or with other parameters.
     Waiting,
-    /// Its features are being found.
     Running,
     /// Its features are in the dataset's folder.
     Done(FinishedBurst),
@@ -249,21 +221,18 @@ impl BurstState {
     }
 }
 
-/// Numbers of bursts by state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StateCounts {
-    /// Number of bursts that are finished.
     pub done: usize,
-    /// Number of bursts that failed.
     pub failed: usize,
-    /// Number of features in all finished bursts.
     pub features: usize,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::FinishedBurst;
+    use crate::burst::OpenOptions;
+    use crate::dataset::DatasetSource;
     use std::path::Path;
 
     fn dataset(count: usize) -> Dataset {

@@ -10,21 +10,15 @@ use crate::engine::Wanted;
 use crate::matching::PairSelection;
 use crate::requests::DatasetRequest;
 
-/// Kind of work on a dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
-    /// Opening the dataset, or reading it again.
     Opening,
-    /// Finding the features of its bursts.
     Detecting,
-    /// Matching pairs of its bursts.
     Matching,
-    /// Writing the input of COLMAP's mapper.
     Exporting,
 }
 
 impl Work {
-    /// Title of the work in messages.
     pub fn title(self) -> &'static str {
         match self {
             Self::Opening => "Open dataset",
@@ -35,7 +29,6 @@ impl Work {
     }
 }
 
-/// Choice of the pairs to match.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PairChoice {
     /// Whether each burst is matched with the next few only.
@@ -51,35 +44,27 @@ impl Default for PairChoice {
 }
 
 impl PairChoice {
-    /// The choice as a selection for matching.
     pub fn selection(self) -> PairSelection {
         if self.neighbours { PairSelection::Sequential(self.overlap) } else { PairSelection::All }
     }
 }
 
-/// The open dataset, and the work on it.
 #[derive(Debug, Default)]
 pub struct Datasets {
-    /// The dataset that is open.
     pub open: Option<Dataset>,
-    /// The work in progress, if there is any.
     pub work: Option<Work>,
-    /// The request for this work.
     pub wanted: Wanted<DatasetRequest>,
-    /// Choice of the pairs to match.
     pub choice: PairChoice,
     /// Places of A and B in the session to which the dataset being opened belongs, if it belongs to one.
     pub restoring: Option<[Option<usize>; 2]>,
 }
 
 impl Datasets {
-    /// Whether features can be detected now.
     pub fn can_detect(&self, params_are_valid: bool) -> bool {
         let ready = |d: &Dataset| d.folder.is_some() && d.folder_error.is_none();
         self.work.is_none() && params_are_valid && self.open.as_ref().is_some_and(ready)
     }
 
-    /// Whether pairs can be matched now.
     pub fn can_match(&self, params_are_valid: bool) -> bool {
         self.can_detect(params_are_valid) && self.open.as_ref().is_some_and(|d| d.counts().done > 1)
     }

@@ -1,7 +1,7 @@
 //! The matches of a dataset's pairs in numbers, and in which order they are listed.
 
+use crate::app::project::filter::Order;
 use crate::matching::{MatchCounts, MatchParams};
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// Two bursts by their places, the earlier one first.
@@ -12,29 +12,20 @@ pub fn pair_of(a: usize, b: usize) -> Option<BurstPair> {
     (a != b).then_some((a.min(b), a.max(b)))
 }
 
-/// Column of the table of pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PairColumn {
-    /// The places of its bursts.
     #[default]
     Pair,
-    /// Putative matches.
     Putative,
-    /// Inliers.
     Inliers,
-    /// Putative matches over keypoints.
     Ratio,
-    /// Inliers over keypoints.
     Score,
-    /// Inliers over putative matches.
     Precision,
 }
 
 impl PairColumn {
-    /// All columns, from left to right.
     pub const ALL: [Self; 6] = [Self::Pair, Self::Putative, Self::Inliers, Self::Ratio, Self::Score, Self::Precision];
 
-    /// The heading.
     pub fn heading(self) -> &'static str {
         match self {
             Self::Pair => "pair",
@@ -46,7 +37,6 @@ impl PairColumn {
         }
     }
 
-    /// Description of the column's values.
     pub fn help(self) -> &'static str {
         match self {
             Self::Pair => "The two bursts",
@@ -70,7 +60,6 @@ impl PairColumn {
         }
     }
 
-    /// The number as it is shown.
     pub fn text(self, counts: &MatchCounts) -> String {
         match (self, self.value(counts)) {
             (_, None) => "–".to_owned(),
@@ -80,34 +69,22 @@ impl PairColumn {
     }
 }
 
-/// The order of the list of pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PairOrder {
-    /// By what.
-    pub column: PairColumn,
-    /// The largest first.
-    pub descending: bool,
-}
-
-impl PairOrder {
-    /// The order after a click on the heading of `column`: numbers begin with the largest; a second click reverses it.
-    #[must_use]
-    pub fn clicked(self, column: PairColumn) -> Self {
-        let descending = if self.column == column { !self.descending } else { column != PairColumn::Pair };
-        Self { column, descending }
-    }
-}
-
-/// The pairs that were matched.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PairTable {
     counts: BTreeMap<BurstPair, MatchCounts>,
     params: MatchParams,
-    /// The order of the list.
-    pub order: PairOrder,
+    pub order: Order<PairColumn>,
 }
 
 impl PairTable {
+    /// Sorts the list after a click on the heading of `column`: numbers begin with the largest; a second click reverses
+    /// the order.
+    pub fn sort_by(&mut self, column: PairColumn) {
+        let again = self.order.column == column;
+        let descending = if again { !self.order.descending } else { column != PairColumn::Pair };
+        self.order = Order { column, descending };
+    }
+
     /// Prepares for matches made with `params`; forgets those made with other parameters.
     pub fn begin(&mut self, params: &MatchParams) {
         if self.params != *params {
@@ -126,27 +103,22 @@ impl PairTable {
         self.counts.retain(|pair, _| pair.0 != place && pair.1 != place);
     }
 
-    /// The parameters that the matches were made with.
     pub fn params(&self) -> &MatchParams {
         &self.params
     }
 
-    /// Stores the numbers of a pair.
     pub fn take(&mut self, pair: BurstPair, counts: MatchCounts) {
         self.counts.insert(pair, counts);
     }
 
-    /// The numbers of a pair, if it was matched.
     pub fn get(&self, pair: BurstPair) -> Option<&MatchCounts> {
         self.counts.get(&pair)
     }
 
-    /// Number of pairs that were matched.
     pub fn len(&self) -> usize {
         self.counts.len()
     }
 
-    /// Whether no pair was matched.
     pub fn is_empty(&self) -> bool {
         self.counts.is_empty()
     }
@@ -156,24 +128,21 @@ impl PairTable {
         counts.inliers.unwrap_or(counts.putative)
     }
 
-    /// The largest [`Self::strength`]; 0 without matches.
     pub fn strongest(&self) -> usize {
         self.counts.values().map(Self::strength).max().unwrap_or(0)
     }
 
-    /// The pairs in the list's order.
     pub fn listed(&self) -> Vec<(BurstPair, MatchCounts)> {
         let mut rows: Vec<(BurstPair, MatchCounts)> = self.counts.iter().map(|(p, c)| (*p, *c)).collect();
-        let column = self.order.column;
+        let Order { column, descending } = self.order;
         let by_value = |a: &MatchCounts, b: &MatchCounts| match (column.value(a), column.value(b)) {
             (Some(a), Some(b)) => a.total_cmp(&b),
             (a, b) => a.is_some().cmp(&b.is_some()),
         };
+        // Pairs of equal values stay in the order of the bursts.
         rows.sort_by(|a, b| {
             let order = if column == PairColumn::Pair { a.0.cmp(&b.0) } else { by_value(&a.1, &b.1) };
-            let order = if self.order.descending { order.reverse() } else { order };
-            // Equal pairs stay in the order of the bursts.
-            order.then(if column == PairColumn::Pair { Ordering::Equal } else { a.0.cmp(&b.0) })
+            if descending { order.reverse() } else { order }
         });
         rows
     }
@@ -195,13 +164,13 @@ mod tests {
         }
         let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
         assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
-        table.order = table.order.clicked(PairColumn::Inliers);
+        table.sort_by(PairColumn::Inliers);
         assert_eq!(pairs(&table), [(1, 2), (0, 1), (0, 2)]);
-        table.order = table.order.clicked(PairColumn::Inliers);
+        table.sort_by(PairColumn::Inliers);
         assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)]);
-        table.order = table.order.clicked(PairColumn::Putative);
+        table.sort_by(PairColumn::Putative);
         assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
-        table.order = table.order.clicked(PairColumn::Pair).clicked(PairColumn::Pair);
+        [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
         assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
     }
 

@@ -40,19 +40,17 @@ impl Model {
 
     /// Reads the open dataset again: its folder, the parameters or the calibration changed.
     pub(in crate::app) fn look_at_dataset_again(&mut self, engine: &Engine) {
-        if let Some(Dataset { source, folder, .. }) = &self.datasets.open {
-            self.look_at_dataset(source.clone(), folder.clone(), engine);
+        if let Some(dataset) = &self.datasets.open {
+            self.look_at_dataset(dataset.source.clone(), dataset.folder.clone(), engine);
         }
     }
 
-    /// Sets the folder in which the dataset's features are kept.
     pub(in crate::app) fn use_feature_folder(&mut self, folder: PathBuf, engine: &Engine) {
         if let Some(dataset) = &self.datasets.open {
             self.look_at_dataset(dataset.source.clone(), Some(folder), engine);
         }
     }
 
-    /// Takes over the parameters with which the features in the dataset's folder were found.
     pub(in crate::app) fn use_folder_params(&mut self, engine: &Engine) {
         if let Some(params) = self.datasets.open.as_ref().and_then(|dataset| dataset.other_params.clone()) {
             self.set_search(params);
@@ -81,7 +79,6 @@ impl Model {
         })
     }
 
-    /// Cuts the open film into bursts of `length` frames, one after another, and opens them as a dataset.
     pub(in crate::app) fn cut_open_burst(&mut self, length: usize, engine: &Engine) {
         if let Some(Effect::Cut { paths, .. }) = self.cut_of_open_burst() {
             self.open_dataset(DatasetSource { paths, burst_length: Some(length), burst_step: None }, engine);
@@ -98,7 +95,6 @@ impl Model {
         None
     }
 
-    /// Finds the features of all bursts.
     pub(in crate::app) fn detect_all(&mut self, engine: &Engine) {
         let params = self.asked();
         let Some(dataset) = &mut self.datasets.open else { return };
@@ -110,14 +106,12 @@ impl Model {
         }
     }
 
-    /// Matches the pairs that are chosen by rule.
     pub(in crate::app) fn match_pairs(&mut self, engine: &Engine) {
         if let Some(dataset) = &self.datasets.open {
             self.start_matching_pairs(self.datasets.choice.selection().pairs(dataset.bursts.len()), engine);
         }
     }
 
-    /// Matches A with B.
     pub(in crate::app) fn match_selected(&mut self, engine: &Engine) {
         if let Some(pair) = self.datasets.open.as_ref().and_then(Dataset::selected) {
             self.start_matching_pairs(vec![pair], engine);
@@ -152,7 +146,6 @@ impl Model {
         self.datasets.begin(Work::Exporting, DatasetRequest::Colmap { bursts, request: Box::new(request) }, engine);
     }
 
-    /// Opens A and B side by side.
     pub(in crate::app) fn show_selected_pair(&mut self, engine: &Engine) {
         let Some(dataset) = &self.datasets.open else { return };
         let [Some(a), Some(b)] = dataset.pair else { return };
@@ -203,7 +196,6 @@ impl Model {
         }
     }
 
-    /// Chooses the burst that is open in the inspector as `side` of the pair to be matched.
     pub(in crate::app) fn choose_open_burst(&mut self, side: Side) {
         let shown = self.slots.a.burst.as_ref();
         if let Some(dataset) = &mut self.datasets.open
@@ -213,7 +205,6 @@ impl Model {
         }
     }
 
-    /// Takes the end of work on the dataset.
     pub(in crate::app) fn take_dataset_answer(
         &mut self,
         answer: Ended<DatasetRequest>,
@@ -275,7 +266,7 @@ impl Model {
         }
         if let [first, rest @ ..] = &open.strays[..] {
             let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
-            let stray = OpenError::Stray { path: first.clone() };
+            let stray = OpenError::stray(first);
             self.messages.error("Open dataset", format!("{stray}{more}"));
         }
         let mut dataset = Dataset::new(open);
@@ -320,7 +311,6 @@ impl Model {
         self.messages.note(text);
     }
 
-    /// Shows a message that says which files were written and which bursts were left out.
     #[cfg(feature = "colmap")]
     fn say_what_was_exported(&mut self, done: &ColmapDone) {
         let report = &done.report;
@@ -339,110 +329,5 @@ impl Model {
             };
             self.messages.error(Work::Exporting.title(), format!("{name} was left out{others}: {why}"));
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::project::tests::Bench;
-    use crate::monitor::Monitor;
-    use crate::synth::{ChartParams, synth_chart, write_burst};
-    use std::path::Path;
-
-    /// A folder of two bursts of a small chart each.
-    fn nights(home: &Path) -> PathBuf {
-        let (nights, monitor) = (home.join("nights"), Monitor::default());
-        for (name, seed) in [("first", 1), ("second", 2)] {
-            let radius = 3.0..=6.0;
-            let chart = ChartParams {
-                width: 96,
-                height: 72,
-                frames: 4,
-                discs: 4,
-                radius,
-                snr: 20.0,
-                seed,
-                ..Default::default()
-            };
-            let (burst, truth) = synth_chart(&chart, &monitor).expect("valid parameters");
-            write_burst(&nights.join(name), &burst, &truth, &monitor).expect("written");
-        }
-        nights
-    }
-
-    /// Makes passes until no work on the dataset runs; returns the effects.
-    fn finish(bench: &mut Bench) -> Vec<Effect> {
-        bench.run_until(|model, _| model.datasets.work.is_none())
-    }
-
-    #[test]
-    fn a_dataset_is_opened_detected_matched_and_closed_without_a_window() {
-        let home = tempfile::tempdir().expect("a folder");
-        let source = DatasetSource::of_bursts(vec![nights(home.path())]);
-        let mut bench = Bench::new();
-        bench.model.auto_detect = false;
-        bench.model.look_at_dataset(source.clone(), Some(home.path().join("kept")), &bench.engine);
-        let effects = finish(&mut bench);
-        assert!(
-            matches!(&effects[..], [Effect::RecentDataset(recent), Effect::ForgetThumbnails] if *recent == source),
-            "{effects:?}"
-        );
-        let Bench { model, engine } = &mut bench;
-        let first = model.datasets.open.as_ref().and_then(|dataset| dataset.source_at(0));
-        assert_eq!(model.slots.a.opening.pending().map(|request| request.source.clone()), first);
-        assert!(model.panels.filmstrip);
-        // Nothing is there that could be replaced.
-        assert!(model.ask_and_detect_all(engine).is_none());
-        finish(&mut bench);
-        let counts = |model: &Model| model.datasets.open.as_ref().expect("a dataset").counts();
-        assert_eq!((counts(&bench.model).done, counts(&bench.model).failed), (2, 0));
-        assert!(bench.model.messages.last_note().is_some_and(|note| note.starts_with("2 bursts done in")));
-        bench.model.match_pairs(&bench.engine);
-        finish(&mut bench);
-        assert_eq!(bench.model.datasets.open.as_ref().map(|dataset| dataset.matches.len()), Some(1));
-        // With other parameters the user is asked before the features are replaced.
-        let Bench { model, engine } = &mut bench;
-        model.params.levels = 3;
-        assert!(matches!(model.ask_and_detect_all(engine), Some(Effect::ReplaceFeatures)));
-        assert!(model.datasets.work.is_none() && counts(model).done == 2);
-        assert!(matches!(model.close_dataset(), Effect::ForgetThumbnails));
-        assert!(model.datasets.open.is_none());
-    }
-
-    #[test]
-    fn a_camera_leads_to_its_burst_or_to_the_reason_why_not() {
-        let home = tempfile::tempdir().expect("a folder");
-        let mut bench = Bench::new();
-        bench.model.auto_detect = false;
-        bench.model.look_at_camera("first.png", &bench.engine);
-        assert!(bench.model.messages.last_note().is_some_and(|note| note.starts_with("Open the dataset")));
-        bench.model.open_dataset(DatasetSource::of_bursts(vec![nights(home.path())]), &bench.engine);
-        finish(&mut bench);
-        let Bench { model, engine } = &mut bench;
-        model.workspace = Workspace::Trajectories;
-        model.look_at_camera("third.png", engine);
-        assert!(
-            model
-                .messages
-                .last_note()
-                .is_some_and(|note| note.contains("no burst with the name of the camera third.png"))
-        );
-        assert_eq!(model.workspace, Workspace::Trajectories);
-        model.look_at_camera("second.png", engine);
-        let second = model.datasets.open.as_ref().and_then(|dataset| dataset.source_at(1));
-        assert_eq!(model.slots.a.opening.pending().map(|request| request.source.clone()), second);
-        assert_eq!(model.workspace, Workspace::Inspect);
-    }
-
-    #[test]
-    fn of_a_lone_sequence_it_is_asked_how_it_is_cut() {
-        let home = tempfile::tempdir().expect("a folder");
-        let film = nights(home.path()).join("first");
-        let mut bench = Bench::new();
-        bench.model.open_dataset(DatasetSource::of_bursts(vec![film.clone()]), &bench.engine);
-        let effects = finish(&mut bench);
-        assert!(matches!(&effects[..], [Effect::Cut { paths, frames: 4 }] if *paths == [film]), "{effects:?}");
-        assert!(bench.model.datasets.open.is_none());
     }
 }

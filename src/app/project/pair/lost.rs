@@ -5,53 +5,37 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::engine::{Engine, Wanted};
 use crate::inspect::unmatched::{Losses, Lost, Unmatched};
-use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest, Request};
+use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest};
 use std::sync::Arc;
 
-/// Number of candidates of a feature that are listed.
 pub const CANDIDATES: usize = 5;
-/// Number of these that are shown with their patches.
 pub const PATCHES: usize = 3;
 
-/// Losses of the features of A on the way to a match.
 #[derive(Debug, Default)]
 pub struct LostFeatures {
-    /// Step at which each was lost.
     pub found: Option<Arc<FoundLosses>>,
-    /// The feature of A that is asked about while no match is selected.
     pub selected: Option<usize>,
-    /// Explanation of the match, or of the lack of one, of the feature in focus.
     pub why: Option<Why>,
-    /// Steps of loss whose features are not listed.
     pub hidden: Vec<Lost>,
-    /// The pictures from which the patches are cut: A's feature, then its candidates.
     pub pictures: Vec<Picture>,
-    /// The request for the losses of all features.
     pub wanted: Wanted<LossesRequest>,
-    /// The request for the pictures.
     pub wanted_pictures: Wanted<PicturesRequest>,
 }
 
-/// Explanation of the match, or of the lack of one, of a feature of A.
 #[derive(Debug, Clone)]
 pub struct Why {
-    /// The feature.
     pub feature: usize,
-    /// The pair that was asked about.
     of: LossesRequest,
-    /// The explanation.
     pub unmatched: Arc<Unmatched>,
 }
 
 impl LostFeatures {
-    /// Number of features that were lost at `lost`.
     pub fn count(&self, lost: Lost) -> usize {
         let counts = self.found.as_ref().map(|found| found.counts);
         counts.into_iter().flatten().find(|(at, _)| *at == lost).map_or(0, |(_, count)| count)
     }
 }
 
-/// Label of the step at which a feature was lost.
 pub fn lost_label(lost: Lost) -> &'static str {
     match lost {
         Lost::Not => "matched",
@@ -72,40 +56,34 @@ impl Model {
         lost.pictures = pictures.unwrap_or_else(|| std::mem::take(&mut lost.pictures));
     }
 
-    /// Requests, while two bursts are shown, the losses, and the pictures of the feature that is asked about.
     pub(in crate::app) fn ask_for_losses(&mut self, engine: &Engine) {
         if self.workspace != Workspace::Pair {
             return;
         }
         let missing = self.wanted_losses().filter(|_| self.losses().is_none());
-        if missing.is_some() {
-            self.pair.lost.wanted.want(engine, missing);
-        }
+        self.pair.lost.wanted.want_missing(engine, missing);
         self.refresh_why();
         let pictures = self.wanted_candidate_pictures();
         let is_there = |wanted: &[PictureRequest]| {
             let shown = &self.pair.lost.pictures;
-            shown.len() == wanted.len() && shown.iter().zip(wanted).all(|(shown, wanted)| shown.request.is_same(wanted))
+            shown.iter().map(|picture| &picture.request).eq(wanted)
         };
         if !is_there(&pictures) {
             self.pair.lost.wanted_pictures.want(engine, Some(PicturesRequest(pictures)));
         }
     }
 
-    /// Request for the losses of the present pair, if it is matched.
     pub fn wanted_losses(&self) -> Option<LossesRequest> {
         let matches = self.pair.matches.as_ref()?;
         let size_b = self.burst_of(Side::B)?.burst.size();
         Some(LossesRequest { request: matches.request.clone(), result: matches.result.clone(), size_b })
     }
 
-    /// Losses of the pair on show.
     pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
         let wanted = self.wanted_losses()?;
-        self.pair.lost.found.as_ref().filter(|found| found.request.is_same(&wanted))
+        self.pair.lost.found.as_ref().filter(|found| found.request == wanted)
     }
 
-    /// The feature of A that is asked about: that of the match in focus, or the one that was selected.
     pub fn asked_feature(&self) -> Option<usize> {
         let of_match = || {
             let matches = self.pair.matches.as_ref()?;
@@ -114,14 +92,12 @@ impl Model {
         of_match().or(self.pair.lost.selected)
     }
 
-    /// Selects feature `index` of A for explanation; if it has a match, selects that match.
     pub fn ask_feature(&mut self, index: Option<usize>) {
         let matches = self.pair.matches.as_ref();
         let its_match = index.and_then(|index| matches?.rows().find(|row| row.found.a == index).map(|row| row.index));
         (self.pair.selected, self.pair.lost.selected) = (its_match, index);
     }
 
-    /// Brings [`LostFeatures::why`] up to date. Cheap when nothing changed.
     pub fn refresh_why(&mut self) {
         if self.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
@@ -132,7 +108,7 @@ impl Model {
         let why = match (asked, self.losses()) {
             (Some(feature), Some(found)) if feature < found.lost.len() => {
                 let old = self.pair.lost.why.as_ref();
-                if old.is_some_and(|why| why.feature == feature && why.of.is_same(&found.request)) {
+                if old.is_some_and(|why| why.feature == feature && why.of == found.request) {
                     return;
                 }
                 let losses = Losses::again(found.request.pair(), found.nearest.clone());
@@ -153,7 +129,6 @@ impl Model {
         nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
     }
 
-    /// The motion-stack images from which the patches of the feature that is asked about and of its candidates are cut.
     pub fn wanted_candidate_pictures(&self) -> Vec<PictureRequest> {
         let Some((why, found)) = self.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
         let MatchSides { a, b } = MatchSides::of(found);
@@ -170,16 +145,12 @@ impl Model {
     }
 }
 
-/// Both detections of a pair.
 pub struct MatchSides<'a> {
-    /// A.
     pub a: &'a crate::detector::Detection,
-    /// B.
     pub b: &'a crate::detector::Detection,
 }
 
 impl<'a> MatchSides<'a> {
-    /// Detections of `found`.
     pub fn of(found: &'a FoundLosses) -> Self {
         Self { a: &found.request.request.a, b: &found.request.request.b }
     }

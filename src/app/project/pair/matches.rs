@@ -11,41 +11,28 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The matches of two bursts with what they were made from.
 #[derive(Debug, Clone)]
 pub struct Matches {
-    /// The features and parameters that they were made from.
     pub request: MatchRequest,
-    /// The matches, their geometry and counts.
     pub result: Arc<MatchResult>,
-    /// Wall-clock time of the matching.
     pub elapsed: Duration,
 }
 
-/// One match with its features.
 #[derive(Debug, Clone, Copy)]
 pub struct MatchRow<'a> {
-    /// Its index among the matches.
     pub index: usize,
-    /// The match itself.
     pub found: &'a Match,
-    /// Its feature in A.
     pub a: &'a Feature,
-    /// Its feature in B.
     pub b: &'a Feature,
     /// Whether it agrees with the geometry; `None` where it was not verified.
     pub inlier: Option<bool>,
-    /// Distance from the geometry, pixels; `None` where there is no geometry, infinite where the distance is
-    /// undefined.
+    /// Pixels; `None` where there is no geometry, infinite where the distance is undefined.
     pub error_px: Option<f32>,
 }
 
-/// Places of a match's features, with which it is selected again after the next matching.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedMatch {
-    /// (u, v) in A, pixels.
     pub a: [f32; 2],
-    /// (u, v) in B, pixels.
     pub b: [f32; 2],
 }
 
@@ -53,22 +40,18 @@ pub struct SavedMatch {
 const SAME_PLACE_PX: f32 = 1.0;
 
 impl Matches {
-    /// Wraps the engine's answer.
     pub fn new(matched: Matched, elapsed: Duration) -> Self {
         Self { request: matched.request, result: matched.result, elapsed }
     }
 
-    /// Number of matches.
     pub fn len(&self) -> usize {
         self.result.matches.len()
     }
 
-    /// Whether there are no matches.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The detection of one side.
     pub fn detection(&self, side: Side) -> &Detection {
         match side {
             Side::A => &self.request.a,
@@ -76,7 +59,6 @@ impl Matches {
         }
     }
 
-    /// Whether these are the features of `side` that were matched.
     pub fn is_of(&self, side: Side, detection: &Arc<Detection>) -> bool {
         match side {
             Side::A => Arc::ptr_eq(&self.request.a, detection),
@@ -84,12 +66,10 @@ impl Matches {
         }
     }
 
-    /// Geometry that most matches agree on.
     pub fn model(&self) -> Option<&TwoViewModel> {
         self.result.verification.as_ref()?.model.as_ref()
     }
 
-    /// The match of this index.
     pub fn row(&self, index: usize) -> Option<MatchRow<'_>> {
         let found = self.result.matches.get(index)?;
         let (a, b) = (self.request.a.features.get(found.a)?, self.request.b.features.get(found.b)?);
@@ -99,12 +79,10 @@ impl Matches {
         Some(MatchRow { index, found, a, b, inlier, error_px })
     }
 
-    /// All matches.
     pub fn rows(&self) -> impl Iterator<Item = MatchRow<'_>> {
         (0..self.len()).filter_map(|index| self.row(index))
     }
 
-    /// Indices of the matches that are shown, in the table's order.
     pub fn listed(&self, look: &MatchLook, order: Order<MatchColumn>) -> Vec<usize> {
         let mut rows: Vec<MatchRow<'_>> = self.rows().filter(|row| look.shows(row.inlier)).collect();
         rows.sort_by(|a, b| {
@@ -115,7 +93,6 @@ impl Matches {
         rows.iter().map(|row| row.index).collect()
     }
 
-    /// Index of the match at the places of `saved`, if there is one.
     pub fn find_again(&self, saved: &SavedMatch) -> Option<usize> {
         let apart = |row: &MatchRow<'_>| {
             let of = |f: &Feature, at: [f32; 2]| (f.u - at[0]).hypot(f.v - at[1]);
@@ -127,64 +104,36 @@ impl Matches {
 }
 
 impl MatchRow<'_> {
-    /// Places with which the match is found again.
     pub fn saved(&self) -> SavedMatch {
         SavedMatch { a: [self.a.u, self.a.v], b: [self.b.u, self.b.v] }
     }
 }
 
-/// The columns of the table of matches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MatchColumn {
-    /// Number of the match, in the order of A's features.
     #[default]
     Number,
-    /// Column in A.
     UA,
-    /// Row in A.
     VA,
-    /// Column in B.
     UB,
-    /// Row in B.
     VB,
-    /// Scale in A.
     SigmaA,
-    /// Scale in B.
     SigmaB,
-    /// Slope u in A.
     SlopeA,
-    /// Slope u in B.
     SlopeB,
-    /// Distance of the descriptors.
     Distance,
-    /// Distance over the distance to the second nearest.
     Ratio,
-    /// Distance from the geometry.
     Error,
-    /// Whether it agrees with the geometry.
     Inlier,
 }
 
 impl MatchColumn {
-    /// All columns, from left to right.
-    pub const ALL: [Self; 13] = [
-        Self::Number,
-        Self::UA,
-        Self::VA,
-        Self::UB,
-        Self::VB,
-        Self::SigmaA,
-        Self::SigmaB,
-        Self::SlopeA,
-        Self::SlopeB,
-        Self::Distance,
-        Self::Ratio,
-        Self::Error,
-        Self::Inlier,
-    ];
+    pub const ALL: [Self; 13] = {
+        use MatchColumn::*;
+        [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Distance, Ratio, Error, Inlier]
+    };
 
-    /// Its heading.
     pub fn heading(self) -> &'static str {
         match self {
             Self::Number => "#",
@@ -203,7 +152,6 @@ impl MatchColumn {
         }
     }
 
-    /// Content of the column, with its unit.
     pub fn help(self) -> &'static str {
         match self {
             Self::Number => "Number of the match, in the order of A's features: the strongest first",
@@ -241,7 +189,6 @@ impl MatchColumn {
         }
     }
 
-    /// The value as the table shows it.
     pub fn text(self, row: &MatchRow<'_>) -> String {
         match self {
             Self::Number => (row.index + 1).to_string(),
@@ -266,21 +213,16 @@ impl MatchColumn {
     }
 }
 
-/// Display settings of matches.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MatchLook {
     /// Whether the matches that agree with the geometry are shown; also those that were not verified.
     pub inliers: bool,
-    /// Whether the matches that do not agree are shown.
     pub outliers: bool,
     /// Opacity of lines, 0 … 1.
     pub opacity: f32,
-    /// Whether the selected match is drawn alone.
     pub alone: bool,
-    /// Whether all features are drawn over both pictures.
     pub features: bool,
-    /// Whether the epipolar lines of the match that is looked at are drawn.
     pub geometry: bool,
 }
 
@@ -291,12 +233,10 @@ impl Default for MatchLook {
 }
 
 impl MatchLook {
-    /// Whether a match is shown that is (or is not) an inlier, or was not verified.
     pub fn shows(&self, inlier: Option<bool>) -> bool {
         if inlier == Some(false) { self.outliers } else { self.inliers }
     }
 
-    /// Copy with the settings that decide which matches are listed; the others have their defaults.
     pub(crate) fn listing(&self) -> Self {
         Self { inliers: self.inliers, outliers: self.outliers, ..Self::default() }
     }

@@ -11,6 +11,7 @@ pub use sides::Links;
 
 use crate::app::pane::{Content, Pane};
 use crate::app::project::against::With;
+use crate::app::project::asking::answers;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::filter::Order;
 use crate::app::project::slot::Slot;
@@ -19,56 +20,35 @@ use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::matching::MatchParams;
-use crate::requests::{
-    JobError, MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest, Request,
-};
+use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
 
 pub use crate::app::project::side::Side;
 
-/// Tabs below the pictures of two bursts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PairTab {
-    /// The matches.
     #[default]
     Matches,
-    /// Features of A without a match.
     Unmatched,
-    /// Features of the burst in focus, compared with others.
     Compared,
 }
 
-/// The second burst and the matches.
 #[derive(Debug, Default)]
 pub struct PairState {
-    /// The open tab below the pictures.
     pub tab: PairTab,
-    /// The parameters of matching, as they are being edited.
     pub params: MatchParams,
-    /// Error in the parameters of matching.
     pub param_error: Option<ParamError>,
-    /// The matches, with what they were made from.
     pub matches: Option<Matches>,
-    /// Features of A on the way to a match.
     pub lost: LostFeatures,
-    /// Display settings of matches.
     pub look: MatchLook,
-    /// The table's order.
     pub order: Order<MatchColumn>,
-    /// Indices of the matches that are shown, in the table's order; see [`PairState::refresh_listed`].
     pub listed: Vec<usize>,
-    /// Index of the selected match.
     pub selected: Option<usize>,
-    /// Index of the match under the pointer, between the pictures or in the table.
     pub hovered: Option<usize>,
     /// Numbers of match lines that are drawn, and of those that could be, as last drawn.
     pub lines_drawn: (usize, usize),
-    /// Match to select when the next matching ends.
     pub reselect: Option<SavedMatch>,
-    /// The request for the matches.
     pub matching: Wanted<MatchRequest>,
-    /// The motion-stack images of A and B from which the patches of the focused match are cut.
     pub patches: Vec<Picture>,
-    /// The request for them.
     pub wanted_patches: Wanted<PicturesRequest>,
     listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
@@ -79,8 +59,7 @@ impl PairState {
         self.selected.or(self.hovered)
     }
 
-    /// Indices of the matches that are drawn: those that are listed, or the selected one alone. The selected one is
-    /// drawn even where its kind is hidden.
+    /// Those that are listed, or the selected one alone, even where its kind is hidden.
     pub fn drawn(&self) -> Vec<usize> {
         match self.selected {
             Some(one) if self.look.alone => vec![one],
@@ -98,18 +77,15 @@ impl PairState {
         self.refresh_listed();
     }
 
-    /// Forgets the matches: they are of bursts that are not open any more.
     pub fn forget_matches(&mut self) {
         (self.matches, self.selected, self.hovered) = (None, None, None);
         self.refresh_listed();
     }
 
-    /// The selection as it is kept in a session.
     pub fn saved_match(&self) -> Option<SavedMatch> {
         Some(self.matches.as_ref()?.row(self.selected?)?.saved())
     }
 
-    /// Brings [`PairState::listed`] up to date. Cheap when nothing changed.
     pub fn refresh_listed(&mut self) {
         let Some(matches) = &self.matches else {
             self.listed.clear();
@@ -123,7 +99,6 @@ impl PairState {
         }
     }
 
-    /// Selects the match after (or before) the selected one in the table's order.
     pub fn select_neighbour(&mut self, forward: bool) {
         self.refresh_listed();
         self.selected = crate::app::project::filter::neighbour(&self.listed, self.selected, forward);
@@ -131,8 +106,7 @@ impl PairState {
 }
 
 impl Model {
-    /// Shows the comparison of the features of `side` with `with`, or none. Of two bursts, the features are drawn too,
-    /// as the comparison is drawn in their place.
+    /// Of two bursts, the features are drawn too, as the comparison is drawn in their place.
     pub fn show_against(&mut self, side: Side, with: Option<With>) {
         self.slots[side].against.show(with);
         if self.workspace == Workspace::Pair && with.is_some() {
@@ -140,7 +114,6 @@ impl Model {
         }
     }
 
-    /// Swaps A and B. The matches are made anew.
     pub fn swap_sides(&mut self) {
         self.slots.swap();
         self.forget_requests();
@@ -156,8 +129,7 @@ impl Model {
         self.refresh_listed();
     }
 
-    /// The detector's parameters for `side`. B has A's, as far as they can be used: a single frame is searched by SIFT,
-    /// and a range of frames that B does not have means all of them.
+    /// B has A's, as far as they can be used: a single frame is searched by SIFT, frames that it lacks mean all.
     pub fn params_of(&self, side: Side) -> DetectorParams {
         let mut params = self.params.clone();
         if let (Side::B, Some(b)) = (side, &self.slots.b.burst) {
@@ -185,7 +157,6 @@ impl Model {
         SearchParams { detector, slopes: self.slopes }
     }
 
-    /// Takes a newly opened burst as B.
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
         let Slot { opening, against, .. } = std::mem::take(&mut self.slots.b);
@@ -207,7 +178,6 @@ impl Model {
         self.check_pair();
     }
 
-    /// Request for the present matches; `None` while the features of a side are missing or the parameters are invalid.
     pub fn wanted_matches(&self) -> Option<MatchRequest> {
         if self.pair.param_error.is_some() {
             return None;
@@ -216,13 +186,10 @@ impl Model {
         Some(MatchRequest { a: a.detection.clone(), b: b.detection.clone(), params: self.pair.params.clone() })
     }
 
-    /// Whether matches are missing that could be made.
     pub fn needs_matches(&self) -> bool {
-        self.wanted_matches()
-            .is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request.is_same(&wanted)))
+        self.wanted_matches().is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request == wanted))
     }
 
-    /// The motion-stack images that the patches of the match in focus are cut from, each at its own feature's slope.
     pub fn patches_request(&self) -> Option<PicturesRequest> {
         let matches = self.pair.matches.as_ref()?;
         let row = matches.row(self.pair.focus()?)?;
@@ -233,25 +200,15 @@ impl Model {
         Some(PicturesRequest(vec![request(Side::A, row.a.slope)?, request(Side::B, row.b.slope)?]))
     }
 
-    /// Like `patches_request`, but `None` if the pictures are there.
     fn missing_patches(&self) -> Option<PicturesRequest> {
         let there = || PicturesRequest(self.pair.patches.iter().map(|picture| picture.request.clone()).collect());
-        self.patches_request().filter(|wanted| !there().is_same(wanted))
+        self.patches_request().filter(|wanted| there() != *wanted)
     }
 
-    /// Whether matches are missing, can be made and have not failed already.
     fn wants_matching(&self) -> bool {
         self.needs_matches() && !self.wanted_matches().is_some_and(|wanted| self.pair.matching.has_failed(&wanted))
     }
 
-    /// Matches the features on show.
-    pub(in crate::app) fn start_matching(&mut self, engine: &Engine) {
-        if let Some(wanted) = self.wanted_matches() {
-            self.pair.matching.ask(engine, wanted);
-        }
-    }
-
-    /// Takes the matches, and the pictures of the focused match.
     pub(in crate::app) fn take_matches(&mut self) {
         for ended in self.pair.matching.take() {
             match ended.result {
@@ -262,24 +219,16 @@ impl Model {
                 Err(error) => self.say_failed("Matching", &error),
             }
         }
-        for ended in self.pair.wanted_patches.take() {
-            match ended.result {
-                Ok(pictures) => self.pair.patches = pictures,
-                Err(JobError::Cancelled) => {}
-                Err(error) => self.messages.error("Patches", error.to_string()),
-            }
-        }
+        let patches = answers(&mut self.pair.wanted_patches, "Patches", &mut self.messages).pop();
+        self.pair.patches = patches.unwrap_or_else(|| std::mem::take(&mut self.pair.patches));
     }
 
-    /// Requests, while two bursts are shown, B's features, the matches, and the pictures of the focused match.
     pub(in crate::app) fn ask_for_pair(&mut self, engine: &Engine, dragging: bool) {
         if self.workspace != Workspace::Pair || self.slots.b.burst.is_none() {
             return;
         }
         let patches = self.missing_patches();
-        if patches.is_some() {
-            self.pair.wanted_patches.want(engine, patches);
-        }
+        self.pair.wanted_patches.want_missing(engine, patches);
         if dragging {
             return;
         }
@@ -294,7 +243,6 @@ impl Model {
         }
     }
 
-    /// Whether everything is there that *Two bursts* shows, or is known to be impossible.
     pub(in crate::app) fn pair_is_settled(&self) -> bool {
         if self.workspace != Workspace::Pair || self.slots.both().into_iter().any(|slot| slot.burst.is_none()) {
             return true;
@@ -303,7 +251,6 @@ impl Model {
         patches && !(self.auto_detect && self.wants_detection(Side::B)) && !self.wants_matching()
     }
 
-    /// Closes the second burst.
     pub(in crate::app) fn close_second(&mut self) {
         self.slots.b = Slot::default();
         self.clear_probe_of(Side::B);
@@ -316,7 +263,6 @@ impl Model {
         self.pair.patches.clear();
     }
 
-    /// Cancels the requests for both sides, before their bursts change.
     pub(in crate::app) fn forget_requests(&mut self) {
         for side in Side::BOTH {
             let slot = &mut self.slots[side];
@@ -330,7 +276,6 @@ impl Model {
         self.forget_asked_pictures();
     }
 
-    /// Reason for which the matches on show are out of date; `None` when they are current.
     pub fn stale_matches(&self) -> Option<&'static str> {
         let matches = self.pair.matches.as_ref()?;
         let features = [Side::A, Side::B].into_iter().any(|side| {

@@ -9,15 +9,11 @@ use crate::app::project::workspace::Workspace;
 use crate::requests::Picture;
 use serde::{Deserialize, Serialize};
 
-/// Properties that A and B share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Links {
-    /// Pan and zoom.
     pub views: bool,
-    /// Kind of picture, frame, slope, octave and level.
     pub cursor: bool,
-    /// Value ranges and colour maps.
     pub ranges: bool,
 }
 
@@ -34,7 +30,6 @@ impl Model {
         if both { self.focused().side } else { Side::A }
     }
 
-    /// Cursor of `side`.
     pub fn cursor_of(&self, side: Side) -> &Cursor {
         &self.panes.of(side).cursor
     }
@@ -47,24 +42,20 @@ impl Model {
         if shown.contains(&own) { own } else { shown.into_iter().find(is_on).unwrap_or(own) }
     }
 
-    /// The picture on show of `side`.
     pub fn picture_of(&self, side: Side) -> Option<&Picture> {
         self.panes.get(self.pane_for(side))?.picture.as_ref()
     }
 
-    /// The value ranges of the pictures of `side`.
     pub fn ranges_of_side(&self, side: Side) -> &Ranges {
         self.ranges_of(self.panes.of(side))
     }
 
-    /// Properties that the panes of *Two bursts* share.
     pub fn pair_links(&self) -> Links {
         let shown = self.panes.shown_in(Workspace::Pair);
         let all = |link| shown.iter().filter_map(|id| self.panes.get(*id)).all(|pane| pane.links.has(link));
         Links { views: all(Link::View), cursor: all(Link::Cursor), ranges: all(Link::Display) }
     }
 
-    /// Lets the panes of *Two bursts* share `link`, or those of B not.
     pub fn link_pair(&mut self, link: Link, on: bool) {
         for id in self.panes.shown_in(Workspace::Pair) {
             if on || self.panes.get(id).is_some_and(|pane| pane.side == Side::B) {
@@ -73,8 +64,7 @@ impl Model {
         }
     }
 
-    /// Lets all panes on the screen share `link`, or no longer. Cursors of two bursts that are linked are brought
-    /// together.
+    /// Cursors of two bursts that are linked are brought together.
     pub fn toggle_link(&mut self, link: Link) {
         let on = !self.panes.all_share(link);
         if self.workspace == Workspace::Pair {
@@ -87,7 +77,6 @@ impl Model {
         }
     }
 
-    /// Gives the focus to a pane of the other burst.
     pub fn focus_other_side(&mut self) {
         let side = self.focused().side.other();
         if let Some(id) = self.panes.shown_of(side, self.focused().method).first() {
@@ -95,14 +84,12 @@ impl Model {
         }
     }
 
-    /// Lets the panes of *Two bursts* share what `links` say.
     pub fn set_pair_links(&mut self, links: Links) {
         self.link_pair(Link::View, links.views);
         self.link_pair(Link::Cursor, links.cursor);
         self.link_pair(Link::Display, links.ranges);
     }
 
-    /// Puts the cursors of the other burst's panes to where that of the pane in focus is.
     pub fn bring_cursors_together(&mut self) {
         let (cursor, side) = (*self.cursor(), self.focused().side.other());
         let own = PaneId::of(side);
@@ -120,7 +107,6 @@ impl Model {
 }
 
 impl Model {
-    /// Shows both features of the selected match, each in the motion stack at its own slope.
     pub(in crate::app) fn go_to_match(&mut self) {
         let Some(matches) = self.pair.matches.clone() else { return };
         let Some(row) = self.pair.selected.and_then(|index| matches.row(index)) else { return };

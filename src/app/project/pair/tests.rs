@@ -1,7 +1,6 @@
 //! Tests of the pair: B supports the same work as A, linked cursors follow, and matches are requested, marked stale and
 //! selected again.
 
-use crate::app::pane::{Link, PaneId};
 use crate::app::project::pair::*;
 use crate::app::project::tests::{detected, feature, open};
 use crate::app::project::workspace::Workspace;
@@ -37,33 +36,10 @@ pub(in crate::app::project) fn pair() -> Model {
     model
 }
 
-/// Matches as the engine would make them.
 fn matched(model: &Model) -> Matches {
     let request = model.wanted_matches().expect("both sides have features");
     let result = match_detections(&request.a, &request.b, &request.params, &Monitor::default()).expect("valid");
     Matches::new(Matched { request, result: Arc::new(result) }, Duration::ZERO)
-}
-
-#[test]
-fn linked_cursors_follow_and_are_brought_together() {
-    let mut model = pair();
-    model.open_workspace(Workspace::Pair);
-    let slopes = |model: &Model| Side::BOTH.map(|side| model.cursor_of(side).slope.u);
-    assert_eq!(slopes(&model)[0], slopes(&model)[1], "B begins where A is");
-    let move_a = |model: &mut Model, by: f32| {
-        let before = *model.cursor_of(Side::A);
-        model.panes.of_mut(Side::A).cursor.slope.u += by;
-        model.panes.follow_cursor(PaneId::of(Side::A), before);
-    };
-    move_a(&mut model, 0.5);
-    assert_eq!(slopes(&model)[0], slopes(&model)[1]);
-    model.link_pair(Link::Cursor, false);
-    assert!(!model.pair_links().cursor && model.pair_links().views);
-    move_a(&mut model, 0.25);
-    assert_eq!(slopes(&model)[0], slopes(&model)[1] + 0.25);
-    model.panes.set_focus(PaneId::of(Side::B));
-    model.toggle_link(Link::Cursor);
-    assert_eq!(slopes(&model)[0], slopes(&model)[1], "A comes to B, which the sliders move");
 }
 
 #[test]
@@ -114,27 +90,6 @@ fn the_same_match_stays_selected_when_it_is_made_again() {
     assert_eq!(model.pair.saved_match(), Some(place));
     let moved = SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
     assert_eq!(model.pair.matches.as_ref().and_then(|m| m.find_again(&moved)), None);
-}
-
-#[test]
-fn the_table_lists_what_is_shown_in_its_order() {
-    let mut model = pair();
-    // Four matches are fewer than any geometry needs: all of them are outliers.
-    model.pair.take_matches(matched(&model));
-    model.pair.order = Order::<MatchColumn>::default().clicked(MatchColumn::UA).clicked(MatchColumn::UA);
-    assert!(model.pair.order.descending, "the second click turns the order round");
-    model.pair.refresh_listed();
-    assert_eq!(model.pair.listed, [3, 2, 1, 0]);
-    model.pair.select_neighbour(true);
-    assert_eq!(model.pair.selected, Some(3));
-    model.pair.look.outliers = false;
-    model.pair.refresh_listed();
-    assert!(model.pair.listed.is_empty());
-    let matches = model.pair.matches.as_ref().expect("made");
-    for column in MatchColumn::ALL {
-        let row = matches.row(0).expect("there are four");
-        assert!(!column.heading().is_empty() && !column.help().is_empty() && !column.text(&row).is_empty());
-    }
 }
 
 #[test]

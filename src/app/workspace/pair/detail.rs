@@ -12,6 +12,7 @@ use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
 use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
+use crate::inspect::words::sentence;
 use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, PictureKind};
 use egui::{Color32, Grid, Label, RichText, Sense, Ui, Vec2};
@@ -165,7 +166,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         let unmatched = &why.unmatched;
         let title = format!("Feature {} of A: {}", why.feature + 1, state_words(unmatched.lost));
         ui.label(RichText::new(title).strong());
-        ui.add(Label::new(capitalised(&unmatched.sentence)).wrap());
+        ui.add(Label::new(sentence(&unmatched.sentence)).wrap());
         for line in notes(own, unmatched, &sides) {
             ui.add(Label::new(RichText::new(line).color(crate::app::style::warning(ui))).wrap());
         }
@@ -188,11 +189,6 @@ fn state_words(lost: Lost) -> String {
         Lost::NoKeypoint => "no keypoint in B".to_owned(),
         lost => format!("lost to the {}", if lost == Lost::Geometry { "geometry" } else { lost_label(lost) }),
     }
-}
-
-fn capitalised(sentence: &str) -> String {
-    let (first, rest) = sentence.split_at(sentence.chars().next().map_or(0, char::len_utf8));
-    format!("{}{rest}.", first.to_uppercase())
 }
 
 /// Notes on the candidates: a second best on the same blob, slopes that disagree.

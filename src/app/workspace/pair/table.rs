@@ -3,27 +3,18 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::inspector::match_menu_ui;
-use crate::app::panel::table::{Listed, ROW_HEIGHT, SortedColumn, sorted_table_ui};
+use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchColumn, Matches, PairTab, Side, lost_label};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::unmatched::Lost;
 use crate::matching::{Geometry, MatchCounts};
-use egui::{Align, Label, Layout, RichText, Sense, Ui};
-use egui_extras::{Column, TableBuilder};
+use egui::{Label, RichText, Ui};
 
 impl SortedColumn for MatchColumn {
-    fn heading(self) -> &'static str {
-        Self::heading(self)
-    }
-
-    fn help(self) -> &'static str {
-        Self::help(self)
-    }
-
-    fn word(self) -> Option<&'static str> {
-        match self {
+    fn look(self) -> Heading {
+        let term = match self {
             Self::Number | Self::UA | Self::VA | Self::UB | Self::VB => None,
             Self::SigmaA | Self::SigmaB => Some("scale"),
             Self::SlopeA | Self::SlopeB => Some("slope"),
@@ -31,11 +22,9 @@ impl SortedColumn for MatchColumn {
             Self::Ratio => Some("ratio-test"),
             Self::Error => Some("epipolar-line"),
             Self::Inlier => Some("inlier"),
-        }
-    }
-
-    fn width(self) -> f32 {
-        if self == Self::Number { 36.0 } else { 47.0 }
+        };
+        let width = if self == Self::Number { 36.0 } else { 47.0 };
+        Heading { text: self.heading(), help: self.help(), term, width, ..Heading::default() }
     }
 }
 
@@ -115,6 +104,10 @@ fn help(lost: Lost) -> &'static str {
     }
 }
 
+/// Headings of the features without a match, and their widths, points.
+const LOST_COLUMNS: [(&str, f32); 7] =
+    [("#", 50.0), ("Lost to", 120.0), ("u", 60.0), ("v", 60.0), ("σ", 50.0), ("Slope", 100.0), ("SNR", 0.0)];
+
 /// Draws the table; a click asks why the feature has no match.
 pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
     let Some(found) = model.losses().cloned() else {
@@ -125,60 +118,33 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
     let listed: Vec<usize> = (0..found.lost.len())
         .filter(|&index| found.lost[index] != Lost::Not && !hidden.contains(&found.lost[index]))
         .collect();
-    let asked = model.asked_feature();
     let mut clicked = None;
-    TableBuilder::new(ui)
-        .striped(true)
-        .sense(Sense::click())
-        .cell_layout(Layout::left_to_right(Align::Center))
-        .min_scrolled_height(0.0)
-        .auto_shrink(false)
-        .column(Column::exact(50.0))
-        .column(Column::exact(120.0))
-        .columns(Column::exact(60.0), 2)
-        .column(Column::exact(50.0))
-        .column(Column::exact(100.0))
-        .column(Column::remainder())
-        .header(20.0, |mut header| {
-            for heading in ["#", "Lost to", "u", "v", "σ", "Slope", "SNR"] {
-                header.col(|ui| {
-                    ui.label(RichText::new(heading).small());
-                });
-            }
-        })
-        .body(|body| {
-            body.rows(ROW_HEIGHT, listed.len(), |mut row| {
-                let index = listed[row.index()];
-                let f = &found.request.request.a.features[index];
-                row.set_selected(asked == Some(index));
-                let cells = [
-                    format!("{}", index + 1),
-                    lost_label(found.lost[index]).to_owned(),
-                    fixed(f.u, 1),
-                    fixed(f.v, 1),
-                    format!("{:.2}", f.sigma),
-                    signed_slope(f.slope, 2),
-                    format!("{:.1}", f.snr),
-                ];
-                for text in cells {
-                    row.col(|ui| {
-                        ui.add(Label::new(RichText::new(text).monospace()).selectable(false).extend());
-                    });
-                }
-                let response = row.response();
-                let name = format!("Unmatched feature {}", index + 1);
-                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Row, true, &name));
-                if response.clicked() {
-                    clicked = Some(index);
-                }
-            });
-        });
+    let listed = Listed { items: &listed, selected: model.asked_feature(), hovered: None };
+    let text = |column: usize, index: usize| {
+        let f = &found.request.request.a.features[index];
+        match column {
+            0 => format!("{}", index + 1),
+            1 => lost_label(found.lost[index]).to_owned(),
+            2 => fixed(f.u, 1),
+            3 => fixed(f.v, 1),
+            4 => format!("{:.2}", f.sigma),
+            5 => signed_slope(f.slope, 2),
+            _ => format!("{:.1}", f.snr),
+        }
+    };
+    let heading = |(text, width)| Heading { text, width, is_exact: text != "SNR", is_left: true, ..Heading::default() };
+    let headings = LOST_COLUMNS.map(heading);
+    let name = |index| format!("Unmatched feature {}", index + 1);
+    rows_ui(ui, &headings, None, &listed, text, name, |row, index| {
+        if row.clicked() {
+            clicked = Some(index);
+        }
+    });
     if let Some(index) = clicked {
         model.ask_feature(Some(index));
     }
 }
 
-/// Distance between a number and its name, points.
 const NAME_GAP: f32 = 4.0;
 
 /// Draws the line, or several where there is little space.
@@ -233,14 +199,12 @@ fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
     ]
 }
 
-/// Note that fewer matches than required agree on a geometry.
 fn without_geometry(matches: &Matches) -> Option<String> {
     let params = &matches.request.params;
     (params.geometry != Geometry::None && matches.model().is_none())
         .then(|| format!("No geometry: fewer than {} matches agree on one", params.min_inliers))
 }
 
-/// Reason why there are no matches.
 fn missing(model: &Model) -> String {
     if model.burst_of(Side::B).is_none() {
         return "Open a second burst to match it with the first".into();
@@ -266,11 +230,6 @@ fn missing(model: &Model) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_missing_is_said() {
-        assert!(missing(&Model::default()).contains("second burst"));
-    }
 
     #[test]
     fn numbers_that_were_not_asked_for_are_dashes() {

@@ -19,16 +19,13 @@ const IMAGE_BYTES: u64 = 4 + 7 * 8 + 4 + 1 + 8;
 const POINT_BYTES: u64 = 8 + 3 * 8 + 3 + 8 + 8;
 /// Bytes of one element of a track: image, index of the keypoint.
 const TRACK_BYTES: u64 = 8;
-/// Length limit of an image's name, bytes.
 const LONGEST_NAME: usize = 4096;
 
-/// Reads `images.bin`.
 pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, PoseError> {
     let (file, bytes) = open(path)?;
     images(file, bytes, path)
 }
 
-/// Reads `points3D.bin`.
 pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
     let (file, bytes) = open(path)?;
     points(file, bytes, path)

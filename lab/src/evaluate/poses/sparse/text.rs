@@ -7,12 +7,10 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::str::FromStr;
 
-/// Reads `images.txt`.
 pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, PoseError> {
     images(BufReader::new(File::open(path).map_err(|e| PoseError::read(path, &e))?), path)
 }
 
-/// Reads `points3D.txt`.
 pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
     points(BufReader::new(File::open(path).map_err(|e| PoseError::read(path, &e))?), path)
 }

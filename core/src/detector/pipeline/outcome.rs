@@ -1,20 +1,20 @@
-//! All that a search leaves for later judgements: its keypoints with the values that its thresholds compared, and what
-//! was computed about single keypoints since.
+//! Outcome of a search, for later judgements: its keypoints with the values that its thresholds compared, and the
+//! features of those that have been described since.
 //!
-//! A change of a threshold, of the rule for distinct keypoints or of the number of features changes no stack
-//! and no sample of D. So its result follows from the keypoints of a search whose thresholds were not higher:
-//! those that fail the new ones are left out, and the features are chosen again. Only keypoints that were never
-//! described or compared before cost time.
+//! A change of a threshold, of the rule for distinct keypoints or of the number of features changes no stack and no
+//! sample of D. So its result follows from the keypoints of a search whose thresholds were not higher: those that fail
+//! the new ones are left out, and the features are chosen again. Only keypoints that were never described cost much.
 
+use crate::detector::along::{Along, Means};
 use crate::detector::describe::Described;
 use crate::detector::feature::{Keypoint, Tally, Test};
+use crate::detector::limit::Rise;
 use crate::detector::noise::gate_factor;
 use crate::detector::params::DetectorParams;
 use crate::detector::refine::edge_limit;
 use crate::detector::search::setup::{FirstLevels, Search, SlopeGroup};
 use crate::detector::search::{Evidence, FIRST_PEAK_PART, Searched, first_gate_part};
-use crate::plane::Plane;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::OnceLock;
 
 /// σ_D at the place of least noise, by octave, DoG level index and slope.
 pub(super) type SigmaD = Vec<Vec<Vec<f32>>>;
@@ -30,50 +30,41 @@ pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
         && gate_factor(params) >= gate_factor(searched)
 }
 
-/// Values of one keypoint that were computed after the search; each is missing until it was needed.
-#[derive(Debug, Default)]
-pub(super) struct Known {
-    /// Its features.
-    pub(super) described: Option<Box<[Described]>>,
-    /// Whether it is at the limit of the slopes, and the snr with which that was decided.
-    pub(super) at_limit: Option<(f32, bool)>,
-    /// Numbers of stronger keypoints, the own snr at the comparison, and whether both stay.
-    pub(super) twins: Vec<(u32, f32, bool)>,
-}
-
 /// Result of a search before the choice of features, shared by all trails that follow from it.
 #[derive(Debug)]
-pub(super) struct Left {
+pub(super) struct Outcome {
     /// Parameters of the search.
-    params: DetectorParams,
+    pub(super) params: DetectorParams,
     /// First levels of each octave; none for the first octave. `None` where the slopes were searched in groups: they
     /// are computed again when needed.
     pub(super) bases: Option<Vec<FirstLevels>>,
     /// Groups of slopes in which first levels that were not kept are computed again.
     pub(super) groups: Vec<SlopeGroup>,
-    pub(super) keypoints: Vec<Keypoint>,
+    keypoints: Vec<Keypoint>,
     evidence: Vec<Evidence>,
     /// Numbers of samples that the search rejected.
-    pub(super) tally: Tally,
+    tally: Tally,
     /// The gate's factor and σ_D of the search; none where nothing is kept for later judgements.
     gate: Option<(f32, SigmaD)>,
-    /// Later values of each keypoint, in the order of `keypoints`; empty where nothing is kept for later judgements.
-    pub(super) known: Vec<Mutex<Known>>,
-    /// Frames at the resolution of each octave, computed on first use.
-    pub(super) means: Vec<OnceLock<Vec<Plane>>>,
+    /// Features of each keypoint, once it was described; empty where nothing is kept for later judgements.
+    pub(super) described: Vec<OnceLock<Box<[Described]>>>,
+    /// Rises beyond the slopes of the features of each keypoint, once they were asked for.
+    pub(super) rises: Vec<OnceLock<Vec<Rise>>>,
+    pub(super) means: Means,
 }
 
 /// Keypoints that pass thresholds.
 #[derive(Debug)]
-pub(super) struct Passing {
+pub(super) struct PassingKeypoints {
+    /// In order of octaves.
     pub(super) keypoints: Vec<Keypoint>,
-    /// Their numbers among those that the search left.
+    /// Their numbers among those of the search.
     pub(super) numbers: Vec<u32>,
     /// Numbers of samples that the search and the thresholds reject.
     pub(super) tally: Tally,
 }
 
-impl Left {
+impl Outcome {
     /// Takes the result of `search`. If it `keeps` what is computed later, judgements can follow.
     pub(super) fn new(
         search: &Search<'_>,
@@ -82,33 +73,32 @@ impl Left {
         tally: Tally,
         keeps: bool,
     ) -> Self {
-        let octaves = search.octave_range();
-        let known = if keeps { keypoints.iter().map(|_| Mutex::default()).collect() } else { Vec::new() };
         Self {
             params: search.params.clone(),
             bases,
             groups: groups.to_vec(),
+            described: vec![OnceLock::new(); if keeps { keypoints.len() } else { 0 }],
+            rises: vec![OnceLock::new(); keypoints.len()],
             keypoints,
             evidence,
             tally,
-            gate: keeps.then(|| (search.gate_factor, sigma_d(search))),
-            known,
-            means: octaves.map(|_| OnceLock::new()).collect(),
+            gate: keeps.then(|| (search.inputs.gate_factor, sigma_d(search))),
+            means: Along::no_means(search.inputs),
         }
     }
 
-    /// Parameters of the search.
-    pub(super) fn params(&self) -> &DetectorParams {
-        &self.params
+    /// All keypoints of the search.
+    pub(super) fn all(&self) -> PassingKeypoints {
+        let numbers = (0..self.keypoints.len() as u32).collect();
+        PassingKeypoints { keypoints: self.keypoints.clone(), numbers, tally: self.tally }
     }
 
     /// The keypoints that `search` would find, whose σ_D is `sigma_d` and whose parameters [follow](follows) from this
     /// one's. `None` where it might find others: where one of its limits is lower.
-    pub(super) fn passing(&self, search: &Search<'_>, sigma_d: &SigmaD) -> Option<Passing> {
-        let (params, factor) = (search.params, search.gate_factor);
+    pub(super) fn passing(&self, search: &Search<'_>, sigma_d: &SigmaD) -> Option<PassingKeypoints> {
+        let (params, factor) = (search.params, search.inputs.gate_factor);
         let (own_factor, own_sigma_d) = self.gate.as_ref().filter(|_| follows(params, &self.params))?;
         let (peak, first_part) = (FIRST_PEAK_PART * params.peak_threshold, first_gate_part(params));
-        let edge = edge_limit(params.edge_threshold);
         let gates = sigma_d.iter().flatten().flatten().zip(own_sigma_d.iter().flatten().flatten());
         if gates.into_iter().any(|(sigma_d, own)| factor * sigma_d < own_factor * own) {
             return None;
@@ -120,46 +110,32 @@ impl Left {
             let sigma_d_min = of_octave[(keypoint.level + 1) as usize][keypoint.slope_index];
             let sigma_d = sigma_d_min * place_factor;
             let sample = sample_value.abs();
-            let tests = [
-                (Test::PeakThreshold, sample >= peak),
-                (
-                    Test::NoiseGate,
-                    sample >= first_part * factor * sigma_d_min && sample >= first_part * (factor * sigma_d),
-                ),
-                (Test::NoiseGate, first_part >= 1.0 || keypoint.value.abs() >= factor * sigma_d),
-                (Test::InterpolatedContrast, keypoint.value.abs() > params.peak_threshold),
-                (Test::Edge, edge_quotient < edge),
-            ];
-            if let Some((test, _)) = tests.into_iter().find(|(_, passes)| !passes) {
+            let is_above_gate =
+                sample >= first_part * factor * sigma_d_min && sample >= first_part * (factor * sigma_d);
+            let of_sample = [(Test::PeakThreshold, sample >= peak), (Test::NoiseGate, is_above_gate)];
+            let of_fit = search.limits(sigma_d).tests(keypoint.value, edge_quotient);
+            if let Some((test, _)) = of_sample.into_iter().chain(of_fit).find(|(_, passes)| !passes) {
                 tally.reject(test, 1);
                 continue;
             }
             keypoints.push(keypoint.with_noise(sigma_d));
             numbers.push(number as u32);
         }
-        Some(Passing { keypoints, numbers, tally })
+        Some(PassingKeypoints { keypoints, numbers, tally })
     }
 
-    /// Later values of keypoint `number`, locked; `None` where nothing is kept.
-    pub(super) fn known(&self, number: usize) -> Option<MutexGuard<'_, Known>> {
-        // Each change is one whole value, so the data are valid even if the lock is poisoned.
-        self.known.get(number).map(|known| known.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Approximate bytes of the keypoints and of their later values.
+    /// Approximate bytes of the keypoints and of their features.
     pub(super) fn bytes(&self) -> usize {
-        let known = |number: usize| {
-            let known = self.known(number)?;
-            let described = known.described.as_ref().map_or(0, |described| size_of_val(&described[..]));
-            Some(size_of::<Mutex<Known>>() + described + size_of_val(&known.twins[..]))
-        };
-        let known: usize = (0..self.known.len()).filter_map(known).sum();
-        known + size_of_val(&self.keypoints[..]) + size_of_val(&self.evidence[..])
+        let described: usize = self.described.iter().filter_map(OnceLock::get).map(|one| size_of_val(&one[..])).sum();
+        described
+            + size_of_val(&self.described[..])
+            + size_of_val(&self.rises[..])
+            + size_of_val(&self.keypoints[..])
+            + size_of_val(&self.evidence[..])
     }
 }
 
 /// σ_D of a search at the place of least noise.
 pub(super) fn sigma_d(search: &Search<'_>) -> SigmaD {
-    let of_octave = |octave| (0..search.space.levels + 2).map(|level| search.sigma_d(octave, level)).collect();
-    search.octave_range().map(of_octave).collect()
+    search.inputs.octaves().map(|octave| search.sigma_d(octave)).collect()
 }

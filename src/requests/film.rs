@@ -1,17 +1,11 @@
-//! A sweep over slope, scale or frames as a film, or two pictures in turn: each step as a figure with its features, its
-//! numbers, the meaning of the colours, and the response at a place over all steps.
-
-mod sweep;
-
-pub use sweep::{FilmStep, FilmView, Flipped, MAX_FILM_PICTURES, Sweep};
-use sweep::{Prepared, ValueKind, part_of_memory};
+//! A sweep over slope, scale or frames as a film: each step as a figure with its features, its numbers, the meaning of
+//! the colours, and the response at a place over all steps.
 
 use super::open::OpenBurst;
-use crate::baseline::merge_burst;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
-use crate::detector::view::{combined_view, dog_view};
-use crate::detector::{Combine, DetectError, Detection, DetectorParams, Feature, FrameRange, Method, Slope, SlopeGrid};
-use crate::export::film::{FilmFormat, write_film};
+use crate::detector::view::{dog_view, stack_view};
+use crate::detector::{DetectError, Detection, DetectorParams, Feature, FrameRange, Slope, SlopeGrid, memory};
+use crate::export::film::write_film;
 use crate::export::{
     Cells, ColourBar, Drawing, ExportError, FigureCurve, FigureMark, FigureOptions, FigurePanel, IN_A_CELL,
     LegendEntry, curve_height, draw_curve, lay_out,
@@ -24,11 +18,58 @@ use crate::plane::sample::bilinear;
 use crate::plane::statistics::{Region, percentiles_until};
 use image::RgbaImage;
 use rayon::prelude::*;
-use std::collections::VecDeque;
 use std::io;
 use std::ops::Range;
 use std::path::Path;
+use std::str::FromStr;
 use std::sync::Arc;
+
+pub const MAX_FILM_PICTURES: usize = 1000;
+
+/// Quantity that a film sweeps over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sweep {
+    /// Slope along u, px/frame: first, last, number of steps.
+    SlopeU(f32, f32, usize),
+    /// Slope along v, px/frame: first, last, number of steps.
+    SlopeV(f32, f32, usize),
+    /// DoG of all octaves and levels of the search, from fine to coarse.
+    Scale,
+    Frames,
+}
+
+impl FromStr for Sweep {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const FORMS: &str = "slope-u=MIN:MAX:COUNT, slope-v=MIN:MAX:COUNT, scale, or frames";
+        let bad = || format!("'{text}' is no sweep; give {FORMS}");
+        let parts: Vec<&str> = text.split(['=', ':']).collect();
+        let (slopes, [first, last, count]): (fn(f32, f32, usize) -> Self, _) = match parts[..] {
+            ["scale"] => return Ok(Self::Scale),
+            ["frames"] => return Ok(Self::Frames),
+            ["slope-u", first, last, count] => (Self::SlopeU, [first, last, count]),
+            ["slope-v", first, last, count] => (Self::SlopeV, [first, last, count]),
+            _ => return Err(bad()),
+        };
+        let finite = |text: &str| text.trim().parse::<f32>().ok().filter(|x| x.is_finite());
+        let count: usize = count.trim().parse().map_err(|_| bad())?;
+        if !(1..=MAX_FILM_PICTURES).contains(&count) {
+            return Err(format!("{count} pictures; give 1 to {MAX_FILM_PICTURES}"));
+        }
+        let (first, last) = finite(first).zip(finite(last)).ok_or_else(bad)?;
+        Ok(slopes(first, last, count))
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmStep {
+    pub slope: Slope,
+    /// Octave and level of the DoG that is shown; `None` for the motion stack.
+    pub scale: Option<(i32, i32)>,
+    /// Number of frames around the middle; `None` for all.
+    pub frames: Option<usize>,
+}
 
 /// Place whose response is drawn as a curve: that of a feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,19 +80,16 @@ pub struct FilmPlace {
     pub scale: (i32, i32),
 }
 
-/// A film of a burst.
 #[derive(Debug, Clone)]
 pub struct Film {
-    /// The burst.
     pub burst: OpenBurst,
-    /// The parameters of its search, with slopes.
+    /// Those of its search, with slopes.
     pub params: DetectorParams,
-    /// The quantity that is swept.
     pub sweep: Sweep,
     /// Slope of the steps, where that is not swept.
     pub slope: Slope,
-    /// The features to draw, of each method whose pictures have some.
-    pub detections: Vec<(Method, Arc<Detection>)>,
+    /// Features to draw.
+    pub detection: Option<Arc<Detection>>,
     /// The place whose response is drawn; `None` for that of the strongest feature.
     pub place: Option<FilmPlace>,
     /// Longest side of a burst's picture, pixels; larger ones are made smaller by a whole number.
@@ -61,16 +99,13 @@ pub struct Film {
 /// Makes pixels of a drawing; the error says what went wrong.
 pub type Rasteriser<'a> = dyn Fn(&Drawing) -> Result<RgbaImage, String> + Sync + 'a;
 
-/// Reason why there is no film.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
-    /// A picture cannot be made.
     #[error(transparent)]
     Picture(#[from] DetectError),
     /// A drawing cannot be made into pixels.
     #[error("{0}")]
     Drawing(String),
-    /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] ExportError),
 }
@@ -81,44 +116,44 @@ const RANGE: [f32; 2] = [0.1, 99.9];
 const FONT_PX: f32 = 12.0;
 /// Colour of the mark at the place of the curve.
 const MARK: [u8; 3] = [240, 228, 66];
-/// Most entries of the legend.
-const MAX_ENTRIES: usize = 8;
+const MAX_LEGEND_ENTRIES: usize = 8;
+
+/// Steps, display and size that the pictures of a film share, and the values that were kept of them.
+struct Prepared {
+    steps: Vec<FilmStep>,
+    planes: Vec<Option<Plane>>,
+    responses: Vec<f32>,
+    /// One for all pictures, so that they can be compared.
+    display: Display,
+    sheet: [f32; 2],
+}
+
+/// Bytes that the values kept for a film may take, and its pictures as well: a part of what searches may.
+fn part_of_memory() -> u64 {
+    memory::budget().unwrap_or(4 << 30) / 4
+}
 
 impl Film {
-    /// The steps.
     pub fn steps(&self) -> Vec<FilmStep> {
-        let still = FilmStep { slope: self.slope, view: FilmView::Stack(Combine::Mean), frames: None };
-        let along = |first: f32, last: f32, count: usize, i: usize| {
-            first + (last - first) * i as f32 / (count.max(2) - 1) as f32
+        let still = FilmStep { slope: self.slope, scale: None, frames: None };
+        let along = |first: f32, last: f32, count: usize| {
+            (0..count).map(move |i| first + (last - first) * i as f32 / (count.max(2) - 1) as f32)
         };
+        let at = |u: f32, v: f32| FilmStep { slope: Slope::new(u, v), ..still };
         match self.sweep {
-            Sweep::SlopeU(first, last, count) => (0..count)
-                .map(|i| FilmStep { slope: Slope::new(along(first, last, count, i), self.slope.v), ..still })
-                .collect(),
-            Sweep::SlopeV(first, last, count) => (0..count)
-                .map(|i| FilmStep { slope: Slope::new(self.slope.u, along(first, last, count, i)), ..still })
-                .collect(),
+            Sweep::SlopeU(first, last, count) => along(first, last, count).map(|u| at(u, self.slope.v)).collect(),
+            Sweep::SlopeV(first, last, count) => along(first, last, count).map(|v| at(self.slope.u, v)).collect(),
             Sweep::Scale => {
                 let octaves = searched_octaves(&self.params, self.burst.burst.size());
                 let levels = self.params.levels as i32;
-                let scales = octaves.flat_map(|octave| (0..levels).map(move |level| FilmView::Dog(octave, level)));
-                scales.map(|view| FilmStep { view, ..still }).collect()
+                let scales = octaves.flat_map(|octave| (0..levels).map(move |level| (octave, level)));
+                scales.map(|scale| FilmStep { scale: Some(scale), ..still }).collect()
             }
             Sweep::Frames => {
-                let all = self.frame_count();
-                (1..=all.min(MAX_FILM_PICTURES)).map(|frames| FilmStep { frames: Some(frames), ..still }).collect()
+                let all = self.frame_count().min(MAX_FILM_PICTURES);
+                (1..=all).map(|frames| FilmStep { frames: Some(frames), ..still }).collect()
             }
-            Sweep::Flip(both) => both
-                .map(|one| FilmStep { slope: one.slope.unwrap_or(self.slope), view: one.view, frames: None })
-                .to_vec(),
         }
-    }
-
-    /// Methods whose features are drawn.
-    pub fn methods(&self) -> Vec<Method> {
-        let mut methods: Vec<Method> = self.steps().iter().map(|step| step.view.method()).collect();
-        methods.dedup();
-        methods
     }
 
     fn frame_count(&self) -> usize {
@@ -127,8 +162,7 @@ impl Film {
 
     /// Columns and rows of a picture with its texts.
     pub fn size(&self) -> (u32, u32) {
-        let [width, height] = self.sheet();
-        (width.ceil() as u32, height.ceil() as u32)
+        self.sheet().map(|side| side as u32).into()
     }
 
     /// Makes the pictures of all steps by `draw`, and writes them. Only a few are in memory at a time: as many as the
@@ -139,7 +173,8 @@ impl Film {
     /// See [`FilmError`]; also when `monitor` was cancelled.
     pub fn write(
         &self,
-        (path, format, rate): (&Path, FilmFormat, u16),
+        path: &Path,
+        rate: u16,
         draw: &Rasteriser<'_>,
         may_write: &dyn Fn() -> Result<(), ExportError>,
         monitor: &Monitor,
@@ -155,7 +190,7 @@ impl Film {
                 io::Error::other("a picture was not made")
             })
         });
-        let written = write_film(path, format, (count, pictures), rate, &monitor.part(0.5, 0.5));
+        let written = write_film(path, (count, pictures), rate, &monitor.part(0.5, 0.5));
         failed.map_or(Ok(()), Err)?;
         monitor.check().map_err(DetectError::from)?;
         Ok(written?)
@@ -175,9 +210,9 @@ impl Film {
 
     /// Computes the values of all `steps` for what the pictures share, and keeps as many as `room` bytes hold.
     fn prepared(&self, steps: &[FilmStep], mut room: u64, monitor: &Monitor) -> Result<Prepared, FilmError> {
-        let place = self.place().filter(|_| self.sweep.has_curve());
+        let place = self.place();
         let (mut planes, mut responses) = (Vec::with_capacity(steps.len()), Vec::with_capacity(steps.len()));
-        let mut ranges: Vec<(ValueKind, f32, f32)> = Vec::new();
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for (index, step) in steps.iter().enumerate() {
             monitor.check().map_err(DetectError::from)?;
             monitor.report(Stage::Search { octave: 0 }, index as f32 / steps.len() as f32);
@@ -187,17 +222,19 @@ impl Film {
             responses.push(response.transpose()?.unwrap_or(f32::NAN));
             let found =
                 percentiles_until(&plane, &Region::whole(&plane), &RANGE, &silent).map_err(DetectError::from)?;
-            let (low, high) = found.map_or((f32::INFINITY, f32::NEG_INFINITY), |found| (found[0], found[1]));
-            let kind = step.view.values();
-            match ranges.iter_mut().find(|(of, ..)| *of == kind) {
-                Some((_, least, most)) => (*least, *most) = (least.min(low), most.max(high)),
-                None => ranges.push((kind, low, high)),
+            if let Some(found) = found {
+                (low, high) = (low.min(found[0]), high.max(found[1]));
             }
             let bytes = size_of_val(plane.data()) as u64;
             planes.push((bytes <= room).then_some(plane));
             room = room.saturating_sub(bytes);
         }
-        Ok(Prepared { steps: steps.to_vec(), planes, responses, ranges, sheet: self.sheet() })
+        let display = match self.sweep {
+            _ if low > high => Display::default(),
+            Sweep::Scale => Display::symmetric(low.abs().max(high.abs()).max(f32::MIN_POSITIVE)),
+            _ => Display::default().with_range(low, high),
+        };
+        Ok(Prepared { steps: steps.to_vec(), planes, responses, display, sheet: self.sheet() })
     }
 
     /// The pictures of the prepared steps, in order, made as they are taken: as many at a time as `room` bytes hold, at
@@ -213,24 +250,17 @@ impl Film {
         let [width, height] = prepared.sheet.map(|side| side as u64);
         let at_once = room / (8 * width * height).max(1);
         let at_once = (at_once as usize).clamp(1, rayon::current_num_threads());
-        let (mut next, mut made) = (0, VecDeque::new());
-        std::iter::from_fn(move || {
-            if made.is_empty() && next < prepared.steps.len() {
-                let group = next..(next + at_once).min(prepared.steps.len());
-                next = group.end;
-                match self.group(&mut prepared, group, draw, monitor) {
-                    Ok(pictures) => made.extend(pictures),
-                    Err(error) => {
-                        next = prepared.steps.len();
-                        return Some(Err(error));
-                    }
-                }
+        let count = prepared.steps.len();
+        (0..count).step_by(at_once).flat_map(move |first| {
+            let group = first..(first + at_once).min(count);
+            match self.group(&mut prepared, group, draw, monitor) {
+                Ok(pictures) => pictures.into_iter().map(Ok).collect::<Vec<_>>(),
+                Err(error) => vec![Err(error)],
             }
-            made.pop_front().map(Ok)
         })
     }
 
-    /// The pictures of a group of the prepared steps; their values are forgotten.
+    /// The pictures of a group of the prepared steps, whose values are then dropped.
     fn group(
         &self,
         prepared: &mut Prepared,
@@ -249,11 +279,10 @@ impl Film {
         let prepared = &*prepared;
         let picture = |(index, plane): (usize, &Plane)| -> Result<RgbaImage, FilmError> {
             monitor.check().map_err(DetectError::from)?;
-            let (step, display) = (&prepared.steps[index], prepared.display(&prepared.steps[index]));
-            let panel = self.panel(step, Some((plane, &display)));
+            let panel = self.panel(&prepared.steps[index], Some((plane, &prepared.display)));
             let mut drawing = lay_out(&[vec![panel]], &self.options());
             drawing.size = prepared.sheet;
-            if self.sweep.has_curve() && self.place().is_some() {
+            if self.place().is_some() {
                 drawing.size[1] -= curve_height(FONT_PX);
                 draw_curve(&mut drawing, &self.curve(&prepared.steps, &prepared.responses, index), FONT_PX);
             }
@@ -266,7 +295,7 @@ impl Film {
     fn sheet(&self) -> [f32; 2] {
         let size = |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &self.options()).size;
         let largest = self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let curve = if self.sweep.has_curve() && self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
+        let curve = if self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
         [largest[0].ceil(), (largest[1] + curve).ceil()]
     }
 
@@ -284,12 +313,9 @@ impl Film {
     fn plane(&self, step: &FilmStep, monitor: &Monitor) -> Result<Plane, DetectError> {
         let burst = &self.burst.burst;
         let params = self.params_of(step);
-        let used = params.used_frames(burst.len());
-        let (plane, per_pixel) = match step.view {
-            FilmView::Frame => ((*burst.frames[used.start + used.len() / 2]).clone(), 1.0),
-            FilmView::Merged => ((*merge_burst(burst, used, monitor)?.frames[0]).clone(), 1.0),
-            FilmView::Stack(combine) => (combined_view(burst, &params, step.slope, combine, monitor)?, 1.0),
-            FilmView::Dog(octave, level) => {
+        let (plane, per_pixel) = match step.scale {
+            None => (stack_view(burst, &params, step.slope, monitor)?, 1.0),
+            Some((octave, level)) => {
                 (dog_view(burst, &params, step.slope, octave, level, monitor)?, 2f32.powi(-octave))
             }
         };
@@ -319,10 +345,17 @@ impl Film {
         let mut cells = Cells::new(1.0 / shrink as f32, [[-0.5, -0.5], [width as f32 - 0.5, height as f32 - 0.5]]);
         let is_drawn = |feature: &&Feature| cells.add([feature.u, feature.v]).is_some_and(|before| before < IN_A_CELL);
         let drawn: Vec<&Feature> = shown.iter().copied().filter(is_drawn).collect();
-        let place = self.place().filter(|_| self.sweep.has_curve()).map(place_mark);
-        let marks = drawn.iter().map(|feature| self.mark(feature)).chain(place);
-        let ends = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
-        let [low, high] = ends;
+        let place = self.place().map(|place| FigureMark {
+            weight: 1.6,
+            dashed: true,
+            ..FigureMark::circle(place.at, 9.0, MARK)
+        });
+        let (grid, frames) = (self.params.used_slopes(), self.frame_count());
+        let mark = |feature: &&Feature| FigureMark::of(feature, frames, colour(feature.slope, &grid));
+        let marks = drawn.iter().map(mark).chain(place);
+        let legend =
+            self.detection.as_ref().map(|found| slope_legend(found, MAX_LEGEND_ENTRIES, |s| colour(s, &found.slopes)));
+        let [low, high] = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
         FigurePanel {
             size,
             rgba: Arc::new(values.map_or_else(Vec::new, |(plane, display)| to_rgba8(plane, display).into_raw())),
@@ -330,89 +363,52 @@ impl Film {
             image_px_per_px: shrink as f32,
             marks: if values.is_some() { marks.collect() } else { Vec::new() },
             title: Some(self.title(step, drawn.len(), shown.len())),
-            legend: self.legend(),
+            legend: legend.unwrap_or_default(),
             bar: Some(ColourBar::of(&display, low, format!("{high} % of full scale"))),
         }
     }
 
-    /// The numbers of a step.
     fn title(&self, step: &FilmStep, drawn: usize, features: usize) -> String {
         let frames = counted(step.frames.unwrap_or(self.frame_count()), "frame");
         let slope = format!("slope {} px/frame", slope_text(step.slope));
-        let what = match step.view {
-            FilmView::Frame => "middle frame".to_owned(),
-            FilmView::Merged => format!("{frames} merged"),
-            FilmView::Stack(combine) => format!("{} of {frames}, {slope}", combine.name().replace('-', " ")),
-            FilmView::Dog(octave, level) => {
+        let what = match step.scale {
+            None => format!("mean of {frames}, {slope}"),
+            Some((octave, level)) => {
                 let sigma = self.sigma_px(octave, level);
                 format!("σ {} px (octave {octave}, level {level}), {slope}", number(sigma, 1))
             }
         };
         let of = if drawn < features { format!("{drawn} of ") } else { String::new() };
-        if self.detection(step.view).is_some() { format!("{what}: {of}{}", counted(features, "feature")) } else { what }
+        if self.detection.is_some() { format!("{what}: {of}{}", counted(features, "feature")) } else { what }
     }
 
     fn sigma_px(&self, octave: i32, level: i32) -> f32 {
         ScaleSpace::of(&self.params).sigma_image(octave, f64::from(level)) as f32
     }
 
-    fn detection(&self, view: FilmView) -> Option<&Detection> {
-        self.detections.iter().find(|(method, _)| *method == view.method()).map(|(_, detection)| &**detection)
-    }
-
-    /// The features of a step: of its scale, or moving as its slope; of one image all of them.
+    /// The features of a step: of its scale, or moving as its slope.
     fn features(&self, step: &FilmStep) -> impl Iterator<Item = &Feature> {
         let grid = self.params.used_slopes();
         let near = 0.75 * grid.u.step().max(grid.v.step()).max(0.1);
-        let all = self.detection(step.view).into_iter().flat_map(|detection| &detection.features);
-        let (view, slope) = (step.view, step.slope);
-        all.filter(move |feature| match view {
-            FilmView::Frame | FilmView::Merged => true,
-            FilmView::Dog(octave, level) => (feature.octave, feature.level) == (octave, level),
-            FilmView::Stack(_) => (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= near,
+        let all = self.detection.iter().flat_map(|detection| &detection.features);
+        let (scale, slope) = (step.scale, step.slope);
+        all.filter(move |feature| match scale {
+            Some(scale) => (feature.octave, feature.level) == scale,
+            None => (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= near,
         })
-    }
-
-    fn mark(&self, feature: &Feature) -> FigureMark {
-        let half = 0.5 * (self.frame_count() as f32 - 1.0);
-        let (du, dv) = (half * feature.slope.u, half * feature.slope.v);
-        FigureMark {
-            centre: [feature.u, feature.v],
-            radius: feature.circle_radius_px(),
-            orientation: None,
-            motion: Some([[feature.u - du, feature.v - dv], [feature.u + du, feature.v + dv]]),
-            color: colour(feature.slope, &self.params.used_slopes()),
-            opacity: 0.95,
-            weight: 1.0,
-            dashed: feature.at_slope_limit,
-        }
-    }
-
-    /// Meanings of the colours: slopes of the grid that have features.
-    fn legend(&self) -> Vec<LegendEntry> {
-        let Some(detection) = self.detection(FilmView::Stack(Combine::Mean)) else { return Vec::new() };
-        let mut used: Vec<usize> = detection.features.iter().map(|feature| feature.slope_index).collect();
-        used.sort_unstable();
-        used.dedup();
-        let every = used.len().div_ceil(MAX_ENTRIES).max(1);
-        let entry = |index: &usize| {
-            let slope = detection.slopes.slope(*index);
-            LegendEntry { color: colour(slope, &detection.slopes), label: slope_text(slope) }
-        };
-        used.iter().step_by(every).map(entry).collect()
     }
 
     /// The place whose response is drawn: the given one, or that of the strongest feature at the film's slope, or at
     /// any.
     fn place(&self) -> Option<FilmPlace> {
         let of = |feature: &Feature| FilmPlace { at: [feature.u, feature.v], scale: (feature.octave, feature.level) };
-        let stack = FilmStep { slope: self.slope, view: FilmView::Stack(Combine::Mean), frames: None };
+        let stack = FilmStep { slope: self.slope, scale: None, frames: None };
         let strongest = |features: &mut dyn Iterator<Item = &Feature>| {
             features.max_by(|a, b| a.strength().total_cmp(&b.strength())).map(of)
         };
         let moves = matches!(self.sweep, Sweep::SlopeU(..) | Sweep::SlopeV(..));
         let at_slope = || strongest(&mut self.features(&stack)).filter(|_| !moves);
-        let any = || strongest(&mut self.detection(stack.view)?.features.iter());
+        let any = || strongest(&mut self.detection.as_ref()?.features.iter());
         let is_searched = |place: &FilmPlace| {
             let (octave, level) = place.scale;
             let octaves = searched_octaves(&self.params, self.burst.burst.size());
@@ -423,10 +419,7 @@ impl Film {
 
     /// D at the place, with the slope, scale and frames of a step, fraction of full scale; NaN outside.
     fn response(&self, step: &FilmStep, place: FilmPlace, monitor: &Monitor) -> Result<f32, DetectError> {
-        let (octave, level) = match step.view {
-            FilmView::Dog(octave, level) => (octave, level),
-            _ => place.scale,
-        };
+        let (octave, level) = step.scale.unwrap_or(place.scale);
         let dog = dog_view(&self.burst.burst, &self.params_of(step), step.slope, octave, level, monitor)?;
         let [x, y] = place.at.map(|at| at * 2f32.powi(-octave));
         Ok(bilinear(&dog, x, y).unwrap_or(f32::NAN))
@@ -439,9 +432,15 @@ impl Film {
             _ => (index + 1) as f32,
         };
         let points: Vec<[f32; 2]> = responses.iter().enumerate().map(|(index, d)| [x(index), 100.0 * d]).collect();
-        let first_level = |(index, step): (usize, &FilmStep)| match step.view {
-            FilmView::Dog(octave, 0) => Some(((index + 1) as f32, number(self.sigma_px(octave, 0), 1))),
+        let first_level = |(index, step): (usize, &FilmStep)| match step.scale {
+            Some((octave, 0)) => Some(((index + 1) as f32, number(self.sigma_px(octave, 0), 1))),
             _ => None,
+        };
+        let label_x = match self.sweep {
+            Sweep::SlopeU(..) => "slope u, px/frame",
+            Sweep::SlopeV(..) => "slope v, px/frame",
+            Sweep::Scale => "σ, px",
+            Sweep::Frames => "frames",
         };
         let [u, v] = self.place().map_or([0.0; 2], |place| place.at);
         let now = responses.get(marked).filter(|d| d.is_finite());
@@ -450,28 +449,28 @@ impl Film {
             points,
             marked,
             title: format!("D at ({}, {}): {now}", number(u, 0), number(v, 0)),
-            label_x: self.sweep.label().to_owned(),
+            label_x: label_x.to_owned(),
             ticks_x: steps.iter().enumerate().filter_map(first_level).collect(),
         }
     }
 }
 
-/// Colour of a slope, as in the window.
+/// Colour of a slope: its direction as hue, its length as saturation.
 fn colour(slope: Slope, grid: &SlopeGrid) -> [u8; 3] {
     direction_colour(slope.v.atan2(slope.u), slope.magnitude() / grid.max_magnitude().max(1e-3))
 }
 
-fn place_mark(place: FilmPlace) -> FigureMark {
-    FigureMark {
-        centre: place.at,
-        radius: 9.0,
-        orientation: None,
-        motion: None,
-        color: MARK,
-        opacity: 1.0,
-        weight: 1.6,
-        dashed: true,
-    }
+/// Slopes of the grid that have features, at most `most` of them, each with its colour.
+pub fn slope_legend(detection: &Detection, most: usize, colour: impl Fn(Slope) -> [u8; 3]) -> Vec<LegendEntry> {
+    let mut used: Vec<usize> = detection.features.iter().map(|feature| feature.slope_index).collect();
+    used.sort_unstable();
+    used.dedup();
+    let every = used.len().div_ceil(most).max(1);
+    let entry = |index: &usize| {
+        let slope = detection.slopes.slope(*index);
+        LegendEntry { color: colour(slope), label: format!("{} px/frame", slope_text(slope)) }
+    };
+    used.iter().step_by(every).map(entry).collect()
 }
 
 #[cfg(test)]
@@ -487,7 +486,7 @@ mod tests {
         let burst = source.open(&crate::burst::OpenOptions::default(), &Monitor::default()).expect("a chart");
         let place = Some(FilmPlace { at: [40.0, 30.0], scale: (0, 1) });
         let params = DetectorParams::default();
-        Film { burst, params, sweep, slope: Slope::default(), detections: Vec::new(), place, max_side_px: 48 }
+        Film { burst, params, sweep, slope: Slope::default(), detection: None, place, max_side_px: 48 }
     }
 
     /// A drawing as pixels of its size, whose colours are a sum of all that is drawn.
@@ -529,14 +528,7 @@ mod tests {
     #[test]
     fn every_sweep_has_its_steps_in_pictures_of_one_size() {
         // Three octaves of five levels.
-        let counts = [
-            ("slope-u=-2:2:5", 5),
-            ("slope-v=0:1:2", 2),
-            ("frames", 4),
-            ("flip", 2),
-            ("flip=merged,mean-minus-median@1:0", 2),
-            ("scale", 15),
-        ];
+        let counts = [("slope-u=-2:2:5", 5), ("slope-v=0:1:2", 2), ("frames", 4), ("scale", 15)];
         for (text, count) in counts {
             let film = film(text.parse().expect(text));
             let pictures = all(&film, 1 << 30, &digest);
@@ -557,7 +549,7 @@ mod tests {
         let mut found = crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
         let one = found.features[0];
         found.features = vec![one; 100];
-        film.detections = vec![(Method::Buff, Arc::new(found))];
+        film.detection = Some(Arc::new(found));
         let step = FilmStep { slope: one.slope, ..film.steps()[0] };
         let title = film.panel(&step, None).title.expect("a title");
         assert!(title.ends_with(": 2 of 100 features"), "{title}");
@@ -570,7 +562,7 @@ mod tests {
         let found = crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
         let strongest = found.features.iter().max_by(|a, b| a.strength().total_cmp(&b.strength())).expect("some");
         let (at, slope) = ([strongest.u, strongest.v], strongest.slope);
-        (film.place, film.detections) = (None, vec![(Method::Buff, Arc::new(found.clone()))]);
+        (film.place, film.detection) = (None, Some(Arc::new(found.clone())));
         assert_eq!(film.place().map(|place| place.at), Some(at));
         let (texts, marks) = (std::sync::Mutex::new(Vec::new()), std::sync::Mutex::new(Vec::new()));
         let keep = |drawing: &Drawing| {
@@ -590,11 +582,18 @@ mod tests {
         }
         assert_eq!(marks.into_inner().expect("kept").len(), 3, "one point of the curve is marked in each picture");
         // At the feature's slope the response is stronger than at the other end of the range.
-        let steps = film.steps();
         let place = film.place().expect("a feature");
-        let d: Vec<f32> =
-            steps.iter().map(|s| film.response(s, place, &Monitor::default()).expect("made").abs()).collect();
-        let (near, far) = if slope.u > 0.0 { (d[2].max(d[1]), d[0]) } else { (d[0].max(d[1]), d[2]) };
-        assert!(near > far, "{d:?} at {slope:?}");
+        let d = |step: usize| film.response(&film.steps()[step], place, &Monitor::default()).expect("made").abs();
+        let (near, far) = if slope.u > 0.0 { (d(2).max(d(1)), d(0)) } else { (d(0).max(d(1)), d(2)) };
+        assert!(near > far, "{near} and {far} at {slope:?}");
+    }
+
+    #[test]
+    fn sweeps_are_read_as_they_are_typed_and_others_are_refused() {
+        assert_eq!("slope-u=-3:3:7".parse(), Ok(Sweep::SlopeU(-3.0, 3.0, 7)));
+        for bad in ["", "slope-u", "slope-u=1:2", "slope-u=a:b:c", "slope-u=0:inf:3", "flip=1:2:3", "slope-u=0:1:0"] {
+            assert!(bad.parse::<Sweep>().is_err_and(|why| why.contains("give")), "{bad}");
+        }
+        assert!("slope-v=0:1:9999".parse::<Sweep>().is_err_and(|why| why.contains("give 1 to 1000")));
     }
 }

@@ -1,0 +1,296 @@
+//! The response along a motion: D at single places, at any slope, from the frames at the resolution of each octave, and
+//! the pixels around a place from which it follows.
+//!
+//! A feature lies at a slope of its own, between those of the grid. Neighbouring slopes of a grid misalign the
+//! outermost frames by their step times (N − 1)/2 pixels, so a feature half-way between two of them is smeared in both,
+//! and a descriptor computed there matches less. The grid's stacks are no help: the frames have to be shifted again.
+//! For octaves above 0 that is done on frames of that octave's resolution ([`OctaveFrames`]): each pixel the mean of
+//! 2^o × 2^o of a frame's. Averaging before shifting equals averaging after it, except for detail finer than the
+//! averages, which no level of that octave shows.
+//!
+//! D at a place is a weighted patch: the frames are shifted by any slope and averaged in a small patch, and the patch
+//! is weighted by two Gaussians. Stacking and filtering commute, so the values are those of a search at that slope, up
+//! to interpolation (and, in coarser octaves, the way in which the frames are brought to their resolution).
+
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::scale_space::{Base, SIGMA_INPUT, octave_pixel, octave_size};
+use crate::detector::search::setup::Inputs;
+use crate::detector::stack::{interpolation_blur, shifted_offsets};
+use crate::kernel::patch::{Patch, PatchScratch, inside, stack_patch};
+use crate::kernel::stack::FrameOffset;
+use crate::plane::Plane;
+use crate::plane::blur::GaussianKernel;
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::OnceLock;
+
+/// Pixels within `radius` of the pixel in which `place` lies.
+pub fn around(place: f32, radius: usize) -> Range<i64> {
+    let (middle, radius) = ((place + 0.5).floor() as i64, radius as i64);
+    middle - radius..middle + radius + 1
+}
+
+impl Base<'_> {
+    /// Reads columns `columns` and rows `rows` of the octave of `size`, before any blur of this octave and less the
+    /// value in the middle, into `patch`. The rectangle must touch the octave.
+    pub fn patch(
+        &self,
+        size: (usize, usize),
+        columns: Range<i64>,
+        rows: Range<i64>,
+        scratch: &mut PatchScratch,
+        patch: &mut Patch,
+    ) {
+        match self {
+            Self::Level(level) => {
+                patch.reset(columns.clone(), rows.clone());
+                let columns = inside(&columns, size.0);
+                for v in inside(&rows, size.1) {
+                    let from = &level.row(v)[columns.clone()];
+                    patch.values_mut(columns.start as i64, v as i64)[..from.len()].copy_from_slice(from);
+                }
+                patch.repeat_border(size);
+            }
+            Self::Frames { frames, offsets, octave: 0 } => {
+                patch.reset(columns, rows);
+                stack_patch(frames, offsets, patch, &mut scratch.sums);
+                patch.repeat_border(size);
+            }
+            Self::Frames { frames, offsets, octave: -1 } => {
+                // Pixels between which those of the doubled image lie. Repeated border pixels double to repeated ones.
+                let narrow = |range: &Range<i64>| range.start.div_euclid(2)..(range.end - 1).div_euclid(2) + 2;
+                scratch.narrow.reset(narrow(&columns), narrow(&rows));
+                stack_patch(frames, offsets, &mut scratch.narrow, &mut scratch.sums);
+                scratch.narrow.repeat_border(frames[0].size());
+                patch.reset(columns, rows);
+                patch.double(&scratch.narrow, &mut scratch.row);
+            }
+            Self::Frames { .. } => {
+                patch.reset(columns.clone(), rows.clone());
+                let columns = inside(&columns, size.0);
+                self.raw_rows(inside(&rows, size.1), columns.clone(), &mut scratch.row, |v, row| {
+                    patch.values_mut(columns.start as i64, v as i64)[..row.len()].copy_from_slice(row);
+                });
+                patch.repeat_border(size);
+            }
+        }
+        patch.centre();
+    }
+}
+
+/// For each octave from 0 on, means of 2^octave × 2^octave pixels of each frame, computed on first use; octave 0 uses
+/// the frames unchanged.
+pub type Means = Vec<OnceLock<Vec<Plane>>>;
+
+/// The frames of a search at the resolutions of all octaves.
+pub struct Along<'a> {
+    pub inputs: &'a Inputs,
+    planes: Vec<&'a Plane>,
+    means: Cow<'a, Means>,
+}
+
+impl<'a> Along<'a> {
+    pub fn new(inputs: &'a Inputs) -> Self {
+        Self { inputs, planes: inputs.planes(), means: Cow::Owned(Self::no_means(inputs)) }
+    }
+
+    /// Keeps the means in `means`, which others may share: see [`Self::no_means`].
+    pub fn with_means(inputs: &'a Inputs, means: &'a Means) -> Self {
+        Self { inputs, planes: inputs.planes(), means: Cow::Borrowed(means) }
+    }
+
+    /// Means of which none is computed yet.
+    pub fn no_means(inputs: &Inputs) -> Means {
+        vec![OnceLock::new(); inputs.octaves().end.max(0) as usize]
+    }
+
+    /// Computes the frames up to `octave` now, on all threads unless the means are shared.
+    pub fn make(&self, octave: i32) {
+        self.made(octave, matches!(self.means, Cow::Owned(_)));
+    }
+
+    /// Frames of `octave`, one of those searched.
+    pub fn of(&self, octave: i32) -> OctaveFrames<'_> {
+        // Many threads may call this at once. The thread that computes must work alone: if it waited for others, it
+        // would run other jobs meanwhile, which may need the same frames and so wait for itself.
+        OctaveFrames { octave, inputs: self.inputs, planes: self.made(octave, false) }
+    }
+
+    fn made(&self, octave: i32, in_parallel: bool) -> Vec<&Plane> {
+        if octave <= 0 {
+            return self.planes.clone();
+        }
+        let make = || match self.made(octave - 1, in_parallel) {
+            finer if in_parallel => finer.into_par_iter().map(Plane::halved).collect(),
+            finer => finer.into_iter().map(Plane::halved).collect(),
+        };
+        self.means[octave as usize].get_or_init(make).iter().collect()
+    }
+
+    /// D of the mean of the `chosen` frames (indices among those that take part) at each of the DoG `levels` of
+    /// `octave`, on the path through `place` (input pixels, at mid-burst) at `slope`. The octave's pixel nearest to the
+    /// place is taken.
+    pub fn response(
+        &self,
+        octave: i32,
+        levels: Range<i32>,
+        place: (f32, f32),
+        slope: Slope,
+        chosen: &[usize],
+    ) -> Vec<f32> {
+        let frames = self.of(octave);
+        let offsets = frames.offsets(slope);
+        let planes: Vec<&Plane> = chosen.iter().map(|&index| frames.planes[index]).collect();
+        let offsets: Vec<FrameOffset> = chosen.iter().map(|&index| offsets[index]).collect();
+        frames.response(&planes, &offsets, levels, place)
+    }
+}
+
+/// Frames at the resolution of one octave.
+pub struct OctaveFrames<'a> {
+    octave: i32,
+    inputs: &'a Inputs,
+    /// Those that take part, in time order.
+    pub planes: Vec<&'a Plane>,
+}
+
+impl OctaveFrames<'_> {
+    /// Offsets at which the frames are read at `slope` (input px per frame).
+    pub fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
+        let pixel = 2f64.powi(self.octave.max(0));
+        // The mean of 2^o pixels is at their centre, the octave's pixel at the first of them.
+        let shift_px = -0.5 * (1.0 - 1.0 / pixel);
+        let in_octave = (f64::from(slope.u) / pixel, f64::from(slope.v) / pixel);
+        let Inputs { times, params, .. } = self.inputs;
+        times.of(shifted_offsets(times.frame_count, in_octave, shift_px, params.rules.interpolation))
+    }
+
+    /// Source of the octave's pixels: `planes` read at `offsets`.
+    pub fn base<'b>(&self, planes: &'b [&'b Plane], offsets: &'b [FrameOffset]) -> Base<'b> {
+        Base::Frames { frames: planes, offsets, octave: self.octave.min(0) }
+    }
+
+    /// σ of that source, in octave pixels: of the input, the averages, and the reading between pixels.
+    pub fn sigma_octave(&self, offsets: &[FrameOffset]) -> f64 {
+        let pixel = 2f64.powi(self.octave);
+        let average = if self.octave > 0 { (1.0 - 1.0 / (pixel * pixel)) / 12.0 } else { 0.0 };
+        let (u, v) = interpolation_blur(offsets);
+        // A doubled image is read between the frames' pixels, which are two of its own apart.
+        let reading = 0.5 * (u + v) * if self.octave < 0 { 4.0 } else { 1.0 };
+        ((SIGMA_INPUT / pixel).powi(2) + average + reading).sqrt()
+    }
+
+    /// As [`Along::response`], for the mean of `planes`, which are some of these frames, read at `offsets`.
+    pub fn response(
+        &self,
+        planes: &[&Plane],
+        offsets: &[FrameOffset],
+        levels: Range<i32>,
+        place: (f32, f32),
+    ) -> Vec<f32> {
+        let from = self.sigma_octave(offsets);
+        let kernel = |s: i32| {
+            let sigma = self.inputs.space.sigma_octave(f64::from(s));
+            GaussianKernel::new((sigma * sigma - from * from).max(0.0).sqrt())
+        };
+        let kernels: Vec<GaussianKernel> = (levels.start..levels.end + 1).map(kernel).collect();
+        let size = octave_size(self.inputs.size_image, self.octave);
+        let pixel = octave_pixel(self.octave);
+        let inside = |x: f32, n: usize| (x / pixel).clamp(0.0, n as f32 - 1.0);
+        let (x, y) = (inside(place.0, size.0), inside(place.1, size.1));
+        let reach = kernels.last().map_or(0, GaussianKernel::radius);
+        let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
+        self.base(planes, offsets).patch(size, around(x, reach), around(y, reach), &mut scratch, &mut patch);
+        let weighted: Vec<f32> = kernels.iter().map(|kernel| weighted(&patch, kernel, reach)).collect();
+        weighted.windows(2).map(|two| two[1] - two[0]).collect()
+    }
+}
+
+/// Value of `kernel` applied at the middle of `patch`, which reaches `reach` pixels from it.
+fn weighted(patch: &Patch, kernel: &GaussianKernel, reach: usize) -> f32 {
+    let radius = kernel.radius();
+    let half = kernel.half();
+    let taps: Vec<f32> = half[1..].iter().rev().chain(half).copied().collect();
+    let within = reach - radius..reach + radius + 1;
+    let row = |v: i64| -> f32 { patch.row(v)[within.clone()].iter().zip(&taps).map(|(x, w)| x * w).sum() };
+    let first = patch.rows().start + (reach - radius) as i64;
+    taps.iter().zip(first..).map(|(w, v)| w * row(v)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::burst::Burst;
+    use crate::detector::{DetectorParams, NoiseModelKind, SlopeGrid};
+    use crate::monitor::Monitor;
+
+    fn inputs(frames: Vec<Plane>, first_octave: i32) -> Inputs {
+        let (slopes, noise_model) = (SlopeGrid::line(-2.0..=2.0, 3), NoiseModelKind::White);
+        let params = DetectorParams { first_octave, slopes, noise_model, ..DetectorParams::default() };
+        Inputs::new(&Burst::from_planes("made", frames), &params, &Monitor::default()).expect("valid parameters")
+    }
+
+    #[test]
+    fn frames_are_the_same_whoever_makes_them() {
+        let inputs = inputs((0..9).map(|t| Plane::from_fn(128, 96, |u, v| (u * v + t) as f32)).collect(), 0);
+        let alone = Along::new(&inputs);
+        let expected = alone.of(2).planes;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("a pool");
+        for _ in 0..20 {
+            let means = Along::no_means(&inputs);
+            let are_those = |_| Along::with_means(&inputs, &means).of(2).planes == expected;
+            assert!(pool.install(|| (0..100).into_par_iter().with_max_len(1).all(are_those)));
+        }
+        let together = Along::new(&inputs);
+        pool.install(|| together.make(2));
+        assert!(together.of(2).planes == expected);
+    }
+
+    /// Frames with a Gaussian blob of σ 6 px that moves by `slope`, at (70, 50) in the middle of the burst.
+    fn moving(slope: Slope) -> Vec<Plane> {
+        (0..7)
+            .map(|t| {
+                let dt = t as f32 - 3.0;
+                Plane::from_fn(160, 120, |u, v| {
+                    let (du, dv) = (u as f32 - 70.0 - dt * slope.u, v as f32 - 50.0 - dt * slope.v);
+                    (-(du * du + dv * dv) / 72.0).exp()
+                })
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_octave_shows_a_moving_blob_sharp_and_in_its_place() {
+        let slope = Slope::new(1.37, -0.61);
+        for octave in [-1, 0, 1, 2] {
+            let inputs = inputs(moving(slope), octave);
+            let along = Along::new(&inputs);
+            let of_octave = along.of(octave);
+            let offsets = of_octave.offsets(slope);
+            let base = of_octave.base(&of_octave.planes, &offsets);
+            let pixel = 2f32.powi(octave);
+            let (size, at) = (octave_size((160, 120), octave), |x: f32| (x / pixel) as i64);
+            let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
+            let (columns, rows) = (at(40.0)..at(100.0), at(20.0)..at(80.0));
+            base.patch(size, columns.clone(), rows.clone(), &mut scratch, &mut patch);
+            let middle = patch.row((rows.start + rows.end) / 2)[columns.clone().count() / 2];
+            for y in rows {
+                for (x, value) in columns.clone().zip(patch.row(y)) {
+                    let (du, dv) = (x as f32 * pixel - 70.0, y as f32 * pixel - 50.0);
+                    // Increase of σ² by averages and interpolation.
+                    let added = (of_octave.sigma_octave(&offsets).powi(2) as f32
+                        - (SIGMA_INPUT as f32 / pixel).powi(2))
+                        * pixel
+                        * pixel;
+                    let variance = 36.0 + added;
+                    let truth = |du: f32, dv: f32| 36.0 / variance * (-(du * du + dv * dv) / (2.0 * variance)).exp();
+                    let (cu, cv) = ((columns.start + columns.end) / 2, (at(20.0) + at(80.0)) / 2);
+                    let centre = truth(cu as f32 * pixel - 70.0, cv as f32 * pixel - 50.0);
+                    let expected = truth(du, dv) - centre + middle;
+                    assert!((value - expected).abs() < 8e-3, "octave {octave} ({x}, {y}): {value} {expected}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! Quantities of a feature. One record for each says how files, tables, filters and colours have it, so that a new one
+//! is added here, where it is computed, and nowhere else.
+
+use super::feature::Feature;
+use crate::plane::display::ColourMap;
+use serde::{Deserialize, Serialize};
+
+/// A quantity of a feature. The last three are found after the detection; [`Feature`] does not hold them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Rank by strength, from 1.
+    #[default]
+    Rank,
+    /// Column at mid-burst.
+    U,
+    /// Row at mid-burst.
+    V,
+    /// Scale σ.
+    Sigma,
+    /// Apparent motion to the right.
+    SlopeU,
+    /// Apparent motion down.
+    SlopeV,
+    /// Depth that the slope means by a set-up of camera and scene.
+    Depth,
+    /// Signal-to-noise ratio.
+    Snr,
+    /// Evenness of the frames' responses.
+    Coherence,
+    /// Likely nature.
+    Verdict,
+    /// Interpolated DoG value.
+    Response,
+    /// Orientation.
+    Orientation,
+    /// Octave in which it was found.
+    Octave,
+    /// Level in the octave.
+    Level,
+    /// Whether the motion lies beyond the searched slopes.
+    AtSlopeLimit,
+}
+
+/// Place of a quantity in a feature.
+#[derive(Debug, Clone, Copy)]
+pub enum Place {
+    /// A real number.
+    Real(fn(&mut Feature) -> &mut f32),
+    /// A whole number.
+    Whole(fn(&mut Feature) -> &mut i32),
+    /// Yes or no.
+    Flag(fn(&mut Feature) -> &mut bool),
+    /// Not in the feature.
+    Beside,
+}
+
+/// Form of a value for people.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A whole number.
+    Whole,
+    /// So many decimals.
+    Fixed(usize),
+    /// So many decimals, and a sign.
+    Signed(usize),
+    /// So many significant digits.
+    Digits(usize),
+    /// So many significant digits, and a sign.
+    SignedDigits(usize),
+    /// Whole degrees, of an angle in radians.
+    Degrees,
+    /// "yes", or nothing.
+    Flag,
+}
+
+/// Values that the colours of a quantity span.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Span {
+    /// Those of the features; these without features.
+    Found(f32, f32),
+    /// ± the largest magnitude of the features; ± this without features.
+    Around(f32),
+    /// Always these.
+    Always(f32, f32),
+}
+
+/// Colours of the values of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Colours {
+    /// Map of colours.
+    pub map: ColourMap,
+    /// Parts of the map (0 … 1) at the smallest and at the largest value. Ends too dark to be seen over a dark picture
+    /// are left out.
+    pub part: [f32; 2],
+    /// Whether the colours follow the logarithm of the value.
+    pub is_log: bool,
+    /// Values that the colours span.
+    pub span: Span,
+}
+
+/// All that the program knows about a quantity.
+#[derive(Debug, Clone, Copy)]
+pub struct Record {
+    /// Name of the column in files.
+    pub key: &'static str,
+    /// Name in lists and legends.
+    pub title: &'static str,
+    /// Heading of the column in tables.
+    pub heading: &'static str,
+    /// Unit; empty where it has none.
+    pub unit: &'static str,
+    /// Meaning, with the unit.
+    pub help: &'static str,
+    /// Name of the entry of the program's glossary.
+    pub term: Option<&'static str>,
+    /// Form in tables.
+    pub form: Form,
+    /// Text in place of an unknown value.
+    pub unknown: &'static str,
+    /// Width of its column in tables, points.
+    pub width: f32,
+    /// Place in a feature.
+    pub place: Place,
+    /// Colours, if features can be coloured by it.
+    pub colours: Option<Colours>,
+}
+
+/// Turbo stands out from grey pictures and from the diverging maps of DoG responses alike.
+pub const BRIGHT: Colours =
+    Colours { map: ColourMap::Turbo, part: [0.08, 0.92], is_log: false, span: Span::Found(-1.0, 1.0) };
+const WARM: Colours = Colours { map: ColourMap::Magma, part: [0.45, 1.0], is_log: true, span: Span::Found(1.0, 16.0) };
+/// Uneven responses stand out in red; most features are at the other end, which is light enough for a dark picture.
+const REVERSED: Colours =
+    Colours { map: ColourMap::Turbo, part: [0.92, 0.25], is_log: false, span: Span::Always(0.0, 1.0) };
+
+/// The record of a whole number that is not in a feature, without colours and without an entry of the glossary.
+fn named(key: &'static str, heading: &'static str, unit: &'static str, help: &'static str) -> Record {
+    let (form, place, term, unknown, width, colours) = (Form::Whole, Place::Beside, None, "", 46.0, None);
+    Record { key, title: heading, heading, unit, help, term, form, unknown, width, place, colours }
+}
+
+impl Quantity {
+    /// All quantities, as tables show them from left to right: the most important come first.
+    pub const ALL: [Self; 15] = [
+        Self::Rank,
+        Self::U,
+        Self::V,
+        Self::Sigma,
+        Self::SlopeU,
+        Self::SlopeV,
+        Self::Depth,
+        Self::Snr,
+        Self::Coherence,
+        Self::Verdict,
+        Self::Response,
+        Self::Orientation,
+        Self::Octave,
+        Self::Level,
+        Self::AtSlopeLimit,
+    ];
+
+    /// The columns of files, in order. Positions and scale are in input pixels; orientation in radians; slopes in
+    /// pixels per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is
+    /// |response|/σ_D; `at_slope_limit` is 1 or 0.
+    pub const STORED: [Self; 11] = [
+        Self::U,
+        Self::V,
+        Self::Sigma,
+        Self::Orientation,
+        Self::SlopeU,
+        Self::SlopeV,
+        Self::Response,
+        Self::Snr,
+        Self::Octave,
+        Self::Level,
+        Self::AtSlopeLimit,
+    ];
+
+    /// The record of the quantity.
+    pub fn record(self) -> Record {
+        match self {
+            Self::Rank => Record { width: 34.0, ..named("rank", "#", "", "Rank by strength of the response, from 1") },
+            Self::U => Record {
+                place: Place::Real(|f| &mut f.u),
+                form: Form::Fixed(2),
+                ..named("u", "u", "px", "Column at mid-burst, in pixels; the centre of the first pixel is 0")
+            },
+            Self::V => Record {
+                place: Place::Real(|f| &mut f.v),
+                form: Form::Fixed(2),
+                ..named("v", "v", "px", "Row at mid-burst, in pixels; the centre of the first pixel is 0")
+            },
+            Self::Sigma => Record {
+                place: Place::Real(|f| &mut f.sigma),
+                form: Form::Fixed(2),
+                title: "Scale",
+                term: Some("scale"),
+                width: 34.0,
+                colours: Some(WARM),
+                ..named("sigma", "σ", "px", "Scale σ, in input pixels")
+            },
+            Self::Orientation => Record {
+                place: Place::Real(|f| &mut f.orientation),
+                form: Form::Degrees,
+                term: Some("orientation"),
+                width: 40.0,
+                ..named("orientation", "Orient.", "rad", "Orientation, in degrees from +u towards +v")
+            },
+            Self::SlopeU => Record {
+                place: Place::Real(|f| &mut f.slope.u),
+                form: Form::Signed(2),
+                term: Some("slope"),
+                colours: Some(BRIGHT),
+                ..named("slope_u", "Slope u", "px/frame", "Apparent motion to the right, in pixels per frame")
+            },
+            Self::SlopeV => Record {
+                place: Place::Real(|f| &mut f.slope.v),
+                form: Form::Signed(2),
+                term: Some("slope"),
+                colours: Some(BRIGHT),
+                ..named("slope_v", "Slope v", "px/frame", "Apparent motion downwards, in pixels per frame")
+            },
+            Self::Response => Record {
+                place: Place::Real(|f| &mut f.response),
+                form: Form::SignedDigits(3),
+                term: Some("response"),
+                width: 64.0,
+                colours: Some(Colours { span: Span::Around(0.1), ..BRIGHT }),
+                ..named(
+                    "response",
+                    "Response",
+                    "of full scale",
+                    "Interpolated DoG value, as a fraction of full scale; bright blobs are negative",
+                )
+            },
+            Self::Snr => Record {
+                place: Place::Real(|f| &mut f.snr),
+                form: Form::Fixed(1),
+                term: Some("snr"),
+                width: 40.0,
+                colours: Some(Colours { span: Span::Found(1.0, 100.0), ..WARM }),
+                ..named("snr", "SNR", "σ", "|response| over the standard deviation of the noise in D")
+            },
+            Self::Octave => Record {
+                place: Place::Whole(|f| &mut f.octave),
+                term: Some("octave"),
+                width: 34.0,
+                ..named("octave", "Oct.", "", "Octave in which it was found; −1 is the doubled image")
+            },
+            Self::Level => Record {
+                place: Place::Whole(|f| &mut f.level),
+                term: Some("level"),
+                width: 36.0,
+                ..named("level", "Level", "", "Level within the octave")
+            },
+            Self::AtSlopeLimit => Record {
+                place: Place::Flag(|f| &mut f.at_slope_limit),
+                form: Form::Flag,
+                title: "Slope limit",
+                term: Some("slope-limit"),
+                width: 36.0,
+                colours: Some(Colours { span: Span::Always(0.0, 1.0), ..BRIGHT }),
+                ..named(
+                    "at_slope_limit",
+                    "Limit",
+                    "",
+                    "Marked if the response still rises beyond the searched slopes: the motion lies outside",
+                )
+            },
+            Self::Coherence => Record {
+                form: Form::Fixed(2),
+                title: "Coherence",
+                term: Some("coherence"),
+                unknown: "?",
+                width: 40.0,
+                colours: Some(REVERSED),
+                ..named(
+                    "coherence",
+                    "Coher.",
+                    "",
+                    "How alike the frames respond along its motion, 0 to 1; about the share of frames that respond",
+                )
+            },
+            Self::Verdict => Record {
+                term: Some("ghost"),
+                width: 64.0,
+                ..named(
+                    "verdict",
+                    "Verdict",
+                    "",
+                    "Likely real, a ghost of another motion, an alias of a periodic texture, a duplicate, or unclear",
+                )
+            },
+            Self::Depth => Record {
+                form: Form::Digits(3),
+                unknown: "–",
+                colours: Some(Colours { span: Span::Always(1.0, 10.0), ..WARM }),
+                ..named(
+                    "depth",
+                    "Depth",
+                    "m",
+                    "Depth that the slope means by the set-up, in metres; – where none explains it",
+                )
+            },
+        }
+    }
+
+    /// The value of `feature`; `None` if a feature does not hold this quantity.
+    pub fn of(self, feature: &Feature) -> Option<f32> {
+        let mut feature = *feature;
+        match self.record().place {
+            Place::Real(at) => Some(*at(&mut feature)),
+            Place::Whole(at) => Some(*at(&mut feature) as f32),
+            Place::Flag(at) => Some(f32::from(u8::from(*at(&mut feature)))),
+            Place::Beside => None,
+        }
+    }
+
+    /// The value of `feature` as files have it: with the fewest digits that read back to the same number; a flag is 1
+    /// or 0. Empty if a feature does not hold this quantity.
+    pub fn cell(self, feature: &Feature) -> String {
+        let mut feature = *feature;
+        match self.record().place {
+            Place::Real(at) => at(&mut feature).to_string(),
+            Place::Whole(at) => at(&mut feature).to_string(),
+            Place::Flag(at) => u8::from(*at(&mut feature)).to_string(),
+            Place::Beside => String::new(),
+        }
+    }
+
+    /// Sets the value of `feature` to that of a file's cell.
+    ///
+    /// # Errors
+    /// What the cell must be.
+    pub fn read(self, feature: &mut Feature, cell: &str) -> Result<(), &'static str> {
+        match self.record().place {
+            Place::Real(at) => *at(feature) = cell.parse().map_err(|_| "a number")?,
+            Place::Whole(at) => *at(feature) = cell.parse().map_err(|_| "a whole number")?,
+            Place::Flag(at) => {
+                *at(feature) = match cell {
+                    "0" => false,
+                    "1" => true,
+                    _ => return Err("0 or 1"),
+                }
+            }
+            Place::Beside => return Err("in no file"),
+        }
+        Ok(())
+    }
+}

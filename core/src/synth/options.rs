@@ -1,0 +1,57 @@
+//! Values of the options that the parameters of synthetic bursts are on a command line (feature `cli`).
+
+use super::Motion;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use serde::de::DeserializeOwned;
+use std::ops::RangeInclusive;
+
+/// Help of the ratio of a chart or a scene.
+pub(super) const SNR_HELP: &str = "Signal-to-noise ratio of one pixel in one frame: the difference of the two levels over the standard deviation of the noise \
+    at their mean; 'inf' makes no noise";
+
+/// Parser of words that `T` is read from in a parameter file, so that file and command line share their words. All
+/// `words` must be words of `T`.
+pub fn words<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: DeserializeOwned + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(words).try_map(|word| read_word::<T>(&word))
+}
+
+/// Reads a value of `T` from its word in a parameter file.
+///
+/// # Errors
+/// When `T` has no such word.
+pub fn read_word<T: DeserializeOwned>(word: &str) -> Result<T, serde_json::Error> {
+    serde_json::from_value(serde_json::Value::String(word.to_owned()))
+}
+
+/// Parser of directions of motion.
+pub fn motions() -> impl TypedValueParser<Value = Motion> {
+    PossibleValuesParser::new(["1d", "2d"]).map(|word| if word == "2d" { Motion::TwoD } else { Motion::OneD })
+}
+
+/// Reads a range of finite numbers.
+///
+/// # Errors
+/// The text, with an example of what is right.
+pub fn parse_range(text: &str) -> Result<RangeInclusive<f64>, String> {
+    let bad = || format!("'{text}' is not MIN:MAX, such as 3.6:19");
+    let (low, high) = text.split_once(':').unwrap_or((text, text));
+    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
+    Ok(number(low)?..=number(high)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::{ChartParams, RadiusLaw};
+
+    #[test]
+    fn options_read_what_they_say() {
+        assert_eq!(parse_range("3.6:19"), Ok(ChartParams::default().radius));
+        assert_eq!(parse_range("2"), Ok(2.0..=2.0));
+        assert!(parse_range("x:2").is_err() && parse_range("1:nan").is_err());
+        assert!(RadiusLaw::ALL.iter().all(|law| read_word::<RadiusLaw>(law.name()).is_ok_and(|read| read == *law)));
+    }
+}

@@ -1,0 +1,302 @@
+//! The kinds of picture: one record each, which the window, lessons, the glossary and files read.
+
+use crate::detector::params::Stage;
+use crate::detector::{Combine, Slope};
+use serde::{Deserialize, Serialize};
+
+/// Classes of picture, each with a shared value range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RangeClass {
+    /// Brightnesses.
+    Intensity,
+    /// DoG responses.
+    Response,
+    /// Differences of two pictures.
+    Difference,
+    /// σ of the noise.
+    Noise,
+    /// Shares, 0 … 1.
+    Share,
+    /// Winning slopes, which have colours of their own.
+    Motion,
+}
+
+impl RangeClass {
+    /// Name of the class within a sentence.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Intensity => "frames and motion stacks",
+            Self::Response => "DoG responses",
+            Self::Difference => "differences",
+            Self::Noise => "noise maps",
+            Self::Share => "coverage maps",
+            Self::Motion => "winning-slope maps",
+        }
+    }
+}
+
+/// Kind of picture, by its name in sessions, lessons and on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ViewKind {
+    Frame,
+    #[default]
+    Stack,
+    Dog,
+    Merge,
+    Noise,
+    Coverage,
+    Motion,
+    Median,
+    ClippedMean,
+    Max,
+    Min,
+    Deviation,
+    MeanMinusMedian,
+}
+
+/// Record of a kind of picture.
+#[derive(Debug, Clone, Copy)]
+pub struct AboutView {
+    /// Name in files, also that of the glossary's entries and at the end of exported files' names.
+    pub key: &'static str,
+    pub label: &'static str,
+    pub help: &'static str,
+    /// Stage of the processing that makes it: it depends on the parameters of this stage and of those before it. `None`
+    /// where it depends on no parameter.
+    pub stage: Option<Stage>,
+    /// Whether it depends on the slope.
+    pub of_slope: bool,
+    /// Whether it depends on octave and level, and has the octave's pixels.
+    pub of_scale: bool,
+    pub range: RangeClass,
+    /// Whether it needs a search of the burst or all of its frames, which takes too long to repeat at every step of a
+    /// slider.
+    pub is_slow: bool,
+    /// The way to combine the shifted frames, for pictures that are made by one.
+    pub combine: Option<Combine>,
+}
+
+const FRAME: AboutView = AboutView {
+    key: "frame",
+    label: "Frame",
+    help: "One frame as it was taken",
+    stage: None,
+    of_slope: false,
+    of_scale: false,
+    range: RangeClass::Intensity,
+    is_slow: false,
+    combine: None,
+};
+
+/// A map of a quantity that decides in the search.
+const MAP: AboutView = AboutView { stage: Some(Stage::Search), of_slope: true, is_slow: true, ..FRAME };
+
+const fn combined(combine: Combine, range: RangeClass, [key, label, help]: [&'static str; 3]) -> AboutView {
+    let stage = Some(Stage::Stack);
+    AboutView { key, label, help, stage, of_slope: true, range, combine: Some(combine), ..FRAME }
+}
+
+impl ViewKind {
+    /// All kinds, in the order of menus.
+    pub const ALL: [Self; 13] = [
+        Self::Frame,
+        Self::Stack,
+        Self::Dog,
+        Self::Merge,
+        Self::Noise,
+        Self::Coverage,
+        Self::Motion,
+        Self::Median,
+        Self::ClippedMean,
+        Self::Max,
+        Self::Min,
+        Self::Deviation,
+        Self::MeanMinusMedian,
+    ];
+
+    /// Kinds that the canvas switches between; a cursor remembers the last one that was shown.
+    pub const OF_CURSOR: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];
+
+    pub const fn about(self) -> AboutView {
+        use RangeClass::{Difference, Intensity, Noise, Response, Share};
+        match self {
+            Self::Frame => FRAME,
+            Self::Stack => AboutView {
+                key: "stack",
+                label: "Motion stack",
+                help: "The mean of the frames, shifted by the slope",
+                stage: Some(Stage::Stack),
+                of_slope: true,
+                ..FRAME
+            },
+            Self::Dog => AboutView {
+                key: "dog",
+                label: "DoG",
+                help: "The difference of Gaussians of the motion stack, which the detector searches",
+                stage: Some(Stage::Response),
+                of_slope: true,
+                of_scale: true,
+                range: Response,
+                ..FRAME
+            },
+            Self::Merge => AboutView {
+                key: "merge",
+                label: "Merged frames",
+                help: "The frames aligned tile by tile and merged into one image",
+                stage: Some(Stage::Frames),
+                is_slow: true,
+                ..FRAME
+            },
+            Self::Noise => AboutView {
+                key: "noise",
+                label: "Local noise",
+                help: "σ of the noise in the DoG at the slope, octave and level, by place, as the noise gate takes it: \
+                       a candidate must be several times as large",
+                of_scale: true,
+                range: Noise,
+                ..MAP
+            },
+            Self::Coverage => AboutView {
+                key: "coverage",
+                label: "Coverage",
+                help: "The share of the frames that see each place at the slope: \
+                       where it is small, fewer frames are averaged and the noise is stronger",
+                range: Share,
+                ..MAP
+            },
+            Self::Motion => AboutView {
+                key: "motion",
+                label: "Winning slope",
+                help: "The slope that answers most strongly at each place, at the octave and level: its direction is \
+                       the colour, and it is the brighter the further all other slopes stay behind",
+                of_slope: false,
+                of_scale: true,
+                range: RangeClass::Motion,
+                ..MAP
+            },
+            Self::Median => combined(
+                Combine::Median,
+                Intensity,
+                [
+                    "median",
+                    "Median of the frames",
+                    "The median of the frames, shifted by the slope: what is in fewer than half of them is gone",
+                ],
+            ),
+            Self::ClippedMean => combined(
+                Combine::ClippedMean,
+                Intensity,
+                [
+                    "clipped_mean",
+                    "Clipped mean",
+                    "The mean of the frames, shifted by the slope, without values far from the median",
+                ],
+            ),
+            Self::Max => combined(
+                Combine::Max,
+                Intensity,
+                [
+                    "max",
+                    "Maximum",
+                    "The largest value of the frames, shifted by the slope: what is bright in any of them",
+                ],
+            ),
+            Self::Min => combined(
+                Combine::Min,
+                Intensity,
+                [
+                    "min",
+                    "Minimum",
+                    "The smallest value of the frames, shifted by the slope: what is bright in all of them",
+                ],
+            ),
+            Self::Deviation => combined(
+                Combine::Deviation,
+                Noise,
+                [
+                    "deviation",
+                    "Deviation",
+                    "The standard deviation of the frames, shifted by the slope: noise, and what changes",
+                ],
+            ),
+            Self::MeanMinusMedian => combined(
+                Combine::MeanMinusMedian,
+                Difference,
+                [
+                    "mean_minus_median",
+                    "Mean minus median",
+                    "What is in some frames only stands out: satellites, cars, lamps that switch, hot pixels",
+                ],
+            ),
+        }
+    }
+
+    pub fn label(self) -> &'static str {
+        self.about().label
+    }
+}
+
+/// Kind of a picture, with its parameters: slopes in pixels per frame; octave −1 is the doubled image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PictureKind {
+    /// One frame, counted from 0.
+    Frame(usize),
+    /// The motion-stack image at a slope, on the grid or between.
+    Stack { slope: Slope },
+    /// The DoG response of the motion-stack image at a slope.
+    Dog { octave: i32, level: i32, slope: Slope },
+    /// The frames that are used, aligned tile by tile and merged into one.
+    Merge,
+    /// Any other kind.
+    Map { map: ViewKind, octave: i32, level: i32, slope: Slope },
+}
+
+impl PictureKind {
+    pub fn about(self) -> AboutView {
+        let kind = match self {
+            Self::Frame(_) => ViewKind::Frame,
+            Self::Stack { .. } => ViewKind::Stack,
+            Self::Dog { .. } => ViewKind::Dog,
+            Self::Merge => ViewKind::Merge,
+            Self::Map { map, .. } => map,
+        };
+        kind.about()
+    }
+
+    /// Slope that it shows, if it depends on one.
+    pub fn slope(self) -> Option<Slope> {
+        match self {
+            Self::Stack { slope } | Self::Dog { slope, .. } => Some(slope),
+            Self::Map { map, slope, .. } => map.about().of_slope.then_some(slope),
+            Self::Frame(_) | Self::Merge => None,
+        }
+    }
+
+    /// Octave and level that it shows, if it has the octave's pixels.
+    pub fn scale(self) -> Option<(i32, i32)> {
+        match self {
+            Self::Dog { octave, level, .. } => Some((octave, level)),
+            Self::Map { map, octave, level, .. } => map.about().of_scale.then_some((octave, level)),
+            Self::Frame(_) | Self::Stack { .. } | Self::Merge => None,
+        }
+    }
+
+    /// Input pixels for one pixel of this picture: 2^octave for a picture of an octave, else 1.
+    pub fn input_px_per_pixel(self) -> f32 {
+        self.scale().map_or(1.0, |(octave, _)| (octave as f32).exp2())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kind_is_read_by_the_key_of_its_record() {
+        for kind in ViewKind::ALL {
+            let key = serde_json::Value::String(kind.about().key.to_owned());
+            assert_eq!(serde_json::from_value::<ViewKind>(key).ok(), Some(kind));
+        }
+    }
+}
