@@ -21,6 +21,7 @@ pub mod combine;
 pub mod describe;
 mod distinct;
 pub mod feature;
+pub mod field;
 pub(crate) mod limit;
 pub mod localise;
 pub mod memory;

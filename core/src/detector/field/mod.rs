@@ -1,0 +1,118 @@
+//! Field of motion: how each place of a burst moves, and how surely that is known.
+//!
+//! The slope of a single feature is where the noise happens to help it most, and along an edge it is not defined at
+//! all. The motion of a *place* is known much better, since all that lies around it moves the same way.
+//! [`evidence`] sweeps the plane of slopes on reduced, band-passed frames and says for each cell and slope how much
+//! more likely the frames are if the cell moves so, in nats. [`windows`] adds these up over windows from large to
+//! small; a smaller window overrules a larger one only where it has more evidence than chance would give it. The
+//! motion between the slopes and its uncertainty come from the curvature of the same sum.
+//!
+//! (The paper has no such step: its features carry the slope at which they were found.)
+
+mod evidence;
+#[cfg(test)]
+mod tests;
+mod windows;
+
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use evidence::Evidence;
+use serde::Serialize;
+
+/// Number of cells, about, above which the frames are reduced further: 3.2 megapixels at [`CELL_PX`].
+const MAX_CELLS: usize = 200_000;
+/// Pixels on a side of a cell in images up to 3.2 megapixels.
+const CELL_PX: usize = 4;
+/// Uncertainty of a motion along its least certain direction from which on it is unknown, pixels of smear between the
+/// first and the last frame.
+const UNKNOWN_SMEAR_PX: f32 = 6.0;
+
+/// Motion of a place with its uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Motion {
+    /// Apparent motion of the place, pixels per frame.
+    pub slope: Slope,
+    /// Covariance of the motion: of u, of u with v, and of v, (pixels per frame)². 0 across a line of slopes, which
+    /// is taken as given.
+    pub covariance: [f32; 3],
+}
+
+impl Motion {
+    /// Semi-axes of the ellipse of one standard deviation, pixels per frame, the longer first, and the angle of the
+    /// longer one from +u towards +v, radians. Along an edge nothing is known, and the longer axis shows it.
+    pub fn ellipse(&self) -> ([f32; 2], f32) {
+        let [uu, uv, vv] = self.covariance;
+        let (mean, half) = (0.5 * (uu + vv), (0.5 * (uu - vv)).hypot(uv));
+        let axes = [mean + half, mean - half].map(|variance| variance.max(0.0).sqrt());
+        (axes, 0.5 * (2.0 * uv).atan2(uu - vv))
+    }
+
+    /// Distance of `slope` from this motion in its standard deviations (Mahalanobis), where the other slope has
+    /// `sigma` of its own in each direction, pixels per frame.
+    pub fn distance(&self, slope: Slope, sigma: f32) -> f32 {
+        let [uu, uv, vv] = self.covariance;
+        let (uu, vv) = (uu + sigma * sigma, vv + sigma * sigma);
+        let (du, dv) = (slope.u - self.slope.u, slope.v - self.slope.v);
+        let determinant = (uu * vv - uv * uv).max(f32::MIN_POSITIVE);
+        ((vv * du * du - 2.0 * uv * du * dv + uu * dv * dv) / determinant).max(0.0).sqrt()
+    }
+}
+
+/// Motions of all places of a burst at mid-burst.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionField {
+    /// Columns and rows of cells.
+    pub size: (usize, usize),
+    /// Pixels of the input image on a side of a cell.
+    pub cell_px: usize,
+    /// Motion of each cell, row by row.
+    pub motions: Vec<Motion>,
+    /// Standard deviation of the window that decided on the cell, pixels of the input image.
+    pub window_px: Vec<f32>,
+    /// Uncertainty from which on a motion counts as unknown, pixels per frame.
+    pub unknown_sigma: f32,
+}
+
+impl MotionField {
+    /// Index of the cell at the place (`u`, `v`) of the input image; the nearest one outside it.
+    fn cell(&self, u: f32, v: f32) -> usize {
+        let along = |x: f32, count: usize| (((x + 0.5) / self.cell_px as f32) as usize).min(count.saturating_sub(1));
+        along(v, self.size.1) * self.size.0 + along(u, self.size.0)
+    }
+
+    /// Motion at the place (`u`, `v`) of the input image, that of its cell.
+    pub fn at(&self, u: f32, v: f32) -> Motion {
+        self.motions[self.cell(u, v)]
+    }
+
+    /// Standard deviation of the window that decided at the place (`u`, `v`), pixels of the input image.
+    pub fn window_px_at(&self, u: f32, v: f32) -> f32 {
+        self.window_px[self.cell(u, v)]
+    }
+
+    /// Whether a motion of this field is known in every direction.
+    pub fn is_known(&self, motion: &Motion) -> bool {
+        motion.ellipse().0[0] < self.unknown_sigma
+    }
+}
+
+/// Finds the motion of every place of the burst of `frames`, which are all of one size, among the slopes of `grid` and
+/// those one step beyond. `None` for fewer than 3 frames or images of less than 8 cells on a side: they show no motion.
+///
+/// The same bits for any number of threads. It takes 4 bytes for each cell and slope swept, twice.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn motion_field(frames: &[&Plane], grid: &SlopeGrid, monitor: &Monitor) -> Result<Option<MotionField>, Cancelled> {
+    let Some(first) = frames.first() else { return Ok(None) };
+    let (width, height) = first.size();
+    let cell_px = CELL_PX.max(((width * height) as f64 / MAX_CELLS as f64).sqrt().round() as usize);
+    if frames.len() < 3 || width.min(height) < 8 * cell_px {
+        return Ok(None);
+    }
+    let evidence = Evidence::new(frames, cell_px, grid, monitor)?;
+    let (motions, window_px) = windows::motions(&evidence, monitor)?;
+    let unknown_sigma = UNKNOWN_SMEAR_PX / (frames.len() - 1) as f32;
+    Ok(Some(MotionField { size: evidence.size, cell_px, motions, window_px, unknown_sigma }))
+}

@@ -1,0 +1,154 @@
+//! Bursts with exact motions: one for all, an ellipse before a background, stripes, nothing.
+
+use super::*;
+use proptest::prelude::*;
+
+const FRAMES: usize = 9;
+const SIZE: (usize, usize) = (256, 224);
+
+/// A number in 0 … 1 that looks random, the same for the same place and `seed`.
+fn hash(u: i64, v: i64, seed: u64) -> f32 {
+    let mut x = (u as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (v as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f) ^ seed;
+    for _ in 0..2 {
+        x = (x ^ (x >> 31)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    }
+    (x >> 40) as f32 / (1u64 << 24) as f32
+}
+
+/// Smooth texture with structures of about `grain_px`.
+fn texture(u: f32, v: f32, grain_px: f32, seed: u64) -> f32 {
+    let (u, v) = (u / grain_px, v / grain_px);
+    let (i, j) = (u.floor(), v.floor());
+    let ease = |x: f32| x * x * (3.0 - 2.0 * x);
+    let (fu, fv) = (ease(u - i), ease(v - j));
+    let at = |di: i64, dj: i64| hash(i as i64 + di, j as i64 + dj, seed);
+    (at(0, 0) * (1.0 - fu) + at(1, 0) * fu) * (1.0 - fv) + (at(0, 1) * (1.0 - fu) + at(1, 1) * fu) * fv
+}
+
+/// Frames of `scene`, a function of place and time from mid-burst, with noise of about `noise` in each pixel.
+fn frames(noise: f32, scene: impl Fn(f32, f32, f32) -> f32) -> Vec<Plane> {
+    let middle = 0.5 * (FRAMES - 1) as f32;
+    let frame = |t: usize| {
+        Plane::from_fn(SIZE.0, SIZE.1, |u, v| {
+            let grain: f32 = (0..4).map(|k| hash(u as i64, v as i64, (t * 4 + k + 99) as u64) - 0.5).sum();
+            0.3 + 0.2 * scene(u as f32, v as f32, t as f32 - middle) + 1.7 * noise * grain
+        })
+    };
+    (0..FRAMES).map(frame).collect()
+}
+
+fn field_of(frames: &[Plane], grid: &SlopeGrid) -> MotionField {
+    let frames: Vec<&Plane> = frames.iter().collect();
+    motion_field(&frames, grid, &Monitor::default()).expect("not cancelled").expect("large enough")
+}
+
+/// Share of the places, at least 24 pixels inside, that are within 0.35 px/frame of `truth`.
+fn right(field: &MotionField, truth: impl Fn(usize, usize) -> Option<Slope>) -> f64 {
+    let places = (24..SIZE.1 - 24).step_by(8).flat_map(|v| (24..SIZE.0 - 24).step_by(8).map(move |u| (u, v)));
+    let known: Vec<bool> = places
+        .filter_map(|(u, v)| {
+            let (found, truth) = (field.at(u as f32, v as f32).slope, truth(u, v)?);
+            Some((found.u - truth.u).hypot(found.v - truth.v) < 0.35)
+        })
+        .collect();
+    known.iter().filter(|right| **right).count() as f64 / known.len() as f64
+}
+
+fn moving(slope: Slope, seed: u64) -> impl Fn(f32, f32, f32) -> f32 {
+    move |u, v, t| texture(u - t * slope.u, v - t * slope.v, 12.0, seed)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+    #[test]
+    fn one_motion_is_found_everywhere_in_the_dark(slope_u in -2.5f32..2.5, slope_v in -2.5f32..2.5, seed in 0u64..1000) {
+        let slope = Slope::new(slope_u, slope_v);
+        let plane = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
+        let field = field_of(&frames(0.1, moving(slope, seed)), &plane);
+        prop_assert!(right(&field, |_, _| Some(slope)) > 0.98);
+    }
+}
+
+#[test]
+fn a_line_of_slopes_in_any_direction_finds_its_motion() {
+    for (direction_deg, along) in [(0.0f32, 1.3f32), (90.0, -0.7), (30.0, 2.1)] {
+        let (sin, cos) = direction_deg.to_radians().sin_cos();
+        let slope = Slope::new(cos * along, sin * along);
+        let grid = SlopeGrid::line_along(direction_deg, -3.0..=3.0, 7);
+        let field = field_of(&frames(0.1, moving(slope, 4)), &grid);
+        assert!(right(&field, |_, _| Some(slope)) > 0.99, "{direction_deg}°");
+        let [uu, uv, vv] = field.at(128.0, 100.0).covariance;
+        let across = sin * sin * uu - 2.0 * sin * cos * uv + cos * cos * vv;
+        assert!(across < 0.01 * (uu + vv) + 0.0025, "{direction_deg}°: {across} of {uu} {vv}");
+    }
+}
+
+#[test]
+fn a_thing_before_a_background_keeps_its_own_motion() {
+    let (behind, before) = (Slope::new(-0.8, 0.0), Slope::new(1.6, 0.0));
+    let inside = |u: f32, v: f32| ((u - 120.0) / 44.0).hypot((v - 110.0) / 40.0) < 1.0;
+    let scene = |u: f32, v: f32, t: f32| {
+        if inside(u - t * before.u, v) { moving(before, 1)(u, v, t) } else { moving(behind, 2)(u, v, t) }
+    };
+    let field = field_of(&frames(0.06, scene), &SlopeGrid::line(-3.0..=3.0, 7));
+    let of = |wanted: bool| {
+        // Between the two a cell shows both.
+        let rim = |u: usize, v: usize| ((u as f32 - 120.0) / 44.0).hypot((v as f32 - 110.0) / 40.0);
+        right(&field, |u, v| {
+            let r = rim(u, v);
+            if wanted { (r < 0.7).then_some(before) } else { (r > 1.6).then_some(behind) }
+        })
+    };
+    assert!(of(true) > 0.9 && of(false) > 0.95, "{} of the thing, {} of the background", of(true), of(false));
+}
+
+#[test]
+fn stripes_say_nothing_along_themselves() {
+    let slope = Slope::new(0.0, 1.0);
+    let stripes = |_: f32, v: f32, t: f32| texture(0.5, v - t * slope.v, 10.0, 3);
+    let field = field_of(&frames(0.03, stripes), &SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7));
+    let motion = field.at(128.0, 112.0);
+    let ([long, short], angle) = motion.ellipse();
+    assert!((motion.slope.v - 1.0).abs() < 0.2 && angle.sin().abs() < 0.3, "{motion:?}");
+    assert!(long > 5.0 * short && !field.is_known(&motion), "{long} along, {short} across");
+}
+
+#[test]
+fn noise_has_no_known_motion() {
+    let field = field_of(&frames(0.1, |_, _, _| 0.0), &SlopeGrid::line(-3.0..=3.0, 7));
+    let known = field.motions.iter().filter(|motion| field.is_known(motion)).count();
+    assert!(known * 5 < field.motions.len(), "{known} of {}", field.motions.len());
+}
+
+#[test]
+fn a_transposed_burst_has_the_transposed_field() {
+    let slope = Slope::new(1.2, -0.6);
+    let upright = frames(0.08, moving(slope, 8));
+    let turned: Vec<Plane> =
+        upright.iter().map(|frame| Plane::from_fn(SIZE.1, SIZE.0, |u, v| frame.at(v, u))).collect();
+    let grid = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
+    let turned = field_of(&turned, &SlopeGrid { u: grid.v, v: grid.u, ..grid });
+    let upright = field_of(&upright, &grid);
+    for (u, v) in [(40.0, 40.0), (128.0, 112.0), (200.0, 60.0)] {
+        let (a, b) = (upright.at(u, v).slope, turned.at(v, u).slope);
+        assert!((a.u - b.v).abs() < 0.02 && (a.v - b.u).abs() < 0.02, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn threads_change_nothing_and_little_input_has_no_field() {
+    let frames = frames(0.1, moving(Slope::new(1.0, 0.0), 5));
+    let grid = SlopeGrid::line(-2.0..=2.0, 5);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| field_of(&frames, &grid))
+    };
+    assert_eq!(with(1), with(3));
+    let monitor = Monitor::default();
+    let planes: Vec<&Plane> = frames.iter().collect();
+    assert_eq!(motion_field(&planes[..2], &grid, &monitor), Ok(None), "two frames");
+    let small = vec![Plane::zeros(31, 200); 5];
+    assert_eq!(motion_field(&small.iter().collect::<Vec<_>>(), &grid, &monitor), Ok(None), "7 cells");
+    monitor.cancel();
+    assert_eq!(motion_field(&planes, &grid, &monitor), Err(Cancelled));
+}
