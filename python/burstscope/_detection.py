@@ -93,6 +93,26 @@ class Detection:
         return _fixed(self._raw.column("at_slope_limit"))
 
     @cached_property
+    def slope_sigma(self) -> NDArray[np.float32]:
+        """Standard deviations of the slopes along their least certain direction [n], pixels per frame."""
+        return _fixed(self._raw.column("slope_sigma"))
+
+    @cached_property
+    def field(self) -> NDArray[np.float32]:
+        """Motions of the features' places, from the field of motion [n, 2], pixels per frame."""
+        return _fixed(np.column_stack([self._raw.column("field_u"), self._raw.column("field_v")]))
+
+    @cached_property
+    def field_sigma(self) -> NDArray[np.float32]:
+        """Their standard deviations along the least certain direction [n]; infinite where the motion is unknown."""
+        return _fixed(self._raw.column("field_sigma"))
+
+    @cached_property
+    def layer(self) -> NDArray[np.int32]:
+        """Motion layers that they move with [n], from 1, the fastest; 0 for none."""
+        return _fixed(self._raw.column("layer"))
+
+    @cached_property
     def descriptors(self) -> NDArray[np.uint8]:
         """Descriptors [n, 128], uint8, in the order of COLMAP (UBC); compared by Euclidean distance."""
         return _fixed(self._raw.descriptors())

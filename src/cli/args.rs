@@ -51,7 +51,7 @@ pub struct DetectArgs {
 
 const DETECT_HELP: &str = "\
 Files, for each burst NAME:
-  csv     NAME.csv  u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit; strongest first
+  csv     NAME.csv  u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,field_v,field_sigma,layer; strongest first
   colmap  NAME.txt  'N 128', then x y scale orientation d1 … d128; first pixel centre at 0.5, UBC order
   npz     NAME.npz  features [N,11] f32 in the csv's columns, descriptors [N,128] u8
 

@@ -45,6 +45,8 @@ pub enum ViewKind {
     Noise,
     Coverage,
     Motion,
+    Field,
+    InFocus,
     Median,
     ClippedMean,
     Max,
@@ -99,7 +101,7 @@ const fn combined(
 
 impl ViewKind {
     /// All kinds, in the order of menus.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Frame,
         Self::Stack,
         Self::Dog,
@@ -107,6 +109,8 @@ impl ViewKind {
         Self::Noise,
         Self::Coverage,
         Self::Motion,
+        Self::Field,
+        Self::InFocus,
         Self::Median,
         Self::ClippedMean,
         Self::Max,
@@ -173,6 +177,22 @@ impl ViewKind {
                 of_slope: false,
                 of_scale: true,
                 range: RangeClass::Motion,
+                ..MAP
+            },
+            Self::Field => AboutView {
+                key: "field",
+                label: "Field of motion",
+                help: "The motion of every place, from all that lies around it: its direction is the colour, and it \
+                       is the brighter the more certain it is; grey where it is unknown",
+                of_slope: false,
+                range: RangeClass::Motion,
+                ..MAP
+            },
+            Self::InFocus => AboutView {
+                key: "in_focus",
+                label: "All in focus",
+                help: "The mean of the frames, each place shifted by its own motion: near and far are sharp at once",
+                of_slope: false,
                 ..MAP
             },
             Self::Median => combined(

@@ -1,46 +1,65 @@
-//! Winning slopes: a picture of the motion.
+//! Pictures of the motion: winning slopes, and the field of motion.
 
-use crate::detector::{Slope, SlopeGrid};
+use crate::detector::{MotionField, Slope, SlopeGrid};
 use crate::inspect::candidates::WinningSlopes;
 use crate::plane::display::direction_colour;
 use image::{Rgba, RgbaImage};
 
-/// Winning slope of each place, and its colours.
+/// Motion of each pixel, and its colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionMap {
-    pub winning: WinningSlopes,
-    pub grid: SlopeGrid,
-    /// Direction and length of the slope as hue and saturation; the brighter the more certain, dark below the gate.
+    /// Each pixel's slope and its certainty (0 … 1), row by row.
+    motions: Vec<(Slope, f32)>,
+    /// Length of a slope in full colour, pixels per frame.
+    pub max_px_per_frame: f32,
+    /// Direction and length of the slope as hue and saturation; the brighter the more certain, dark where it is not.
     pub colours: RgbaImage,
 }
 
-/// Brightness of the least certain winner, as a fraction of that of the most certain.
+/// Brightness of the least certain motion, as a fraction of that of the most certain.
 const MIN_BRIGHTNESS: f32 = 0.35;
-/// Grey value of places where no response reaches the gate.
+/// Grey value of places whose motion is unknown, and where no response reaches the gate.
 const NOTHING: u8 = 26;
 
 impl MotionMap {
-    pub(super) fn new(winning: WinningSlopes, grid: SlopeGrid) -> Self {
-        let max = grid.max_magnitude().max(f32::MIN_POSITIVE);
-        let table: Vec<[u8; 3]> =
-            grid.slopes().map(|slope| direction_colour(slope.v.atan2(slope.u), slope.magnitude() / max)).collect();
-        let (width, height) = winning.snr.size();
+    pub(super) fn winning(winning: &WinningSlopes, grid: &SlopeGrid) -> Self {
+        let slopes: Vec<Slope> = grid.slopes().collect();
+        let slope = |x: usize, y: usize| slopes[winning.slope_index.at(x, y) as usize];
+        Self::new(winning.snr.size(), grid, |x, y| (slope(x, y), winning.confidence.at(x, y)))
+    }
+
+    /// The field on the pixels of an image of `size` (columns, rows).
+    pub(super) fn field(field: &MotionField, size: (usize, usize), grid: &SlopeGrid) -> Self {
+        Self::new(size, grid, |x, y| {
+            let motion = field.at(x as f32, y as f32);
+            (motion.slope, field.certainty(&motion))
+        })
+    }
+
+    fn new((width, height): (usize, usize), grid: &SlopeGrid, at: impl Fn(usize, usize) -> (Slope, f32)) -> Self {
+        let motions: Vec<(Slope, f32)> = (0..width * height).map(|place| at(place % width, place / width)).collect();
+        let max_px_per_frame = grid.max_magnitude().max(f32::MIN_POSITIVE);
+        // Most places share their slope with the one before.
+        let mut last = None;
         let colours = RgbaImage::from_fn(width as u32, height as u32, |x, y| {
-            let at = (x as usize, y as usize);
-            let sure = winning.confidence.at(at.0, at.1);
+            let (slope, sure) = motions[y as usize * width + x as usize];
             if sure <= 0.0 {
                 return Rgba([NOTHING, NOTHING, NOTHING, 255]);
             }
+            let colour = match last {
+                Some((of, colour)) if of == slope => colour,
+                _ => direction_colour(slope.v.atan2(slope.u), (slope.magnitude() / max_px_per_frame).min(1.0)),
+            };
+            last = Some((slope, colour));
             let brightness = MIN_BRIGHTNESS + (1.0 - MIN_BRIGHTNESS) * sure.sqrt();
-            let [r, g, b] = table[winning.slope_index.at(at.0, at.1) as usize];
-            let dimmed = |c: u8| (f32::from(c) * brightness) as u8;
-            Rgba([dimmed(r), dimmed(g), dimmed(b), 255])
+            let [r, g, b] = colour.map(|c: u8| (f32::from(c) * brightness) as u8);
+            Rgba([r, g, b, 255])
         });
-        Self { winning, grid, colours }
+        Self { motions, max_px_per_frame, colours }
     }
 
-    /// The winning slope at a pixel (column, row), and its certainty, 0 … 1.
+    /// The motion at a pixel (column, row), and its certainty, 0 … 1.
     pub fn at(&self, (x, y): (usize, usize)) -> (Slope, f32) {
-        (self.grid.slope(self.winning.slope_index.at(x, y) as usize), self.winning.confidence.at(x, y))
+        self.motions[y * self.colours.width() as usize + x]
     }
 }

@@ -129,14 +129,14 @@ pub struct Picture {
     pub plane: Arc<Plane>,
     /// Its pixels as they are shown: the same, or smoothed.
     pub drawn: Arc<Plane>,
-    /// The winning slopes and their colours, for a map of winning slopes.
+    /// The motions and their colours, for a picture of the motion.
     pub motion: Option<Arc<MotionMap>>,
 }
 
 impl Picture {
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
-        // Three planes and the colours, a number for each pixel.
+        // The plane, the motions and their colours.
         let drawn = if Arc::ptr_eq(&self.plane, &self.drawn) { 0 } else { pixels };
         drawn + if self.motion.is_some() { 5 * pixels } else { pixels }
     }

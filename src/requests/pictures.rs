@@ -7,7 +7,10 @@ use super::picture::{Picture, PictureRequest};
 use super::request::{Kept, Request, Urgency, Work};
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
-use crate::detector::view::{combined_view, coverage_view, dog_view, gate_noise_map, stack_view};
+use crate::detector::field::NO_FIELD;
+use crate::detector::view::{
+    combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_view,
+};
 use crate::inspect::candidates::winning_slopes;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -42,8 +45,20 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
             let cache = trails.get_or_make_for(&request.burst, &request.params, monitor)?;
             let winning = winning_slopes(&cache.trail, octave, level, monitor)?;
             let snr = Arc::new(winning.snr.clone());
-            motion = Some(Arc::new(MotionMap::new(winning, request.params.used_slopes())));
+            motion = Some(Arc::new(MotionMap::winning(&winning, &request.params.used_slopes())));
             snr
+        }
+        PictureKind::Map { map: ViewKind::Field, .. } => {
+            let grid = request.params.used_slopes();
+            let Some(field) = field_view(burst, &request.params, monitor)? else {
+                return Err(JobError::Failed(NO_FIELD.to_owned()));
+            };
+            motion = Some(Arc::new(MotionMap::field(&field, burst.size(), &grid)));
+            Arc::new(field.magnitudes(burst.size()))
+        }
+        PictureKind::Map { map: ViewKind::InFocus, .. } => {
+            let in_focus = in_focus_view(burst, &request.params, monitor)?;
+            Arc::new(in_focus.ok_or_else(|| JobError::Failed(NO_FIELD.to_owned()))?)
         }
         PictureKind::Map { map, octave, level, slope } => {
             let (burst, params) = prepare(burst, &request.params, monitor)?;

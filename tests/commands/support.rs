@@ -88,7 +88,12 @@ pub fn names(folder: &Path) -> Vec<String> {
 pub fn features(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("a file");
     let mut lines = text.lines();
-    assert_eq!(lines.next(), Some("u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit"));
+    assert_eq!(
+        lines.next(),
+        Some(
+            "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,field_v,field_sigma,layer"
+        )
+    );
     lines.map(|line| line.split(',').map(|x| x.parse().expect("a number")).collect()).collect()
 }
 

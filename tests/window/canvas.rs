@@ -71,6 +71,7 @@ fn blobs() -> (Plane, Vec<Feature>) {
         level: 1,
         slope_index: i,
         at_slope_limit: slope_u.abs() >= 3.0,
+        ..Feature::default()
     });
     (plane, features.collect())
 }

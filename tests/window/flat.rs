@@ -75,7 +75,11 @@ pub fn with_features(mut window: Window) -> Window {
         octave: i as i32 / 2,
         level: 1 + i as i32 % 3,
         slope_index: slopes.iter().position(|s| *s == Slope::new(slope, 0.0)).expect("a slope of the grid"),
-        at_slope_limit: false,
+        slope_sigma: 0.05,
+        field: Slope::new(slope, 0.0),
+        field_sigma: 0.04,
+        layer: 1,
+        ..Feature::default()
     });
     let detection = Arc::new(Detection {
         features: features.collect(),
@@ -83,6 +87,7 @@ pub fn with_features(mut window: Window) -> Window {
         tally: Tally { samples: 2_000_000, rejected: std::array::from_fn(|k| 1000 * (k as u64 + 1)), kept: 4 },
         frame_noise: 0.004,
         noise: Arc::new(NoiseModel::white(0.004)),
+        field: None,
         noise_gate_factor: 5.0,
         slopes: asked.detector.slopes,
         frames_used: 0..FRAMES,

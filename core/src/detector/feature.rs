@@ -5,6 +5,7 @@
 
 pub use super::test::{Tally, Test};
 
+use super::field::MotionField;
 use super::noise_model::NoiseModel;
 use super::params::{DetectorParams, ParamError, SlopeExtrema};
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
@@ -38,9 +39,60 @@ pub struct Feature {
     /// Whether `slope` is at the end of the range that was searched and the response still rises beyond: the motion
     /// lies outside. See `limit`.
     pub at_slope_limit: bool,
+    /// Standard deviation of `slope` along its least certain direction, pixels per frame: large along an edge, whose
+    /// motion along itself is not defined.
+    pub slope_sigma: f32,
+    /// Motion of its place, from the [field of motion](super::field), pixels per frame.
+    pub field: Slope,
+    /// Standard deviation of `field` along its least certain direction, pixels per frame; infinite where the motion of
+    /// the place is unknown, and where a burst has no field.
+    pub field_sigma: f32,
+    /// [Layer](super::field::MotionLayer) that it moves with, from 1, the fastest; 0 for none.
+    pub layer: i32,
 }
 
+/// Motion of a feature beside that of its surroundings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Moves {
+    /// As its surroundings do, as far as its own motion is known.
+    WithSurroundings,
+    /// Otherwise: a thing that moves by itself, an alias, or a ghost of another motion.
+    ByItself,
+    /// Its own motion says little: it is an edge, which shows no motion along itself, or it is faint.
+    Undefined,
+    /// The motion of its place is unknown.
+    Unknown,
+}
+
+impl Moves {
+    /// Words for people.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::WithSurroundings => "moves with its surroundings",
+            Self::ByItself => "moves by itself",
+            Self::Undefined => "motion not defined (edge)",
+            Self::Unknown => "surroundings unknown",
+        }
+    }
+}
+
+/// Uncertainty of a feature's own motion above which it is not defined, pixels per frame.
+const DEFINED_SIGMA: f32 = 0.5;
+/// Standard deviations by which a feature that moves by itself differs from its surroundings.
+const BY_ITSELF_SIGMAS: f32 = 3.0;
+
 impl Feature {
+    /// Its motion beside that of its surroundings.
+    pub fn moves(&self) -> Moves {
+        let apart = (self.slope.u - self.field.u).hypot(self.slope.v - self.field.v);
+        match self {
+            _ if self.field_sigma.is_infinite() => Moves::Unknown,
+            _ if self.slope_sigma > DEFINED_SIGMA => Moves::Undefined,
+            _ if apart > BY_ITSELF_SIGMAS * self.slope_sigma.hypot(self.field_sigma) => Moves::ByItself,
+            _ => Moves::WithSurroundings,
+        }
+    }
+
     /// Strength for ranking: see [`strength`].
     pub fn strength(&self) -> f32 {
         strength(self.response, self.snr)
@@ -63,7 +115,7 @@ pub type Descriptor = [u8; 128];
 /// Wall-clock time spent in each stage of a detection, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct StageTimes {
-    /// Time for estimating the noise.
+    /// Time for estimating the noise, and the field of motion.
     pub noise_secs: f32,
     /// Time for stacking, filtering and searching.
     pub search_secs: f32,
@@ -91,6 +143,8 @@ pub struct Detection {
     pub frame_noise: f32,
     /// Noise model.
     pub noise: Arc<NoiseModel>,
+    /// Motion of every place; `None` where the burst shows none (see [`motion_field`](super::field::motion_field)).
+    pub field: Option<Arc<MotionField>>,
     /// Noise gate's factor that was used (derived, if it was automatic).
     pub noise_gate_factor: f32,
     /// Slopes that were searched.
@@ -168,7 +222,7 @@ pub enum DetectError {
 /// Revision of the detector. It goes up by one with every change after which an unchanged burst and unchanged
 /// parameters give other bits of any feature or descriptor; not with new parameters whose defaults change nothing
 /// (parameters are compared separately).
-pub const REVISION: u32 = 10;
+pub const REVISION: u32 = 11;
 
 #[cfg(test)]
 mod tests {
@@ -180,7 +234,7 @@ mod tests {
     /// Results of this revision on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³;
     /// mean of the descriptors' values. Sums, with a tolerance, because processors round the last bit differently.
     const FOUND: (u32, usize, [f64; 6]) =
-        (10, 143, [12060.478533, 12795.925066, 549.425511, 116.796307, 89.664412, 34.771088]);
+        (11, 143, [12060.478533, 12795.925066, 549.425511, 116.796307, 89.664412, 34.771088]);
 
     #[test]
     fn other_features_come_with_another_revision() {

@@ -41,7 +41,8 @@ pub mod view;
 
 pub use advice::{Advice, explain};
 pub use combine::Combine;
-pub use feature::{Descriptor, DetectError, Detection, Feature, REVISION, StageTimes, Tally, Test};
+pub use feature::{Descriptor, DetectError, Detection, Feature, Moves, REVISION, StageTimes, Tally, Test};
+pub use field::{Motion, MotionField, MotionLayer};
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,

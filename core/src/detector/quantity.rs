@@ -26,6 +26,12 @@ pub enum Quantity {
     Octave,
     Level,
     AtSlopeLimit,
+    SlopeSigma,
+    FieldU,
+    FieldV,
+    FieldSigma,
+    Layer,
+    Moves,
 }
 
 /// Place of a quantity in a feature.
@@ -127,13 +133,19 @@ fn named(key: &'static str, heading: &'static str, unit: &'static str, help: &'s
 
 impl Quantity {
     /// All quantities, as tables show them from left to right: the most important come first.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 21] = [
         Self::Rank,
         Self::U,
         Self::V,
         Self::Sigma,
         Self::SlopeU,
         Self::SlopeV,
+        Self::SlopeSigma,
+        Self::FieldU,
+        Self::FieldV,
+        Self::FieldSigma,
+        Self::Layer,
+        Self::Moves,
         Self::Depth,
         Self::Snr,
         Self::Coherence,
@@ -147,8 +159,9 @@ impl Quantity {
 
     /// The columns of files, in order. Positions and scale are in input pixels; orientation in radians; slopes in
     /// pixels per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is
-    /// |response|/σ_D; `at_slope_limit` is 1 or 0.
-    pub const STORED: [Self; 11] = [
+    /// |response|/σ_D; `at_slope_limit` is 1 or 0. The motions' uncertainties are standard deviations along the least
+    /// certain direction, infinite where nothing is known.
+    pub const STORED: [Self; 16] = [
         Self::U,
         Self::V,
         Self::Sigma,
@@ -160,7 +173,14 @@ impl Quantity {
         Self::Octave,
         Self::Level,
         Self::AtSlopeLimit,
+        Self::SlopeSigma,
+        Self::FieldU,
+        Self::FieldV,
+        Self::FieldSigma,
+        Self::Layer,
     ];
+    /// Number of the stored columns that files of earlier versions have.
+    pub const STORED_EARLIER: usize = 11;
 
     /// The record of the quantity.
     pub fn record(self) -> Record {
@@ -252,6 +272,59 @@ impl Quantity {
                     "",
                     "Marked if the response still rises beyond the searched slopes: the motion lies outside",
                 )
+            },
+            Self::SlopeSigma => Record {
+                place: Place::Real(|f| &mut f.slope_sigma),
+                form: Form::Fixed(2),
+                title: "Slope ±",
+                colours: Some(Colours { span: Span::Found(0.01, 1.0), ..WARM }),
+                ..named(
+                    "slope_sigma",
+                    "±",
+                    "px/frame",
+                    "Standard deviation of its slope along its least certain direction",
+                )
+            },
+            Self::FieldU => Record {
+                place: Place::Real(|f| &mut f.field.u),
+                form: Form::Signed(2),
+                title: "Field u",
+                term: Some("field"),
+                colours: Some(BRIGHT),
+                ..named("field_u", "Field u", "px/frame", "Motion of its place to the right, from the field of motion")
+            },
+            Self::FieldV => Record {
+                place: Place::Real(|f| &mut f.field.v),
+                form: Form::Signed(2),
+                title: "Field v",
+                term: Some("field"),
+                colours: Some(BRIGHT),
+                ..named("field_v", "Field v", "px/frame", "Motion of its place downwards, from the field of motion")
+            },
+            Self::FieldSigma => Record {
+                place: Place::Real(|f| &mut f.field_sigma),
+                form: Form::Fixed(2),
+                title: "Field ±",
+                term: Some("field"),
+                colours: Some(Colours { span: Span::Found(0.01, 1.0), ..WARM }),
+                ..named(
+                    "field_sigma",
+                    "±",
+                    "px/frame",
+                    "Standard deviation of its place's motion along the least certain direction; ∞ where it is unknown",
+                )
+            },
+            Self::Layer => Record {
+                place: Place::Whole(|f| &mut f.layer),
+                term: Some("layer"),
+                width: 36.0,
+                colours: Some(Colours { span: Span::Found(0.0, 1.0), ..BRIGHT }),
+                ..named("layer", "Layer", "", "Motion layer that it moves with, from 1, the fastest; 0 for none")
+            },
+            Self::Moves => Record {
+                term: Some("field"),
+                width: 120.0,
+                ..named("moves", "Moves", "", "With its surroundings, by itself, or not defined, as along an edge")
             },
             Self::Coherence => Record {
                 form: Form::Fixed(2),

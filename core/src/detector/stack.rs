@@ -23,10 +23,23 @@ pub struct FrameTimes {
 }
 
 impl FrameTimes {
+    /// All of `frame_count` frames.
+    pub fn all(frame_count: usize) -> Self {
+        Self { frame_count, kept: (0..frame_count).collect() }
+    }
+
     /// Times of the frames that take part, from mid-burst, frames.
     pub fn from_middle(&self) -> Vec<f32> {
         let middle = 0.5 * (self.frame_count as f32 - 1.0);
         self.kept.iter().map(|&t| t as f32 - middle).collect()
+    }
+
+    /// Standard deviation of those times, frames.
+    pub fn spread_frames(&self) -> f32 {
+        let times = self.from_middle();
+        let mean = |of: &dyn Fn(f32) -> f32| times.iter().map(|&t| of(t)).sum::<f32>() / times.len().max(1) as f32;
+        let middle = mean(&|t| t);
+        mean(&|t| (t - middle) * (t - middle)).sqrt()
     }
 
     /// Selects the offsets of the frames that take part from those of all frames.

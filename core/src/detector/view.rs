@@ -3,6 +3,7 @@
 
 use super::combine::{Combine, combined_stack};
 use super::feature::DetectError;
+use super::field::{MotionField, in_focus, motion_field};
 use super::noise_model::reading::sample_at;
 use super::params::{DetectorParams, ParamError, doc};
 use super::search::setup::{Inputs, known_noise};
@@ -146,6 +147,30 @@ pub fn coverage_view(
     let (offsets, size) = (inputs.offsets(slope), inputs.size_image);
     let share = |u, v| coverage(&offsets, u, v, size) as f32 / offsets.len().max(1) as f32;
     Ok(plane_of(size, share, monitor)?)
+}
+
+/// Field of motion of the burst as a search with `params` finds it; `None` where the burst shows none (see
+/// [`motion_field`]).
+///
+/// # Errors
+/// [`DetectError::Param`] for parameters that make no sense for the burst.
+pub fn field_view(
+    burst: &Burst,
+    params: &DetectorParams,
+    monitor: &Monitor,
+) -> Result<Option<MotionField>, DetectError> {
+    let inputs = Inputs::new(burst, params, &monitor.silent())?;
+    Ok(motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?)
+}
+
+/// Mean of the frames with every place shifted by its own motion: [`in_focus`], from the field of [`field_view`].
+///
+/// # Errors
+/// As [`field_view`].
+pub fn in_focus_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Plane>, DetectError> {
+    let inputs = Inputs::new(burst, params, &monitor.silent())?;
+    let field = motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?;
+    Ok(field.map(|field| in_focus(&inputs.planes(), &inputs.times, &field)))
 }
 
 /// Plane of `size` with the value of `at` at each (column, row); rows in parallel.

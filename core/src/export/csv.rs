@@ -14,7 +14,11 @@ use std::path::Path;
 
 /// Header of a table of features: the keys of [`Quantity::STORED`].
 pub fn feature_header() -> String {
-    Quantity::STORED.map(|quantity| quantity.record().key).join(",")
+    header_of(Quantity::STORED.len())
+}
+
+fn header_of(columns: usize) -> String {
+    Quantity::STORED[..columns].iter().map(|quantity| quantity.record().key).collect::<Vec<_>>().join(",")
 }
 
 /// Writes the features as CSV.
@@ -28,8 +32,9 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
     })
 }
 
-/// Reads a table that [`write_csv`] wrote. Strict: the header must be exact and every line complete. The table does not
-/// say at which of the searched slopes a feature was found: `slope_index` is 0.
+/// Reads a table that [`write_csv`] wrote, also one of an earlier version, which says nothing about the field of motion.
+/// Strict: the header must be exact and every line complete. The table does not say at which of the searched slopes a
+/// feature was found: `slope_index` is 0.
 ///
 /// # Errors
 /// [`ExportError::Read`], or [`ExportError::Text`] with the line and the problem in it.
@@ -46,19 +51,19 @@ pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>, ExportError> {
 /// The error is the number of the wrong line and its problem.
 fn parse(text: &str) -> Result<Vec<Feature>, (usize, String)> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
-    let header = feature_header();
-    if lines.next().is_none_or(|(_, first)| first != header) {
-        return Err((1, format!("the header must be {header}")));
-    }
-    lines.map(|(number, line)| row(line).map_err(|problem| (number, problem))).collect()
+    let first = lines.next().map_or("", |(_, first)| first);
+    let columns =
+        [Quantity::STORED.len(), Quantity::STORED_EARLIER].into_iter().find(|&count| header_of(count) == first);
+    let columns = columns.ok_or_else(|| (1, format!("the header must be {}", feature_header())))?;
+    lines.map(|(number, line)| row(line, columns).map_err(|problem| (number, problem))).collect()
 }
 
-fn row(line: &str) -> Result<Feature, String> {
+fn row(line: &str, columns: usize) -> Result<Feature, String> {
     let cells: Vec<&str> = line.split(',').collect();
-    if cells.len() != Quantity::STORED.len() {
-        return Err(format!("there must be {} cells, not {}", Quantity::STORED.len(), cells.len()));
+    if cells.len() != columns {
+        return Err(format!("there must be {columns} cells, not {}", cells.len()));
     }
-    let mut feature = Feature::default();
+    let mut feature = Feature { field_sigma: f32::INFINITY, ..Feature::default() };
     for (quantity, cell) in Quantity::STORED.into_iter().zip(cells) {
         let wrong = |right| format!("{} must be {right}, not '{cell}'", quantity.record().key);
         quantity.read(&mut feature, cell).map_err(wrong)?;

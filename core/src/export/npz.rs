@@ -1,4 +1,4 @@
-//! Features and descriptors as numpy's `.npz`: `features` `[N, 11]` float32 in the CSV's columns, `descriptors` `[N,
+//! Features and descriptors as numpy's `.npz`: `features` `[N, 16]` float32 in the CSV's columns, `descriptors` `[N,
 //! 128]` uint8 in UBC order.
 
 use super::atomic::write_marked;

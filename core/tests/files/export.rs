@@ -35,6 +35,10 @@ fn feature(seed: u32) -> Feature {
         level: (seed % 3) as i32,
         slope_index: seed as usize,
         at_slope_limit: seed % 2 == 1,
+        slope_sigma: 0.125 * x,
+        field: Slope::new(0.5 - x, 0.75),
+        field_sigma: if seed == 0 { f32::INFINITY } else { 0.0625 },
+        layer: seed as i32,
     }
 }
 
@@ -46,6 +50,7 @@ fn detection(count: u32) -> Detection {
         tally: Tally::default(),
         frame_noise: 0.01,
         noise: std::sync::Arc::default(),
+        field: None,
         noise_gate_factor: 4.5,
         slopes: SlopeGrid::single(Slope::default()),
         frames_used: params.used_frames(5),
@@ -66,7 +71,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-fn stored(feature: &Feature) -> [f32; 11] {
+fn stored(feature: &Feature) -> [f32; 16] {
     Quantity::STORED.map(|quantity| quantity.of(feature).expect("it is stored"))
 }
 
@@ -78,13 +83,29 @@ fn csv_has_the_exact_header_and_one_row_for_each_feature() {
     write_csv(&path, &features).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let mut lines = text.lines();
-    let header = "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit";
+    let header = "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,\
+                  field_v,field_sigma,layer";
     assert_eq!(lines.next(), Some(header));
-    assert_eq!(lines.next(), Some("10.1,20.7,1.6,-3,0.33333334,-0,-0.0000001,inf,-1,0,0"));
+    assert_eq!(lines.next(), Some("10.1,20.7,1.6,-3,0.33333334,-0,-0.0000001,inf,-1,0,0,0,0.5,0.75,inf,0"));
     assert_eq!(text.lines().count(), 5);
     assert!(text.ends_with('\n'));
     let rows = features.iter().map(|f| Feature { slope_index: 0, ..*f }).collect();
     assert_eq!(read_features_csv(&path), Ok(rows));
+}
+
+#[test]
+fn a_csv_of_before_the_field_of_motion_is_read() {
+    let folder = folder();
+    let path = folder.path().join("a.csv");
+    write_csv(&path, &[feature(1)]).expect("written");
+    let text = fs::read_to_string(&path).expect("read");
+    let cut = |line: &str| line.split(',').take(11).collect::<Vec<_>>().join(",") + "\n";
+    fs::write(&path, text.lines().map(cut).collect::<String>()).expect("written");
+    let unknown =
+        Feature { slope_sigma: 0.0, field: Slope::default(), field_sigma: f32::INFINITY, layer: 0, ..feature(1) };
+    assert_eq!(read_features_csv(&path), Ok(vec![Feature { slope_index: 0, ..unknown }]));
+    fs::write(&path, text.lines().map(|line| line.to_owned() + ",1\n").collect::<String>()).expect("written");
+    assert!(read_features_csv(&path).is_err(), "an unknown column");
 }
 
 #[test]
@@ -140,7 +161,7 @@ fn npz_holds_both_arrays() {
         assert_eq!(npz.names().expect("names"), ["features", "descriptors"]);
         let rows: Array2<f32> = npz.by_name("features").expect("features");
         let bytes: Array2<u8> = npz.by_name("descriptors").expect("descriptors");
-        assert_eq!((rows.dim(), bytes.dim()), ((count as usize, 11), (count as usize, 128)));
+        assert_eq!((rows.dim(), bytes.dim()), ((count as usize, 16), (count as usize, 128)));
         for (i, (feature, descriptor)) in features.iter().zip(&descriptors).enumerate() {
             assert_eq!(rows.row(i).to_vec(), stored(feature));
             assert_eq!(bytes.row(i).to_vec(), descriptor);

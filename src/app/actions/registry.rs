@@ -133,6 +133,8 @@ actions! {
     ShowNoise, View 1, "Show local noise", [SHIFT N], "Show σ of the noise in D at each place, at the slope, octave and level, as the noise gate uses it";
     ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show the share of the frames that see each place, at the slope";
     ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show the slope of the strongest response at each place, at the octave and level: a picture of the motion";
+    ShowField, View 1, "Show field of motion", [SHIFT U], "Show the motion of every place, from all that lies around it; grey where it is unknown";
+    ShowInFocus, View 1, "Show all in focus", [SHIFT I], "Show the mean of the frames, each place shifted by its own motion: near and far are sharp at once";
     ShowMedian, View 1, "Show median", [], "Show the median of the frames, shifted by the slope";
     ShowClippedMean, View 1, "Show clipped mean", [], "Show the mean of the frames, shifted by the slope, without values far from the median";
     ShowMax, View 1, "Show maximum", [], "Show the largest value of the frames, shifted by the slope";
@@ -292,6 +294,8 @@ pub fn shown_by(kind: ViewKind) -> ActionId {
         ViewKind::Noise => ActionId::ShowNoise,
         ViewKind::Coverage => ActionId::ShowCoverage,
         ViewKind::Motion => ActionId::ShowMotion,
+        ViewKind::Field => ActionId::ShowField,
+        ViewKind::InFocus => ActionId::ShowInFocus,
         ViewKind::Median => ActionId::ShowMedian,
         ViewKind::ClippedMean => ActionId::ShowClippedMean,
         ViewKind::Max => ActionId::ShowMax,

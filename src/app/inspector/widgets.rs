@@ -126,7 +126,7 @@ fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
         (_, Some(ViewKind::Merge)) => if tiny { "Merged" } else { "Merged frames" }.to_owned(),
         (_, Some(ViewKind::Noise)) => format!("σ {scale} {slope}"),
         (_, Some(ViewKind::Motion)) => format!("Winning slope {scale}"),
-        (_, Some(kind)) if tiny => kind.label().to_owned(),
+        (_, Some(kind)) if tiny || !kind.about().of_slope => kind.label().to_owned(),
         (_, kind) => format!("{} {slope}", kind.map_or("", ViewKind::label)),
     }
 }

@@ -143,7 +143,7 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
 fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let motion = model.panes.get(id).and_then(|pane| pane.picture.as_ref()?.motion.as_ref());
     let Some(motion) = motion.filter(|_| rect.width() >= ROOM.x && rect.height() >= ROOM.y) else { return };
-    let scale = ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.grid.max_magnitude());
+    let scale = ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.max_px_per_frame);
     let size = vec2(140.0, 66.0);
     let background = Rect::from_min_size(rect.right_bottom() - size - vec2(10.0, 10.0), size);
     ui.painter().rect_filled(background, 5.0, ground(ui));

@@ -79,7 +79,7 @@ pub(crate) fn feature(u: f32, v: f32, slope_index: usize, grid: &SlopeGrid) -> F
         octave: 0,
         level: 1,
         slope_index,
-        at_slope_limit: false,
+        ..Feature::default()
     }
 }
 
@@ -91,6 +91,7 @@ pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
         tally: Tally::default(),
         frame_noise: 0.01,
         noise: std::sync::Arc::default(),
+        field: None,
         noise_gate_factor: 4.5,
         slopes: params.slopes,
         frames_used: 0..burst.burst.len(),

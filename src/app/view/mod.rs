@@ -86,6 +86,7 @@ pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known
         Quantity::Depth => known.depth_m.map(|metres| metres as f32),
         Quantity::Coherence => known.judged.and_then(|judged| judged.coherence),
         Quantity::Verdict => known.judged.map(|judged| judged.verdict as u8 as f32),
+        Quantity::Moves => Some(feature.moves() as u8 as f32),
         stored => stored.of(feature),
     }
 }
@@ -95,6 +96,7 @@ pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known:
     match (quantity, known.judged) {
         (Quantity::Coherence | Quantity::Verdict, None) => return "…".to_owned(),
         (Quantity::Verdict, Some(judged)) => return judged.verdict.word().to_owned(),
+        (Quantity::Moves, _) => return feature.moves().words().to_owned(),
         _ => {}
     }
     let record = quantity.record();

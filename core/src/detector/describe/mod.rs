@@ -47,6 +47,8 @@ pub(super) struct Described {
     pub feature: Feature,
     pub descriptor: Descriptor,
     pub keypoint: usize,
+    /// Distance from its slope at which the response is e^−½ of its peak, pixels per frame; infinite along an edge.
+    pub slope_width: f32,
 }
 
 /// Inputs for describing the keypoints of one octave.
@@ -147,7 +149,7 @@ impl Describing<'_> {
         }
         let DescribeScratch { raw, level: patch, .. } = scratch;
         base.patch(size, around(keypoint.x, reach), around(keypoint.y, reach), &mut scratch.patch, raw);
-        let located = located(self.search, self.bases, keypoint, raw, from, &mut scratch.locate);
+        let (located, slope_width) = located(self.search, self.bases, keypoint, raw, from, &mut scratch.locate);
         let Keypoint { x, y, sigma_octave: sigma, .. } = located;
         let reach_level = level_reach(sigma);
         if let Some((frames, offsets)) = self.own_slope(&located) {
@@ -182,11 +184,11 @@ impl Describing<'_> {
                 octave: self.octave,
                 level: located.level,
                 slope_index: located.slope_index,
-                // Known once the features are ranked: see `limit`.
-                at_slope_limit: false,
+                // The limit and what the field says are known once the features are ranked.
+                ..Feature::default()
             };
             let descriptor = if let [alone] = sums[..] { quantise(alone) } else { pool(&sums) };
-            out.push(Described { feature, descriptor, keypoint: number });
+            out.push(Described { feature, descriptor, keypoint: number, slope_width });
         }
     }
 }

@@ -6,7 +6,9 @@
 //! π), or structure that is ρ times as strong as the noise of S (a share π). It is about 0 for noise, whatever the
 //! slope, and grows as z²/2 for what stands out; a plain square would add the noise of all empty cells to each window.
 
+use super::windows::{enlarged, means};
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
+use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
@@ -26,6 +28,10 @@ const STEP_CELLS: f32 = 1.125;
 const MAX_STEPS: [usize; 2] = [65, 17];
 /// Standard deviation of the window in which the noise is the same, cells.
 const NOISE_WINDOW_CELLS: f64 = 16.0;
+/// Cells on a side of the squares that its means are taken of.
+const NOISE_CELLS: usize = 4;
+/// Slopes whose residuals are in memory at once.
+const SLOPES_AT_ONCE: usize = 16;
 
 /// Evidence of all cells for all swept slopes.
 pub(super) struct Evidence {
@@ -43,27 +49,38 @@ pub(super) struct Evidence {
 
 impl Evidence {
     /// Sweeps the range of `grid` over `frames`, reduced to cells of `cell_px`.
-    pub fn new(frames: &[&Plane], cell_px: usize, grid: &SlopeGrid, monitor: &Monitor) -> Result<Self, Cancelled> {
-        let bands: Vec<Plane> = frames.iter().map(|frame| band(frame, cell_px, monitor)).collect::<Result<_, _>>()?;
-        let grid = swept(grid, frames.len(), cell_px);
+    pub fn new(
+        frames: &[&Plane],
+        times: &FrameTimes,
+        cell_px: usize,
+        grid: &SlopeGrid,
+        monitor: &Monitor,
+    ) -> Result<Self, Cancelled> {
+        let bands = frames.par_iter().zip(times.from_middle());
+        let bands = bands.map(|(frame, time)| Ok((time, band(frame, cell_px, monitor)?)));
+        let bands: Vec<(f32, Plane)> = bands.collect::<Result<_, _>>()?;
+        let grid = swept(grid, times, cell_px);
         let slopes: Vec<Slope> = grid.slopes().collect();
-        let stacks: Vec<Stack> =
-            slopes.par_iter().map(|&slope| Stack::new(&bands, slope, cell_px, monitor)).collect::<Result<_, _>>()?;
-        let size = bands[0].size();
+        let size = bands[0].1.size();
         // The residual of a wrong slope has the signal in it: the noise is that of the best slope around a place.
         let mut variance = vec![f32::INFINITY; size.0 * size.1];
-        for stack in &stacks {
-            variance.iter_mut().zip(stack.residual.data()).for_each(|(least, x)| *least = least.min(*x));
+        let mut nats = Vec::with_capacity(slopes.len());
+        for some in slopes.chunks(SLOPES_AT_ONCE) {
+            let stacks = some.par_iter().map(|&slope| stacked(&bands, slope, cell_px, monitor));
+            for (power, residual) in stacks.collect::<Result<Vec<_>, _>>()? {
+                variance.iter_mut().zip(residual.data()).for_each(|(least, x)| *least = least.min(*x));
+                nats.push(power);
+            }
         }
-        let nats = stacks.into_par_iter().map(|stack| stack.nats(&variance)).collect();
-        Ok(Self { size, cell_px, grid, last_frame: (frames.len() - 1) as f32, nats })
+        nats.par_iter_mut().for_each(|power| to_nats(power, &variance));
+        Ok(Self { size, cell_px, grid, last_frame: (times.frame_count - 1) as f32, nats })
     }
 }
 
 /// The sweep over the range of `grid`, a step wider on each side so that its ends can be peaks, in steps that leave no
 /// more smear than the band can bear.
-fn swept(grid: &SlopeGrid, frame_count: usize, cell_px: usize) -> SlopeGrid {
-    let step = STEP_CELLS * cell_px as f32 / (frame_count - 1) as f32;
+pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> SlopeGrid {
+    let step = STEP_CELLS * cell_px as f32 / (times.frame_count.max(2) - 1) as f32;
     let most = MAX_STEPS[usize::from(grid.is_plane())];
     let axis = |axis: SlopeAxis| {
         if axis.count < 2 {
@@ -90,51 +107,49 @@ fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cance
     Ok(band)
 }
 
-/// Sum of the frames that are shifted by one slope.
-struct Stack {
-    /// S²/N, of the power of one frame.
-    power: Plane,
-    /// Variance of the frames around their mean, smoothed.
-    residual: Plane,
+/// S²/N of the sum S of the frames that are shifted by `slope`, and the variance of the frames around their mean,
+/// smoothed. Both are in the power of one frame.
+fn stacked(
+    bands: &[(f32, Plane)],
+    slope: Slope,
+    cell_px: usize,
+    monitor: &Monitor,
+) -> Result<(Plane, Plane), Cancelled> {
+    monitor.check()?;
+    let (width, height) = bands[0].1.size();
+    let count = bands.len() as f32;
+    let [mut sum, mut squares] = [Plane::zeros(width, height), Plane::zeros(width, height)];
+    let mut row = vec![0.0; width];
+    let mut line = Vec::new();
+    for (time, band) in bands {
+        let [shift_u, shift_v] = [slope.u, slope.v].map(|slope| Shift::new(slope * time / cell_px as f32));
+        for v in 0..height {
+            shifted_row(band, v, &shift_u, &shift_v, &mut line, &mut row);
+            // Squares after the shift: interpolation smooths noise, and slope 0 would be favoured without.
+            let sums = sum.row_mut(v).iter_mut().zip(squares.row_mut(v));
+            sums.zip(&row).for_each(|((sum, squares), x)| {
+                *sum += x;
+                *squares += x * x;
+            });
+        }
+    }
+    for (sum, square) in sum.data_mut().iter_mut().zip(squares.data_mut()) {
+        *sum *= *sum / count;
+        *square = (*square - *sum) / (count - 1.0);
+    }
+    // A smooth plane is as well blurred where it is small.
+    let few = means(&squares, NOISE_CELLS);
+    let few = smoothed(&few, NOISE_WINDOW_CELLS / NOISE_CELLS as f64, monitor)?;
+    Ok((sum, enlarged(&few, NOISE_CELLS, (width, height))))
 }
 
-impl Stack {
-    fn new(bands: &[Plane], slope: Slope, cell_px: usize, monitor: &Monitor) -> Result<Self, Cancelled> {
-        monitor.check()?;
-        let (width, height) = bands[0].size();
-        let count = bands.len() as f32;
-        let middle = 0.5 * (count - 1.0);
-        let [mut sum, mut squares] = [Plane::zeros(width, height), Plane::zeros(width, height)];
-        let mut row = vec![0.0; width];
-        for (t, band) in bands.iter().enumerate() {
-            let cells_per_frame = (t as f32 - middle) / cell_px as f32;
-            let [shift_u, shift_v] = [slope.u, slope.v].map(|slope| Shift::new(slope * cells_per_frame));
-            for v in 0..height {
-                shifted_row(band, v, &shift_u, &shift_v, &mut row);
-                // Squares after the shift: interpolation smooths noise, and slope 0 would be favoured without.
-                let sums = sum.row_mut(v).iter_mut().zip(squares.row_mut(v));
-                sums.zip(&row).for_each(|((sum, squares), x)| {
-                    *sum += x;
-                    *squares += x * x;
-                });
-            }
-        }
-        for (sum, square) in sum.data_mut().iter_mut().zip(squares.data_mut()) {
-            *sum *= *sum / count;
-            *square = (*square - *sum) / (count - 1.0);
-        }
-        Ok(Self { power: sum, residual: smoothed(&squares, NOISE_WINDOW_CELLS, monitor)? })
-    }
-
-    /// The evidence, with `variance` that of the noise of one frame in each cell.
-    fn nats(mut self, variance: &[f32]) -> Plane {
-        let (gain, cost) = (0.5 * POWER / (1.0 + POWER), (1.0 + POWER).sqrt());
-        for (power, variance) in self.power.data_mut().iter_mut().zip(variance) {
-            // Beyond 60 nats the exponential says nothing more, and would overflow.
-            let exponent = (gain * *power / variance.max(f32::MIN_POSITIVE)).min(60.0);
-            *power = (1.0 - SHARE + SHARE / cost * exponent.exp()).ln() / CORRELATED_CELLS;
-        }
-        self.power
+/// Makes the power of a stack its evidence, with `variance` that of the noise of one frame in each cell.
+fn to_nats(power: &mut Plane, variance: &[f32]) {
+    let (gain, cost) = (0.5 * POWER / (1.0 + POWER), (1.0 + POWER).sqrt());
+    for (power, variance) in power.data_mut().iter_mut().zip(variance) {
+        // Beyond 60 nats the exponential says nothing more, and would overflow.
+        let exponent = (gain * *power / variance.max(f32::MIN_POSITIVE)).min(60.0);
+        *power = (1.0 - SHARE + SHARE / cost * exponent.exp()).ln() / CORRELATED_CELLS;
     }
 }
 
@@ -159,14 +174,21 @@ impl Shift {
 }
 
 /// Row `v` of the band at the places (u, v) + shift; beyond the edge the nearest cell is repeated.
-fn shifted_row(band: &Plane, v: usize, shift_u: &Shift, shift_v: &Shift, out: &mut [f32]) {
+fn shifted_row(band: &Plane, v: usize, shift_u: &Shift, shift_v: &Shift, line: &mut Vec<f32>, out: &mut [f32]) {
     let (width, height) = band.size();
     // One column before the first place and two behind the last one are needed.
-    let mut line = vec![0.0; width + 3];
-    let column = |at: usize| (at as i64 + shift_u.whole - 1).clamp(0, width as i64 - 1) as usize;
+    line.clear();
+    line.resize(width + 3, 0.0);
+    let before = shift_u.whole - 1;
+    // Columns of `line` that lie within the band.
+    let start = (-before).clamp(0, width as i64 + 3) as usize;
+    let end = (width as i64 - before).clamp(start as i64, width as i64 + 3) as usize;
     for (k, &weight) in shift_v.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
         let row = band.row((v as i64 + shift_v.whole + k as i64 - 1).clamp(0, height as i64 - 1) as usize);
-        line.iter_mut().enumerate().for_each(|(at, sum)| *sum += weight * row[column(at)]);
+        let inside = &row[(start as i64 + before).clamp(0, width as i64) as usize..];
+        line[..start].iter_mut().for_each(|sum| *sum += weight * row[0]);
+        line[start..end].iter_mut().zip(inside).for_each(|(sum, x)| *sum += weight * x);
+        line[end..].iter_mut().for_each(|sum| *sum += weight * row[width - 1]);
     }
     let [a, b, c, d] = shift_u.weights;
     for (out, at) in out.iter_mut().zip(line.windows(4)) {

@@ -5,25 +5,38 @@
 //! [`evidence`] sweeps the plane of slopes on reduced, band-passed frames and says for each cell and slope how much
 //! more likely the frames are if the cell moves so, in nats. [`windows`] adds these up over windows from large to
 //! small; a smaller window overrules a larger one only where it has more evidence than chance would give it. The
-//! motion between the slopes and its uncertainty come from the curvature of the same sum.
+//! motion between the slopes and its uncertainty come from the curvature of the same sum. [`layers`] names the motions
+//! that exist in the burst, and [`in_focus`] stacks each place at its own.
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 
 mod evidence;
+mod in_focus;
+mod layers;
 #[cfg(test)]
 mod tests;
 mod windows;
 
+use crate::detector::feature::Feature;
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use evidence::Evidence;
+use evidence::{Evidence, swept};
+pub use in_focus::in_focus;
+pub use layers::MotionLayer;
 use serde::Serialize;
 
-/// Number of cells, about, above which the frames are reduced further: 3.2 megapixels at [`CELL_PX`].
-const MAX_CELLS: usize = 200_000;
-/// Pixels on a side of a cell in images up to 3.2 megapixels.
+/// Reason why a burst has no field, and the remedy.
+pub const NO_FIELD: &str =
+    "there is no field of motion: it needs at least 3 frames of 32 × 32 pixels and a range of slopes";
+
+/// Number of cells times slopes above which cells are larger: 160 MB are needed for so many.
+const MAX_VALUES: usize = 20_000_000;
+/// Pixels on a side of the smallest cells.
 const CELL_PX: usize = 4;
+/// Standard deviations by which two motions differ significantly.
+const OTHER_SIGMAS: f32 = 3.0;
 /// Uncertainty of a motion along its least certain direction from which on it is unknown, pixels of smear between the
 /// first and the last frame.
 const UNKNOWN_SMEAR_PX: f32 = 6.0;
@@ -72,6 +85,10 @@ pub struct MotionField {
     pub window_px: Vec<f32>,
     /// Uncertainty from which on a motion counts as unknown, pixels per frame.
     pub unknown_sigma: f32,
+    /// Motions that exist in the burst, the fastest first: the nearest, where the camera alone moves.
+    pub layers: Vec<MotionLayer>,
+    /// Layer of each cell, from 1; 0 for none.
+    pub layer: Vec<u8>,
 }
 
 impl MotionField {
@@ -91,28 +108,76 @@ impl MotionField {
         self.window_px[self.cell(u, v)]
     }
 
+    /// Layer at the place (`u`, `v`), from 1; 0 for none.
+    pub fn layer_at(&self, u: f32, v: f32) -> u8 {
+        self.layer[self.cell(u, v)]
+    }
+
+    /// Layer, from 1, of what is found at the place (`u`, `v`) and moves by `slope` ± `sigma`, pixels per frame: that of
+    /// the place unless it moves otherwise, and else the nearest motion among the others; 0 if it moves like none.
+    pub fn layer_of(&self, (u, v): (f32, f32), slope: Slope, sigma: f32) -> u8 {
+        let here = self.at(u, v);
+        if here.distance(slope, sigma) < OTHER_SIGMAS {
+            return self.layer_at(u, v);
+        }
+        let apart = |layer: &MotionLayer| {
+            (slope.u - layer.slope.u).hypot(slope.v - layer.slope.v) / sigma.hypot(layer.spread).max(f32::MIN_POSITIVE)
+        };
+        let numbered = (1u8..).zip(self.layers.iter().map(apart));
+        let nearest = numbered.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        nearest.filter(|(_, apart)| *apart < OTHER_SIGMAS).map_or(0, |(number, _)| number)
+    }
+
+    /// Says in `feature` how its place moves, and which layer it moves with.
+    pub(super) fn tell(&self, feature: &mut Feature) {
+        let motion = self.at(feature.u, feature.v);
+        feature.field = motion.slope;
+        feature.field_sigma = if self.is_known(&motion) { motion.ellipse().0[0] } else { f32::INFINITY };
+        feature.layer = self.layer_of((feature.u, feature.v), feature.slope, feature.slope_sigma).into();
+    }
+
+    /// Certainty of a motion of this field, from 1 for an exact one to 0 for an unknown one.
+    pub fn certainty(&self, motion: &Motion) -> f32 {
+        (1.0 - motion.ellipse().0[0] / self.unknown_sigma).max(0.0)
+    }
+
+    /// Lengths of the motions, pixels per frame, on the pixels of an image of `size` (columns, rows).
+    pub fn magnitudes(&self, size: (usize, usize)) -> Plane {
+        Plane::from_fn(size.0, size.1, |u, v| self.at(u as f32, v as f32).slope.magnitude())
+    }
+
     /// Whether a motion of this field is known in every direction.
     pub fn is_known(&self, motion: &Motion) -> bool {
         motion.ellipse().0[0] < self.unknown_sigma
     }
 }
 
-/// Finds the motion of every place of the burst of `frames`, which are all of one size, among the slopes of `grid` and
-/// those one step beyond. `None` for fewer than 3 frames or images of less than 8 cells on a side: they show no motion.
+/// Finds the motion of every place of the burst of `frames` taken at `times`, all of one size, among the slopes of
+/// `grid` and those one step beyond. `None` for a single slope, for fewer than 3 frames, and for images of less than 8
+/// cells on a side: they show no motion.
 ///
-/// The same bits for any number of threads. It takes 4 bytes for each cell and slope swept, twice.
+/// The same bits for any number of threads. It takes up to 160 MB.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
-pub fn motion_field(frames: &[&Plane], grid: &SlopeGrid, monitor: &Monitor) -> Result<Option<MotionField>, Cancelled> {
+pub fn motion_field(
+    frames: &[&Plane],
+    times: &FrameTimes,
+    grid: &SlopeGrid,
+    monitor: &Monitor,
+) -> Result<Option<MotionField>, Cancelled> {
     let Some(first) = frames.first() else { return Ok(None) };
     let (width, height) = first.size();
-    let cell_px = CELL_PX.max(((width * height) as f64 / MAX_CELLS as f64).sqrt().round() as usize);
-    if frames.len() < 3 || width.min(height) < 8 * cell_px {
+    let values = |cell_px: &usize| (width / cell_px) * (height / cell_px) * swept(grid, times, *cell_px).len();
+    let cell_px = (CELL_PX..).find(|cell_px| values(cell_px) <= MAX_VALUES).unwrap_or(CELL_PX);
+    if frames.len() < 3 || grid.len() < 2 || width.min(height) < 8 * cell_px {
         return Ok(None);
     }
-    let evidence = Evidence::new(frames, cell_px, grid, monitor)?;
+    let evidence = Evidence::new(frames, times, cell_px, grid, monitor)?;
     let (motions, window_px) = windows::motions(&evidence, monitor)?;
-    let unknown_sigma = UNKNOWN_SMEAR_PX / (frames.len() - 1) as f32;
-    Ok(Some(MotionField { size: evidence.size, cell_px, motions, window_px, unknown_sigma }))
+    let unknown_sigma = UNKNOWN_SMEAR_PX / evidence.last_frame;
+    let known: Vec<Option<Slope>> =
+        motions.iter().map(|motion| (motion.ellipse().0[0] < unknown_sigma).then_some(motion.slope)).collect();
+    let (layers, layer) = layers::layers(&known, evidence.last_frame, monitor)?;
+    Ok(Some(MotionField { size: evidence.size, cell_px, motions, window_px, unknown_sigma, layers, layer }))
 }

@@ -33,6 +33,10 @@ const OFFSET_SMEAR_PX: f32 = 1.2;
 /// smear of this many pixels.
 const FLOOR_SMEAR_PX: f32 = 0.3;
 
+/// Standard deviation of the second difference of evidence between steps that noise alone gives, as a part of the root
+/// of twice the evidence: the noise of stacks a step apart is nearly the same.
+const CHANCE: f32 = 0.2;
+
 /// Motion of each cell and the standard deviation of the window that decided on it, pixels.
 pub(super) fn motions(evidence: &Evidence, monitor: &Monitor) -> Result<(Vec<Motion>, Vec<f32>), Cancelled> {
     let sweep = Sweep { evidence, active: [evidence.grid.u.count > 1, evidence.grid.v.count > 1] };
@@ -100,6 +104,7 @@ impl Sweep<'_> {
         let around = |di: i64, dj: i64| sum((j as i64 + dj) as usize * grid.u.count + (i as i64 + di) as usize);
         let (gradient, information) = self.derivatives(&around);
         let offset = offset(gradient, information, PEAK_STEPS);
+        let information = certain(information, sum(index));
         Cell { index, at: [i as f32 + offset[0], j as f32 + offset[1]], information, window_cells }
     }
 
@@ -213,6 +218,14 @@ fn turned((cos, sin): (f32, f32), [first, second]: [f32; 2]) -> [f32; 3] {
     [first * cos * cos + second * sin * sin, uv, first * sin * sin + second * cos * cos]
 }
 
+/// The `information` that is no chance: along an edge the stack's noise alone makes evidence rise and fall by about the
+/// root of all there is, `nats`.
+fn certain(information: [f32; 3], nats: f32) -> [f32; 3] {
+    let chance = CHANCE * (2.0 * nats.max(0.0)).sqrt();
+    let (rotation, values) = eigen(information);
+    turned(rotation, values.map(|value| (value * value.abs() - chance * chance).max(0.0).sqrt()))
+}
+
 /// Most likely offset, steps, of at most one step: that of the quadratic with a Gaussian prior of standard deviation
 /// `prior_steps`. A direction in which the sum does not fall says nothing.
 fn offset([gradient_u, gradient_v]: [f32; 2], information: [f32; 3], prior_steps: f32) -> [f32; 2] {
@@ -231,12 +244,7 @@ fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Pla
     let mut sums = if by == 1 {
         summed(plane, sigma_cells, monitor)?
     } else {
-        let few = summed(&means(plane, by), sigma_cells / by as f64, monitor)?;
-        let place = |x: usize| (x as f32 + 0.5) / by as f32 - 0.5;
-        let (last_u, last_v) = ((few.width() - 1) as f32, (few.height() - 1) as f32);
-        Plane::from_fn(plane.width(), plane.height(), |u, v| {
-            bilinear(&few, place(u).clamp(0.0, last_u), place(v).clamp(0.0, last_v)).unwrap_or_default()
-        })
+        enlarged(&summed(&means(plane, by), sigma_cells / by as f64, monitor)?, by, plane.size())
     };
     let area = (std::f64::consts::TAU * sigma_cells * sigma_cells) as f32;
     sums.data_mut().iter_mut().for_each(|sum| *sum *= area);
@@ -256,11 +264,20 @@ fn summed(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, C
 }
 
 /// Means of squares of `by`² cells, and of what is left of them at the right and lower edge.
-fn means(plane: &Plane, by: usize) -> Plane {
+pub(super) fn means(plane: &Plane, by: usize) -> Plane {
     let (width, height) = plane.size();
     Plane::from_fn(width.div_ceil(by), height.div_ceil(by), |i, j| {
         let (columns, rows) = (i * by..((i + 1) * by).min(width), j * by..((j + 1) * by).min(height));
         let count = (columns.len() * rows.len()) as f32;
         rows.map(|v| plane.row(v)[columns.clone()].iter().sum::<f32>()).sum::<f32>() / count
+    })
+}
+
+/// `few`, which has one value for `by`² cells, on a plane of `size`, linear between.
+pub(super) fn enlarged(few: &Plane, by: usize, size: (usize, usize)) -> Plane {
+    let place = |x: usize| (x as f32 + 0.5) / by as f32 - 0.5;
+    let (last_u, last_v) = ((few.width() - 1) as f32, (few.height() - 1) as f32);
+    Plane::from_fn(size.0, size.1, |u, v| {
+        bilinear(few, place(u).clamp(0.0, last_u), place(v).clamp(0.0, last_v)).unwrap_or_default()
     })
 }

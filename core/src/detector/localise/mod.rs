@@ -60,7 +60,7 @@ pub(super) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize 
 }
 
 /// The keypoint with refined place, slope and scale, or unchanged where the parameters ask for the quadratic fit alone
-/// or the refinement fails. `raw` holds the pixels around it, of σ `from`, of the first levels `bases` of all octaves.
+/// or the refinement fails; and its [width](motion_width) in slope. `raw` holds the pixels around it, of σ `from`, of the first levels `bases` of all octaves.
 pub(super) fn located(
     search: &Search<'_>,
     bases: &[FirstLevels],
@@ -68,9 +68,12 @@ pub(super) fn located(
     raw: &Patch,
     from: f64,
     scratch: &mut LocateScratch,
-) -> Keypoint {
+) -> (Keypoint, f32) {
+    let spread_frames = search.inputs.times.spread_frames();
+    let pixel = octave_pixel(keypoint.octave);
+    let round = keypoint.sigma_octave * pixel / spread_frames;
     if search.params.rules.localisation == Localisation::Quadratic {
-        return *keypoint;
+        return (*keypoint, round);
     }
     let (octave, levels) = (keypoint.octave, search.space.levels);
     let sigma = f64::from(keypoint.sigma_octave);
@@ -89,36 +92,51 @@ pub(super) fn located(
         Some(found) => found,
         // Where no kernel gives a place, that of the fit is kept. A joint search has refined the slope; otherwise it is
         // refined here.
-        None if search.params.used_extrema() == SlopeExtrema::Joint => return *keypoint,
+        None if search.params.used_extrema() == SlopeExtrema::Joint => return (*keypoint, round),
         None => (at, SOFT),
     };
-    let (radius, pixel) = (kernel.on_rim(rim), f64::from(octave_pixel(octave)));
-    let sharp_response = |pixels: &PixelView<'_>, slope_index: usize| {
-        let answer = pixels.kernel_response(&kernel, radius, at, pixels.local_mean(radius, at));
+    let radius = kernel.on_rim(rim);
+    let answer_in = |pixels: &PixelView<'_>| pixels.kernel_response(&kernel, radius, at, pixels.local_mean(radius, at));
+    let sharp = |answer: &KernelResponse, slope_index: usize| {
+        let pixel = f64::from(pixel);
         let (u, v) = interpolation_blur(&search.offsets[slope_index]);
-        sharpened(&answer, (u / (pixel * pixel), v / (pixel * pixel)))
+        sharpened(answer, (u / (pixel * pixel), v / (pixel * pixel)))
     };
     let grid = &search.grid;
     let own = grid.coordinates(keypoint.slope_index);
-    let (i, j) = slope_steps(sharp_response(&raw.pixels(), keypoint.slope_index), |di, dj| {
+    let answer = answer_in(&raw.pixels());
+    let width = motion_width(&answer, grid) * pixel / spread_frames;
+    let (i, j) = slope_steps(sharp(&answer, keypoint.slope_index), |di, dj| {
         let i = own.0.checked_add_signed(di).filter(|&i| i < grid.u.count)?;
         let j = own.1.checked_add_signed(dj).filter(|&j| j < grid.v.count)?;
         let slope_index = j * grid.u.count + i;
         let base = search.base(bases, octave, slope_index);
         let pixels = pixels_around(&base, size(octave), at, radius.ceil() as usize + 1, scratch);
-        Some(sharp_response(&pixels, slope_index))
+        Some(sharp(&answer_in(&pixels), slope_index))
     });
     let slope = grid.at(own.0 as f32 + i, own.1 as f32 + j);
     if placed.is_none() {
-        return Keypoint { slope, ..*keypoint };
+        return (Keypoint { slope, ..*keypoint }, width);
     }
-    Keypoint {
-        x: at.0 as f32,
-        y: at.1 as f32,
-        sigma_octave: scale_peak(&raw.pixels(), at, sigma, levels, from).unwrap_or(sigma) as f32,
-        slope,
-        ..*keypoint
-    }
+    let scale = scale_peak(&raw.pixels(), at, sigma, levels, from).unwrap_or(sigma);
+    let keypoint = Keypoint { x: at.0 as f32, y: at.1 as f32, sigma_octave: scale as f32, slope, ..*keypoint };
+    (keypoint, width)
+}
+
+/// Distance, in pixels of `answer`, at which a wrong motion weakens the response by the factor e^−½ where it blurs the
+/// frames by so much (standard deviation): along the line of `grid`, or in a plane where that is farthest. A small blur
+/// of variance ε along a direction changes a response R by ε/2 times its second derivative there, so that is
+/// √(−R/R″), which is σ for a blob of scale σ. Infinite along an edge.
+fn motion_width(answer: &KernelResponse, grid: &SlopeGrid) -> f32 {
+    let [uu, vv, uv] = answer.hessian.map(|second| -second / answer.value);
+    let sharpness = if grid.is_plane() {
+        0.5 * (uu + vv) - (0.5 * (uu - vv)).hypot(uv)
+    } else {
+        let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
+        let (cos, sin) = if grid.u.count < 2 && grid.v.count > 1 { (-sin, cos) } else { (cos, sin) };
+        uu * cos * cos + 2.0 * uv * cos * sin + vv * sin * sin
+    };
+    if sharpness > 0.0 { (1.0 / sharpness).sqrt() as f32 } else { f32::INFINITY }
 }
 
 /// Largest distance of the place from the quadratic fit, octave pixels; beyond it, it is not the same extremum.

@@ -153,13 +153,24 @@ impl Chooser<'_> {
         Ok(())
     }
 
-    /// Marks the features at the limit of the slopes.
+    /// Marks the features at the limit of the slopes, and says how certain their motion is and how their surroundings
+    /// move.
     pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
+        let grid = &self.search.grid;
+        // Where nothing is known it is somewhere among the slopes.
+        let widest = [grid.u, grid.v].map(|axis| axis.max - axis.min + axis.step()).into_iter().fold(0.0, f32::max);
+        let least_known = widest / 12f32.sqrt();
         found.par_iter_mut().try_for_each(|one| {
             self.search.monitor.check()?;
             let number = self.passing.numbers[one.keypoint] as usize;
             let rises = self.outcome.rises[number].get_or_init(|| self.along.rises(&one.feature));
             one.feature.at_slope_limit = rises.iter().any(|rise| rise.exceeds_noise(one.feature.snr));
+            // Noise moves the peak of a response of that width by the width over the signal-to-noise ratio.
+            one.feature.slope_sigma = (one.slope_width / one.feature.snr).min(least_known);
+            one.feature.field_sigma = f32::INFINITY;
+            if let Some(field) = &self.outcome.field {
+                field.tell(&mut one.feature);
+            }
             Ok(())
         })
     }

@@ -22,6 +22,7 @@ use super::params::{DescribeSlope, DetectorParams};
 use crate::burst::Burst;
 use crate::detector::along::Along;
 use crate::detector::describe::{self, Described, Describing};
+use crate::detector::field::motion_field;
 use crate::detector::pipeline::choice::{Choice, Chooser};
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, sigma_d};
 use crate::detector::search::SEARCH_PART;
@@ -65,13 +66,14 @@ fn search_all(
     let (plan, _share) = account.plan(params, frames, burst.size(), budget)?;
     plan.run(|| {
         let inputs = Inputs::new(burst, params, monitor)?;
+        let field = motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?.map(Arc::new);
         let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
         let search = Search::new(&inputs, monitor);
         let mut tally = Tally::default();
         let started = Instant::now();
         let searched = search.octaves(&inputs.octaves(), &plan.search, &mut tally)?;
         times.search_secs = started.elapsed().as_secs_f32();
-        let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps);
+        let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps, field);
         let passing = outcome.all();
         let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
         drop(search);
@@ -103,6 +105,7 @@ fn choose(
         descriptors,
         tally,
         frame_noise: inputs.noise.frame_noise,
+        field: outcome.field.clone(),
         noise_gate_factor: inputs.gate_factor,
         noise: inputs.noise.clone(),
         slopes: inputs.params.used_slopes(),

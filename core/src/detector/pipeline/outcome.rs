@@ -7,13 +7,14 @@
 use crate::detector::along::{Along, Means};
 use crate::detector::describe::Described;
 use crate::detector::feature::{Keypoint, Tally, Test};
+use crate::detector::field::MotionField;
 use crate::detector::limit::Rise;
 use crate::detector::noise::gate_factor;
 use crate::detector::params::DetectorParams;
 use crate::detector::refine::edge_limit;
 use crate::detector::search::setup::{FirstLevels, Search, SlopeGroup};
 use crate::detector::search::{Evidence, FIRST_PEAK_PART, Searched, first_gate_part};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// σ_D at the place of least noise, by octave, DoG level index and slope.
 pub(super) type SigmaD = Vec<Vec<Vec<f32>>>;
@@ -49,6 +50,7 @@ pub(super) struct Outcome {
     /// Rises beyond the slopes of the features of each keypoint, once they were asked for.
     pub(super) rises: Vec<OnceLock<Vec<Rise>>>,
     pub(super) means: Means,
+    pub(super) field: Option<Arc<MotionField>>,
 }
 
 /// Keypoints that pass thresholds.
@@ -70,6 +72,7 @@ impl Outcome {
         groups: &[SlopeGroup],
         tally: Tally,
         keeps: bool,
+        field: Option<Arc<MotionField>>,
     ) -> Self {
         Self {
             params: search.params.clone(),
@@ -82,6 +85,7 @@ impl Outcome {
             tally,
             gate: keeps.then(|| (search.inputs.gate_factor, sigma_d(search))),
             means: Along::no_means(search.inputs),
+            field,
         }
     }
 

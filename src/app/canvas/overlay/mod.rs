@@ -290,8 +290,7 @@ mod tests {
             snr: 5.0,
             octave: 0,
             level: 0,
-            slope_index: 0,
-            at_slope_limit: false,
+            ..Feature::default()
         }
     }
 

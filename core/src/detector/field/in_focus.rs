@@ -1,0 +1,56 @@
+//! All in focus: every place of a burst stacked at its own motion.
+
+use super::MotionField;
+use crate::detector::params::slope_grid::Slope;
+use crate::detector::stack::FrameTimes;
+use crate::plane::Plane;
+use crate::plane::sample::bilinear;
+use rayon::prelude::*;
+
+/// Largest difference of motions between which a place is interpolated, pixels of smear between the first and the last
+/// frame; beyond it the two sides of a border move apart, and each keeps its own.
+const SAME_SMEAR_PX: f32 = 2.0;
+
+impl MotionField {
+    /// Motion at the place (`u`, `v`), linear between the cells where these move alike, otherwise that of the nearest.
+    fn smooth_at(&self, u: f32, v: f32, same_px_per_frame: f32) -> Slope {
+        let along = |x: f32, count: usize| {
+            let x = ((x + 0.5) / self.cell_px as f32 - 0.5).clamp(0.0, count as f32 - 1.0);
+            let below = (x as usize).min(count.saturating_sub(2));
+            (below, (below + 1).min(count - 1), x - below as f32)
+        };
+        let ((i, i_next, x), (j, j_next, y)) = (along(u, self.size.0), along(v, self.size.1));
+        let slope = |i: usize, j: usize| self.motions[j * self.size.0 + i].slope;
+        let corners = [slope(i, j), slope(i_next, j), slope(i, j_next), slope(i_next, j_next)];
+        let nearest = corners[2 * usize::from(y >= 0.5) + usize::from(x >= 0.5)];
+        if corners.iter().any(|c| (c.u - nearest.u).hypot(c.v - nearest.v) > same_px_per_frame) {
+            return nearest;
+        }
+        let weights = [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y];
+        let mean = |of: fn(&Slope) -> f32| corners.iter().zip(weights).map(|(c, weight)| weight * of(c)).sum();
+        Slope::new(mean(|c| c.u), mean(|c| c.v))
+    }
+}
+
+/// Mean of `frames`, taken at `times`, with every place shifted by its own motion in `field`: all depths are sharp at
+/// once. Frames that do not see a place are left out of its mean. The frames' size and scale of values.
+pub fn in_focus(frames: &[&Plane], times: &FrameTimes, field: &MotionField) -> Plane {
+    let Some(first) = frames.first() else { return Plane::zeros(0, 0) };
+    let (width, height) = first.size();
+    let same = SAME_SMEAR_PX / (times.frame_count.max(2) - 1) as f32;
+    let times = times.from_middle();
+    let row = |v: usize| {
+        let at = |u: usize| {
+            let slope = field.smooth_at(u as f32, v as f32, same);
+            let read = frames
+                .iter()
+                .zip(&times)
+                .filter_map(|(frame, time)| bilinear(frame, u as f32 + time * slope.u, v as f32 + time * slope.v));
+            let (sum, count) = read.fold((0.0, 0u32), |(sum, count), x| (sum + x, count + 1));
+            if count > 0 { sum / count as f32 } else { 0.0 }
+        };
+        (0..width).map(at).collect::<Vec<f32>>()
+    };
+    let rows: Vec<Vec<f32>> = (0..height).into_par_iter().map(row).collect();
+    Plane::from_vec(width, height, rows.concat())
+}

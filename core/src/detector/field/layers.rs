@@ -1,0 +1,158 @@
+//! Motion layers: the motions that exist in a burst.
+//!
+//! The motions of all known cells are counted on a fine grid of slopes. Each hill of the smoothed count is a layer; two
+//! hills are one unless the saddle between them is lower than half of the lower one. So a floor that comes nearer is
+//! one layer with a spread, and two things before one another are two.
+
+use crate::detector::params::slope_grid::Slope;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use crate::plane::blur::smoothed;
+use serde::Serialize;
+
+/// Smear between the first and the last frame that a step of the grid stands for, pixels.
+const STEP_SMEAR_PX: f32 = 0.5;
+/// Standard deviation by which the count is smoothed, steps.
+const SMOOTHING_STEPS: f64 = 2.0;
+/// Steps beyond the outermost motions.
+const MARGIN_STEPS: usize = 7;
+/// Maximum number of steps along an axis.
+const MAX_STEPS: f32 = 400.0;
+/// Height of a saddle, as a part of the lower hill, from which on the two are one.
+const ONE_HILL: f32 = 0.5;
+/// Share of the known cells that a layer needs.
+const MIN_SHARE: f32 = 0.004;
+
+/// A motion that exists in a burst.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MotionLayer {
+    /// Mean motion of its cells, pixels per frame.
+    pub slope: Slope,
+    /// Standard deviation of their motions (root of the mean of both directions' variances), pixels per frame.
+    pub spread: f32,
+    /// Its part of the cells whose motion is known, 0 … 1.
+    pub share: f32,
+}
+
+/// Layers of the motions `known` of all cells (`None` where unknown), the fastest first, and the number of each cell's,
+/// from 1; 0 for none. `last_frame` is the number of frames less one.
+pub(super) fn layers(
+    known: &[Option<Slope>],
+    last_frame: f32,
+    monitor: &Monitor,
+) -> Result<(Vec<MotionLayer>, Vec<u8>), Cancelled> {
+    let slopes: Vec<Slope> = known.iter().flatten().copied().collect();
+    let Some(hills) = Hills::new(&slopes, STEP_SMEAR_PX / last_frame, monitor)? else {
+        return Ok((Vec::new(), vec![0; known.len()]));
+    };
+    let hill_of = |slope: &Slope| hills.of_bin[hills.bin(*slope)];
+    let mut sums = vec![[0.0f64; 5]; hills.of_bin.len()];
+    for slope in &slopes {
+        let (u, v) = (f64::from(slope.u), f64::from(slope.v));
+        sums[hill_of(slope)].iter_mut().zip([1.0, u, v, u * u, v * v]).for_each(|(sum, x)| *sum += x);
+    }
+    let enough = f64::from(MIN_SHARE) * slopes.len() as f64;
+    let mut found: Vec<(usize, MotionLayer)> = Vec::new();
+    for (hill, [count, u, v, uu, vv]) in sums.iter().copied().enumerate().filter(|(_, sums)| sums[0] > enough) {
+        let (u, v) = (u / count, v / count);
+        let variance = 0.5 * (uu / count - u * u + vv / count - v * v);
+        let spread = variance.max(0.0).sqrt() as f32;
+        let share = (count / slopes.len() as f64) as f32;
+        found.push((hill, MotionLayer { slope: Slope::new(u as f32, v as f32), spread, share }));
+    }
+    found.sort_by(|(a, one), (b, other)| other.slope.magnitude().total_cmp(&one.slope.magnitude()).then(a.cmp(b)));
+    found.truncate(usize::from(u8::MAX));
+    let number =
+        |slope: &Slope| found.iter().position(|(hill, _)| *hill == hill_of(slope)).map_or(0, |at| at as u8 + 1);
+    let of_cells = known.iter().map(|slope| slope.as_ref().map_or(0, number)).collect();
+    Ok((found.into_iter().map(|(_, layer)| layer).collect(), of_cells))
+}
+
+/// Hills of the smoothed count of motions.
+struct Hills {
+    /// Slope of the first bin, and the step, pixels per frame.
+    first: Slope,
+    step: f32,
+    width: usize,
+    /// Bin at the top of the hill that each bin belongs to.
+    of_bin: Vec<usize>,
+}
+
+impl Hills {
+    fn new(slopes: &[Slope], step: f32, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
+        let ends = |of: fn(&Slope) -> f32| {
+            let both = |(min, max): (f32, f32), x: f32| (min.min(x), max.max(x));
+            slopes.iter().map(of).fold((f32::INFINITY, f32::NEG_INFINITY), both)
+        };
+        let (u, v) = (ends(|slope| slope.u), ends(|slope| slope.v));
+        if slopes.is_empty() {
+            return Ok(None);
+        }
+        let step = step.max((u.1 - u.0).max(v.1 - v.0) / MAX_STEPS);
+        let count = |(min, max): (f32, f32)| ((max - min) / step).ceil() as usize + 1 + 2 * MARGIN_STEPS;
+        let first = Slope::new(u.0 - MARGIN_STEPS as f32 * step, v.0 - MARGIN_STEPS as f32 * step);
+        let mut hills = Self { first, step, width: count(u), of_bin: Vec::new() };
+        let mut counts = Plane::zeros(count(u), count(v));
+        slopes.iter().for_each(|&slope| counts.data_mut()[hills.bin(slope)] += 1.0);
+        let counts = smoothed(&counts, SMOOTHING_STEPS, monitor)?;
+        hills.of_bin = hills.climbed(counts.data());
+        hills.join(counts.data());
+        Ok(Some(hills))
+    }
+
+    fn bin(&self, slope: Slope) -> usize {
+        let along = |x: f32, first: f32| ((x - first) / self.step).round() as usize;
+        along(slope.v, self.first.v) * self.width + along(slope.u, self.first.u)
+    }
+
+    /// Bins around `bin`, and itself.
+    fn around(&self, bin: usize, count: usize) -> impl Iterator<Item = usize> {
+        let (i, j, width) = ((bin % self.width) as i64, (bin / self.width) as i64, self.width as i64);
+        let inside = move |(di, dj): (i64, i64)| {
+            let (i, j) = (i + di, j + dj);
+            ((0..width).contains(&i) && (0..count as i64 / width).contains(&j)).then_some((j * width + i) as usize)
+        };
+        (-1..=1).flat_map(|dj| (-1..=1).map(move |di| (di, dj))).filter_map(inside)
+    }
+
+    /// The top above each bin, uphill by the steepest way.
+    fn climbed(&self, counts: &[f32]) -> Vec<usize> {
+        let higher = |a: usize, b: usize| if (counts[b], a) > (counts[a], b) { b } else { a };
+        let next: Vec<usize> =
+            (0..counts.len()).map(|bin| self.around(bin, counts.len()).reduce(higher).unwrap_or(bin)).collect();
+        let top = |mut bin: usize| {
+            while next[bin] != bin {
+                bin = next[bin];
+            }
+            bin
+        };
+        (0..counts.len()).map(top).collect()
+    }
+
+    /// Joins hills with high saddles between them, the highest saddle first.
+    fn join(&mut self, counts: &[f32]) {
+        let mut saddles: Vec<(f32, usize, usize)> = Vec::new();
+        for bin in 0..counts.len() {
+            for other in self.around(bin, counts.len()).filter(|other| self.of_bin[*other] < self.of_bin[bin]) {
+                saddles.push((counts[bin].min(counts[other]), self.of_bin[bin], self.of_bin[other]));
+            }
+        }
+        saddles.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        let mut joined: Vec<usize> = (0..counts.len()).collect();
+        for (height, one, other) in saddles {
+            let (one, other) = (root(&joined, one), root(&joined, other));
+            let (low, high) = if counts[one] < counts[other] { (one, other) } else { (other, one) };
+            if low != high && height > ONE_HILL * counts[low] {
+                joined[low] = high;
+            }
+        }
+        self.of_bin.iter_mut().for_each(|top| *top = root(&joined, *top));
+    }
+}
+
+fn root(joined: &[usize], mut top: usize) -> usize {
+    while joined[top] != top {
+        top = joined[top];
+    }
+    top
+}
