@@ -238,8 +238,7 @@ impl Levels {
     }
 }
 
-/// File value that becomes 1.0. Where 8-bit and 16-bit frames come together, it is the larger one; each frame is
-/// divided by its own.
+/// File value that becomes 1.0. Of 8-bit and 16-bit frames it is the larger one; each frame is divided by its own.
 fn natural_full_scale(frames: &[RawFrame]) -> f32 {
     let range = frames.iter().filter_map(|f| match f.scale {
         FileScale::Range(white) | FileScale::Raw { white } => Some(white),

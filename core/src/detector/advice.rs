@@ -38,8 +38,7 @@ const LITTLE: usize = 8;
 const SAMPLES_PER_FEATURE: u64 = 500;
 /// A test that lets pass less than this fraction of its usual share is to blame.
 const BLAMED_BELOW: f64 = 0.5;
-/// Gate's share of rejected samples below which it had little noise to reject, because the peak threshold before it
-/// took that.
+/// Gate's share of rejected samples below which the peak threshold before it had already taken the noise.
 const GATE_REJECTS_NOISE: f64 = 0.999;
 
 /// Explains why `detection`, found with `params` in images of `size` (columns, rows), has few or no features; `None`
@@ -101,8 +100,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
     advice(took(test, reached), parameter, value)
 }
 
-/// The test after the thresholds whose share of rejections most exceeds the usual one, and how many candidates reached
-/// it.
+/// The test after the thresholds that most exceeds its usual share of rejections, and how many candidates reached it.
 fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     let mut reached = tally.samples;
     let mut worst: Option<(f64, Test, u64)> = None;

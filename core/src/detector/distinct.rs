@@ -11,7 +11,7 @@
 
 use super::feature::Keypoint;
 use crate::detector::along::Along;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;

@@ -10,8 +10,7 @@
 
 pub use crate::plane::memory::machine_bytes;
 
-use super::params::slope_grid::{Slope, SlopeGrid};
-use super::params::{DetectorParams, Method, ParamError, SearchParams};
+use super::params::{DetectorParams, Method, ParamError, SearchParams, Slope, SlopeGrid};
 use super::scale_space::{octave_size, searched_octaves};
 use crate::detector::localise::slopes_around;
 use crate::detector::search::setup::SlopeGroup;
@@ -152,8 +151,7 @@ pub(crate) struct Plan {
     pub(crate) search: Vec<SlopeGroup>,
     /// Groups in which keypoints are localised and described; a single one if there is one for the search.
     pub(crate) describe: Vec<SlopeGroup>,
-    /// Number of threads. Each holds its own window of slopes, so a small budget may have room for fewer than the pool
-    /// has.
+    /// Number of threads. Each holds its own window of slopes, so a small budget may have room for few.
     pub(crate) threads: usize,
     /// Estimate of the most memory taken besides the burst, bytes.
     pub(crate) bytes: u64,
@@ -223,7 +221,7 @@ impl Plan {
 
 /// Calls `work` in a pool of `threads` threads of its own, 0 for as many as usual; in the current one where the system
 /// gives no more threads.
-pub(super) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),
         Err(_) => work(),

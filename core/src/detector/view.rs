@@ -4,10 +4,9 @@
 use super::combine::{Combine, combined_stack};
 use super::feature::DetectError;
 use super::noise_model::reading::sample_at;
-use super::params::{DetectorParams, ParamError, doc};
+use super::params::{DetectorParams, ParamError, Slope, doc};
 use super::search::setup::{Inputs, known_noise};
 use crate::burst::Burst;
-use crate::detector::params::slope_grid::Slope;
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
 use crate::detector::stack::{coverage, frame_offsets, motion_stack};

@@ -51,8 +51,7 @@ pub fn encode_film(
     Ok(())
 }
 
-/// Bytes of a film of `count` pictures, about, before all of it is made: the mean size of two of them, times their
-/// number.
+/// Bytes of a film of `count` pictures, about, before it is made: the mean size of two of them, times their number.
 pub fn estimated_film_bytes(pictures: [&RgbaImage; 2], count: usize) -> u64 {
     let of_one = |picture: &RgbaImage| {
         let mut bytes = Vec::new();

@@ -278,7 +278,7 @@ mod tests {
     fn the_demo_is_the_same_everywhere() {
         let burst = demo_burst();
         assert_eq!((burst.name.as_str(), burst.len(), burst.size()), ("demo", DEMO_FRAMES, DEMO_SIZE));
-        let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool").install(demo_burst);
+        let single = crate::detector::memory::on_threads(1, demo_burst);
         assert_eq!(burst.frames, single.frames);
         assert_eq!(checksum(&burst), CHECKSUM, "the demo changed; if that is meant, change the number here");
         let truth = demo_truth();

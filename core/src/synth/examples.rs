@@ -397,8 +397,7 @@ mod tests {
                 (burst.name.as_str(), burst.len(), burst.size()),
                 (example.name(), EXAMPLE_FRAMES, EXAMPLE_SIZE)
             );
-            let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-            assert_eq!(burst.frames, single.install(|| example.burst()).frames);
+            assert_eq!(burst.frames, crate::detector::memory::on_threads(1, || example.burst()).frames);
             let [u, v] = example.place();
             assert!(u < EXAMPLE_SIZE.0 as f32 && v < EXAMPLE_SIZE.1 as f32);
             assert!(example.slopes_u().0.contains(&example.slope_u()));

@@ -76,8 +76,7 @@ pub const MARK: f64 = 0.1;
 /// Black level of the scene in standard deviations of the noise in the dark, so that little is clipped at zero.
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
-/// Makes a layered scene and its truth: the layers' slopes, and the landmarks that are completely visible in every
-/// frame.
+/// Makes a layered scene and its truth: the layers' slopes, and the landmarks completely visible in every frame.
 ///
 /// # Errors
 /// A parameter that makes no sense, or [`SynthError::Cancelled`].

@@ -2,6 +2,7 @@
 
 use super::merge_burst;
 use crate::burst::Burst;
+use crate::detector::memory::on_threads;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::synth::random::Stream;
@@ -109,10 +110,7 @@ fn one_frame_stays_as_it_is_and_tiny_ones_are_no_trouble() {
 #[test]
 fn the_bits_do_not_depend_on_the_threads() {
     let burst = moving_burst((1.3, 0.7), 0.05, 5, 7);
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| merged(&burst))
-    };
+    let with = |threads| on_threads(threads, || merged(&burst));
     assert_eq!(with(1), with(5));
 }
 

@@ -70,8 +70,7 @@ fn sample_linear<T: Sample>(largest: f32) -> impl Fn(T) -> f32 {
     move |sample| linear(f64::from(sample.to_f32()) / f64::from(largest))
 }
 
-/// One value for each pixel of `samples` (interleaved, of `channels` channels: grey, grey + alpha, RGB or RGB + alpha),
-/// by `curve`.
+/// One value for each pixel of interleaved `samples` (1 to 4 channels: grey or RGB, without or with alpha), by `curve`.
 pub(in crate::burst) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, curve: Curve) -> Vec<f32> {
     // The curve is chosen here, not for each sample: a loop over pixels without a branch is vectorised.
     match curve {

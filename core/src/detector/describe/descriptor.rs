@@ -249,8 +249,7 @@ const TURNS: usize = 4;
 /// Pairs in a row of cells.
 const PAIRS: usize = PADDED - 1;
 
-/// Values that some pixels add, in the order of the pixels. Cells and directions are counted from the first padded
-/// ones.
+/// Values that some pixels add, in the order of the pixels. Cells and directions are counted from the padding on.
 #[derive(Debug, Default)]
 struct Samples {
     /// Pair of cells above the pixel, between which it lies.

@@ -9,7 +9,7 @@ use crate::detector::feature::{Descriptor, Feature, Keypoint};
 use crate::detector::localise::scale;
 use crate::detector::localise::{FARTHEST_MOVE_PX, LocateScratch, kernel_reach, located, rim_radius};
 use crate::detector::orient::{OrientationScratch, orientations};
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::detector::scale_space::{octave_pixel, octave_size};
 use crate::detector::search::setup::{FirstLevels, Search};
 use crate::kernel::machine::{KEYPOINTS_TOGETHER as TOGETHER, STRIP_COLUMNS};

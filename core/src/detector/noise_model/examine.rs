@@ -14,8 +14,7 @@ use super::spectrum::{Sources, measure};
 use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
 use super::{FRAMES_SAMPLED, NoiseModel};
-use crate::detector::params::Flicker;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::{Flicker, Slope};
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -49,8 +48,7 @@ pub struct ForSearch<'a> {
 }
 
 /// Examines `frames` of one size, in time order, whose values differ by `quantisation_step` at least (0 if unknown),
-/// for a `search`. `None` where there is too little to tell noise from texture: fewer than two different frames, or
-/// sides under 20 pixels.
+/// for a `search`. `None` where there is too little data: fewer than two different frames, or sides under 20 pixels.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -270,7 +268,7 @@ mod tests {
     use super::super::warning::WarningKind;
     use super::*;
     use crate::burst::Burst;
-    use crate::detector::params::slope_grid::SlopeGrid;
+    use crate::detector::params::SlopeGrid;
     use crate::synth::NoiseCase;
 
     fn slopes() -> Vec<Slope> {

@@ -24,10 +24,8 @@ pub(crate) use record::params;
 pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
 pub use rules::Rules;
 pub use searched::{AUTO, SearchParams, SlopeChoice};
-pub use slope_grid::MAX_SLOPES;
+pub use slope_grid::{MAX_SLOPES, Slope, SlopeAxis, SlopeGrid};
 pub use validate::ParamError;
-
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 
 impl DetectorParams {
     /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame

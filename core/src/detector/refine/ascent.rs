@@ -37,8 +37,7 @@ pub struct Peak {
 
 /// Radius at which the Gaussians are cut, in standard deviations of the wider one at the start.
 const CUT: f64 = 3.5;
-/// Smallest variance beyond the first level's, octave pixels²: finer Gaussians show too little of what the first level
-/// lost.
+/// Smallest variance beyond the first level's, octave pixels²: finer Gaussians show too little of what that one lost.
 const MIN_VARIANCE: f64 = 0.3;
 /// Maximum number of evaluations.
 const MAX_STEPS: usize = 4;
@@ -55,8 +54,7 @@ thread_local! {
 
 impl FirstLevel<'_> {
     /// The maximum of sign·D to which the ascent from column `x`, row `y` and DoG level index `level` leads; `None`
-    /// where D is not peaked on the way, where a step leads out of the level indices `within`, or where it does not
-    /// converge nearby.
+    /// where D is not peaked on the way, leads out of the level indices `within`, or does not converge nearby.
     pub fn ascend(&self, start: (f64, f64), level: f64, within: Range<f64>, sign: f64) -> Option<Peak> {
         PIXELS.with_borrow_mut(|pixels| {
             let levels = self.space.levels as f64;

@@ -9,7 +9,7 @@
 
 use super::peak::{SearchTable, Track};
 use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
-use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
+use crate::detector::params::{Slope, SlopeAxis, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -376,7 +376,7 @@ fn readable(step: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
@@ -391,17 +391,14 @@ mod tests {
 
     const STEPS: Steps = Steps { search: 0.4, same: 0.4 };
 
+    /// Evidence of a small window at level 1 that is clear, but not certain by itself.
+    pub fn window(slope: Slope, centre: [f32; 2]) -> SlopeEvidence {
+        let (significance, uncertainty, ambiguity, size) = (12.0, 0.05, 0.3, [64.0, 64.0]);
+        SlopeEvidence { slope, significance, uncertainty, ambiguity, level: 1, centre, size }
+    }
+
     fn seen(slopes: &[(f32, f32)]) -> Vec<SlopeEvidence> {
-        let one = |&(u, v): &(f32, f32)| SlopeEvidence {
-            slope: Slope::new(u, v),
-            significance: 12.0,
-            uncertainty: 0.05,
-            ambiguity: 0.3,
-            level: 1,
-            centre: [0.0, 0.0],
-            size: [64.0, 64.0],
-        };
-        slopes.iter().flat_map(|s| [one(s), one(s), one(s)]).collect()
+        slopes.iter().flat_map(|&(u, v)| [window(Slope::new(u, v), [0.0, 0.0]); 3]).collect()
     }
 
     #[test]

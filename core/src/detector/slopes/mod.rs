@@ -17,9 +17,8 @@ pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
 use super::feature::DetectError;
-use super::params::{DetectorParams, Method, SearchParams, SlopeChoice};
+use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
 use crate::burst::Burst;
-use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -49,8 +48,7 @@ const STILL_LEVEL_PX: f64 = 1.25;
 /// from +u towards +v) or anywhere in the plane.
 ///
 /// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ/(N−1) for the
-/// finest σ searched, or coarser where the range is long. An unchanged burst gives bitwise equal results, whatever the
-/// number of threads.
+/// finest σ searched, or coarser where the range is long. Results do not depend on the number of threads, to the bit.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -164,8 +162,7 @@ pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: u
     evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, frames).search, most)
 }
 
-/// Parameters with which `burst` is searched, and the finding where the slopes are found from it. The baselines have no
-/// slopes to find.
+/// Parameters with which `burst` is searched, and the finding where slopes are found from it, which baselines do not.
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`

@@ -1,4 +1,5 @@
 use super::*;
+use crate::detector::memory::on_threads;
 use crate::synth::random::Stream;
 use crate::synth::{ChartParams, Motion, NoiseCase, SceneParams, demo_burst, synth_chart, synth_scene};
 
@@ -263,10 +264,7 @@ fn threads_change_nothing_and_cancelling_ends_it() {
     let (burst, _) =
         synth_scene(&SceneParams { width: 320, height: 240, ..SceneParams::default() }, &Monitor::default())
             .expect("a scene");
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| find(&burst))
-    };
+    let with = |threads| on_threads(threads, || find(&burst));
     assert_eq!(with(1), with(3));
     let monitor = Monitor::default();
     monitor.cancel();
@@ -274,18 +272,9 @@ fn threads_change_nothing_and_cancelling_ends_it() {
 }
 
 #[test]
-fn slopes_are_resolved_only_where_they_are_to_be_found() {
-    let burst = moved((160, 120), 0.05, 6, |t| (2.0 * t as f64, 0.0));
-    let resolved = |params: &SearchParams| resolve(&burst, params, &Monitor::default());
-    let given = SearchParams::from(DetectorParams::default());
-    assert_eq!(resolved(&given), Ok((DetectorParams::default(), None)));
-    let (params, finding) = resolved(&SearchParams::default()).expect("valid");
-    assert_eq!(Some(params.slopes), finding.as_ref().map(|f| f.grid));
-    assert!(holds(&params.slopes, Slope::new(2.0, 0.0), 0.0));
-    let merge = DetectorParams { method: Method::Merge, ..DetectorParams::default() };
-    assert!(resolved(&SearchParams { detector: merge, ..SearchParams::default() }).expect("valid").1.is_none());
-    let frames = Some(crate::detector::FrameRange { start: 2, end: 9 });
-    let past =
-        SearchParams { detector: DetectorParams { frames, ..DetectorParams::default() }, ..SearchParams::default() };
-    assert!(matches!(resolved(&past), Err(DetectError::Param(_))));
+fn parameters_are_checked_before_slopes_are_searched() {
+    let frames = Some(crate::detector::FrameRange { start: 2, end: 99 });
+    let detector = DetectorParams { frames, ..DetectorParams::default() };
+    let past = SearchParams { detector, ..SearchParams::default() };
+    assert!(matches!(resolve(&demo_burst(), &past, &Monitor::default()), Err(DetectError::Param(_))));
 }

@@ -1,5 +1,4 @@
-//! The slopes that a burst needs: features found at each slope, evidence of the frames before any threshold, and
-//! advice.
+//! The slopes that a burst needs: features at each slope, evidence of the frames before any threshold, and advice.
 //!
 //! The *evidence* ([`crate::detector::SlopeFinding`]) shows where the motion stack has power that single frames do not
 //! have, also beyond the slopes that were searched. Aliases of periodic textures are found here too.
