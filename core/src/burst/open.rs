@@ -287,8 +287,8 @@ impl Calibration {
     }
 }
 
-/// Factor that converts the values of calibration frames to the unit of the burst's own files. The error says why the
-/// units cannot be related, and a remedy.
+/// Factor from calibration frames' values to the unit of the burst's files. The error says why there is none, and a
+/// remedy.
 fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'static str> {
     match (frames, of) {
         (FileScale::Range(a), FileScale::Range(b)) if a == b => Ok(b),
@@ -362,8 +362,7 @@ pub(super) fn mean_in_unit_of(
     Ok(mean)
 }
 
-/// Checks that a bias whose files are `of` another kind than the frames' is, once converted, not brighter on average
-/// than all values of the frames.
+/// Checks that a converted bias whose files are `of` another kind is not brighter on average than all frames.
 pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<(), OpenError> {
     let is_alike = match (of, frames[0].scale) {
         (FileScale::Range(a), FileScale::Range(b)) => a == b,

@@ -204,8 +204,8 @@ pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: 
     total / (offsets.len() as f64).powi(2)
 }
 
-/// Variance of the difference of two isotropic Gaussians of variances `low` and `high` (pixels²) for white noise of
-/// variance 1 in each pixel.
+/// Variance, for white noise of variance 1, of the difference of two isotropic Gaussians of variances `low` and `high`,
+/// px².
 pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
     let product = |a: f64, b: f64| 1.0 / (2.0 * std::f64::consts::PI * (a + b));
     product(low, low) - 2.0 * product(low, high) + product(high, high)

@@ -399,9 +399,7 @@ mod tests {
             let error = synth_chart(&params, &Monitor::default()).expect_err(name).to_string();
             assert!(error.starts_with(&format!("{name}: ")), "{error}");
         }
-        let monitor = Monitor::default();
-        monitor.cancel();
-        assert!(matches!(synth_chart(&small(), &monitor), Err(SynthError::Cancelled(_))));
+        assert!(matches!(synth_chart(&small(), &Monitor::cancelled()), Err(SynthError::Cancelled(_))));
     }
 
     #[test]

@@ -117,10 +117,7 @@ fn the_bits_do_not_depend_on_the_threads() {
 #[test]
 fn cancelling_leaves_no_result_and_progress_rises_to_one() {
     let burst = moving_burst((1.0, 0.0), 0.05, 4, 8);
-    let monitor = Monitor::default();
-    monitor.cancel();
-    assert!(merge_burst(&burst, 0..4, &monitor).is_err());
-
+    assert!(merge_burst(&burst, 0..4, &Monitor::cancelled()).is_err());
     let heard = Arc::new(Mutex::new(Vec::new()));
     let sink = heard.clone();
     let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push((p.stage, p.fraction)));

@@ -1,5 +1,4 @@
-//! Conversion of a file's samples to one float value a pixel, and turning of photographs: cameras store pixels as the
-//! sensor has them, and note which way is up.
+//! Conversion of a file's samples to one float value a pixel, and turning of photographs as the camera was held.
 //!
 //! Colour becomes luma: Y' = 0.2126 R' + 0.7152 G' + 0.0722 B', the weights of Rec. ITU-R BT.709, applied to the values
 //! as they are stored, that is, to gamma-encoded values without decoding them, unless the [`Curve`] undoes the encoding

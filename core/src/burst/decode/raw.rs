@@ -175,8 +175,7 @@ pub(super) struct RawLevels {
 }
 
 impl RawLevels {
-    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives. An error is the
-    /// end of a sentence about the file.
+    /// Levels of `raw`, whose active area has `size`, or those of `options`. An error ends a sentence about the file.
     pub(super) fn of(
         raw: &RawImage,
         size: (usize, usize),

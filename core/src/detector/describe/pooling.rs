@@ -9,12 +9,10 @@ use crate::detector::along::around;
 use crate::kernel::patch::{BlurScratch, Patch};
 use crate::plane::blur::GaussianKernel;
 
-/// Ratio of neighbouring scales. Tuned on dark bursts of two scenes, of which other views were kept back
-/// (docs/MEASUREMENTS.md).
+/// Ratio of neighbouring scales, tuned on dark bursts of two scenes with other views kept back (docs/MEASUREMENTS.md).
 const SCALE_RATIO: f32 = 1.75;
 
-/// Where the kernels of the coarser levels end at the latest, in their σ: a narrower patch is stacked then, and what
-/// lies beyond weighs 0.3 %.
+/// Latest end of the coarser levels' kernels, in their σ, so that patches are narrower; what lies beyond weighs 0.3 %.
 const MAX_CUT: f64 = 3.0;
 
 /// Reused from keypoint to keypoint.

@@ -127,16 +127,10 @@ mod tests {
         }
         let one_frame = DetectorParams::default().validate_for(1, (100, 100)).expect_err("one frame");
         assert_eq!(one_frame.parameter, "frames");
+        let sift = DetectorParams { method: Method::Sift, ..good() };
+        assert_eq!(sift.validate_for(1, (64, 64)), Ok(()));
         let too_fast = DetectorParams { slopes: SlopeGrid::line(-99.0..=99.0, 3), ..good() };
         assert_eq!(too_fast.validate_for(10, (100, 100)).expect_err("too fast").parameter, "slopes-u");
-    }
-
-    #[test]
-    fn sift_uses_the_middle_frame_and_slope_zero() {
-        let params = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
-        assert_eq!(params.used_frames(5), 2..3);
-        assert_eq!(params.used_slopes().len(), 1);
-        assert_eq!(params.validate_for(1, (64, 64)), Ok(()));
     }
 
     #[test]

@@ -129,8 +129,8 @@ struct Derivatives {
 }
 
 impl Derivatives {
-    /// Those of the difference of two Gaussians with the jets `fine` and `coarse`, and squared scales `fine2` and
-    /// `coarse2` in ∂G/∂ln σ = σ²∇²G.
+    /// Those of the difference of Gaussians with the jets `fine` and `coarse` and squared scales `fine2` and `coarse2`:
+    /// ∂G/∂ln σ = σ²∇²G.
     fn of(fine: &Jet, fine2: f64, coarse: &Jet, coarse2: f64) -> Self {
         let both = |of: &dyn Fn(&Jet, f64) -> f64| of(coarse, coarse2) - of(fine, fine2);
         let laplacian = |j: &Jet, p: usize, q: usize| j[p + 2][q] + j[p][q + 2];

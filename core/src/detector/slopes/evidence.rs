@@ -276,7 +276,11 @@ pub(super) fn grid_for(evidence: &[SlopeEvidence], steps: Steps, line_deg: Optio
         let [u, v] = [along, across].map(|range| axis(range, steps.search, PLANE_SLOPES));
         SlopeGrid { u, v, direction_deg: degrees as f32 }
     };
-    let (straight, turned) = (plane(0.0), plane((spread_deg(evidence) / TURNED_DEG).round() * TURNED_DEG));
+    let mean = |axis: fn(&Slope) -> f32| {
+        evidence.iter().map(|e| f64::from(axis(&e.slope))).sum::<f64>() / evidence.len() as f64
+    };
+    let spread_deg = principal_deg(evidence, [mean(|s| s.u), mean(|s| s.v)]);
+    let (straight, turned) = (plane(0.0), plane((spread_deg / TURNED_DEG).round() * TURNED_DEG));
     let area = |grid: &SlopeGrid| f64::from(grid.u.max - grid.u.min) * f64::from(grid.v.max - grid.v.min);
     let smaller = area(&turned) <= MUCH_SMALLER * area(&straight);
     Some(if smaller { turned } else { straight })
@@ -311,13 +315,6 @@ pub(super) fn direction_deg(evidence: &[SlopeEvidence]) -> f64 {
         d if d > 0.0 => d - 180.0,
         d => d + 180.0,
     }
-}
-
-/// Direction in which the evidence is spread most, −90 … 90°.
-fn spread_deg(evidence: &[SlopeEvidence]) -> f64 {
-    let n = evidence.len() as f64;
-    let mean = |axis: fn(&Slope) -> f32| evidence.iter().map(|e| f64::from(axis(&e.slope))).sum::<f64>() / n;
-    principal_deg(evidence, [mean(|s| s.u), mean(|s| s.v)])
 }
 
 /// Principal direction of the evidence about `centre`, −90 … 90°.
