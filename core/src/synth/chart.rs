@@ -6,7 +6,7 @@
 use super::noise::Camera;
 #[cfg(feature = "cli")]
 use super::options::{SNR_HELP, motions, parse_range, words};
-use super::truth::{FeatureTruth, NoiseTruth, Truth, TruthKind};
+use super::truth::{FeatureTruth, Truth, TruthKind};
 use super::{Motion, SynthError, capture_burst, check_common, check_snr};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
@@ -175,19 +175,9 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
         }
         Ok(signal)
     })?;
-    let truth = Truth {
-        kind: TruthKind::Chart,
-        width: params.width,
-        height: params.height,
-        frames: params.frames,
-        t0: (params.frames as f64 - 1.0) / 2.0,
-        seed: params.seed,
-        noise: NoiseTruth::of(&exposure.camera, exposure.background, Some(params.snr)),
-        black_level: exposure.camera.black_level,
-        layers: Vec::new(),
-        features,
-    };
-    Ok((burst, truth))
+    let (size, noise) = ((params.width, params.height), (exposure.background, Some(params.snr)));
+    let truth = Truth::captured(TruthKind::Chart, size, (params.frames, params.seed), &exposure.camera, noise);
+    Ok((burst, Truth { features, ..truth }))
 }
 
 /// Blends a disc of level `value` into `plane`, weighting each pixel by the share of its area that the disc covers.

@@ -4,7 +4,7 @@
 //! cells and blur both grow with the scale. Coarser levels hold no detail that pixels of twice the size would not show,
 //! so the stacked patch is halved once, and each level is a blur of that.
 
-use super::descriptor::{DescriptorScratch, Sums, coarse_radius, disc_sums};
+use super::descriptor::{DescriptorScratch, Square, Sums, coarse_radius, sums as sums_of};
 use crate::detector::along::around;
 use crate::kernel::patch::{BlurScratch, Patch};
 use crate::plane::blur::GaussianKernel;
@@ -73,7 +73,7 @@ impl CoarserScales {
             let reach = coarse_radius(sigma) + 1;
             half.blurred(around(x, reach), around(y, reach), kernel, blur, level);
             for (&angle, sums) in angles.iter().zip(sums.iter_mut()) {
-                sums.push(disc_sums(level, size, (x, y), sigma, angle, scratch));
+                sums.push(sums_of(level, size, &Square::coarse((x, y), sigma, angle), scratch));
             }
         }
     }

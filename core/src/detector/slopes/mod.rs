@@ -87,8 +87,15 @@ pub fn find_slopes(
     warnings.extend(order);
     let deviation = path.map(|path| (peak::distance_from_a_line(&path.way), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
+    let verdict = match finding.verdict {
+        SlopeVerdict::Found | SlopeVerdict::Still if deviation.is_some_and(|(distance, limit)| distance > limit) => {
+            SlopeVerdict::NotStraight
+        }
+        verdict => verdict,
+    };
+    let deviation_px = deviation.map(|(distance, _)| distance as f32);
     let spectrum = spectrum(&seen, &table, levels.start);
-    Ok(SlopeFinding { spectrum, warnings, ..finding.with_deviation(deviation) })
+    Ok(SlopeFinding { verdict, deviation_px, spectrum, warnings, ..finding })
 }
 
 fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
@@ -106,16 +113,6 @@ impl SlopeFinding {
         let steps = steps_of(params, params.used_frames(frame_count).len());
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
         confirmed(&clear, steps)
-    }
-
-    /// `deviation` is the distance from a uniform motion, and the limit above which it changes the verdict, pixels.
-    fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
-        let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
-        let verdict = match self.verdict {
-            SlopeVerdict::Found | SlopeVerdict::Still if bent => SlopeVerdict::NotStraight,
-            verdict => verdict,
-        };
-        Self { verdict, deviation_px: deviation.map(|(distance, _)| distance as f32), ..self }
     }
 
     /// Texts of the warnings.
