@@ -111,6 +111,13 @@ impl Monitor {
         self.cancel.store(true, Ordering::Relaxed);
     }
 
+    #[cfg(test)]
+    pub(crate) fn cancelled() -> Self {
+        let monitor = Self::default();
+        monitor.cancel();
+        monitor
+    }
+
     /// Whether [`Self::cancel`] was called on this monitor or a clone of it.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)

@@ -238,8 +238,7 @@ impl Levels {
     }
 }
 
-/// File value that becomes 1.0. Where 8-bit and 16-bit frames come together, it is the larger one; each frame is
-/// divided by its own.
+/// File value that becomes 1.0. Of 8-bit and 16-bit frames it is the larger one; each frame is divided by its own.
 fn natural_full_scale(frames: &[RawFrame]) -> f32 {
     let range = frames.iter().filter_map(|f| match f.scale {
         FileScale::Range(white) | FileScale::Raw { white } => Some(white),
@@ -288,8 +287,8 @@ impl Calibration {
     }
 }
 
-/// Factor that converts the values of calibration frames to the unit of the burst's own files. The error says why the
-/// units cannot be related, and a remedy.
+/// Factor from calibration frames' values to the unit of the burst's files. The error says why there is none, and a
+/// remedy.
 fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'static str> {
     match (frames, of) {
         (FileScale::Range(a), FileScale::Range(b)) if a == b => Ok(b),
@@ -363,8 +362,7 @@ pub(super) fn mean_in_unit_of(
     Ok(mean)
 }
 
-/// Checks that a bias whose files are `of` another kind than the frames' is, once converted, not brighter on average
-/// than all values of the frames.
+/// Checks that a converted bias whose files are `of` another kind is not brighter on average than all frames.
 pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<(), OpenError> {
     let is_alike = match (of, frames[0].scale) {
         (FileScale::Range(a), FileScale::Range(b)) => a == b,

@@ -71,8 +71,7 @@ pub struct Limits {
     pub max_pixels: u64,
     /// Number of frames. Default 4096.
     pub max_frames: usize,
-    /// Memory of all frames together as `f32`, bytes. Default 16 GiB. The memory that the process may have is a further
-    /// limit.
+    /// Memory of all frames together as `f32`, bytes. Default 16 GiB. The process's own memory is a further limit.
     pub max_bytes: u64,
 }
 

@@ -6,7 +6,7 @@
 //! and filtering commute, so the values are those of a search at that slope, up to interpolation (and, in coarser
 //! octaves, the way in which the frames are brought to their resolution).
 
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::detector::scale_space::{Base, SIGMA_INPUT, octave_pixel, octave_size};
 use crate::detector::search::setup::Inputs;
 use crate::detector::stack::{interpolation_blur, shifted_offsets};

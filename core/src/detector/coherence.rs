@@ -5,7 +5,7 @@
 
 use crate::detector::along::Along;
 use crate::detector::feature::Feature;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::detector::search::setup::Inputs;
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;

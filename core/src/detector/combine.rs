@@ -5,8 +5,7 @@
 //! to the bit.
 
 use super::stack::{frame_offsets, motion_stack};
-use crate::detector::params::Interpolation;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::{Interpolation, Slope};
 use crate::kernel::stack::{FrameOffset, sample_clamped};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;

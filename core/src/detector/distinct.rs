@@ -11,7 +11,7 @@
 
 use super::feature::Keypoint;
 use crate::detector::along::Along;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
@@ -57,15 +57,14 @@ impl Blob {
     }
 }
 
-/// Frames count in which the two paths are farther apart than this many σ of the stronger keypoint: at that distance
-/// its response has passed through 0.
+/// Frames count in which the paths are this many σ of the stronger keypoint apart, where its response has passed
+/// through 0.
 const APART_SIGMAS: f32 = 2.5;
 /// Minimum share of all frames that must count; two frames must in any case.
 const FRAMES_SHARE: f32 = 0.2;
 /// Minimum fraction of its response that a separate structure keeps in those frames.
 const KEPT_RESPONSE: f32 = 0.6;
-/// Minimum of that response in standard deviations of its noise. A mean of few frames is noisy, and a false second
-/// keypoint makes matches ambiguous.
+/// Minimum of that response in deviations of its noise: a false second keypoint makes matches ambiguous.
 const FRAMES_SNR: f32 = 5.0;
 /// Maximum response between the two paths, as a fraction of the weaker response.
 const BETWEEN_RESPONSE: f32 = 0.5;

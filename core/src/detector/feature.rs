@@ -7,8 +7,7 @@ pub use super::test::{Tally, Test};
 
 use super::field::MotionField;
 use super::noise_model::NoiseModel;
-use super::params::{DetectorParams, ParamError, SlopeExtrema};
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use super::params::{DetectorParams, ParamError, Slope, SlopeExtrema, SlopeGrid};
 use crate::detector::scale_space::octave_pixel;
 use crate::monitor::Cancelled;
 use std::sync::Arc;

@@ -10,7 +10,7 @@
 
 use crate::detector::along::Along;
 use crate::detector::feature::Feature;
-use crate::detector::params::slope_grid::{Slope, SlopeAxis};
+use crate::detector::params::{Slope, SlopeAxis};
 
 /// Minimum rise of the response beyond the rim, in standard deviations of the difference that noise makes.
 const RISE_SIGMAS: f32 = 2.0;

@@ -10,8 +10,7 @@
 
 pub use crate::plane::memory::machine_bytes;
 
-use super::params::slope_grid::{Slope, SlopeGrid};
-use super::params::{DetectorParams, Method, ParamError, SearchParams};
+use super::params::{DetectorParams, Method, ParamError, SearchParams, Slope, SlopeGrid};
 use super::scale_space::{octave_size, searched_octaves};
 use crate::detector::localise::slopes_around;
 use crate::detector::search::setup::SlopeGroup;
@@ -66,30 +65,41 @@ pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, 
     }
     // A merge is a single image when it is searched.
     let frames = if detector.method == Method::Merge { 1 } else { detector.used_frames(frames).len() };
-    Plan::new(&detector, frames, size, budget()).map(|_| ())
+    Plan::new(Wanted { params: &detector, frames, size }, budget()).map(|_| ())
 }
 
 /// Estimates the memory that a search with `params` needs besides the burst if all slopes are searched at once, bytes;
 /// `frames` frames of `size` (columns, rows) take part.
 pub fn estimate(params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
-    estimate_on(rayon::current_num_threads(), params, frames, size)
+    Wanted { params, frames, size }.bytes_on(rayon::current_num_threads())
 }
 
-fn estimate_on(threads: usize, params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
-    let slopes = params.used_slopes().len() as u64;
-    slopes.saturating_mul(bytes_of_slope(params, size)).saturating_add(bytes_beside_slopes(threads, frames, size))
+/// A search with `params` in which `frames` frames of `size` (columns, rows) take part.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    pub(crate) params: &'a DetectorParams,
+    pub(crate) frames: usize,
+    pub(crate) size: (usize, usize),
 }
 
-/// Memory that a search on `threads` threads needs, whatever the number of slopes; bytes.
-fn bytes_beside_slopes(threads: usize, frames: usize, size: (usize, usize)) -> u64 {
-    let windows = threads.saturating_mul(WINDOW_BYTES).min(WINDOWS_BYTES);
-    // The cleaned frames, and their octaves together.
-    let of_frames = (frames as u64).saturating_mul(plane_bytes(size)).saturating_mul(7) / 3;
-    of_frames.saturating_add(windows as u64)
-}
+impl Wanted<'_> {
+    fn bytes_on(self, threads: usize) -> u64 {
+        let slopes = self.params.used_slopes().len() as u64;
+        slopes.saturating_mul(self.bytes_of_slope()).saturating_add(self.bytes_beside_slopes(threads))
+    }
 
-fn bytes_of_slope(params: &DetectorParams, size: (usize, usize)) -> u64 {
-    searched_octaves(params, size).skip(1).map(|octave| plane_bytes(octave_size(size, octave))).sum()
+    /// Memory that a search on `threads` threads needs, whatever the number of slopes; bytes.
+    fn bytes_beside_slopes(self, threads: usize) -> u64 {
+        let windows = threads.saturating_mul(WINDOW_BYTES).min(WINDOWS_BYTES);
+        // The cleaned frames, and their octaves together.
+        let of_frames = (self.frames as u64).saturating_mul(plane_bytes(self.size)).saturating_mul(7) / 3;
+        of_frames.saturating_add(windows as u64)
+    }
+
+    fn bytes_of_slope(self) -> u64 {
+        let octaves = searched_octaves(self.params, self.size).skip(1);
+        octaves.map(|octave| plane_bytes(octave_size(self.size, octave))).sum()
+    }
 }
 
 fn plane_bytes((width, height): (usize, usize)) -> u64 {
@@ -129,16 +139,10 @@ impl Account {
     }
 
     /// Plans as [`Plan::new`], within the part of `budget` that the other searches of this account leave.
-    pub(crate) fn plan(
-        &self,
-        params: &DetectorParams,
-        frames: usize,
-        size: (usize, usize),
-        budget: Option<u64>,
-    ) -> Result<(Plan, Share<'_>), ParamError> {
+    pub(crate) fn plan(&self, wanted: Wanted<'_>, budget: Option<u64>) -> Result<(Plan, Share<'_>), ParamError> {
         let mut taken = self.taken();
         let left = budget.map(|budget| budget.saturating_sub(*taken));
-        let plan = Plan::new(params, frames, size, left).or_else(|_| Plan::smallest(params, frames, size, budget))?;
+        let plan = Plan::new(wanted, left).or_else(|_| Plan::smallest(wanted, budget))?;
         let share = Share { account: self, bytes: plan.bytes };
         *taken = taken.saturating_add(share.bytes);
         Ok((plan, share))
@@ -152,55 +156,38 @@ pub(crate) struct Plan {
     pub(crate) search: Vec<SlopeGroup>,
     /// Groups in which keypoints are localised and described; a single one if there is one for the search.
     pub(crate) describe: Vec<SlopeGroup>,
-    /// Number of threads. Each holds its own window of slopes, so a small budget may have room for fewer than the pool
-    /// has.
+    /// Number of threads. Each holds its own window of slopes, so a small budget may have room for few.
     pub(crate) threads: usize,
     /// Estimate of the most memory taken besides the burst, bytes.
     pub(crate) bytes: u64,
 }
 
 impl Plan {
-    /// Plans a search of `frames` frames of `size` (columns, rows) within `budget` bytes, or without a bound, on as
-    /// many threads as there is memory for. Where even the smallest form needs more, the error gives its least memory.
-    pub(crate) fn new(
-        params: &DetectorParams,
-        frames: usize,
-        size: (usize, usize),
-        budget: Option<u64>,
-    ) -> Result<Self, ParamError> {
+    /// Plans the `wanted` search within `budget` bytes, or without a bound, on as many threads as there is memory for.
+    /// Where even the smallest form needs more, the error gives its least memory.
+    pub(crate) fn new(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self, ParamError> {
         let several = (2..=rayon::current_num_threads()).rev();
-        let fitting = several.map(|threads| Self::on(threads, params, frames, size, budget)).find_map(Result::ok);
+        let fitting = several.map(|threads| Self::on(threads, wanted, budget)).find_map(Result::ok);
         // The error for one thread gives the least memory.
-        fitting.map_or_else(|| Self::on(1, params, frames, size, budget), Ok)
+        fitting.map_or_else(|| Self::on(1, wanted, budget), Ok)
     }
 
     /// Plan that takes the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
-    pub(crate) fn smallest(
-        params: &DetectorParams,
-        frames: usize,
-        size: (usize, usize),
-        budget: Option<u64>,
-    ) -> Result<Self, ParamError> {
-        let of_slopes = bytes_of_slope(params, size).saturating_mul(min_slopes(params) as u64);
-        let min = bytes_beside_slopes(1, frames, size).saturating_add(of_slopes);
-        Self::on(1, params, frames, size, Some(budget.map_or(min, |budget| budget.min(min))))
+    pub(crate) fn smallest(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self, ParamError> {
+        let of_slopes = wanted.bytes_of_slope().saturating_mul(min_slopes(wanted.params) as u64);
+        let min = wanted.bytes_beside_slopes(1).saturating_add(of_slopes);
+        Self::on(1, wanted, Some(budget.map_or(min, |budget| budget.min(min))))
     }
 
-    fn on(
-        threads: usize,
-        params: &DetectorParams,
-        frames: usize,
-        size: (usize, usize),
-        budget: Option<u64>,
-    ) -> Result<Self, ParamError> {
+    fn on(threads: usize, wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self, ParamError> {
+        let params = wanted.params;
         let grid = params.used_slopes();
-        let (count, of_slope) = (grid.len(), bytes_of_slope(params, size));
-        let needed = estimate_on(threads, params, frames, size);
+        let (count, of_slope, needed) = (grid.len(), wanted.bytes_of_slope(), wanted.bytes_on(threads));
         let Some(budget) = budget.filter(|budget| *budget < needed) else {
             let whole = vec![SlopeGroup::whole(count)];
             return Ok(Self { search: whole.clone(), describe: whole, threads, bytes: needed });
         };
-        let beside = bytes_beside_slopes(threads, frames, size);
+        let beside = wanted.bytes_beside_slopes(threads);
         let fitting = (budget.saturating_sub(beside) / of_slope.max(1)).min(count as u64) as usize;
         let reach = OtherSlopes::of(params).reach(&grid);
         // The whole did not fit: even without slopes the budget may be exceeded.
@@ -211,7 +198,7 @@ impl Plan {
             return Ok(Self { search, describe, threads, bytes });
         }
         let min = beside.saturating_add(of_slope.saturating_mul(min_slopes(params) as u64));
-        Err(refusal(params, frames, size, min, budget, fitting))
+        Err(refusal(wanted, min, budget, fitting))
     }
 
     /// Runs `work` on the threads that the plan allows.
@@ -223,7 +210,7 @@ impl Plan {
 
 /// Calls `work` in a pool of `threads` threads of its own, 0 for as many as usual; in the current one where the system
 /// gives no more threads.
-pub(super) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),
         Err(_) => work(),
@@ -238,14 +225,7 @@ fn min_slopes(params: &DetectorParams) -> usize {
 }
 
 /// Error for a search that needs at least `min` bytes where `budget` bytes hold `fitting` slopes.
-fn refusal(
-    params: &DetectorParams,
-    frames: usize,
-    size: (usize, usize),
-    min: u64,
-    budget: u64,
-    fitting: usize,
-) -> ParamError {
+fn refusal(Wanted { params, frames, size }: Wanted<'_>, min: u64, budget: u64, fitting: usize) -> ParamError {
     let (grid, min_slopes) = (params.used_slopes(), min_slopes(params));
     let less = match fitting {
         0 => "a larger first octave, fewer frames or a smaller picture would take less".to_owned(),
@@ -290,8 +270,12 @@ mod tests {
         DetectorParams { slopes, ..DetectorParams::default() }
     }
 
+    fn wanted(params: &DetectorParams) -> Wanted<'_> {
+        Wanted { params, frames: 10, size: SIZE }
+    }
+
     fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan, ParamError> {
-        Plan::new(params, 10, SIZE, budget)
+        Plan::new(wanted(params), budget)
     }
 
     #[test]
@@ -307,14 +291,14 @@ mod tests {
     #[test]
     fn a_search_plans_with_what_others_leave() {
         let (params, account) = (plane(20), Account::new());
-        let plan = |budget| account.plan(&params, 10, SIZE, Some(budget));
+        let plan = |budget| account.plan(wanted(&params), Some(budget));
         let (alone, share) = plan(1 << 50).expect("it fits");
         assert_eq!((alone.search.len(), share.bytes), (1, alone.bytes));
         let budget = alone.bytes + alone.bytes / 2;
         let (beside, second) = plan(budget).expect("in groups");
         assert!(beside.search.len() > 1 && beside.bytes < alone.bytes, "{beside:?}");
         let (third, _) = plan(budget).expect("in its smallest form");
-        assert_eq!(third, Plan::smallest(&params, 10, SIZE, Some(budget)).expect("it fits"));
+        assert_eq!(third, Plan::smallest(wanted(&params), Some(budget)).expect("it fits"));
         assert_eq!(third.threads, 1);
         drop((share, second));
         let (again, _) = plan(budget).expect("the others gave back what they had");
@@ -328,8 +312,8 @@ mod tests {
             let plan = plan(&plane(49), budget).expect("it fits");
             assert_eq!((plan.search.len(), plan.describe.len()), (1, 1));
         }
-        let of_slope = bytes_of_slope(&plane(49), SIZE);
-        let beside = bytes_beside_slopes(rayon::current_num_threads(), 10, SIZE);
+        let of_slope = wanted(&plane(49)).bytes_of_slope();
+        let beside = wanted(&plane(49)).bytes_beside_slopes(rayon::current_num_threads());
         let budget = 2_000_000_000;
         let Plan { search, describe, .. } = plan(&plane(49), Some(budget)).expect("in groups");
         assert!(search.len() > 2 && describe.len() >= search.len());
@@ -343,16 +327,17 @@ mod tests {
 
     #[test]
     fn a_small_budget_takes_fewer_threads_before_it_refuses() {
-        let of = |threads, budget| Plan::on(threads, &plane(49), 10, (480, 360), Some(budget));
+        let params = plane(49);
+        let small = Wanted { size: (480, 360), ..wanted(&params) };
+        let of = |threads, budget| Plan::on(threads, small, Some(budget));
         let one = (1..).map(|step| step * 1_000_000).find(|budget| of(1, *budget).is_ok()).expect("one is enough");
         let many = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("a pool");
-        let threads =
-            |budget| many.install(|| Plan::new(&plane(49), 10, (480, 360), Some(budget))).map(|plan| plan.threads);
+        let threads = |budget| many.install(|| Plan::new(small, Some(budget))).map(|plan| plan.threads);
         assert!(of(8, one).is_err(), "one thread needs less than eight");
         assert_eq!(threads(one), Ok(1));
         assert!(threads(one + 20_000_000).is_ok_and(|threads| (2..8).contains(&threads)));
         assert_eq!(threads(1 << 40), Ok(8));
-        let plan = many.install(|| Plan::new(&plane(49), 10, (480, 360), Some(one))).expect("it fits");
+        let plan = many.install(|| Plan::new(small, Some(one))).expect("it fits");
         assert_eq!(many.install(|| plan.run(rayon::current_num_threads)), 1);
     }
 

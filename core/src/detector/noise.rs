@@ -13,8 +13,7 @@
 //!
 //! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. All its parts are close
 //! to Gaussians, whose inner products are known: ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B.
-//! Bilinear sampling at a fraction f adds the variance f(1−f) in its direction; that differs from frame to frame and is
-//! averaged over them.
+//! Bilinear sampling at a fraction f adds the variance f(1−f) in its direction; its mean over the frames is taken.
 
 use crate::burst::Burst;
 use crate::detector::params::{DetectorParams, NoiseGate, SlopeExtrema};
@@ -69,8 +68,7 @@ pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
 /// A piece of a row: the row, and the columns of the filter's centres in it.
 type Piece = (usize, Range<usize>);
 
-/// Pieces of an image of `size` for the estimate: whole rows of a small image, else pieces spread evenly; none under
-/// 3×3 pixels.
+/// Pieces of an image of `size` for the estimate: whole rows of a small one, else spread evenly; none under 3×3 pixels.
 fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
     if width < 3 || height < 3 {
         return Vec::new();
@@ -206,8 +204,8 @@ pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: 
     total / (offsets.len() as f64).powi(2)
 }
 
-/// Variance of the difference of two isotropic Gaussians of variances `low` and `high` (pixels²) for white noise of
-/// variance 1 in each pixel.
+/// Variance, for white noise of variance 1, of the difference of two isotropic Gaussians of variances `low` and `high`,
+/// px².
 pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
     let product = |a: f64, b: f64| 1.0 / (2.0 * std::f64::consts::PI * (a + b));
     product(low, low) - 2.0 * product(low, high) + product(high, high)
@@ -256,8 +254,7 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::params::Interpolation;
-    use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+    use crate::detector::params::{Interpolation, Slope, SlopeGrid};
     use crate::detector::stack::frame_offsets;
     use crate::synth::random::Stream;
 

@@ -5,8 +5,7 @@
 //! pixel; the sum is divided by the number of frames that do. Where none does (a corner, with diagonal slopes and an
 //! even number of frames) the frames' nearest pixels are averaged.
 
-use crate::detector::params::Interpolation;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::{Interpolation, Slope};
 use crate::kernel::stack::{FrameOffset, RowStacker};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;

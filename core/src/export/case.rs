@@ -105,8 +105,7 @@ pub enum CaseError {
 }
 
 impl Case {
-    /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the burst of its
-    /// frames.
+    /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the case's burst.
     pub fn of(
         burst: &Burst,
         search: &SearchParams,

@@ -24,8 +24,7 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Empty cells for a picture of `points_per_pixel` points an image pixel, visible from `min` to `max` (image
-    /// pixels).
+    /// Empty cells for a picture of `points_per_pixel` points an image pixel, seen from `min` to `max` (image pixels).
     pub fn new(points_per_pixel: f32, [min, max]: [[f32; 2]; 2]) -> Self {
         let side = (CELL_POINTS / points_per_pixel.clamp(1e-6, 1e6)).log2().floor().exp2();
         // Circles reach into the view from outside: cells one view around it are counted too.

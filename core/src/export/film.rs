@@ -51,8 +51,7 @@ pub fn encode_film(
     Ok(())
 }
 
-/// Bytes of a film of `count` pictures, about, before all of it is made: the mean size of two of them, times their
-/// number.
+/// Bytes of a film of `count` pictures, about, before it is made: the mean size of two of them, times their number.
 pub fn estimated_film_bytes(pictures: [&RgbaImage; 2], count: usize) -> u64 {
     let of_one = |picture: &RgbaImage| {
         let mut bytes = Vec::new();
@@ -110,9 +109,7 @@ mod tests {
         for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], vec![RgbaImage::new(70_000, 1)], sizes] {
             assert!(encoded(pictures, &Monitor::default()).is_err());
         }
-        let monitor = Monitor::default();
-        monitor.cancel();
-        assert!(encoded(pictures(), &monitor).is_err());
+        assert!(encoded(pictures(), &Monitor::cancelled()).is_err());
         // A picture that cannot be made ends the film.
         let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
         let error = encode_film(&mut Vec::new(), failing, 10, &Monitor::default());

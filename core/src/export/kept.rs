@@ -138,7 +138,7 @@ pub fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool, Expo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::mark::{Checksum, claiming};
+    use crate::files::mark::Checksum;
     use serde_json::json;
 
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -165,33 +165,5 @@ mod tests {
         records.remove("night").expect("removed");
         records.remove("night").expect("it is not there");
         assert_eq!(records.read::<Row>("night"), None);
-    }
-
-    #[test]
-    fn files_and_links_of_others_are_not_taken_for_records() {
-        let home = tempfile::tempdir().expect("a folder");
-        let (records, at) = (Records::of(home.path()), |name: &str| home.path().join(name));
-        records.begin().expect("made");
-        for text in ["about the night", "{}", r#"{"version": "1", "scripts": {}}"#] {
-            std::fs::write(at("records/night.json"), text).expect("written");
-            let refused = Err(ExportError::InTheWay(at("records/night.json")));
-            assert_eq!((records.write("night", &record()), records.remove("night")), (refused.clone(), refused));
-        }
-        std::fs::remove_dir_all(at("records")).expect("removed");
-        let begins = || may_begin(home.path(), Kind::Figures, &["records"]);
-        assert_eq!(begins(), Ok(true));
-        std::fs::write(at("holiday.png"), "").expect("written");
-        for text in ["", "{}", r#"{"program": "burstscope", "kind": "figures"}"#] {
-            std::fs::write(at(Kind::Figures.file()), text).expect("written");
-            assert_eq!(begins(), Ok(false), "{text}");
-        }
-        std::fs::write(at(Kind::Figures.file()), claiming(Kind::Figures, &())).expect("written");
-        assert_eq!(begins(), Ok(true));
-        assert_eq!(may_begin(home.path(), Kind::Dataset, &[]), Ok(false), "another kind");
-        #[cfg(unix)]
-        {
-            std::os::unix::fs::symlink(home.path(), at("records")).expect("linked");
-            assert_eq!(begins(), Err(ExportError::Link(at("records"))));
-        }
     }
 }

@@ -32,8 +32,7 @@ const RING_PX: f64 = 2.5;
 const DASH_PX: (f64, f64) = (7.0, 5.0);
 const BACKGROUND: [u8; 3] = [32, 32, 32];
 
-/// Writes the picture: A on the left, B on the right. Lines with invalid numbers (not finite, or beyond 10⁶) are left
-/// out.
+/// Writes the picture: A on the left, B on the right. Lines with numbers not finite or beyond 10⁶ are left out.
 pub fn write_match_picture(
     path: &Path,
     a: Picture<'_>,
@@ -81,8 +80,7 @@ impl Canvas {
         }
     }
 
-    /// Mixes `color` into the pixels of the rectangle around `from` and `to`, by the coverage that `at` gives for a
-    /// pixel's centre.
+    /// Mixes `color` into the pixels of the rectangle of `from` and `to`, by the coverage `at` a pixel's centre.
     fn mix(&mut self, from: (f64, f64), to: (f64, f64), color: [u8; 3], at: impl Fn(f64, f64) -> f64) {
         let range = |a: f64, b: f64, size: usize| {
             (a.min(b).floor().max(0.0) as usize).min(size)..(a.max(b).ceil().max(0.0) as usize).min(size)

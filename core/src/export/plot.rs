@@ -39,8 +39,7 @@ pub struct Plot<'a> {
     pub series: &'a [Series],
 }
 
-/// Range from 0 to a little above the largest finite value of the points with their spread; at least `least`, which is
-/// above 0.
+/// Range from 0 to a little above the largest finite value of the points with their spread, or `least` (above 0).
 pub fn range_from_zero(series: &[Series], least: f64) -> (f64, f64) {
     let tops =
         series.iter().flat_map(|s| &s.points).flat_map(|&(_, y, spread)| [y, spread.map_or(y, |[_, high]| high)]);
@@ -89,8 +88,7 @@ impl Sheet {
         self.line(bottom, (area.right(), area.bottom()), INK, "");
     }
 
-    /// Draws the lines with their names in a row from `at`, in as many rows as `width` requires; returns the position
-    /// of the next row.
+    /// Draws the lines with their names from `at` in rows of at most `width`; returns the position of the next row.
     pub fn legend(&mut self, at: (f64, f64), width: f64, series: &[Series]) -> f64 {
         let (mut x, mut y) = at;
         for Series { label, colour, dashes, width: stroke, .. } in series {

@@ -23,8 +23,7 @@ impl<'a> Picture<'a> {
         Self { width, height, has_alpha: false, pixels }
     }
 
-    /// A picture of four bytes for each pixel: red, green, blue and (straight, not premultiplied) alpha. Panics if
-    /// there are not as many.
+    /// A picture of four bytes a pixel: red, green, blue and straight alpha. Panics if there are not as many.
     pub fn rgba(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 4, "four bytes for each pixel");
         Self { width, height, has_alpha: true, pixels }

@@ -164,8 +164,7 @@ impl Place {
         starts.into_iter().find(|(start, _)| head.starts_with(start)).map_or(Self::Line, |(_, place)| place)
     }
 
-    /// The end of a file without a mark, in place of which the mark comes: the last chunk or block, or the length of an
-    /// empty comment.
+    /// The end of a file, in place of which the mark comes: the last chunk or block, or the length of an empty comment.
     fn end(self) -> &'static [u8] {
         match self {
             Self::Png => b"\0\0\0\0IEND\xae\x42\x60\x82",

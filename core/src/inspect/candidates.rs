@@ -1,5 +1,4 @@
-//! The candidates of a whole picture: for each the first test that it fails with the margin, and maps of the winning
-//! slopes.
+//! The candidates of a whole picture: for each the first test that it fails and the margin; maps of the winning slopes.
 //!
 //! A candidate is a sample that is an extremum in place and scale at its own slope; most are noise. The detection's
 //! tally counts all samples.
@@ -8,8 +7,7 @@ use super::telling::{Telling, keypoint_of, over};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
-use crate::detector::stack::coverage;
-use crate::detector::{Judgement, Neighbourhood, Sample, Slope, Tally, Test, Trail};
+use crate::detector::{Judgement, Neighbourhood, Sample, Tally, Test, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, cuts};
@@ -166,13 +164,6 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
         })
     };
     samples.iter().zip(judged).filter_map(mark).collect()
-}
-
-/// The number of frames that show each pixel of the picture at a slope.
-pub fn coverage_map(trail: &Trail, slope: Slope) -> Plane {
-    let offsets = trail.offsets(slope);
-    let size = trail.size_image();
-    Plane::from_fn(size.0, size.1, |u, v| coverage(&offsets, u, v, size) as f32)
 }
 
 /// The winning slope at each place of an octave, with its confidence.

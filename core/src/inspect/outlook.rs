@@ -1,5 +1,4 @@
-//! Changes in the world by which nine of ten candidates like one below the noise gate would pass: more frames, a longer
-//! exposure, or a slower motion.
+//! More frames, longer exposure or slower motion by which nine of ten candidates like one below the gate would pass.
 //!
 //! The noise of the mean of n frames falls with √n. With e times the exposure the signal grows e times, shot noise with
 //! √e, and read noise stays; the measured variance over brightness says which decides. A thing of 1/e of the speed

@@ -126,9 +126,9 @@ impl ResponseMap {
 
     /// The strongest response: (column, row, value).
     pub fn strongest(&self) -> (usize, usize, f32) {
-        let at = |index: usize| (index % self.snr.width(), index / self.snr.width());
+        let width = self.snr.width();
         let best = self.snr.data().iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        best.map_or((0, 0, 0.0), |(index, &value)| (at(index).0, at(index).1, value))
+        best.map_or((0, 0, 0.0), |(index, &value)| (index % width, index / width, value))
     }
 }
 

@@ -1,8 +1,7 @@
 //! Reason why a feature is not matched, or is matched as it is.
 //!
 //! A feature of A passes three steps: ratio test, mutual check, and geometry. This module reports the step at which it
-//! was lost, and, where a geometry is known, whether B has a keypoint at the expected place, and why guided matching
-//! left it.
+//! was lost, and, where a geometry is known, whether B has a keypoint there, and why guided matching left it.
 
 use crate::detector::{Detection, Feature, Slope};
 use crate::matching::putative::{Nearest, distance_squared, nearest_two};
@@ -91,14 +90,6 @@ impl ComparedPair<'_> {
         self.result.verification.as_ref()?.model.as_ref()
     }
 
-    fn place_a(&self, index: usize) -> [f64; 2] {
-        place(&self.a.features[index])
-    }
-
-    fn place_b(&self, index: usize) -> [f64; 2] {
-        place(&self.b.features[index])
-    }
-
     fn there(&self, model: &TwoViewModel, index: usize) -> Vec<usize> {
         let own = &self.a.features[index];
         let limit = f64::from(self.params.max_error_px);
@@ -106,7 +97,7 @@ impl ComparedPair<'_> {
             .filter(|&other| {
                 let sigma = self.b.features[other].sigma;
                 sigma.max(own.sigma) / sigma.min(own.sigma) <= SAME_SCALE
-                    && model.error_px(self.place_a(index), self.place_b(other)) <= limit
+                    && model.error_px(place(own), place(&self.b.features[other])) <= limit
             })
             .collect()
     }
@@ -185,6 +176,7 @@ impl<'a> Losses<'a> {
     pub fn of(&self, index: usize, count: usize) -> Unmatched {
         let NearestOfBoth { of_a, of_b } = &*self.nearest;
         let (pair, lost) = (self.pair, self.lost(index));
+        let own = place(&pair.a.features[index]);
         let distance = |d| f64::from(distance_squared(&pair.a.descriptors[index], d)).sqrt() as f32;
         let mut order: Vec<(usize, f32)> = pair.b.descriptors.iter().map(distance).enumerate().collect();
         // Of equally near ones the first counts as the nearest, as in matching.
@@ -199,7 +191,7 @@ impl<'a> Losses<'a> {
                 feature,
                 distance,
                 ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
-                error_px: model.map(|model| model.error_px(pair.place_a(index), pair.place_b(feature)) as f32),
+                error_px: model.map(|model| model.error_px(own, place(f)) as f32),
                 slope: f.slope,
                 is_same_blob: first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS),
             }
@@ -209,7 +201,7 @@ impl<'a> Losses<'a> {
         let ranked = order.iter().enumerate().filter(|(_, (other, _))| there.contains(other));
         let there: Vec<(usize, usize)> = ranked.map(|(rank, (other, _))| (*other, rank)).collect();
         let preferred = of_a.get(index).filter(|_| lost == Lost::MutualCheck).map(|nearest| of_b[nearest.index].index);
-        let expected = model.map(|model| model.locus_in_b(pair.place_a(index), pair.size_b)).unwrap_or_default();
+        let expected = model.map(|model| model.locus_in_b(own, pair.size_b)).unwrap_or_default();
         let leaves = model.is_some() && expected.is_empty();
         let sentence = if lost == Lost::NoKeypoint && leaves {
             "the geometry puts it outside the other picture".to_owned()
@@ -228,9 +220,9 @@ fn rank_name(index: usize) -> String {
 fn along_geometry(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     let is_lost_before = matches!(lost, Lost::RatioTest | Lost::MutualCheck);
     let Some(model) = pair.model().filter(|_| pair.params.guided && is_lost_before) else { return String::new() };
-    let places: Vec<[f64; 2]> = (0..pair.b.features.len()).map(|other| pair.place_b(other)).collect();
+    let places: Vec<[f64; 2]> = pair.b.features.iter().map(place).collect();
     let to = MatchSide { places: &places, descriptors: &pair.b.descriptors };
-    match nearest_along((pair.place_a(index), pair.a.descriptors[index]), to, model, pair.params) {
+    match nearest_along((place(&pair.a.features[index]), pair.a.descriptors[index]), to, model, pair.params) {
         None => "; along the geometry there is none".to_owned(),
         Some((feature, ratio)) => {
             let why = if ratio > GUIDED_RATIO.max(pair.params.ratio) {
@@ -294,7 +286,7 @@ fn sentence(
         Lost::Geometry => match own_match {
             Some(matched) => {
                 let error = pair.model().map_or_else(String::new, |model| {
-                    let error = model.error_px(pair.place_a(index), pair.place_b(matched.b));
+                    let error = model.error_px(place(&pair.a.features[index]), place(&pair.b.features[matched.b]));
                     format!(": {error:.1} px from the place it expects")
                 });
                 format!("geometry: its match, {}, does not fit{error}", rank_name(matched.b))

@@ -42,8 +42,7 @@ pub(crate) fn store<S: Simd>(row: &mut [f32], at: usize, value: S::f32s) {
     S::as_mut_simd_f32s(&mut row[at..at + S::F32_LANES]).0[0] = value;
 }
 
-/// First values of `V` vectors from vector `first` on of a row of `n` values; the row's last one ends where the row
-/// does.
+/// First values of `V` vectors from vector `first` on of a row of `n` values; the last one ends where the row does.
 #[inline(always)]
 pub(crate) fn places<const V: usize>(first: usize, lanes: usize, n: usize) -> [usize; V] {
     std::array::from_fn(|i| ((first + i) * lanes).min(n.saturating_sub(lanes)))

@@ -345,8 +345,7 @@ fn convolve<S: Simd, const V: usize>(simd: S, half: &[f32], line: &[f32], out: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::params::Interpolation;
-    use crate::detector::params::slope_grid::Slope;
+    use crate::detector::params::{Interpolation, Slope};
     use crate::detector::scale_space::Base;
     use crate::detector::stack::frame_offsets;
     use crate::kernel::patch::PatchScratch;

@@ -119,6 +119,7 @@ fn nearest_in_band(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::memory::on_threads;
     use crate::matching::geometry::tests::scene_in_space;
     use crate::matching::{MatchParams, match_features};
     use crate::synth::random::Stream;
@@ -207,10 +208,8 @@ mod tests {
     #[test]
     fn threads_change_nothing() {
         let pair = noisy_pair(300, 300);
-        let with = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| matched(&pair, &MatchParams { guided: true, ..MatchParams::default() }))
-        };
+        let params = MatchParams { guided: true, ..MatchParams::default() };
+        let with = |threads| on_threads(threads, || matched(&pair, &params));
         assert_eq!(with(1), with(2));
     }
 }

@@ -343,8 +343,6 @@ mod tests {
 
     #[test]
     fn cancelling_leaves_no_result() {
-        let monitor = Monitor::default();
-        monitor.cancel();
-        assert_eq!(nearest_two(&[[0; 128]], &[[1; 128]], &monitor), Err(Cancelled));
+        assert_eq!(nearest_two(&[[0; 128]], &[[1; 128]], &Monitor::cancelled()), Err(Cancelled));
     }
 }

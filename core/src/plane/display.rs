@@ -1,7 +1,6 @@
 //! Mapping of values to colours: range, gamma and colour map.
 //!
-//! [`Display::colour`] is the reference. The shader computes the same, and a test compares the two; exported pictures
-//! and thumbnails use this one.
+//! [`Display::colour`] is the reference, which exported pictures use; a test compares the shader with it.
 //!
 //! The window, the exported pictures and the legends read the same tables. Perceptual maps run from dark to light in
 //! even steps; diverging ones have an exactly neutral grey at the centre, for values with a sign.

@@ -222,9 +222,8 @@ mod tests {
         let none = plane_of(&[f32::NAN]);
         assert_eq!(summary(&none, &Region::whole(&none)).range(), None);
         assert_eq!(percentiles(&none, &Region::whole(&none), &[50.0]), None);
-        let monitor = Monitor::default();
-        monitor.cancel();
-        assert_eq!(percentiles_until(&plane, &Region::whole(&plane), &[50.0], &monitor), Err(Cancelled));
+        let cancelled = percentiles_until(&plane, &Region::whole(&plane), &[50.0], &Monitor::cancelled());
+        assert_eq!(cancelled, Err(Cancelled));
     }
 
     #[test]

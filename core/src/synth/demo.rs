@@ -8,7 +8,7 @@ use super::layer::{Layer, draw_layers, visible_landmarks};
 use super::noise::Camera;
 use super::paint::{Area, fractal_relief};
 use super::random::{Stream, lattice};
-use super::truth::{NoiseTruth, Truth, TruthKind};
+use super::truth::{Truth, TruthKind};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 
@@ -53,18 +53,10 @@ fn demo_burst_at(name: &str, later: f64, noise_seed: u64) -> Burst {
 /// The truth of the demo burst.
 pub fn demo_truth() -> Truth {
     let layers = layers(HALF_SPAN);
-    Truth {
-        kind: TruthKind::Demo,
-        width: DEMO_SIZE.0,
-        height: DEMO_SIZE.1,
-        frames: DEMO_FRAMES,
-        t0: HALF_SPAN,
-        seed: SEED,
-        noise: NoiseTruth::of(&camera(), f64::from(SKY * LIGHT), None),
-        black_level: camera().black_level,
-        layers: layers.iter().map(Layer::truth).collect(),
-        features: visible_landmarks(&layers, DEMO_SIZE, HALF_SPAN),
-    }
+    let noise = (f64::from(SKY * LIGHT), None);
+    let truth = Truth::captured(TruthKind::Demo, DEMO_SIZE, (DEMO_FRAMES, SEED), &camera(), noise);
+    let features = visible_landmarks(&layers, DEMO_SIZE, HALF_SPAN);
+    Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth }
 }
 
 /// The layers at the demo's mid-burst, painted as far as they are visible `reach` frames away from it.
@@ -278,7 +270,7 @@ mod tests {
     fn the_demo_is_the_same_everywhere() {
         let burst = demo_burst();
         assert_eq!((burst.name.as_str(), burst.len(), burst.size()), ("demo", DEMO_FRAMES, DEMO_SIZE));
-        let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool").install(demo_burst);
+        let single = crate::detector::memory::on_threads(1, demo_burst);
         assert_eq!(burst.frames, single.frames);
         assert_eq!(checksum(&burst), CHECKSUM, "the demo changed; if that is meant, change the number here");
         let truth = demo_truth();

@@ -4,7 +4,7 @@
 use super::capture_burst;
 use super::demo::camera;
 use super::layer::{Layer, draw_layers, visible_landmarks};
-use super::truth::{NoiseTruth, Truth, TruthKind};
+use super::truth::{Truth, TruthKind};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 use crate::synth::paint::{Area, fractal_relief};
@@ -180,18 +180,10 @@ impl Example {
         for feature in &mut features {
             (feature.u, feature.v) = feature.position(self.later());
         }
-        Truth {
-            kind: TruthKind::Scene,
-            width: EXAMPLE_SIZE.0,
-            height: EXAMPLE_SIZE.1,
-            frames: EXAMPLE_FRAMES,
-            t0: HALF_SPAN,
-            seed: SEED + u64::from(self == Self::StreetLater),
-            noise: NoiseTruth::of(&camera(), f64::from(GROUND), None),
-            black_level: camera().black_level,
-            layers: layers.iter().map(Layer::truth).collect(),
-            features,
-        }
+        let seed = SEED + u64::from(self == Self::StreetLater);
+        let noise = (f64::from(GROUND), None);
+        let truth = Truth::captured(TruthKind::Scene, EXAMPLE_SIZE, (EXAMPLE_FRAMES, seed), &camera(), noise);
+        Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth }
     }
 
     /// Time of its mid-burst after the scene's own, frames.
@@ -397,8 +389,7 @@ mod tests {
                 (burst.name.as_str(), burst.len(), burst.size()),
                 (example.name(), EXAMPLE_FRAMES, EXAMPLE_SIZE)
             );
-            let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-            assert_eq!(burst.frames, single.install(|| example.burst()).frames);
+            assert_eq!(burst.frames, crate::detector::memory::on_threads(1, || example.burst()).frames);
             let [u, v] = example.place();
             assert!(u < EXAMPLE_SIZE.0 as f32 && v < EXAMPLE_SIZE.1 as f32);
             assert!(example.slopes_u().0.contains(&example.slope_u()));

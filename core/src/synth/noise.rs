@@ -2,9 +2,8 @@
 //!
 //! A signal `x` is a fraction of full scale *above the black level*. The sensor collects `Poisson(x·F)` electrons,
 //! where `F` is the number of electrons at full scale; reading it out adds Gaussian noise of `r` electrons. The result,
-//! divided by `F`, is raised by the black level, which keeps the noise from being clipped at zero, and rounded to the
-//! levels of a converter. Level `d` of `bits` bits is the value `d·2^(16−bits)/65535`, so a 16-bit file holds each
-//! value exactly.
+//! divided by `F`, is raised by the black level, which keeps noise from clipping at zero, and rounded to the levels of
+//! a converter. Level `d` of `bits` bits is the value `d·2^(16−bits)/65535`, so a 16-bit file holds each value exactly.
 //!
 //! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, where σ is the
 //! standard deviation of one pixel in one frame at the mean `x` of the two levels: `σ² = (x·F + r²)/F² + q²/12` with
@@ -90,8 +89,7 @@ impl Camera {
         ((signal.max(0.0) * f + self.read_noise_electrons.powi(2)) / (f * f) + rounding).sqrt()
     }
 
-    /// Captures one frame: `signal` (fractions of full scale above black) with black level, noise and rounding, in [0,
-    /// 1].
+    /// Captures one frame: `signal` (fractions of full scale above black) with black level, noise, rounding; in [0, 1].
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.

@@ -25,8 +25,7 @@ pub enum NoiseCase {
     Doubled,
     /// Frames are stored as JPEG files of this quality (1 … 100), 8 bits.
     Jpeg(u8),
-    /// Frames are colour JPEG files of this quality (1 … 100), 8 bits, with noise in each colour; their luma is
-    /// searched.
+    /// Frames are colour JPEG files of this quality (1 … 100), 8 bits, with noise in each colour; luma is searched.
     ColourJpeg(u8),
     /// Each pixel shares its noise with its neighbours, with weights 1, 2, 1 along both axes; as strong as white noise.
     Correlated,
@@ -70,8 +69,7 @@ pub enum NoiseCase {
     Fading(u8),
     /// The level rises and falls again over the burst, by this many percent (1 … 99), as under clouds.
     Breathing(u8),
-    /// Each frame has its own bright lines, 1 in 20 000 pixels, 5 to 40 px long, brighter by 5 to 20 standard
-    /// deviations.
+    /// Each frame has its own bright lines, 1 in 20 000 pixels, 5 to 40 px long, 5 to 20 standard deviations bright.
     CosmicStreaks,
     /// Each pixel has its own offset, the same in all frames, of this many percent of the noise (1 … 100).
     FixedPattern(u8),

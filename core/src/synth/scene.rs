@@ -9,7 +9,7 @@ use super::noise::Camera;
 use super::options::{SNR_HELP, motions};
 use super::paint::{Area, fractal_relief};
 use super::random::Stream;
-use super::truth::{NoiseTruth, Truth, TruthKind};
+use super::truth::{Truth, TruthKind};
 use super::{Motion, SynthError, capture_burst, check_common};
 use crate::burst::Burst;
 use crate::monitor::Monitor;
@@ -76,8 +76,7 @@ pub const MARK: f64 = 0.1;
 /// Black level of the scene in standard deviations of the noise in the dark, so that little is clipped at zero.
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
-/// Makes a layered scene and its truth: the layers' slopes, and the landmarks that are completely visible in every
-/// frame.
+/// Makes a layered scene and its truth: the layers' slopes, and the landmarks completely visible in every frame.
 ///
 /// # Errors
 /// A parameter that makes no sense, or [`SynthError::Cancelled`].
@@ -101,19 +100,10 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     let burst = capture_burst("scene", params.frames, params.seed, &camera, monitor, |dt| {
         draw_layers(&layers, size, dt, monitor)
     })?;
-    let truth = Truth {
-        kind: TruthKind::Scene,
-        width: params.width,
-        height: params.height,
-        frames: params.frames,
-        t0: half_span,
-        seed: params.seed,
-        noise: NoiseTruth::of(&camera, BOARD, Some(params.snr)),
-        black_level: camera.black_level,
-        layers: layers.iter().map(Layer::truth).collect(),
-        features: visible_landmarks(&layers, size, half_span),
-    };
-    Ok((burst, truth))
+    let noise = (BOARD, Some(params.snr));
+    let truth = Truth::captured(TruthKind::Scene, size, (params.frames, params.seed), &camera, noise);
+    let features = visible_landmarks(&layers, size, half_span);
+    Ok((burst, Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth }))
 }
 
 fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Result<Vec<Layer>, SynthError> {

@@ -68,6 +68,19 @@ pub struct NoiseTruth {
 const LARGEST: f64 = 1e6;
 
 impl Truth {
+    /// Truth of `frames` frames of `size` that `camera` captured over a `background` signal, without layers and features.
+    pub(super) fn captured(
+        kind: TruthKind,
+        (width, height): (usize, usize),
+        (frames, seed): (usize, u64),
+        camera: &Camera,
+        (background, snr): (f64, Option<f64>),
+    ) -> Self {
+        let (t0, noise) = (0.5 * (frames as f64 - 1.0), NoiseTruth::of(camera, background, snr));
+        let (black_level, layers, features) = (camera.black_level, Vec::new(), Vec::new());
+        Self { kind, width, height, frames, t0, seed, noise, black_level, layers, features }
+    }
+
     /// Checks the numbers: a file may hold anything.
     ///
     /// # Errors

@@ -78,8 +78,7 @@ fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Mon
     Ok(ShiftField { grid, shifts: rows.concat() })
 }
 
-/// Predictions for tile (i, j): the shifts, doubled, of the tiles around it on the coarser level; without one no
-/// motion.
+/// Predictions for tile (i, j): the doubled shifts of the tiles around it on the coarser level; without one no motion.
 fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut Vec<Shift>) {
     predictions.clear();
     let Some(ShiftField { grid, shifts }) = coarser else {

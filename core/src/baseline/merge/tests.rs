@@ -2,6 +2,7 @@
 
 use super::merge_burst;
 use crate::burst::Burst;
+use crate::detector::memory::on_threads;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::synth::random::Stream;
@@ -109,20 +110,14 @@ fn one_frame_stays_as_it_is_and_tiny_ones_are_no_trouble() {
 #[test]
 fn the_bits_do_not_depend_on_the_threads() {
     let burst = moving_burst((1.3, 0.7), 0.05, 5, 7);
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| merged(&burst))
-    };
+    let with = |threads| on_threads(threads, || merged(&burst));
     assert_eq!(with(1), with(5));
 }
 
 #[test]
 fn cancelling_leaves_no_result_and_progress_rises_to_one() {
     let burst = moving_burst((1.0, 0.0), 0.05, 4, 8);
-    let monitor = Monitor::default();
-    monitor.cancel();
-    assert!(merge_burst(&burst, 0..4, &monitor).is_err());
-
+    assert!(merge_burst(&burst, 0..4, &Monitor::cancelled()).is_err());
     let heard = Arc::new(Mutex::new(Vec::new()));
     let sink = heard.clone();
     let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push((p.stage, p.fraction)));

@@ -56,8 +56,7 @@ pub(super) enum FileScale {
 }
 
 impl FileScale {
-    /// Name of the file's samples; frames whose samples differ are not in one unit. A raw file declares its own white
-    /// level.
+    /// Name of the file's samples; frames whose samples differ are not in one unit. A raw file declares its own white.
     pub(super) fn samples(self) -> &'static str {
         match self {
             Self::Range(1.0) => "1 bit",

@@ -60,8 +60,7 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white[0] }) })
 }
 
-/// Part of the sensor that sees light; `None` where it is empty or exceeds the declared size, or where values are
-/// missing.
+/// Part of the sensor that sees light; `None` where it is empty or exceeds the declared size, or values are missing.
 fn active_area(raw: &RawImage) -> Option<Rect> {
     let count = match &raw.data {
         RawImageData::Integer(values) => values.len(),
@@ -176,8 +175,7 @@ pub(super) struct RawLevels {
 }
 
 impl RawLevels {
-    /// Levels of `raw`, whose active area has `size` (columns, rows), or those that `options` gives. An error is the
-    /// end of a sentence about the file.
+    /// Levels of `raw`, whose active area has `size`, or those of `options`. An error ends a sentence about the file.
     pub(super) fn of(
         raw: &RawImage,
         size: (usize, usize),
@@ -219,8 +217,7 @@ impl RawLevels {
         Err(format!("its black level is not below its white level, {darkest}; give both by full scale and black level"))
     }
 
-    /// Sample `c` of the pixel in column `u` and row `v` of the active area, scaled so that black becomes 0 and white
-    /// 1.
+    /// Sample `c` of the active area's pixel in column `u` and row `v`, scaled so that black becomes 0 and white 1.
     pub(super) fn fraction(&self, value: f32, (u, v): (usize, usize), c: usize) -> f32 {
         let (width, height) = self.black_size;
         let level = self.black[((v % height) * width + u % width) * self.samples + c];

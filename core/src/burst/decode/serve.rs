@@ -49,8 +49,7 @@ fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame, OpenError> {
     }
 }
 
-/// Limits this process: memory that it may address (bytes) and processor time (seconds). No file that it writes may
-/// grow.
+/// Limits this process: memory that it may address (bytes), processor time (seconds), and no file may grow.
 #[cfg(unix)]
 fn limit(memory_bytes: u64, cpu_seconds: u64) {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};

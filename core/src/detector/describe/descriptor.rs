@@ -39,41 +39,11 @@ pub fn coarse_radius(sigma: f32) -> usize {
 /// Sums of the weighted gradients in each direction of each cell, row by row.
 pub type Sums = [f32; BINS];
 
-/// Computes the sums of a feature at (x, y), scale `sigma`, in octave pixels, turned by `orientation` radians in
-/// [0, 2π). `level` is the Gaussian level around it, reaching a pixel farther than [`descriptor_radius`], of an octave
-/// of `size`.
-pub fn square_sums(
-    level: &Patch,
-    size: (usize, usize),
-    place: (f32, f32),
-    sigma: f32,
-    orientation: f32,
-    scratch: &mut DescriptorScratch,
-) -> Sums {
-    let square = Square::new(place, MAGNIFICATION * sigma + f32::EPSILON, orientation);
-    sums(level, size, &square, descriptor_radius(sigma), scratch)
-}
-
-/// As [`square_sums`], for a coarser scale of a pooled descriptor: without the corners beyond [`coarse_radius`], where
-/// all weights are small, and without rows between which the level hardly changes.
-pub fn disc_sums(
-    level: &Patch,
-    size: (usize, usize),
-    place: (f32, f32),
-    sigma: f32,
-    orientation: f32,
-    scratch: &mut DescriptorScratch,
-) -> Sums {
-    let cell = MAGNIFICATION * sigma;
-    let square = Square { radius: HALF * cell, row_step: sigma as usize, ..Square::new(place, cell, orientation) };
-    sums(level, size, &square, coarse_radius(sigma), scratch)
-}
-
 /// Half the side of the square that counts, in cells: nothing is added beyond it.
 const HALF: f32 = (CELLS + 1) as f32 / 2.0;
 
 /// The turned square: cell coordinates are `cos·du + sin·dv` and `cos·dv − sin·du` from its centre.
-struct Square {
+pub struct Square {
     place: (f32, f32),
     cos: f32,
     sin: f32,
@@ -82,16 +52,32 @@ struct Square {
     radius: f32,
     /// Distance of the rows that are visited, at least 1.
     row_step: usize,
+    /// Pixels to each side of the centre that are read.
+    reach: usize,
 }
 
 impl Square {
-    /// Square of a feature at `place` with cells of `cell` pixels.
+    /// Square of a feature at `place`, scale `sigma`, in octave pixels, turned by `orientation` radians in [0, 2π).
+    pub fn of(place: (f32, f32), sigma: f32, orientation: f32) -> Self {
+        let square = Self::new(place, MAGNIFICATION * sigma + f32::EPSILON, orientation);
+        Self { reach: descriptor_radius(sigma), ..square }
+    }
+
+    /// As [`Self::of`], for a coarser scale of a pooled descriptor: without the corners beyond [`coarse_radius`], where
+    /// all weights are small, and without rows between which the level hardly changes.
+    pub fn coarse(place: (f32, f32), sigma: f32, orientation: f32) -> Self {
+        let cell = MAGNIFICATION * sigma;
+        let (radius, row_step, reach) = (HALF * cell, sigma as usize, coarse_radius(sigma));
+        Self { radius, row_step, reach, ..Self::new(place, cell, orientation) }
+    }
+
+    /// Square with cells of `cell` pixels.
     fn new(place: (f32, f32), cell: f32, orientation: f32) -> Self {
         // Sides that are never exactly parallel to the pixels cross every row.
         let slanted = |x: f32| if x.abs() < 1e-9 { 1e-9 } else { x };
         let (sin, cos) = orientation.sin_cos();
         let (cos, sin) = (slanted(cos / cell), slanted(sin / cell));
-        Self { place, cos, sin, orientation, radius: f32::INFINITY, row_step: 1 }
+        Self { place, cos, sin, orientation, radius: f32::INFINITY, row_step: 1, reach: 0 }
     }
 
     /// Returns a function from a row's distance `dv` below the centre to the first and last column inside the square
@@ -111,11 +97,12 @@ impl Square {
     }
 }
 
-/// The 128 sums, cells row by row, from the pixels of the level within `radius` of the square's centre.
+/// The 128 sums, cells row by row, in an octave of `size`, from the Gaussian `level` around the square, which holds a
+/// pixel more on each side than the square reads.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn sums(level: &Patch, size: (usize, usize), square: &Square, radius: usize, scratch: &mut DescriptorScratch) -> Sums {
-    let &Square { place: (x, y), cos, sin, orientation, row_step, .. } = square;
-    let (columns, rows) = (reach(x, radius as i64, size.0), reach(y, radius as i64, size.1));
+pub fn sums(level: &Patch, size: (usize, usize), square: &Square, scratch: &mut DescriptorScratch) -> Sums {
+    let &Square { place: (x, y), cos, sin, orientation, row_step, reach: far, .. } = square;
+    let (columns, rows) = (reach(x, far as i64, size.0), reach(y, far as i64, size.1));
     // A Gaussian of half the descriptor's width, which is two cells.
     let spread = 2.0 / (cos * cos + sin * sin).sqrt();
     let DescriptorScratch { along_u, along_v, samples } = scratch;
@@ -249,8 +236,7 @@ const TURNS: usize = 4;
 /// Pairs in a row of cells.
 const PAIRS: usize = PADDED - 1;
 
-/// Values that some pixels add, in the order of the pixels. Cells and directions are counted from the first padded
-/// ones.
+/// Values that some pixels add, in the order of the pixels. Cells and directions are counted from the padding on.
 #[derive(Debug, Default)]
 struct Samples {
     /// Pair of cells above the pixel, between which it lies.
@@ -426,8 +412,9 @@ mod tests {
             // The last ones reach beyond the image.
             let (place, sigma) = ((50.3 + 3.1 * i as f32, 49.6 - 4.2 * i as f32), 2.0 + 0.3 * i as f32);
             let expected = by_definition(&level, place, sigma, orientation);
-            let square = Square::new(place, MAGNIFICATION * sigma, orientation);
-            let found = sums(&level, SIZE, &square, descriptor_radius(sigma), &mut DescriptorScratch::default());
+            let square =
+                Square { reach: descriptor_radius(sigma), ..Square::new(place, MAGNIFICATION * sigma, orientation) };
+            let found = sums(&level, SIZE, &square, &mut DescriptorScratch::default());
             let largest = expected.iter().copied().fold(0.0, f64::max);
             for (found, expected) in found.iter().zip(expected) {
                 assert!((f64::from(*found) - expected).abs() < 1e-4 * largest, "{orientation}: {found} {expected}");
@@ -442,8 +429,8 @@ mod tests {
             [((50.3, 49.6), 2.1, 0.4), ((48.0, 51.2), 2.9, 2.5), ((12.5, 80.0), 3.1, 5.5)]
         {
             let mut scratch = DescriptorScratch::default();
-            let square = square_sums(&wave, SIZE, place, sigma, orientation, &mut scratch);
-            let disc = disc_sums(&wave, SIZE, place, sigma, orientation, &mut scratch);
+            let square = sums(&wave, SIZE, &Square::of(place, sigma, orientation), &mut scratch);
+            let disc = sums(&wave, SIZE, &Square::coarse(place, sigma, orientation), &mut scratch);
             let (square, disc) = (pool(&[square]), pool(&[disc]));
             let off: f32 = square.iter().zip(disc).map(|(a, b)| f32::from(a.abs_diff(b)).powi(2)).sum();
             assert!(off.sqrt() < 40.0, "{orientation}: {} of 512", off.sqrt());
@@ -469,7 +456,8 @@ mod tests {
     #[test]
     fn descriptors_are_root_normalised() {
         let level = level_of(|u, v| (0.3 * u).sin() + (0.2 * v + 0.1 * u).cos());
-        let descriptor = quantise(square_sums(&level, SIZE, (50.2, 49.7), 3.0, 1.0, &mut DescriptorScratch::default()));
+        let descriptor =
+            quantise(sums(&level, SIZE, &Square::of((50.2, 49.7), 3.0, 1.0), &mut DescriptorScratch::default()));
         let energy: f32 = descriptor.iter().map(|&x| (f32::from(x) / 512.0).powi(2)).sum();
         assert!((energy - 1.0).abs() < 0.02, "{energy}");
         assert_eq!(to_vlfeat_order(&to_vlfeat_order(&descriptor)), descriptor);

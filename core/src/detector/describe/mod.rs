@@ -4,12 +4,12 @@ pub mod descriptor;
 mod pooling;
 
 use crate::detector::along::{OctaveFrames, around};
-use crate::detector::describe::descriptor::{DescriptorScratch, Sums, descriptor_radius, pool, quantise, square_sums};
+use crate::detector::describe::descriptor::{DescriptorScratch, Square, Sums, descriptor_radius, pool, quantise, sums};
 use crate::detector::feature::{Descriptor, Feature, Keypoint};
 use crate::detector::localise::scale;
 use crate::detector::localise::{FARTHEST_MOVE_PX, LocateScratch, kernel_reach, located, rim_radius};
 use crate::detector::orient::{OrientationScratch, orientations};
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::detector::scale_space::{octave_pixel, octave_size};
 use crate::detector::search::setup::{FirstLevels, Search};
 use crate::kernel::machine::{KEYPOINTS_TOGETHER as TOGETHER, STRIP_COLUMNS};
@@ -168,7 +168,7 @@ impl Describing<'_> {
             raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         }
         let angles = orientations(patch, size, (x, y), sigma, params.max_orientations, &mut scratch.orientation);
-        let finest = |angle: &f32| square_sums(patch, size, (x, y), sigma, *angle, &mut scratch.descriptor);
+        let finest = |angle: &f32| sums(patch, size, &Square::of((x, y), sigma, *angle), &mut scratch.descriptor);
         let mut sums: Vec<Vec<Sums>> = angles.iter().map(finest).map(|sums| vec![sums]).collect();
         let buffers = (&mut scratch.coarse, &mut scratch.blur, &mut scratch.descriptor);
         coarser.append(raw, size, (x, y), sigma, (&angles, &mut sums), buffers);

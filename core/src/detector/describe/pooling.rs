@@ -4,17 +4,15 @@
 //! cells and blur both grow with the scale. Coarser levels hold no detail that pixels of twice the size would not show,
 //! so the stacked patch is halved once, and each level is a blur of that.
 
-use super::descriptor::{DescriptorScratch, Sums, coarse_radius, disc_sums};
+use super::descriptor::{DescriptorScratch, Square, Sums, coarse_radius, sums as sums_of};
 use crate::detector::along::around;
 use crate::kernel::patch::{BlurScratch, Patch};
 use crate::plane::blur::GaussianKernel;
 
-/// Ratio of neighbouring scales. Tuned on dark bursts of two scenes, of which other views were kept back
-/// (docs/MEASUREMENTS.md).
+/// Ratio of neighbouring scales, tuned on dark bursts of two scenes with other views kept back (docs/MEASUREMENTS.md).
 const SCALE_RATIO: f32 = 1.75;
 
-/// Where the kernels of the coarser levels end at the latest, in their σ: a narrower patch is stacked then, and what
-/// lies beyond weighs 0.3 %.
+/// Latest end of the coarser levels' kernels, in their σ, so that patches are narrower; what lies beyond weighs 0.3 %.
 const MAX_CUT: f64 = 3.0;
 
 /// Reused from keypoint to keypoint.
@@ -75,7 +73,7 @@ impl CoarserScales {
             let reach = coarse_radius(sigma) + 1;
             half.blurred(around(x, reach), around(y, reach), kernel, blur, level);
             for (&angle, sums) in angles.iter().zip(sums.iter_mut()) {
-                sums.push(disc_sums(level, size, (x, y), sigma, angle, scratch));
+                sums.push(sums_of(level, size, &Square::coarse((x, y), sigma, angle), scratch));
             }
         }
     }

@@ -1,5 +1,4 @@
-//! Columns or rows whose offsets change from frame to frame: stripes that drift, columns with noise of their own,
-//! bands.
+//! Columns or rows whose offsets change from frame to frame: drifting stripes, columns with noise of their own, bands.
 //!
 //! Unlike a scene they have the same offset from one end of the image to the other. So they are measured in eight bands
 //! across them, and what the even and the odd bands share is compared with what the bands differ by. Sharp lines have

@@ -1,5 +1,4 @@
-//! Contrasts: differences of neighbouring frames in which the scene cancels and the noise stays; and the scene's
-//! motion.
+//! Contrasts, differences of neighbouring frames in which the scene cancels and noise stays; and the scene's motion.
 //!
 //! Three consecutive frames enter with the weights 1, −2, 1, which removes steady changes; each is read where the scene
 //! has moved to, in whole pixels, so that nothing is interpolated. A texture half a pixel off leaves less than two
@@ -8,7 +7,7 @@
 //! choice does not change the noise measured.
 
 use super::reading::BoxPyramid;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::detector::scale_space::stack_tiles;
 use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
@@ -265,7 +264,7 @@ fn without_slopes(plane: &Plane) -> Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::params::slope_grid::SlopeGrid;
+    use crate::detector::params::SlopeGrid;
     use crate::synth::random::Stream;
 
     #[test]

@@ -14,8 +14,7 @@ use super::spectrum::{Sources, measure};
 use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
 use super::{FRAMES_SAMPLED, NoiseModel};
-use crate::detector::params::Flicker;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::{Flicker, Slope};
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -49,8 +48,7 @@ pub struct ForSearch<'a> {
 }
 
 /// Examines `frames` of one size, in time order, whose values differ by `quantisation_step` at least (0 if unknown),
-/// for a `search`. `None` where there is too little to tell noise from texture: fewer than two different frames, or
-/// sides under 20 pixels.
+/// for a `search`. `None` where there is too little data: fewer than two different frames, or sides under 20 pixels.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -84,7 +82,8 @@ pub fn examine(
     let shown = survey.shown(&first_look, &contrasts);
     let pattern_share = survey.pattern_share(&squares, about);
     // The mean of frames that have noise in common has more of it.
-    let more = repeated_in_place(&survey.correlations, looked.len()) / shown;
+    let shared = (1..).zip(&survey.correlations).map(|(lag, r)| (1.0 - lag as f32 / looked.len() as f32).max(0.0) * r);
+    let more = (1.0 + 2.0 * shared.sum::<f32>()) / shown;
     let fastest = slopes.iter().map(|slope| slope.magnitude()).fold(0.0, f32::max);
     let is_struck = flattened.is_none() && are_struck(&first_look, &contrasts, about);
     let struck = if is_struck { mask_struck(&mut clean, about, fastest.ceil() as usize + 1) } else { 0 };
@@ -157,12 +156,6 @@ pub fn examine(
 
 fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
     frames.iter().map(|f| &**f).collect()
-}
-
-/// Variance of the mean of `frames` frames with these correlations relative to that of independent ones.
-fn repeated_in_place(correlations: &[f32], frames: usize) -> f32 {
-    let shared = (1..).zip(correlations).map(|(lag, r)| (1.0 - lag as f32 / frames as f32).max(0.0) * r);
-    1.0 + 2.0 * shared.sum::<f32>()
 }
 
 fn read(
@@ -270,7 +263,7 @@ mod tests {
     use super::super::warning::WarningKind;
     use super::*;
     use crate::burst::Burst;
-    use crate::detector::params::slope_grid::SlopeGrid;
+    use crate::detector::params::SlopeGrid;
     use crate::synth::NoiseCase;
 
     fn slopes() -> Vec<Slope> {

@@ -41,8 +41,7 @@ pub struct FixedPattern {
 const MAX_HOT: f32 = 0.005;
 
 impl FixedPattern {
-    /// Contrast with its row above which a pixel stands out, for noise of this `variance`; `None` for few or tiny
-    /// frames.
+    /// Contrast with its row above which a pixel stands out from noise of `variance`; `None` for few or tiny frames.
     pub(super) fn stands_out(frames: usize, (width, height): (usize, usize), variance: f32) -> Option<f32> {
         let can_be_found = frames >= 4 && width >= 2 * REACH && height >= 2 * REACH && variance > 0.0;
         can_be_found.then(|| HOT * (variance / frames as f32).sqrt())

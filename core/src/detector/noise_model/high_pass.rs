@@ -5,7 +5,7 @@
 //! combination of frames is filtered as the same combination of filtered frames.
 
 use super::contrast::{Contrast, shifts};
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::plane::Plane;
 use rayon::prelude::*;
 
@@ -217,8 +217,7 @@ fn filter(patch: &Patch, give: &mut impl FnMut(f32)) {
 
 /// Noise variance from the quieter part of squares' variances, since texture may add to the others: the mean of the
 /// lowest seven tenths over its expected value for noise alone. The variances of `free` independent values spread by
-/// √(2/`free`), and the mean of the lowest seven tenths of that distribution (χ²) lies 0.51 of it below the mean of
-/// all.
+/// √(2/`free`), and the mean of the lowest seven tenths of that χ² lies 0.51 of it below the mean.
 pub fn quiet_variance(mut variances: Vec<f32>, free: f32) -> f32 {
     let count = (variances.len() * 7).div_ceil(10);
     if count == 0 {

@@ -27,7 +27,7 @@ pub use variance::{ExcessMap, PhotonTransfer, TransferPoint};
 pub use warning::{NoiseWarning, WarningKind};
 
 use crate::detector::noise::dog_noise_variance;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::Slope;
 use crate::detector::scale_space::{SIGMA_INPUT, ScaleSpace};
 use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
@@ -242,8 +242,7 @@ impl NoiseModel {
     }
 
     /// Variance in the mean of `frames` frames relative to that of independent ones whose differences show as much
-    /// noise: what stays in place at `speed` px/frame counts again as far as the filter (variances, pixels²) reaches
-    /// it.
+    /// noise: what stays at `speed` px/frame counts again as far as the filter (variances, pixels²) reaches.
     fn repeated_over_time(&self, frames: usize, speed: f32, filter: [f32; 2]) -> f32 {
         if self.correlations.is_empty() && self.pattern_share == 0.0 {
             return 1.0;

@@ -47,8 +47,7 @@ struct Band {
 
 impl Reading {
     /// Reads `frames` of one size (at least 2×2 pixels) into pyramids of `levels` levels; with `stands_out`, from at
-    /// least two frames, also the pattern's data, and the pixels whose mean differs by more than it from those beside
-    /// them.
+    /// least two frames, also the pattern's data, and the pixels whose mean differs by more from those beside.
     pub fn new(
         frames: &[&Plane],
         levels: usize,
@@ -247,8 +246,7 @@ fn halve_pair(upper: &[f32], lower: &[f32], out: &mut [f32]) {
     }
 }
 
-/// Value of a pyramid's `plane` of squares of `square` px at the image's (u, v): bilinear, constant beyond the
-/// outermost.
+/// Value of a pyramid's `plane` of squares of `square` px at the image's (u, v): bilinear, constant beyond the rim.
 pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
     let split = |x: f32, n: usize| {
         let at = ((x + 0.5) / square - 0.5).clamp(0.0, n as f32 - 1.0);

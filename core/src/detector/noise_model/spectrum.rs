@@ -3,15 +3,13 @@
 //! Correlated noise leaves more at coarse levels than white noise, and noise that files round away less at fine ones.
 //! So contrasts of frames are filtered as in the search, in tiles spread over the image. The tails are measured too:
 //! JPEG files keep few coefficients, so that their noise is rare and strong. Structures that move in several ways at
-//! once do not cancel everywhere, and can only add: where the tiles differ more than noise does, their quiet part is
-//! taken, and at most what the finer levels predict. Without this `correlated` has 12 991 false features a megapixel,
-//! not 6.
+//! once do not cancel everywhere, and can only add: where tiles differ more than noise does, their quiet part is taken,
+//! at most what finer levels predict. Without this `correlated` has 12 991 false features a megapixel, not 6.
 
 use super::contrast::{Contrast, Pixels as Source, SceneMotion};
 use super::high_pass::{quantile, quiet_variance, sorted, spread};
 use crate::detector::noise::{dog_energy, dog_noise_variance};
-use crate::detector::params::Interpolation;
-use crate::detector::params::slope_grid::Slope;
+use crate::detector::params::{Interpolation, Slope};
 use crate::detector::scale_space::{
     DogTile, OctaveFilters, Pixels, SIGMA_BASE, SIGMA_INPUT, ScaleSpace, dog_tile, octave_pixel, octave_size,
 };
@@ -342,7 +340,7 @@ mod tests {
     use super::super::contrast::{SceneMotion, contrasts};
     use super::super::reading::BoxPyramid;
     use super::*;
-    use crate::detector::params::slope_grid::SlopeGrid;
+    use crate::detector::params::SlopeGrid;
     use crate::plane::blur::gaussian_blur;
     use crate::synth::random::Stream;
     use crate::synth::{NoiseCase, SceneParams, synth_scene};

@@ -115,34 +115,33 @@ impl std::str::FromStr for Distinct {
     }
 }
 
-impl Serialize for Distinct {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Off => serializer.serialize_str("off"),
-            Self::Radius(radius) => serializer.serialize_f32(*radius),
+/// Form in files of a value whose text is a number or a word, for `#[serde(with)]`.
+pub(super) mod number_or_word {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(value: &impl ToString, serializer: S) -> Result<S::Ok, S::Error> {
+        let text = value.to_string();
+        match text.parse() {
+            Ok(number) => serializer.serialize_f32(number),
+            Err(_) => serializer.serialize_str(&text),
         }
     }
-}
 
-impl<'de> Deserialize<'de> for Distinct {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        NumberOrWord::deserialize(deserializer)?.into_value(Self::Radius)
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum NumberOrWord {
-    Number(f32),
-    Word(String),
-}
-
-impl NumberOrWord {
-    fn into_value<T: std::str::FromStr<Err = String>, E: serde::de::Error>(self, of: fn(f32) -> T) -> Result<T, E> {
-        match self {
-            Self::Number(number) => Ok(of(number)),
-            Self::Word(word) => word.parse().map_err(E::custom),
+    pub fn deserialize<'de, D: Deserializer<'de>, T>(deserializer: D) -> Result<T, D::Error>
+    where
+        T: std::str::FromStr<Err = String>,
+    {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum NumberOrWord {
+            Number(f32),
+            Word(String),
         }
+        let text = match NumberOrWord::deserialize(deserializer)? {
+            NumberOrWord::Number(number) => number.to_string(),
+            NumberOrWord::Word(word) => word,
+        };
+        text.parse().map_err(D::Error::custom)
     }
 }
 
@@ -226,21 +225,6 @@ impl std::str::FromStr for NoiseGate {
                 format!("'{text}' is none of 'auto', 'matching' and 'strict', and no number of standard deviations")
             }),
         }
-    }
-}
-
-impl Serialize for NoiseGate {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Factor(k) => serializer.serialize_f32(*k),
-            word => serializer.collect_str(word),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for NoiseGate {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        NumberOrWord::deserialize(deserializer)?.into_value(Self::Factor)
     }
 }
 

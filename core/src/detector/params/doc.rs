@@ -3,9 +3,9 @@
 //! A new parameter is a field of [`DetectorParams`], its default and its record; tests fail for a field without a
 //! record. Options, files, the window, checks and documents follow from these.
 
+use super::choices::number_or_word;
 use super::record::{Field, Param, ParamDoc, Stage, params};
-use super::slope_grid::SlopeGrid;
-use super::{Distinct, Flicker, FrameRange, Method, NoiseGate, NoiseModelKind, Rules, SlopeExtrema};
+use super::{Distinct, Flicker, FrameRange, Method, NoiseGate, NoiseModelKind, Rules, SlopeExtrema, SlopeGrid};
 use serde::{Deserialize, Serialize};
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
@@ -21,11 +21,13 @@ pub struct DetectorParams {
     pub levels: u32,
     pub first_octave: i32,
     pub peak_threshold: f32,
+    #[serde(with = "number_or_word")]
     pub noise_gate: NoiseGate,
     pub noise_model: NoiseModelKind,
     pub flicker: Flicker,
     pub edge_threshold: f32,
     pub slope_extrema: SlopeExtrema,
+    #[serde(with = "number_or_word")]
     pub distinct: Distinct,
     pub distinct_scale: f32,
     pub rules: Rules,

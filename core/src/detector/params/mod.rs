@@ -24,10 +24,8 @@ pub(crate) use record::params;
 pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
 pub use rules::Rules;
 pub use searched::{AUTO, SearchParams, SlopeChoice};
-pub use slope_grid::MAX_SLOPES;
+pub use slope_grid::{MAX_SLOPES, Slope, SlopeAxis, SlopeGrid};
 pub use validate::ParamError;
-
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 
 impl DetectorParams {
     /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
@@ -129,16 +127,10 @@ mod tests {
         }
         let one_frame = DetectorParams::default().validate_for(1, (100, 100)).expect_err("one frame");
         assert_eq!(one_frame.parameter, "frames");
+        let sift = DetectorParams { method: Method::Sift, ..good() };
+        assert_eq!(sift.validate_for(1, (64, 64)), Ok(()));
         let too_fast = DetectorParams { slopes: SlopeGrid::line(-99.0..=99.0, 3), ..good() };
         assert_eq!(too_fast.validate_for(10, (100, 100)).expect_err("too fast").parameter, "slopes-u");
-    }
-
-    #[test]
-    fn sift_uses_the_middle_frame_and_slope_zero() {
-        let params = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
-        assert_eq!(params.used_frames(5), 2..3);
-        assert_eq!(params.used_slopes().len(), 1);
-        assert_eq!(params.validate_for(1, (64, 64)), Ok(()));
     }
 
     #[test]

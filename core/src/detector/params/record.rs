@@ -3,8 +3,7 @@
 //! The option of the commands, the row in the window, the changes that advice suggests, the checks, the help texts and
 //! the page of reference are made from a [`Param`].
 
-use super::{Distinct, FrameRange, NoiseGate, ParamError, Word};
-use crate::detector::params::slope_grid::SlopeAxis;
+use super::{Distinct, FrameRange, NoiseGate, ParamError, SlopeAxis, Word};
 use std::fmt;
 use std::ops::{Bound, Deref, RangeBounds, RangeInclusive};
 

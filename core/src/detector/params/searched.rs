@@ -4,8 +4,7 @@
 //! [`DetectorParams`] gives the slopes. [`SearchParams`] may instead request slopes found from each burst;
 //! [`crate::detector::slopes::resolve`] then converts the one into the other, burst by burst, before the detection.
 
-use super::{DetectorParams, Field, Param, ParamError, doc};
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use super::{DetectorParams, Field, Param, ParamError, Slope, SlopeGrid, doc};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::{Table, Value};
 

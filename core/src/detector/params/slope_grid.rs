@@ -2,8 +2,7 @@
 //!
 //! A slope λ = (λu, λv) is an apparent motion in pixels of the input image per frame. The grid is the product of two
 //! axes, `u` and `v`, turned as a whole by `direction_deg`: with one value on the `v` axis it is a line through the
-//! slope plane (BuFF 1D), horizontal by default and in any direction when turned; with several values on both axes it
-//! is BuFF 2D.
+//! slope plane (BuFF 1D), horizontal unless turned; with several values on both axes it is BuFF 2D.
 
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;

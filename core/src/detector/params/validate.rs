@@ -1,7 +1,6 @@
 //! Validation of parameters, alone and for a burst; each error gives a remedy.
 
-use super::slope_grid::MAX_SLOPES;
-use super::{DetectorParams, MIN_OCTAVE_SIDE, Method, Param, doc};
+use super::{DetectorParams, MAX_SLOPES, MIN_OCTAVE_SIDE, Method, Param, doc};
 
 /// A parameter, or a combination of parameters, that makes no sense: the reason and a remedy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -5,8 +5,7 @@
 
 use super::trail::Trail;
 use crate::detector::feature::{Keypoint, Test};
-use crate::detector::params::SlopeNeighbours;
-use crate::detector::params::slope_grid::SlopeGrid;
+use crate::detector::params::{SlopeGrid, SlopeNeighbours};
 use crate::detector::refine::{Fit, Limits, fit, refine};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
 use crate::detector::search::ascends;

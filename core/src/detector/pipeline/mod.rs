@@ -17,7 +17,7 @@ pub use outcome::follows;
 pub use trail::Trail;
 
 use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally};
-use super::memory::{self, Account, OF_PROCESS};
+use super::memory::{self, Account, OF_PROCESS, Wanted};
 use super::params::{DescribeSlope, DetectorParams};
 use crate::burst::Burst;
 use crate::detector::along::Along;
@@ -63,7 +63,7 @@ fn search_all(
     let started = Instant::now();
     params.validate_for(burst.len(), burst.size())?;
     let frames = params.used_frames(burst.len()).len();
-    let (plan, _share) = account.plan(params, frames, burst.size(), budget)?;
+    let (plan, _share) = account.plan(Wanted { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
         let inputs = Inputs::new(burst, params, monitor)?;
         let field = motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?.map(Arc::new);

@@ -1,7 +1,7 @@
 //! A search in groups of slopes gives bitwise the same results as the whole search, and so does one that is cut first.
 
 use super::*;
-use crate::detector::memory::{Plan, estimate};
+use crate::detector::memory::{Plan, Wanted, estimate};
 use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, Rules, SlopeExtrema, SlopeNeighbours};
 use crate::detector::{Slope, SlopeGrid, Test};
 use crate::plane::tile::Region;
@@ -33,7 +33,8 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
     let mut counts = Vec::new();
     for slopes in 1..count {
         let budget = budget_for(burst, params, slopes);
-        let Ok(plan) = Plan::new(params, burst.len(), burst.size(), Some(budget)) else { continue };
+        let wanted = Wanted { params, frames: burst.len(), size: burst.size() };
+        let Ok(plan) = Plan::new(wanted, Some(budget)) else { continue };
         // With fewer threads the whole may fit, so that nothing is divided.
         if plan.threads < rayon::current_num_threads() || counts.contains(&plan.describe.len()) {
             continue;

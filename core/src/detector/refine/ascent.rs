@@ -37,8 +37,7 @@ pub struct Peak {
 
 /// Radius at which the Gaussians are cut, in standard deviations of the wider one at the start.
 const CUT: f64 = 3.5;
-/// Smallest variance beyond the first level's, octave pixels²: finer Gaussians show too little of what the first level
-/// lost.
+/// Smallest variance beyond the first level's, octave pixels²: finer Gaussians show too little of what that one lost.
 const MIN_VARIANCE: f64 = 0.3;
 /// Maximum number of evaluations.
 const MAX_STEPS: usize = 4;
@@ -55,8 +54,7 @@ thread_local! {
 
 impl FirstLevel<'_> {
     /// The maximum of sign·D to which the ascent from column `x`, row `y` and DoG level index `level` leads; `None`
-    /// where D is not peaked on the way, where a step leads out of the level indices `within`, or where it does not
-    /// converge nearby.
+    /// where D is not peaked on the way, leads out of the level indices `within`, or does not converge nearby.
     pub fn ascend(&self, start: (f64, f64), level: f64, within: Range<f64>, sign: f64) -> Option<Peak> {
         PIXELS.with_borrow_mut(|pixels| {
             let levels = self.space.levels as f64;
@@ -131,8 +129,8 @@ struct Derivatives {
 }
 
 impl Derivatives {
-    /// Those of the difference of two Gaussians with the jets `fine` and `coarse`, and squared scales `fine2` and
-    /// `coarse2` in ∂G/∂ln σ = σ²∇²G.
+    /// Those of the difference of Gaussians with the jets `fine` and `coarse` and squared scales `fine2` and `coarse2`:
+    /// ∂G/∂ln σ = σ²∇²G.
     fn of(fine: &Jet, fine2: f64, coarse: &Jet, coarse2: f64) -> Self {
         let both = |of: &dyn Fn(&Jet, f64) -> f64| of(coarse, coarse2) - of(fine, fine2);
         let laplacian = |j: &Jet, p: usize, q: usize| j[p + 2][q] + j[p][q + 2];

@@ -177,8 +177,7 @@ fn next_first_level(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::params::Interpolation;
-    use crate::detector::params::slope_grid::Slope;
+    use crate::detector::params::{Interpolation, Slope};
     use crate::detector::stack::frame_offsets;
 
     #[test]

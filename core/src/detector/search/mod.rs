@@ -11,8 +11,7 @@ pub(super) mod setup;
 pub mod slope_window;
 
 use crate::detector::feature::{Keypoint, Tally};
-use crate::detector::params::slope_grid::Slope;
-use crate::detector::params::{DetectorParams, Localisation};
+use crate::detector::params::{DetectorParams, Localisation, Slope};
 use crate::detector::refine::ascent::FirstLevel;
 use crate::detector::refine::{Fit, Limits, refine};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_size, stack_tiles};

@@ -10,8 +10,7 @@ use crate::detector::feature::DetectError;
 use crate::detector::noise::{frame_noise, gate_factor};
 use crate::detector::noise_model::warning::of_merge;
 use crate::detector::noise_model::{Examined, ForSearch, NoiseModel, examine};
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
-use crate::detector::params::{DetectorParams, Method, NoiseGate, NoiseModelKind};
+use crate::detector::params::{DetectorParams, Method, NoiseGate, NoiseModelKind, Slope, SlopeGrid};
 use crate::detector::refine::MAX_FITS;
 use crate::detector::scale_space::planes::SlopeStack;
 use crate::detector::scale_space::{Base, ScaleSpace, octave_pixel, searched_octaves};
@@ -192,9 +191,8 @@ impl SlopeGroup {
         Self { own: 0..count, visited: 0..count }
     }
 
-    /// Divides `count` slopes into as few nearly equal groups as possible, none of which visits more than `max` slopes:
-    /// each needs the slopes up to `reach` steps from its own, all of them for `None`. `None` where there are no such
-    /// groups.
+    /// Divides `count` slopes into as few nearly equal groups as possible that visit at most `max` slopes: each needs
+    /// those up to `reach` steps from its own, all for `None`. `None` where there are no such groups.
     pub(crate) fn cut(count: usize, reach: Option<usize>, max: usize) -> Option<Vec<Self>> {
         if count <= max {
             return Some(vec![Self::whole(count)]);

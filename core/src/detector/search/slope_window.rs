@@ -6,8 +6,7 @@
 //! own tile, which is then free. So a line of slopes needs two tiles, a plane one row of the grid and two.
 
 use crate::detector::feature::{Tally, Test};
-use crate::detector::params::slope_grid::{Slope, SlopeGrid};
-use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema, SlopeNeighbours};
+use crate::detector::params::{DetectorParams, Localisation, Slope, SlopeExtrema, SlopeGrid, SlopeNeighbours};
 use crate::detector::refine::{Fit, peak_offset, peak_offset_2d};
 use crate::detector::scale_space::DogTile;
 use crate::detector::search::extrema::{Candidate, beats_all_27};
@@ -120,8 +119,7 @@ impl SlopeWindow {
     }
 
     /// Compares the tile of slope `made` with the candidates that wait for it, and its candidates with the slopes
-    /// before it. A candidate that passes `gate` and beats them waits with the result of `refine`. `tally` counts the
-    /// others.
+    /// before it. One that passes `gate` and beats them waits with the result of `refine`; `tally` counts the others.
     pub fn compare(
         &mut self,
         made: usize,

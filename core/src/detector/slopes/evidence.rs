@@ -9,7 +9,7 @@
 
 use super::peak::{SearchTable, Track};
 use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
-use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
+use crate::detector::params::{Slope, SlopeAxis, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -276,7 +276,11 @@ pub(super) fn grid_for(evidence: &[SlopeEvidence], steps: Steps, line_deg: Optio
         let [u, v] = [along, across].map(|range| axis(range, steps.search, PLANE_SLOPES));
         SlopeGrid { u, v, direction_deg: degrees as f32 }
     };
-    let (straight, turned) = (plane(0.0), plane((spread_deg(evidence) / TURNED_DEG).round() * TURNED_DEG));
+    let mean = |axis: fn(&Slope) -> f32| {
+        evidence.iter().map(|e| f64::from(axis(&e.slope))).sum::<f64>() / evidence.len() as f64
+    };
+    let spread_deg = principal_deg(evidence, [mean(|s| s.u), mean(|s| s.v)]);
+    let (straight, turned) = (plane(0.0), plane((spread_deg / TURNED_DEG).round() * TURNED_DEG));
     let area = |grid: &SlopeGrid| f64::from(grid.u.max - grid.u.min) * f64::from(grid.v.max - grid.v.min);
     let smaller = area(&turned) <= MUCH_SMALLER * area(&straight);
     Some(if smaller { turned } else { straight })
@@ -311,13 +315,6 @@ pub(super) fn direction_deg(evidence: &[SlopeEvidence]) -> f64 {
         d if d > 0.0 => d - 180.0,
         d => d + 180.0,
     }
-}
-
-/// Direction in which the evidence is spread most, −90 … 90°.
-fn spread_deg(evidence: &[SlopeEvidence]) -> f64 {
-    let n = evidence.len() as f64;
-    let mean = |axis: fn(&Slope) -> f32| evidence.iter().map(|e| f64::from(axis(&e.slope))).sum::<f64>() / n;
-    principal_deg(evidence, [mean(|s| s.u), mean(|s| s.v)])
 }
 
 /// Principal direction of the evidence about `centre`, −90 … 90°.
@@ -376,7 +373,7 @@ fn readable(step: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
@@ -391,17 +388,14 @@ mod tests {
 
     const STEPS: Steps = Steps { search: 0.4, same: 0.4 };
 
+    /// Evidence of a small window at level 1 that is clear, but not certain by itself.
+    pub fn window(slope: Slope, centre: [f32; 2]) -> SlopeEvidence {
+        let (significance, uncertainty, ambiguity, size) = (12.0, 0.05, 0.3, [64.0, 64.0]);
+        SlopeEvidence { slope, significance, uncertainty, ambiguity, level: 1, centre, size }
+    }
+
     fn seen(slopes: &[(f32, f32)]) -> Vec<SlopeEvidence> {
-        let one = |&(u, v): &(f32, f32)| SlopeEvidence {
-            slope: Slope::new(u, v),
-            significance: 12.0,
-            uncertainty: 0.05,
-            ambiguity: 0.3,
-            level: 1,
-            centre: [0.0, 0.0],
-            size: [64.0, 64.0],
-        };
-        slopes.iter().flat_map(|s| [one(s), one(s), one(s)]).collect()
+        slopes.iter().flat_map(|&(u, v)| [window(Slope::new(u, v), [0.0, 0.0]); 3]).collect()
     }
 
     #[test]

@@ -17,9 +17,8 @@ pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
 use super::feature::DetectError;
-use super::params::{DetectorParams, Method, SearchParams, SlopeChoice};
+use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
 use crate::burst::Burst;
-use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -49,8 +48,7 @@ const STILL_LEVEL_PX: f64 = 1.25;
 /// from +u towards +v) or anywhere in the plane.
 ///
 /// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ/(N−1) for the
-/// finest σ searched, or coarser where the range is long. An unchanged burst gives bitwise equal results, whatever the
-/// number of threads.
+/// finest σ searched, or coarser where the range is long. Results do not depend on the number of threads, to the bit.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -89,8 +87,15 @@ pub fn find_slopes(
     warnings.extend(order);
     let deviation = path.map(|path| (peak::distance_from_a_line(&path.way), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
+    let verdict = match finding.verdict {
+        SlopeVerdict::Found | SlopeVerdict::Still if deviation.is_some_and(|(distance, limit)| distance > limit) => {
+            SlopeVerdict::NotStraight
+        }
+        verdict => verdict,
+    };
+    let deviation_px = deviation.map(|(distance, _)| distance as f32);
     let spectrum = spectrum(&seen, &table, levels.start);
-    Ok(SlopeFinding { spectrum, warnings, ..finding.with_deviation(deviation) })
+    Ok(SlopeFinding { verdict, deviation_px, spectrum, warnings, ..finding })
 }
 
 fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
@@ -108,16 +113,6 @@ impl SlopeFinding {
         let steps = steps_of(params, params.used_frames(frame_count).len());
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
         confirmed(&clear, steps)
-    }
-
-    /// `deviation` is the distance from a uniform motion, and the limit above which it changes the verdict, pixels.
-    fn with_deviation(self, deviation: Option<(f64, f64)>) -> Self {
-        let bent = deviation.is_some_and(|(distance, limit)| distance > limit);
-        let verdict = match self.verdict {
-            SlopeVerdict::Found | SlopeVerdict::Still if bent => SlopeVerdict::NotStraight,
-            verdict => verdict,
-        };
-        Self { verdict, deviation_px: deviation.map(|(distance, _)| distance as f32), ..self }
     }
 
     /// Texts of the warnings.
@@ -164,8 +159,7 @@ pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: u
     evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, frames).search, most)
 }
 
-/// Parameters with which `burst` is searched, and the finding where the slopes are found from it. The baselines have no
-/// slopes to find.
+/// Parameters with which `burst` is searched, and the finding where slopes are found from it, which baselines do not.
 ///
 /// # Errors
 /// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`

@@ -236,7 +236,7 @@ fn solve(at: &[[f64; 3]], slopes: &[[f64; 2]], weights: &[f64], axis: usize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::params::slope_grid::Slope;
+    use crate::detector::params::Slope;
 
     fn way(positions: &[f64]) -> Vec<[f64; 2]> {
         positions.iter().enumerate().map(|(t, x)| [1.6 * x + 0.05 * (t % 2) as f64, -1.2 * x]).collect()
@@ -280,15 +280,7 @@ mod tests {
         let window = |i: usize| {
             let (u, v) = ((i % 6) as f64 * 100.0 + 60.0, (i / 6) as f64 * 90.0 + 60.0);
             let (along_u, along_v) = slope(u - 319.5, v - 239.5);
-            SlopeEvidence {
-                slope: Slope::new(along_u as f32, along_v as f32),
-                significance: 15.0,
-                uncertainty: 0.05,
-                ambiguity: 0.3,
-                level: 1,
-                centre: [u as f32, v as f32],
-                size: [64.0, 64.0],
-            }
+            super::super::evidence::tests::window(Slope::new(along_u as f32, along_v as f32), [u as f32, v as f32])
         };
         (0..30).map(window).collect()
     }

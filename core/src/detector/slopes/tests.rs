@@ -1,4 +1,5 @@
 use super::*;
+use crate::detector::memory::on_threads;
 use crate::synth::random::Stream;
 use crate::synth::{ChartParams, Motion, NoiseCase, SceneParams, demo_burst, synth_chart, synth_scene};
 
@@ -83,12 +84,19 @@ fn uniform_motion_in_any_direction_is_a_short_line() {
 }
 
 #[test]
-fn a_still_tripod_is_slope_0() {
-    let finding = find(&moved((300, 220), 0.3, 10, |_| (0.0, 0.0)));
-    assert_eq!((finding.verdict, finding.grid.len()), (SlopeVerdict::Still, 1));
-    assert_eq!(finding.grid.slope(0), Slope::default());
-    let one = find(&moved((100, 100), 0.0, 1, |_| (0.0, 0.0)));
-    assert_eq!((one.verdict, one.grid.len()), (SlopeVerdict::Still, 1));
+fn what_a_still_camera_sees_is_slope_0_even_in_the_dark() {
+    let dark = |seed| {
+        let params = ChartParams { snr: 0.2, max_slope: 0.0, seed, ..ChartParams::default() };
+        synth_chart(&params, &Monitor::default()).expect("a chart").0
+    };
+    for burst in [moved((300, 220), 0.3, 10, |_| (0.0, 0.0)), moved((100, 100), 0.0, 1, |_| (0.0, 0.0))]
+        .into_iter()
+        .chain((0..3).map(dark))
+    {
+        let finding = find(&burst);
+        assert_eq!((finding.verdict, finding.grid.len()), (SlopeVerdict::Still, 1), "{}", finding.summary());
+        assert_eq!(finding.grid.slope(0), Slope::default());
+    }
 }
 
 #[test]
@@ -203,16 +211,6 @@ fn noise_that_frames_have_in_common_does_not_move() {
 }
 
 #[test]
-fn a_still_scene_in_the_dark_does_not_move() {
-    for seed in 0..3 {
-        let params = ChartParams { snr: 0.2, max_slope: 0.0, seed, ..ChartParams::default() };
-        let (burst, _) = synth_chart(&params, &Monitor::default()).expect("a chart");
-        let finding = find(&burst);
-        assert!(finding.verdict == SlopeVerdict::Still && finding.grid.len() == 1, "{seed}: {}", finding.summary());
-    }
-}
-
-#[test]
 fn dark_charts_show_the_range_of_their_discs() {
     for (motion, snr) in [(Motion::OneD, 0.35), (Motion::TwoD, 0.35), (Motion::OneD, 0.6)] {
         let chart = ChartParams { motion, snr, ..ChartParams::default() };
@@ -263,29 +261,15 @@ fn threads_change_nothing_and_cancelling_ends_it() {
     let (burst, _) =
         synth_scene(&SceneParams { width: 320, height: 240, ..SceneParams::default() }, &Monitor::default())
             .expect("a scene");
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| find(&burst))
-    };
+    let with = |threads| on_threads(threads, || find(&burst));
     assert_eq!(with(1), with(3));
-    let monitor = Monitor::default();
-    monitor.cancel();
-    assert!(find_slopes(&burst, &DetectorParams::default(), None, &monitor).is_err());
+    assert!(find_slopes(&burst, &DetectorParams::default(), None, &Monitor::cancelled()).is_err());
 }
 
 #[test]
-fn slopes_are_resolved_only_where_they_are_to_be_found() {
-    let burst = moved((160, 120), 0.05, 6, |t| (2.0 * t as f64, 0.0));
-    let resolved = |params: &SearchParams| resolve(&burst, params, &Monitor::default());
-    let given = SearchParams::from(DetectorParams::default());
-    assert_eq!(resolved(&given), Ok((DetectorParams::default(), None)));
-    let (params, finding) = resolved(&SearchParams::default()).expect("valid");
-    assert_eq!(Some(params.slopes), finding.as_ref().map(|f| f.grid));
-    assert!(holds(&params.slopes, Slope::new(2.0, 0.0), 0.0));
-    let merge = DetectorParams { method: Method::Merge, ..DetectorParams::default() };
-    assert!(resolved(&SearchParams { detector: merge, ..SearchParams::default() }).expect("valid").1.is_none());
-    let frames = Some(crate::detector::FrameRange { start: 2, end: 9 });
-    let past =
-        SearchParams { detector: DetectorParams { frames, ..DetectorParams::default() }, ..SearchParams::default() };
-    assert!(matches!(resolved(&past), Err(DetectError::Param(_))));
+fn parameters_are_checked_before_slopes_are_searched() {
+    let frames = Some(crate::detector::FrameRange { start: 2, end: 99 });
+    let detector = DetectorParams { frames, ..DetectorParams::default() };
+    let past = SearchParams { detector, ..SearchParams::default() };
+    assert!(matches!(resolve(&demo_burst(), &past, &Monitor::default()), Err(DetectError::Param(_))));
 }

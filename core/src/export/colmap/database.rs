@@ -274,13 +274,8 @@ CREATE TABLE images (
     image_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
     name TEXT NOT NULL UNIQUE,
     camera_id INTEGER NOT NULL,
-    prior_qw REAL,
-    prior_qx REAL,
-    prior_qy REAL,
-    prior_qz REAL,
-    prior_tx REAL,
-    prior_ty REAL,
-    prior_tz REAL,
+    prior_qw REAL, prior_qx REAL, prior_qy REAL, prior_qz REAL,
+    prior_tx REAL, prior_ty REAL, prior_tz REAL,
     CONSTRAINT image_id_check CHECK(image_id >= 0 and image_id < 2147483647),
     FOREIGN KEY(camera_id) REFERENCES cameras(camera_id));
 CREATE UNIQUE INDEX index_name ON images(name);
@@ -307,11 +302,8 @@ CREATE TABLE two_view_geometries (
     cols INTEGER NOT NULL,
     data BLOB,
     config INTEGER NOT NULL,
-    F BLOB,
-    E BLOB,
-    H BLOB,
-    qvec BLOB,
-    tvec BLOB);
+    F BLOB, E BLOB, H BLOB,
+    qvec BLOB, tvec BLOB);
 CREATE TABLE rigs (
     rig_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL,
     ref_sensor_id INTEGER NOT NULL,

@@ -1,5 +1,4 @@
-//! The slopes that a burst needs: features found at each slope, evidence of the frames before any threshold, and
-//! advice.
+//! The slopes that a burst needs: features at each slope, evidence of the frames before any threshold, and advice.
 //!
 //! The *evidence* ([`crate::detector::SlopeFinding`]) shows where the motion stack has power that single frames do not
 //! have, also beyond the slopes that were searched. Aliases of periodic textures are found here too.
@@ -242,6 +241,10 @@ fn aliases(
         all.iter().filter(|e| e.significance >= SIGNIFICANT && e.ambiguity >= AMBIGUOUS).collect();
     windows.sort_by(|a, b| b.significance.total_cmp(&a.significance));
     windows.truncate(MAX_WINDOWS);
+    // Beyond the first zero, which lies 1/N of a period from the peak.
+    let first = 1.0 / frames as f64;
+    let lobes = (0..=200).map(|k| first + (0.5 - first) * f64::from(k) / 200.0).map(|x| dirichlet(frames, 1.0, x));
+    let side_lobe = if frames > 2 { lobes.fold(0.0, f64::max) as f32 } else { 0.0 };
     let mut found: Vec<Alias> = Vec::new();
     for window in windows {
         monitor.check()?;
@@ -266,7 +269,7 @@ fn aliases(
                     direction,
                     slope,
                     inside_range: inside_range(&grid, slope, direction, period.px),
-                    side_lobe: highest_lobe(frames),
+                    side_lobe,
                     places: vec![window.centre],
                 }),
             }
@@ -297,13 +300,6 @@ fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32
     let reach = ((max - min).abs() / period).ceil() as i64 + 1;
     let around = |k: &i64| *k != 0 && (min..=max).contains(&(own + *k as f32 * period));
     (-reach..=reach).filter(around).count()
-}
-
-fn highest_lobe(frames: usize) -> f32 {
-    // Beyond the first zero, which lies 1/N of a period from the peak.
-    let first = 1.0 / frames as f64;
-    let lobes = (0..=200).map(|k| first + (0.5 - first) * f64::from(k) / 200.0).map(|x| dirichlet(frames, 1.0, x));
-    if frames > 2 { lobes.fold(0.0, f64::max) as f32 } else { 0.0 }
 }
 
 #[cfg(test)]

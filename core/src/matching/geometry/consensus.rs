@@ -387,9 +387,7 @@ mod tests {
         assert!((mean.expect("a mean") - 1.0).abs() < 0.01);
         assert_eq!(iterations, MIN_ITERATIONS);
         assert_eq!(found(Vec::new(), &Monitor::default()), Ok((None, 0)));
-        let monitor = Monitor::default();
-        monitor.cancel();
-        assert!(found(vec![1.0], &monitor).is_err());
+        assert!(found(vec![1.0], &Monitor::cancelled()).is_err());
     }
 
     /// ∫ f over `from..to` by Simpson's rule.

@@ -1,5 +1,4 @@
-//! The essential matrix E: the geometry of two views with known intrinsics, and the relative pose that follows from it,
-//! up to the length of the translation.
+//! The essential matrix E of two views with known intrinsics, and their relative pose, up to the translation's length.
 //!
 //! Directions d = (x, y, 1) satisfy d_bᵀ·E·d_a = 0 with E = `[t]×·R`. Five matches leave E = x·X + y·Y + z·Z + W, on
 //! which det E = 0 and 2·E·Eᵀ·E = tr(E·Eᵀ)·E are ten cubic equations. Elimination leaves a polynomial of the tenth

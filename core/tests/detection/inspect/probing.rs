@@ -5,7 +5,7 @@ use burstscope_core::detector::coherence::Shape;
 use burstscope_core::detector::{
     DetectorParams, NoiseGate, ParamChange, SearchParams, Slope, SlopeExtrema, SlopeGrid, Test,
 };
-use burstscope_core::inspect::candidates::{SurveyOptions, coverage_map, survey, winning_slopes};
+use burstscope_core::inspect::candidates::{SurveyOptions, survey, winning_slopes};
 use burstscope_core::inspect::probe::fate_of;
 use burstscope_core::inspect::remedy::duplicate_remedy;
 use burstscope_core::inspect::{Fate, Outcome, Probe, ProbeCache, ProbeError, ProbeOptions, probe};
@@ -275,12 +275,4 @@ fn the_winning_slope_is_the_one_that_a_blob_moves_with() {
     assert_eq!((won.slope_index.at(40, 48), won.slope_index.at(90, 48)), (0.0, 4.0));
     assert!(won.confidence.at(40, 48) > 0.2 && won.confidence.at(90, 48) > 0.2);
     assert_eq!(won.confidence.at(65, 10), 0.0, "nothing is there");
-}
-
-#[test]
-fn coverage_counts_the_frames_that_show_a_pixel() {
-    let cache = cache(&blobs(5, 0.01, &[]), &params(SlopeExtrema::Each));
-    let map = coverage_map(&cache.trail, Slope::new(2.0, 0.0));
-    assert_eq!((map.at(64, 48), map.at(0, 48), map.at(127, 48)), (5.0, 3.0, 3.0));
-    assert_eq!(map.at(2, 0), 4.0);
 }

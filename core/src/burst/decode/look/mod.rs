@@ -22,8 +22,7 @@ fn corrupt(reason: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, reason.into())
 }
 
-/// Damage of a file of `length` bytes that announces so many columns and rows, though a byte of its format holds at
-/// most `pixels_a_byte`.
+/// Damage of a file of `length` bytes that announces more pixels than at most `pixels_a_byte` in each of them.
 pub(super) fn too_few_bytes(length: u64, width: u64, height: u64, pixels_a_byte: u64) -> Option<String> {
     let is_possible = width.saturating_mul(height) / pixels_a_byte <= length;
     (!is_possible).then(|| format!("its {length} bytes are too few for {width}×{height} pixels"))
