@@ -69,14 +69,14 @@ impl Moves {
         match self {
             Self::WithSurroundings => "moves with its surroundings",
             Self::ByItself => "moves by itself",
-            Self::Undefined => "motion not defined (edge)",
+            Self::Undefined => "motion not defined",
             Self::Unknown => "surroundings unknown",
         }
     }
 }
 
 /// Uncertainty of a feature's own motion above which it is not defined, pixels per frame.
-const DEFINED_SIGMA: f32 = 0.5;
+const DEFINED_SIGMA: f32 = 0.75;
 /// Standard deviations by which a feature that moves by itself differs from its surroundings.
 const BY_ITSELF_SIGMAS: f32 = 3.0;
 

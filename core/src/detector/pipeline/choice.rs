@@ -166,7 +166,8 @@ impl Chooser<'_> {
             let rises = self.outcome.rises[number].get_or_init(|| self.along.rises(&one.feature));
             one.feature.at_slope_limit = rises.iter().any(|rise| rise.exceeds_noise(one.feature.snr));
             // Noise moves the peak of a response of that width by the width over the signal-to-noise ratio.
-            one.feature.slope_sigma = (one.slope_width / one.feature.snr).min(least_known);
+            let by_noise = one.slope_width / one.feature.snr;
+            one.feature.slope_sigma = (CHOSEN[usize::from(grid.is_plane())] * by_noise).min(least_known);
             one.feature.field_sigma = f32::INFINITY;
             if let Some(field) = &self.outcome.field {
                 field.tell(&mut one.feature);
@@ -175,6 +176,11 @@ impl Chooser<'_> {
         })
     }
 }
+
+/// Error of the slopes of features over that of a peak that noise moves, on a line and in a plane: they are chosen among
+/// many slopes, and the noise chooses with. Measured on one scene, door; on another, entry, 68 and 63 % lie within one
+/// standard deviation.
+const CHOSEN: [f32; 2] = [2.1, 3.9];
 
 /// Order of features: the strongest first, then by place and sample. Those of one keypoint are equal.
 fn in_order(one: &Described, other: &Described) -> std::cmp::Ordering {
