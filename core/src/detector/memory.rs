@@ -11,11 +11,12 @@
 pub use crate::plane::memory::machine_bytes;
 
 use super::params::slope_grid::{Slope, SlopeGrid};
-use super::params::{DetectorParams, Method, ParamError, SearchParams};
+use super::params::{DetectorParams, Method, SearchParams};
 use super::scale_space::{octave_size, searched_octaves};
 use crate::detector::localise::slopes_around;
 use crate::detector::search::setup::SlopeGroup;
 use crate::detector::search::slope_window::OtherSlopes;
+use crate::error::Error;
 use crate::kernel::machine::{WINDOW_BYTES, WINDOWS_BYTES};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -59,7 +60,7 @@ pub fn kept_bytes() -> u64 {
 ///
 /// # Errors
 /// As the search itself: the error gives the memory that it needs at least, and settings that need less.
-pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, usize)) -> Result<(), ParamError> {
+pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, usize)) -> Result<(), Error> {
     let mut detector = params.detector.clone();
     if params.slopes.is_auto() {
         detector.slopes = SlopeGrid::single(Slope::default());
@@ -135,7 +136,7 @@ impl Account {
         frames: usize,
         size: (usize, usize),
         budget: Option<u64>,
-    ) -> Result<(Plan, Share<'_>), ParamError> {
+    ) -> Result<(Plan, Share<'_>), Error> {
         let mut taken = self.taken();
         let left = budget.map(|budget| budget.saturating_sub(*taken));
         let plan = Plan::new(params, frames, size, left).or_else(|_| Plan::smallest(params, frames, size, budget))?;
@@ -167,7 +168,7 @@ impl Plan {
         frames: usize,
         size: (usize, usize),
         budget: Option<u64>,
-    ) -> Result<Self, ParamError> {
+    ) -> Result<Self, Error> {
         let several = (2..=rayon::current_num_threads()).rev();
         let fitting = several.map(|threads| Self::on(threads, params, frames, size, budget)).find_map(Result::ok);
         // The error for one thread gives the least memory.
@@ -180,7 +181,7 @@ impl Plan {
         frames: usize,
         size: (usize, usize),
         budget: Option<u64>,
-    ) -> Result<Self, ParamError> {
+    ) -> Result<Self, Error> {
         let of_slopes = bytes_of_slope(params, size).saturating_mul(min_slopes(params) as u64);
         let min = bytes_beside_slopes(1, frames, size).saturating_add(of_slopes);
         Self::on(1, params, frames, size, Some(budget.map_or(min, |budget| budget.min(min))))
@@ -192,7 +193,7 @@ impl Plan {
         frames: usize,
         size: (usize, usize),
         budget: Option<u64>,
-    ) -> Result<Self, ParamError> {
+    ) -> Result<Self, Error> {
         let grid = params.used_slopes();
         let (count, of_slope) = (grid.len(), bytes_of_slope(params, size));
         let needed = estimate_on(threads, params, frames, size);
@@ -245,7 +246,7 @@ fn refusal(
     min: u64,
     budget: u64,
     fitting: usize,
-) -> ParamError {
+) -> Error {
     let (grid, min_slopes) = (params.used_slopes(), min_slopes(params));
     let less = match fitting {
         0 => "a larger first octave, fewer frames or a smaller picture would take less".to_owned(),
@@ -256,9 +257,9 @@ fn refusal(
         Some(_) if fitting > 0 && grid.is_plane() => format!("rows of fewer slopes take less; {less}"),
         Some(_) => less,
     };
-    ParamError {
-        parameter: OPTION,
-        problem: format!(
+    Error::param(
+        OPTION,
+        format!(
             "this search of {} slopes in {frames} frames of {}×{} needs about {} at least, with {min_slopes} slopes at \
              once, and {} may be used",
             grid.len(),
@@ -267,8 +268,8 @@ fn refusal(
             said(min),
             said(budget)
         ),
-        remedy: format!("{way_out}; or allow more"),
-    }
+        format!("{way_out}; or allow more"),
+    )
 }
 
 fn said(bytes: u64) -> String {
@@ -290,7 +291,7 @@ mod tests {
         DetectorParams { slopes, ..DetectorParams::default() }
     }
 
-    fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan, ParamError> {
+    fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan, Error> {
         Plan::new(params, 10, SIZE, budget)
     }
 

@@ -1,11 +1,11 @@
 //! The methods to features that are compared: one frame, two merges, the burst search over a line of slopes, over a
 //! plane of slopes and over slopes found for each burst, and a sharp image as gold standard.
 
-use super::EvaluateError;
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::{Searched, detect, search};
 use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 
@@ -118,8 +118,8 @@ impl Searches<'_> {
     /// Runs `method` on `burst`.
     ///
     /// # Errors
-    /// [`EvaluateError::Detector`] for parameters that make no sense, [`EvaluateError::Cancelled`].
-    pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched, EvaluateError> {
+    /// Parameters that make no sense, or cancellation.
+    pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched, Error> {
         let detector = self.params(method);
         let slopes = match method {
             BurstMethod::BuffAuto => SlopeChoice::Auto { direction_deg: self.direction_deg },

@@ -16,11 +16,11 @@ mod tests;
 pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
-use super::feature::DetectError;
 use super::params::{DetectorParams, Method, SearchParams, SlopeChoice};
 use crate::burst::Burst;
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::scale_space::ScaleSpace;
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use evidence::{
@@ -168,13 +168,13 @@ pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: u
 /// slopes to find.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// Parameters that make no sense for the burst, and cancellation once `monitor`
 /// was cancelled.
 pub fn resolve(
     burst: &Burst,
     params: &SearchParams,
     monitor: &Monitor,
-) -> Result<(DetectorParams, Option<SlopeFinding>), DetectError> {
+) -> Result<(DetectorParams, Option<SlopeFinding>), Error> {
     params.validate()?;
     let SlopeChoice::Auto { direction_deg } = params.slopes else {
         return Ok((params.detector.clone(), None));

@@ -287,5 +287,5 @@ fn slopes_are_resolved_only_where_they_are_to_be_found() {
     let frames = Some(crate::detector::FrameRange { start: 2, end: 9 });
     let past =
         SearchParams { detector: DetectorParams { frames, ..DetectorParams::default() }, ..SearchParams::default() };
-    assert!(matches!(resolved(&past), Err(DetectError::Param(_))));
+    assert!(resolved(&past).is_err_and(|error| error.subject == "frames"));
 }
