@@ -84,7 +84,7 @@ pub struct ColmapReport {
 /// left out.
 ///
 /// # Errors
-/// [`Error`]. Files are written completely or not at all; finished bursts stay finished.
+/// Parameters, or what concerns all bursts. Files are written completely or not at all; finished bursts stay finished.
 pub fn export_colmap(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],

@@ -29,7 +29,7 @@ impl DatasetSource {
     /// Lists the bursts, in order, each with a unique name. No pixel is read.
     ///
     /// # Errors
-    /// See [`Error`]: a path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
+    /// A path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
     /// too short for it.
     pub fn bursts(&self) -> Result<Vec<BurstFiles>, Error> {
         self.entries().map(|found| found.bursts)

@@ -25,7 +25,7 @@ use std::path::Path;
 /// synthetic burst in it is replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
-/// The folder is then unchanged.
+/// The folder is a link, holds other files or cannot be written; it is then unchanged.
 pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), Error> {
     write_folder(dir, Kind::Burst, |fresh| {
         for (t, frame) in burst.frames.iter().enumerate() {
@@ -73,7 +73,7 @@ pub(super) fn occupied(dir: &Path) -> Error {
 /// Meanwhile no other process can make it.
 ///
 /// # Errors
-/// The folder is then unchanged.
+/// The folder is a link, holds other files or cannot be written, or an error of `fill`; it is then unchanged.
 pub(super) fn write_folder(dir: &Path, kind: Kind, fill: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
     if std::fs::symlink_metadata(dir).is_ok_and(|metadata| metadata.is_symlink()) {
         let problem = "this is a link, and links are not followed";

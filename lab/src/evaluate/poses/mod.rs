@@ -51,7 +51,7 @@ pub struct Trajectory {
 /// file (see [`read_tum`]).
 ///
 /// # Errors
-/// See [`Error`].
+/// The file or model cannot be read, is damaged, or has no pose.
 pub fn read_trajectory(path: &Path) -> Result<Trajectory, Error> {
     let folder = if path.is_dir() { Some(path) } else { sparse::folder_of_file(path) };
     if let Some(folder) = folder {

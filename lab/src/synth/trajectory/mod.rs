@@ -369,7 +369,7 @@ const TRUTH_FILE: &str = "trajectory.json";
 /// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
-/// See [`Error`]; the folder is then unchanged.
+/// The folder is a link, holds other files or cannot be written, or cancellation; it is then unchanged.
 pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<(), Error> {
     write_folder(dir, Kind::Trajectory, |fresh| {
         let make = |folder: &Path| std::fs::create_dir(folder).map_err(io(folder));
