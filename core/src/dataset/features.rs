@@ -184,7 +184,7 @@ impl FeatureStore {
 
     /// Checks whether `file` of the dataset's folder may be written; errors as of [`Self::protect`].
     pub(super) fn check_output(&self, file: &Path) -> Result<(), Error> {
-        Ok(self.rules.check_own(file, &[])?)
+        self.rules.check_own(file, &[])
     }
 
     /// The numbers of `source` if it is finished, judged without reading its frames or its features.
@@ -312,7 +312,7 @@ impl FeatureStore {
             self.write_picture_of(&image_name, &burst, monitor)?
         };
         let of = KeptBurst { files: stamps, picture: self.job.images, picture_content, ..of };
-        Ok(self.records().write(&image_name, &Record { made_from, of })?)
+        self.records().write(&image_name, &Record { made_from, of })
     }
 
     fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum, Error> {
@@ -320,7 +320,7 @@ impl FeatureStore {
         self.check_output(&path)?;
         let picture = burst_picture(burst, self.job.images, &self.job.detector.detector, monitor)?;
         write_png(&path, picture.picture())?;
-        Ok(Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))?)
+        Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
     /// Before the first write: locks the folder for this process, removes files that a killed run left, and writes the

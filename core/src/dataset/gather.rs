@@ -112,5 +112,5 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
         let bytes = std::fs::read(&from).map_err(|e| Error::unread_file(&from, e))?;
         write_whole(&to, |out| out.write_all(&bytes))?;
     }
-    Ok(store.records().write(image, &record)?)
+    store.records().write(image, &record)
 }

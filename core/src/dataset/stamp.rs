@@ -43,7 +43,7 @@ pub(super) struct FileStamp {
 impl FileStamp {
     /// Stamps of `files` as they are now, without checksums.
     fn of(files: &[PathBuf]) -> Result<Vec<Self>, Error> {
-        files.iter().map(|path| Ok(Self::of_one(path).map_err(|e| Error::unread(path, &e))?)).collect()
+        files.iter().map(|path| Self::of_one(path).map_err(|e| Error::unread(path, &e))).collect()
     }
 
     /// Stamps of `files` as they are now, with checksums. Each file's times are taken before it is read, so that a file
@@ -128,7 +128,7 @@ fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, Error> {
             Ok(0) => return Ok(hasher.finalize()),
             Ok(count) => hasher.update(&piece[..count]),
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(Error::unread(path, &error).into()),
+            Err(error) => return Err(Error::unread(path, &error)),
         }
     }
 }

@@ -127,7 +127,7 @@ impl Searches<'_> {
         };
         let params = SearchParams { detector, slopes };
         if method != BurstMethod::SiftMean {
-            return Ok(search(burst, &params, monitor)?);
+            return search(burst, &params, monitor);
         }
         let params = params.detector;
         // SIFT uses one frame; the mean is of all frames that the burst search would use.
