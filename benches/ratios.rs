@@ -9,11 +9,12 @@
 mod common;
 
 use burstscope::app::gpu::AdapterChoice;
-use burstscope::app::offscreen::{Offscreen, OffscreenError};
+use burstscope::app::offscreen::Offscreen;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::burst::{Burst, OpenOptions};
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::detector::{DetectorParams, Slope, SlopeGrid, find_slopes};
+use burstscope::error::Error;
 use burstscope::synth::{demo_burst, demo_truth, write_burst};
 use burstscope::{Monitor, Plane, detect};
 use rayon::prelude::*;
@@ -155,7 +156,7 @@ fn cancelling(burst: &Burst) {
 /// From the creation of a window on the demo to its first picture, drawn and read back. Opening the graphics driver is
 /// not counted; without a card it is a software driver that draws.
 fn first_picture() {
-    let time = || -> Result<f64, OffscreenError> {
+    let time = || -> Result<f64, Error> {
         let mut offscreen = Offscreen::new(egui::vec2(1280.0, 800.0), 1.0, AdapterChoice::Fastest)?;
         let started = Instant::now();
         let mut app = BurstscopeApp::new(offscreen.context(), None, Startup::default());

@@ -22,5 +22,7 @@ pub mod requests;
 pub mod teach;
 
 pub use burstscope_core::{Burst, Cancelled, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
-pub use burstscope_core::{baseline, burst, dataset, detector, export, files, inspect, matching, monitor, plane};
+pub use burstscope_core::{
+    baseline, burst, dataset, detector, error, export, files, inspect, matching, monitor, plane,
+};
 pub use burstscope_lab::{evaluate, figures, recover, study, synth};

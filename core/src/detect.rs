@@ -7,7 +7,8 @@ use crate::baseline::merge_burst;
 use crate::burst::{Burst, Declared, OpenOptions};
 use crate::detector::pipeline;
 use crate::detector::slopes::resolve;
-use crate::detector::{DetectError, Detection, DetectorParams, Method, ParamError, SearchParams, SlopeFinding, memory};
+use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeFinding, memory};
+use crate::error::Error;
 use crate::monitor::Monitor;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,9 +16,9 @@ use std::time::Instant;
 /// Finds the features of a burst by the method that `params` ask for.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// Parameters that make no sense for the burst, and cancellation once `monitor`
 /// was cancelled.
-pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
+pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, Error> {
     Ok(search(burst, &params.clone().into(), monitor)?.detection)
 }
 
@@ -35,7 +36,7 @@ pub struct Searched {
 }
 
 /// Finds the slopes of a burst if they are to be found, and then its features.
-pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, DetectError> {
+pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, Error> {
     let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
         PreparedSearch::new(burst, params, monitor)?;
     let detection = pipeline::search(&prepared, &params, &rest)?;
@@ -59,7 +60,7 @@ pub(crate) struct PreparedSearch {
 }
 
 impl PreparedSearch {
-    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
+    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
         let started = Instant::now();
         let (asked, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
         let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };
@@ -72,7 +73,7 @@ impl PreparedSearch {
 
 /// Checks, before the burst that `inputs` name is opened, that there is memory for its search; the error says the least
 /// that it needs, and changes that would lower it. A file that cannot be read passes: opening it reports the error.
-pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), ParamError> {
+pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), Error> {
     match Declared::of(inputs, options) {
         Ok(Declared { frames, size }) => memory::check_before_opening(params, frames, size),
         Err(_) => Ok(()),
@@ -83,11 +84,7 @@ pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchPa
 ///
 /// # Errors
 /// As [`detect`].
-pub fn prepare(
-    burst: &Burst,
-    params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<(Burst, DetectorParams), DetectError> {
+pub fn prepare(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<(Burst, DetectorParams), Error> {
     params.validate_for(burst.len(), burst.size())?;
     match params.method {
         Method::Buff | Method::Sift => Ok((burst.clone(), params.clone())),
@@ -122,6 +119,6 @@ mod tests {
         let ideal = one / 5f32.sqrt();
         assert!((found.frame_noise / ideal - 1.0).abs() < 0.15, "{} of {one}", found.frame_noise);
         let past = DetectorParams { frames: Some(FrameRange { start: 1, end: 7 }), ..params };
-        assert!(matches!(prepare(&burst, &past, &Monitor::default()), Err(DetectError::Param(_))));
+        assert!(prepare(&burst, &past, &Monitor::default()).is_err_and(|error| error.subject == "frames"));
     }
 }

@@ -8,8 +8,9 @@ pub mod lock;
 pub mod mark;
 pub mod unfinished;
 
+use crate::error::{Error, ErrorKind};
+use crate::monitor::Cancelled;
 use serde::Serializer;
-use std::error::Error;
 use std::fmt::Write;
 use std::fs::File;
 use std::io::{self, Read};
@@ -79,9 +80,20 @@ pub fn write_problem(error: &io::Error) -> String {
 }
 
 /// Whether the system's limit on file size caused the error, which an encoder may have wrapped.
-fn is_size_limit(error: &(dyn Error + 'static)) -> bool {
+fn is_size_limit(error: &(dyn std::error::Error + 'static)) -> bool {
     let Some(io) = error.downcast_ref::<io::Error>() else { return error.source().is_some_and(is_size_limit) };
     io.kind() == io::ErrorKind::FileTooLarge || io.get_ref().is_some_and(|inner| is_size_limit(inner))
+}
+
+impl Error {
+    /// Error for a failed or cancelled write to `path`.
+    pub fn unwritten(path: &Path, error: &io::Error) -> Self {
+        if error.get_ref().is_some_and(|inner| inner.is::<Cancelled>()) {
+            return Cancelled.into();
+        }
+        let problem = format!("cannot write this file: {}", write_problem(error));
+        Self::new(ErrorKind::Unwritten, problem, "check the folder's permissions and the free space").about(path)
+    }
 }
 
 /// The path as text, with bytes that are not UTF-8 as `\xNN`.

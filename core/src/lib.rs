@@ -19,7 +19,9 @@
 //! detector, synth     the method; bursts with known truth
 //! burst               opening, decoding and calibrating frames
 //! kernel              vector code of the detector's steps
-//! plane, files        one float image; small text files and names of files
+//! plane               one float image
+//! files               small text files, names of files, locks and marks
+//! error               the one record of everything that goes wrong
 //! monitor             progress and cancellation
 //! ```
 //!
@@ -38,6 +40,7 @@ pub mod burst;
 pub mod dataset;
 pub mod detect;
 pub mod detector;
+pub mod error;
 pub mod export;
 pub mod files;
 pub mod inspect;
@@ -50,5 +53,6 @@ pub mod synth;
 pub use burst::Burst;
 pub use detect::detect;
 pub use detector::{Detection, DetectorParams, Feature, SlopeGrid};
+pub use error::Error;
 pub use monitor::{Cancelled, Monitor};
 pub use plane::Plane;

@@ -5,11 +5,12 @@ use super::recover::{RecoverReport, RecoverStudy};
 use crate::evaluate::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots, frames_plots};
 use crate::evaluate::{
     AccuracyReport, AccuracyStudy, BurstFramesReport, BurstFramesStudy, BurstMethod, ChartReport, ChartStudy,
-    EvaluateError, FramesReport, FramesStudy, LookedChart,
+    FramesReport, FramesStudy, LookedChart,
 };
 use crate::synth::{ChartParams, Truth};
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
+use burstscope_core::error::Error;
 use burstscope_core::inspect::score::{Curve, Judged};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
@@ -118,16 +119,12 @@ impl ChartOfStudy {
     ///
     /// # Errors
     /// As [`Study::run_telling`].
-    pub fn show(self, monitor: &Monitor) -> Result<ShownChart, EvaluateError> {
+    pub fn show(self, monitor: &Monitor) -> Result<ShownChart, Error> {
         let StudyPoint { row_value, method } = self.point;
         let looked = match &self.study {
             Study::Accuracy(study) => study.look(row_value, self.seed, monitor)?,
             study => {
-                let no_chart = || EvaluateError::Param {
-                    parameter: "study",
-                    problem: "has no charts".to_owned(),
-                    remedy: "look at a point of charts",
-                };
+                let no_chart = || Error::param("study", "has no charts", "look at a point of charts");
                 let (study, snr) = study.charts_of_row(row_value).ok_or_else(no_chart)?;
                 let method = method.or_else(|| study.methods.first().copied()).unwrap_or(BurstMethod::Buff1d);
                 study.look(snr, self.seed, method, monitor)?
@@ -150,12 +147,8 @@ impl Study {
     /// Runs the study; calls `tell` with the report so far whenever a chart is finished.
     ///
     /// # Errors
-    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
-    pub fn run_telling(
-        &self,
-        monitor: &Monitor,
-        tell: &(dyn Fn(StudyReport) + Sync),
-    ) -> Result<StudyReport, EvaluateError> {
+    /// A parameter of study, chart or detector that makes no sense, or cancellation.
+    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(StudyReport) + Sync)) -> Result<StudyReport, Error> {
         match self {
             Self::Chart(study) => {
                 let wrapped = |report| StudyReport::Chart(Box::new(report));

@@ -9,7 +9,8 @@ use burstscope::cli::{Failure, burst_document};
 use burstscope::detect::{Searched, prepare, search};
 use burstscope::detector::quantity::Place;
 use burstscope::detector::view::{coverage_view, dog_view, noise_map, stack_view};
-use burstscope::detector::{DetectError, Feature, Method, Quantity, Slope, SlopeGrid};
+use burstscope::detector::{Feature, Method, Quantity, Slope, SlopeGrid};
+use burstscope::error::Error;
 use burstscope::export::ExportFormat;
 use burstscope::{Burst, DetectorParams, Monitor, Plane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -166,7 +167,7 @@ fn picture(
         return Ok(Plane::clone(&merged.frames[0]));
     }
     let (burst, params) = prepare(burst, &params, monitor)?;
-    let found = |plane: Result<Plane, DetectError>| plane.map_err(Failure::from);
+    let found = |plane: Result<Plane, Error>| plane.map_err(Failure::from);
     match asked.kind.as_str() {
         "dog" => found(dog_view(&burst, &params, slope, asked.octave, asked.level, monitor)),
         "noise" => found(noise_map(&burst, &params, monitor)),

@@ -1,9 +1,7 @@
 //! Failures of the commands as exceptions of Python: their words, with keywords in place of options.
 
-use burstscope::burst::{OpenError, OpenErrorKind};
 use burstscope::cli::Failure;
-use burstscope::export::ExportError;
-use burstscope::plane::memory::NoMemory;
+use burstscope::error::{Error, ErrorKind as Kind};
 use pyo3::PyErr;
 use pyo3::exceptions::{
     PyFileExistsError, PyFileNotFoundError, PyKeyboardInterrupt, PyMemoryError, PyOSError, PyPermissionError,
@@ -25,9 +23,6 @@ pub(crate) fn raised(failure: &Failure) -> PyErr {
 
 fn of_error(error: &anyhow::Error, text: String) -> PyErr {
     for cause in error.chain() {
-        if cause.is::<NoMemory>() {
-            return PyMemoryError::new_err(text);
-        }
         if let Some(error) = cause.downcast_ref::<std::io::Error>() {
             return match error.kind() {
                 ErrorKind::NotFound => PyFileNotFoundError::new_err(text),
@@ -36,19 +31,13 @@ fn of_error(error: &anyhow::Error, text: String) -> PyErr {
                 _ => PyOSError::new_err(text),
             };
         }
-        match cause.downcast_ref::<ExportError>() {
-            Some(ExportError::Foreign(_) | ExportError::InTheWay(_)) => {
-                return PyFileExistsError::new_err(text);
-            }
-            Some(_) => return PyOSError::new_err(text),
-            None => {}
-        }
-        match cause.downcast_ref::<OpenError>().map(|error| error.kind) {
-            Some(OpenErrorKind::NotFound) => return PyFileNotFoundError::new_err(text),
-            Some(OpenErrorKind::System) => return PyOSError::new_err(text),
-            Some(OpenErrorKind::NoMemory) => return PyMemoryError::new_err(text),
+        match cause.downcast_ref::<Error>().map(|error| error.kind) {
+            None | Some(Kind::Failed | Kind::Content) => {}
+            Some(Kind::NotFound) => return PyFileNotFoundError::new_err(text),
+            Some(Kind::InTheWay) => return PyFileExistsError::new_err(text),
+            Some(Kind::NoMemory) => return PyMemoryError::new_err(text),
+            Some(Kind::System | Kind::Unwritten | Kind::Refused | Kind::Locked) => return PyOSError::new_err(text),
             Some(_) => return PyValueError::new_err(text),
-            None => {}
         }
     }
     PyRuntimeError::new_err(text)

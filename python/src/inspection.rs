@@ -7,7 +7,7 @@ use burstscope::Burst;
 use burstscope::cli::Failure;
 use burstscope::inspect::figure::{probe_svg, spectrum_svg};
 use burstscope::inspect::price::price;
-use burstscope::inspect::probe::{ProbeError, Wanted};
+use burstscope::inspect::probe::{Wanted, check_place};
 use burstscope::inspect::report::{probe_text, spectrum_text};
 use burstscope::inspect::spectrum::spectrum;
 use burstscope::inspect::{ProbeCache, ProbeOptions, probe};
@@ -51,10 +51,8 @@ impl RawInspection {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Answer> {
         run(py, progress, |monitor| {
-            let (width, height) = self.burst.size();
-            let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
-            if let Some((u, v)) = at.filter(|&(u, v)| !(inside(u, width) && inside(v, height))) {
-                return Err(ProbeError::Outside { u, v, width, height }.into());
+            if let Some((u, v)) = at {
+                check_place([u, v], self.burst.size())?;
             }
             let wanted = feature.map_or(Wanted::Best, Wanted::Feature);
             let options = ProbeOptions { wanted, ..ProbeOptions::default() };

@@ -38,7 +38,7 @@ pub mod window;
 pub mod words;
 pub mod workspace;
 
-pub use render::{RenderError, RenderOptions, render_to_png};
+pub use render::{RenderOptions, render_to_png};
 pub use run::run;
 pub use startup::{EndRequest, Startup};
 pub use window::BurstscopeApp;

@@ -3,6 +3,7 @@
 //! It needs a graphics adapter that Vulkan, Metal or DirectX can reach; Mesa's software adapter is enough.
 
 use super::gpu::{self, AdapterChoice};
+use crate::error::{Error, ErrorKind};
 use crate::monitor::Monitor;
 use egui_wgpu::{RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuError, WgpuSetup};
 use image::RgbaImage;
@@ -36,11 +37,11 @@ const BYTES_PER_PIXEL: u64 = 4;
 pub const MAX_SIDE_PX: u32 = 8192;
 
 impl Offscreen {
-    pub fn new(size_points: egui::Vec2, pixels_per_point: f32, choice: AdapterChoice) -> Result<Self, OffscreenError> {
+    pub fn new(size_points: egui::Vec2, pixels_per_point: f32, choice: AdapterChoice) -> Result<Self, Error> {
         Self::with_setup(size_points, pixels_per_point, gpu::wgpu_setup(choice))
     }
 
-    fn with_setup(size_points: egui::Vec2, pixels_per_point: f32, setup: WgpuSetup) -> Result<Self, OffscreenError> {
+    fn with_setup(size_points: egui::Vec2, pixels_per_point: f32, setup: WgpuSetup) -> Result<Self, Error> {
         let render_state = new_render_state(&setup)?;
         let limits = render_state.device.limits();
         let limit = limits.max_texture_dimension_2d.min(MAX_SIDE_PX);
@@ -51,7 +52,12 @@ impl Offscreen {
         let fits_buffer = (size.x.round() as u64).saturating_mul(size.y.round() as u64) <= max_pixels;
         if !(fits(size.x) && fits(size.y) && fits_buffer && pixels_per_point > 0.0) {
             let max_megapixels = max_pixels / 1_000_000;
-            return Err(OffscreenError::Size { width: size.x, height: size.y, limit, max_megapixels });
+            let problem = format!(
+                "a window of {} × {} pixels cannot be drawn; this graphics adapter draws 1 to {limit} pixels a side and \
+                 {max_megapixels} megapixels in all",
+                size.x, size.y
+            );
+            return Err(Error::new(ErrorKind::TooLarge, problem, "name a smaller size or scale"));
         }
         let context = egui::Context::default();
         // No one sees the drawing: animations are skipped.
@@ -83,7 +89,7 @@ impl Offscreen {
         gpu::Gpu::of(&self.context).is_some_and(|gpu| gpu.lost().is_some())
     }
 
-    fn set_up_again(&mut self) -> Result<(), OffscreenError> {
+    fn set_up_again(&mut self) -> Result<(), Error> {
         self.render_state = new_render_state(&self.setup)?;
         gpu::install(&self.context, &self.render_state);
         let mut renderer = self.render_state.renderer.write();
@@ -120,17 +126,17 @@ impl Offscreen {
     }
 
     /// Draws the last frame. A lost device is set up again, once.
-    pub fn image(&mut self) -> Result<RgbaImage, OffscreenError> {
+    pub fn image(&mut self) -> Result<RgbaImage, Error> {
         let failure = |context: &egui::Context| gpu::Gpu::of(context).and_then(|gpu| gpu.newest_failure());
         let before = failure(&self.context);
         let drawn = self.image_on_a_device()?;
         match failure(&self.context).filter(|newest| before.as_ref() != Some(newest)) {
-            Some((_, why)) => Err(OffscreenError::NoRoom(why)),
+            Some((_, why)) => Err(Error::new(ErrorKind::NoMemory, why, "")),
             None => Ok(drawn),
         }
     }
 
-    fn image_on_a_device(&mut self) -> Result<RgbaImage, OffscreenError> {
+    fn image_on_a_device(&mut self) -> Result<RgbaImage, Error> {
         if !self.is_lost() {
             let drawn = self.draw();
             if !self.is_lost() {
@@ -141,7 +147,7 @@ impl Offscreen {
         self.draw()
     }
 
-    fn draw(&self) -> Result<RgbaImage, OffscreenError> {
+    fn draw(&self) -> Result<RgbaImage, Error> {
         let RenderState { device, queue, renderer, target_format, .. } = &self.render_state;
         let screen = ScreenDescriptor { size_in_pixels: self.size_px, pixels_per_point: self.pixels_per_point };
         let primitives = self.context.tessellate(self.shapes.clone(), self.pixels_per_point);
@@ -184,16 +190,23 @@ impl Offscreen {
     }
 }
 
-fn new_render_state(setup: &WgpuSetup) -> Result<RenderState, OffscreenError> {
+fn new_render_state(setup: &WgpuSetup) -> Result<RenderState, Error> {
     let instance = pollster::block_on(setup.new_instance());
     let configuration = WgpuConfiguration { wgpu_setup: setup.clone(), ..Default::default() };
     // Predictable: no dithering, the same texture filter on every card.
     let options = RendererOptions::PREDICTABLE;
     pollster::block_on(RenderState::create(&configuration, &instance, None, options)).map_err(|error| match error {
-        WgpuError::RequestAdapterError(e) => OffscreenError::NoAdapter(e.to_string()),
-        WgpuError::CustomNativeAdapterSelectionError(e) => OffscreenError::NoAdapter(e),
-        other => OffscreenError::NoDevice(other.to_string()),
+        WgpuError::RequestAdapterError(e) => no_adapter(&e.to_string()),
+        WgpuError::CustomNativeAdapterSelectionError(e) => no_adapter(&e),
+        other => Error::new(ErrorKind::Failed, format!("the graphics adapter cannot be used: {other}"), ""),
     })
+}
+
+fn no_adapter(reason: &str) -> Error {
+    let problem = format!("there is no graphics adapter to draw with ({reason})");
+    let remedy = "install a software one (on Debian and Ubuntu: apt install mesa-vulkan-drivers), or use a machine \
+                  with a Vulkan driver";
+    Error::new(ErrorKind::Failed, problem, remedy)
 }
 
 /// Runs frames of `draw` until `is_idle`, `max_duration` is over or `monitor` is cancelled, and draws the last one.
@@ -205,7 +218,7 @@ pub fn render_offscreen<App>(
     make: impl FnOnce(&egui::Context, &RenderState) -> App,
     mut draw: impl FnMut(&mut App, &mut egui::Ui),
     mut is_idle: impl FnMut(&mut App) -> bool,
-) -> Result<Rendered, OffscreenError> {
+) -> Result<Rendered, Error> {
     let mut offscreen = Offscreen::new(size_points, pixels_per_point, AdapterChoice::Fastest)?;
     let mut app = make(&offscreen.context, &offscreen.render_state);
     let end = Instant::now() + max_duration;
@@ -227,31 +240,11 @@ pub fn render_offscreen<App>(
     Ok(Rendered { image: offscreen.image()?, settled: idle_frames >= 2 })
 }
 
-#[derive(Debug, thiserror::Error)]
-pub enum OffscreenError {
-    #[error(
-        "there is no graphics adapter to draw with ({0}); install a software one (on Debian and Ubuntu: apt install mesa-vulkan-drivers), \
-         or use a machine with a Vulkan driver"
-    )]
-    NoAdapter(String),
-    #[error("the graphics adapter cannot be used: {0}")]
-    NoDevice(String),
-    #[error(
-        "a window of {width} × {height} pixels cannot be drawn; this graphics adapter draws 1 to {limit} pixels a side \
-         and {max_megapixels} megapixels in all; name a smaller size or scale"
-    )]
-    Size { width: f32, height: f32, limit: u32, max_megapixels: u64 },
-    #[error("{0}")]
-    NoRoom(String),
-    #[error("the graphics adapter failed while drawing: {0}")]
-    Card(String),
-}
-
 /// Time allowed to the card for each [`TIMED_PIXELS`] of a frame. A software adapter needs a fraction of a second.
 const CARD_TIMEOUT: Duration = Duration::from_secs(30);
 const TIMED_PIXELS: u32 = 1 << 23;
 
-fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<RgbaImage, OffscreenError> {
+fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<RgbaImage, Error> {
     let (width, height) = (texture.width(), texture.height());
     let row_bytes = 4 * width as usize;
     let padded_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
@@ -281,7 +274,9 @@ fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
         // The receiver is gone when the wait has timed out.
         let _ = sender.send(result);
     });
-    let failed = |error: &dyn std::fmt::Display| OffscreenError::Card(error.to_string());
+    let failed = |error: &dyn std::fmt::Display| {
+        Error::new(ErrorKind::Failed, format!("the graphics adapter failed while drawing: {error}"), "")
+    };
     device
         .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(timeout) })
         .map_err(|e| failed(&e))?;
@@ -321,11 +316,13 @@ mod tests {
         };
         none.instance_descriptor.backends = wgpu::Backends::empty();
         let error = Offscreen::with_setup(vec2(10.0, 10.0), 1.0, none.into()).err().unwrap();
-        assert!(matches!(error, OffscreenError::NoAdapter(_)), "{error}");
-        assert!(error.to_string().contains("mesa-vulkan-drivers"));
+        assert!(
+            error.problem.contains("no graphics adapter") && error.remedy.contains("mesa-vulkan-drivers"),
+            "{error}"
+        );
         for size in [vec2(0.0, 10.0), vec2(1e9, 10.0), vec2(f32::NAN, 10.0), vec2(16384.0, 200.0)] {
             let error = Offscreen::new(size, 1.0, AdapterChoice::Software).err().unwrap();
-            assert!(matches!(error, OffscreenError::Size { .. }), "{error}");
+            assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The window, drawn into a PNG without a display: for papers, documentation, and machines without a screen.
 
-use super::offscreen::{OffscreenError, render_offscreen};
+use super::offscreen::render_offscreen;
 use super::settings::Settings;
 use super::startup::Startup;
 use super::window::BurstscopeApp;
@@ -9,9 +9,10 @@ use crate::app::project::cursor::ViewKind;
 use crate::burst::{Burst, OpenOptions};
 use crate::dataset::DatasetSource;
 use crate::detector::view::check_level;
-use crate::detector::{ParamError, SearchParams, Slope, SlopeGrid};
-use crate::export::{ExportError, OutputRules, Picture, write_png};
-use crate::monitor::{Cancelled, Monitor};
+use crate::detector::{SearchParams, Slope, SlopeGrid};
+use crate::error::{Error, ErrorKind};
+use crate::export::{OutputRules, Picture, write_png};
+use crate::monitor::Monitor;
 use crate::requests::BurstSource;
 use crate::teach::Lesson;
 use std::cell::RefCell;
@@ -76,23 +77,7 @@ impl Default for RenderOptions {
     }
 }
 
-#[derive(Debug, thiserror::Error)]
-pub enum RenderError {
-    #[error(transparent)]
-    Offscreen(#[from] OffscreenError),
-    #[error(transparent)]
-    Export(#[from] ExportError),
-    #[error("{0}")]
-    Window(String),
-    #[error(transparent)]
-    Param(#[from] ParamError),
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    #[error("the window was not ready after {0} seconds; allow more time, or search fewer slopes")]
-    Timeout(u64),
-}
-
-pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderError> {
+pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> {
     options.rules.check(path)?;
     let settings = Settings {
         theme: if options.light { egui::ThemePreference::Light } else { egui::ThemePreference::Dark },
@@ -157,13 +142,14 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
     )?;
     options.monitor.check()?;
     if let Some(unfit) = unfit.into_inner() {
-        return Err(unfit.into());
+        return Err(unfit);
     }
     if let Some(problem) = problem {
-        return Err(RenderError::Window(problem));
+        return Err(Error::new(ErrorKind::Failed, problem, ""));
     }
     if !rendered.settled {
-        return Err(RenderError::Timeout(options.max_duration.as_secs()));
+        let problem = format!("the window was not ready after {} seconds", options.max_duration.as_secs());
+        return Err(Error::new(ErrorKind::Failed, problem, "allow more time, or search fewer slopes"));
     }
     options.rules.clone().and_opened(opened).check(path)?;
     let (width, height) = rendered.image.dimensions();
@@ -172,13 +158,13 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), RenderE
 }
 
 /// The burst has the frame, octave and level, and the slope stays within it; worded as by `stack`.
-fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), ParamError> {
+fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), Error> {
     if let Some(frame) = options.frame.filter(|frame| *frame >= burst.len()) {
-        return Err(ParamError {
-            parameter: "frame",
-            problem: format!("there is no frame {frame} in a burst of {}", burst.len()),
-            remedy: format!("give 0 to {}", burst.len() - 1),
-        });
+        return Err(Error::param(
+            "frame",
+            format!("there is no frame {frame} in a burst of {}", burst.len()),
+            format!("give 0 to {}", burst.len() - 1),
+        ));
     }
     let mut params = options.params.detector.clone();
     params.slopes = SlopeGrid::single(options.slope.unwrap_or_default());

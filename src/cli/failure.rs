@@ -2,19 +2,10 @@
 //! output, errors on the standard error. In what names of files and errors say, control characters are written as
 //! escapes (`\u{1b}`) and take no effect. A standard error that is full or closed is ignored.
 
-#[cfg(feature = "app")]
-use crate::app::RenderError;
-use crate::burst::OpenError;
-use crate::dataset::DatasetError;
-use crate::detector::{DetectError, ParamError};
-use crate::evaluate::EvaluateError;
-use crate::evaluate::poses::PoseError;
-use crate::figures::FiguresError;
+use crate::error::{Error, ErrorKind};
 use crate::monitor::Cancelled;
-use crate::requests::SourceError;
-use crate::synth::{SynthError, WriteBurstError};
 use std::borrow::Cow;
-use std::io::{ErrorKind, Result, Write};
+use std::io::{self, Result, Write};
 
 pub const INTERRUPTED: u8 = 130;
 
@@ -64,120 +55,13 @@ impl From<Cancelled> for Failure {
     }
 }
 
-impl From<OpenError> for Failure {
-    fn from(error: OpenError) -> Self {
-        if error.is_cancelled() { Self::Interrupted } else { Self::Failed(error.into()) }
-    }
-}
-
-impl From<SourceError> for Failure {
-    fn from(error: SourceError) -> Self {
-        match error {
-            SourceError::Open(error) => error.into(),
-            SourceError::Synth(error) => error.into(),
-            SourceError::Plant(error) => error.into(),
-            error @ SourceError::Case(_) => Self::Failed(error.into()),
-        }
-    }
-}
-
-impl From<DetectError> for Failure {
-    fn from(error: DetectError) -> Self {
-        match error {
-            DetectError::Cancelled(_) => Self::Interrupted,
-            DetectError::Param(error) => error.into(),
-        }
-    }
-}
-
-impl From<ParamError> for Failure {
-    fn from(error: ParamError) -> Self {
-        Self::usage(format!("--{error}"))
-    }
-}
-
-impl From<crate::export::ExportError> for Failure {
-    fn from(error: crate::export::ExportError) -> Self {
-        match error {
-            crate::export::ExportError::Cancelled(_) => Self::Interrupted,
-            other => Self::Failed(other.into()),
-        }
-    }
-}
-
-impl From<crate::files::lock::LockError> for Failure {
-    fn from(error: crate::files::lock::LockError) -> Self {
-        Self::Failed(error.into())
-    }
-}
-
-impl From<SynthError> for Failure {
-    fn from(error: SynthError) -> Self {
-        match error {
-            SynthError::Cancelled(_) => Self::Interrupted,
-            SynthError::Param { .. } => Self::usage(format!("--{error}")),
-        }
-    }
-}
-
-impl From<EvaluateError> for Failure {
-    fn from(error: EvaluateError) -> Self {
-        match error {
-            EvaluateError::Cancelled(_) => Self::Interrupted,
-            EvaluateError::Synth(error) => error.into(),
-            EvaluateError::Detector(error) => error.into(),
-            EvaluateError::Param { .. } => Self::usage(format!("--{error}")),
-        }
-    }
-}
-
-impl From<DatasetError> for Failure {
-    fn from(error: DatasetError) -> Self {
-        match error {
-            DatasetError::Cancelled(_) => Self::Interrupted,
-            DatasetError::Param(error) => error.into(),
-            other => Self::Failed(other.into()),
-        }
-    }
-}
-
-#[cfg(feature = "app")]
-impl From<RenderError> for Failure {
-    fn from(error: RenderError) -> Self {
-        match error {
-            RenderError::Cancelled(_) => Self::Interrupted,
-            RenderError::Param(error) => error.into(),
-            other => Self::Failed(anyhow::Error::new(other).context("the window cannot be drawn")),
-        }
-    }
-}
-
-impl From<PoseError> for Failure {
-    fn from(error: PoseError) -> Self {
-        match error {
-            PoseError::Param { .. } => Self::usage(format!("--{error}")),
-            other => Self::Failed(other.into()),
-        }
-    }
-}
-
-impl From<FiguresError> for Failure {
-    fn from(error: FiguresError) -> Self {
-        match error {
-            FiguresError::Cancelled(_) => Self::Interrupted,
-            FiguresError::Evaluate(error) => error.into(),
-            FiguresError::Dataset(error) => error.into(),
-            FiguresError::WriteBurst(error) => error.into(),
-            other => Self::Failed(other.into()),
-        }
-    }
-}
-
-impl From<WriteBurstError> for Failure {
-    fn from(error: WriteBurstError) -> Self {
-        match error {
-            WriteBurstError::Cancelled(_) => Self::Interrupted,
-            other => Self::Failed(other.into()),
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error.kind {
+            ErrorKind::Cancelled => Self::Interrupted,
+            ErrorKind::Parameter if error.subject.is_empty() => Self::usage(error.to_string()),
+            ErrorKind::Parameter => Self::usage(format!("--{error}")),
+            _ => Self::Failed(error.into()),
         }
     }
 }
@@ -214,7 +98,7 @@ pub(super) fn print_json(text: &str) -> Result<()> {
 fn print_bytes(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error),
         _ => Ok(()),
     }
 }

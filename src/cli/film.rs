@@ -10,7 +10,7 @@ use crate::detector::scale_space::searched_octaves;
 use crate::detector::{Method, Slope};
 use crate::export::film::{estimated_film_bytes, is_film};
 use crate::files::path_text;
-use crate::requests::{BurstSource, Film, FilmError, FilmPlace, OpenBurst, Sweep};
+use crate::requests::{BurstSource, Film, FilmPlace, OpenBurst, Sweep};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -93,13 +93,8 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     check_place(&film)?;
     let features = film.detection.as_ref().map_or(0, |detection| detection.features.len());
-    let failed = |error: FilmError| match error {
-        FilmError::Picture(error) => error.into(),
-        FilmError::Write(error) => error.into(),
-        FilmError::Drawing(why) => Failure::Failed(anyhow::Error::msg(why)),
-    };
     let count = film.steps().len();
-    let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1)).map_err(failed)?;
+    let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1))?;
     let (width, height) = first.dimensions();
     let estimated = estimated_film_bytes([&first, &middle], count);
     let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
@@ -109,7 +104,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         megabytes(estimated)
     ))?;
     let may_write = || rules.check(&args.out);
-    film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5)).map_err(failed)?;
+    film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5))?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     console.say(&format!("wrote {}, {}\n", args.out.display(), megabytes(bytes)))?;
     console.say_document(

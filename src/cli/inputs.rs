@@ -7,11 +7,11 @@ use super::args::{BurstSearchArgs, CalibrationArgs, OverwriteArgs, SequenceArgs}
 use super::console::Console;
 use super::failure::Failure;
 use crate::burst::{
-    Burst, BurstFiles, Entries, OpenError, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries,
-    name_among_several,
+    Burst, BurstFiles, Entries, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries, name_among_several,
 };
 use crate::detect::check_memory;
 use crate::detector::SearchParams;
+use crate::error::Error;
 use crate::export::case::is_case;
 use crate::export::{OpenedFiles, OutputRules, Overwrite, make_file_names_unique};
 use crate::files::path_text;
@@ -28,7 +28,7 @@ pub(super) struct Input {
     /// Name of the burst, after which its files are named; unique among the inputs.
     pub name: String,
     /// Source of the burst, or why it was not found.
-    pub source: Result<BurstSource, OpenError>,
+    pub source: Result<BurstSource, Error>,
 }
 
 impl Input {
@@ -148,7 +148,7 @@ fn found(burst: BurstFiles) -> Input {
 fn look(paths: &[PathBuf]) -> Vec<Input> {
     match find_entries(paths) {
         Ok(Entries { bursts, strays }) => {
-            let stray = |path: PathBuf| Input { name: name_of(&path), source: Err(OpenError::stray(&path)) };
+            let stray = |path: PathBuf| Input { name: name_of(&path), source: Err(Error::stray(&path)) };
             bursts.into_iter().map(found).chain(strays.into_iter().map(stray)).collect()
         }
         Err(error) => vec![Input { name: name_of(&paths[0]), source: Err(error) }],

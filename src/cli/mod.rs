@@ -98,7 +98,7 @@ pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) 
     #[cfg(not(all(feature = "app", target_os = "linux")))]
     let _ = host;
     signals::survive_file_size_limit();
-    let result = memory::refusable(|| done(&cli)).unwrap_or_else(|refused| Err(Failure::Failed(refused.into())));
+    let result = memory::refusable(|| done(&cli)).unwrap_or_else(|refused| Err(refused.into()));
     match result {
         Ok(()) => 0,
         Err(failure) => {

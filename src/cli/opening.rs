@@ -3,8 +3,9 @@
 use super::args::SequenceArgs;
 use super::failure::{Failure, complain};
 use super::inputs::{Input, resolve, resolve_one};
-use crate::burst::{OpenErrorKind, SequenceCut};
+use crate::burst::SequenceCut;
 use crate::dataset::DatasetSource;
+use crate::error::ErrorKind;
 use std::path::PathBuf;
 
 /// `None` where they are not two bursts: two files may be frames of one, and a folder of bursts is a dataset.
@@ -52,7 +53,7 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
             }
             Ok(_) => {}
             // The others are opened all the same.
-            Err(error) if error.kind == OpenErrorKind::Stray => complain(&error.to_string()),
+            Err(error) if error.kind == ErrorKind::Stray => complain(&error.to_string()),
             Err(error) => return Err(error.into()),
         }
     }

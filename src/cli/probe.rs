@@ -6,12 +6,13 @@ use super::failure::Failure;
 use super::inputs::{OneBurst, check_ending};
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use crate::detector::SlopeChoice;
+use crate::error::Error;
 use crate::export::write_text;
 use crate::files::mark::Kind;
 use crate::files::path_text;
 use crate::inspect::figure::{probe_svg, spectrum_svg};
 use crate::inspect::price::price;
-use crate::inspect::probe::{ProbeError, Wanted};
+use crate::inspect::probe::{Wanted, check_place, outside};
 use crate::inspect::report::{probe_text, spectrum_text};
 use crate::inspect::spectrum::spectrum;
 use crate::inspect::{ProbeCache, ProbeOptions, probe};
@@ -28,13 +29,9 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("probe", &args.inputs, args.overwrite, &[args.plot.as_ref()])?;
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
-    let (width, height) = burst.size();
-    if let Some([u, v]) = args.at {
+    if let Some(place) = args.at {
         // Checked before the long search.
-        let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
-        if !(inside(u, width) && inside(v, height)) {
-            return Err(ProbeError::Outside { u, v, width, height }.into());
-        }
+        check_place(place, burst.size())?;
     }
     let cache = ProbeCache::new(&burst, &params, &console.monitor)?;
     let wanted = args.feature.map_or(Wanted::Best, Wanted::Feature);
@@ -69,8 +66,8 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
             "params": params,
             "name": input.name,
             "inputs": input.path_texts(),
-            "width": width,
-            "height": height,
+            "width": burst.size().0,
+            "height": burst.size().1,
             "frames": burst.len(),
             "slope_grid": cache.params().used_slopes(),
             "noise_gate_factor": cache.detection().noise_gate_factor,
@@ -80,17 +77,6 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
             "price": price,
         }),
     )
-}
-
-impl From<ProbeError> for Failure {
-    fn from(error: ProbeError) -> Self {
-        match error {
-            ProbeError::Cancelled(_) => Self::Interrupted,
-            ProbeError::Outside { .. } => Self::usage(format!("--at: {error}")),
-            ProbeError::NoFeature { .. } => Self::usage(format!("--feature: {error}")),
-            ProbeError::NoScale { .. } => Self::usage(error.to_string()),
-        }
-    }
 }
 
 const NO_SVG: &str = "--plot: figures are written as SVG; name the file .svg";
@@ -241,9 +227,9 @@ JSON (--json), beside version, params, name, inputs and what was searched:
     \"suspicions\": [{\"kind\", \"evidence\", \"number\", \"other\", \"change\"}]}
   \"price\": {\"now\", \"then\", \"own\": [now, then]} or null, with --price";
 
-pub(super) fn check_inside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Result<(), ProbeError> {
+pub(super) fn check_inside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Result<(), Error> {
     let inside = u >= 0.0 && v >= 0.0 && u <= (width - 1) as f32 && v <= (height - 1) as f32;
-    if inside { Ok(()) } else { Err(ProbeError::Outside { u, v, width, height }) }
+    if inside { Ok(()) } else { Err(outside([u, v], (width, height))) }
 }
 
 pub(super) fn parse_place(text: &str) -> Result<[f32; 2], String> {

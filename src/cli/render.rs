@@ -59,7 +59,10 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
     let drawing =
         std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| memory::refusable(|| render_to_png(options, file))));
     match drawing {
-        Ok(result) => Ok(result.map_err(|refused| Failure::Failed(refused.into()))??),
+        Ok(drawn) => drawn?.map_err(|error| match Failure::from(error) {
+            Failure::Failed(error) => Failure::Failed(error.context("the window cannot be drawn")),
+            other => other,
+        }),
         Err(_) => {
             Err(Failure::Failed(anyhow::anyhow!("the graphics adapter or its driver failed; see the message above")))
         }

@@ -38,7 +38,7 @@ fn shared_key(name: &str) -> &str {
 /// `key` is the name of the thread without its prefix.
 pub(super) fn guard<T>(key: &str, work: impl FnOnce() -> Result<T, JobError>) -> Result<T, JobError> {
     // The work owns what it changes and is dropped with it, so nothing half-changed can be seen afterwards.
-    let work = || memory::refusable(work).unwrap_or_else(|refused| Err(JobError::Failed(refused.to_string())));
+    let work = || memory::refusable(work).unwrap_or_else(|refused| Err(refused.into()));
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|payload| {
         let mut places = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
         let place = places.get_or_insert_default().remove(key).unwrap_or_else(|| "an unknown place".to_owned());

@@ -73,13 +73,13 @@ impl Request for AgainstRequest {
             Reference::File { path, features } => {
                 let read = match features {
                     Some(features) => features.clone(),
-                    None => Arc::new(read_features(path).map_err(JobError::failed)?),
+                    None => Arc::new(read_features(path)?),
                 };
                 monitor.check()?;
                 changes_since(read.iter().map(Spot::from).collect(), &spots, OthersSource::File(read))
             }
             Reference::Truth { burst, params } => {
-                let truth = burst.truth(monitor).map_err(JobError::failed)?;
+                let truth = burst.truth(monitor)?;
                 let truth =
                     truth.ok_or_else(|| JobError::Failed("nothing is known of what is really there".to_owned()))?;
                 let cache = trails.get_or_make_for(burst, params, monitor)?;

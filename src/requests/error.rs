@@ -1,11 +1,7 @@
 //! Errors of requests.
 
 use super::source::BurstSource;
-use crate::dataset::DatasetError;
-use crate::detector::DetectError;
-use crate::evaluate::EvaluateError;
-use crate::figures::FiguresError;
-use crate::inspect::ProbeError;
+use crate::error::Error;
 use crate::monitor::Cancelled;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -31,10 +27,6 @@ impl JobError {
     pub(super) fn failed(error: impl std::fmt::Display) -> Self {
         Self::Failed(error.to_string())
     }
-
-    fn of(error: &impl std::fmt::Display, is_cancelled: bool) -> Self {
-        if is_cancelled { Self::Cancelled } else { Self::failed(error) }
-    }
 }
 
 impl From<Cancelled> for JobError {
@@ -43,32 +35,8 @@ impl From<Cancelled> for JobError {
     }
 }
 
-impl From<DetectError> for JobError {
-    fn from(error: DetectError) -> Self {
-        Self::of(&error, matches!(error, DetectError::Cancelled(_)))
-    }
-}
-
-impl From<ProbeError> for JobError {
-    fn from(error: ProbeError) -> Self {
-        Self::of(&error, matches!(error, ProbeError::Cancelled(_)))
-    }
-}
-
-impl From<DatasetError> for JobError {
-    fn from(error: DatasetError) -> Self {
-        Self::of(&error, matches!(error, DatasetError::Cancelled(_)))
-    }
-}
-
-impl From<EvaluateError> for JobError {
-    fn from(error: EvaluateError) -> Self {
-        Self::of(&error, matches!(error, EvaluateError::Cancelled(_)))
-    }
-}
-
-impl From<FiguresError> for JobError {
-    fn from(error: FiguresError) -> Self {
-        Self::of(&error, matches!(error, FiguresError::Cancelled(_)))
+impl From<Error> for JobError {
+    fn from(error: Error) -> Self {
+        if error.is_cancelled() { Self::Cancelled } else { Self::failed(error) }
     }
 }

@@ -4,11 +4,12 @@
 use super::open::OpenBurst;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{DetectError, Detection, DetectorParams, Feature, FrameRange, Slope, SlopeGrid, memory};
+use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, SlopeGrid, memory};
+use crate::error::{Error, ErrorKind};
 use crate::export::film::write_film;
 use crate::export::{
-    Cells, ColourBar, Drawing, ExportError, FigureCurve, FigureMark, FigureOptions, FigurePanel, IN_A_CELL,
-    LegendEntry, curve_height, draw_curve, lay_out,
+    Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureOptions, FigurePanel, IN_A_CELL, LegendEntry,
+    curve_height, draw_curve, lay_out,
 };
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
@@ -98,15 +99,9 @@ pub struct Film {
 /// Makes pixels of a drawing; the error says what went wrong.
 pub type Rasteriser<'a> = dyn Fn(&Drawing) -> Result<RgbaImage, String> + Sync + 'a;
 
-#[derive(Debug, thiserror::Error)]
-pub enum FilmError {
-    #[error(transparent)]
-    Picture(#[from] DetectError),
-    /// A drawing cannot be made into pixels.
-    #[error("{0}")]
-    Drawing(String),
-    #[error(transparent)]
-    Write(#[from] ExportError),
+/// Error for a drawing that cannot be made into pixels.
+fn undrawn(problem: String) -> Error {
+    Error::new(ErrorKind::Failed, problem, "")
 }
 
 /// Percentiles of all pictures that are black and white.
@@ -169,9 +164,9 @@ impl Film {
         path: &Path,
         rate: u16,
         draw: &Rasteriser<'_>,
-        may_write: &dyn Fn() -> Result<(), ExportError>,
+        may_write: &dyn Fn() -> Result<(), Error>,
         monitor: &Monitor,
-    ) -> Result<(), FilmError> {
+    ) -> Result<(), Error> {
         let room = part_of_memory();
         let prepared = self.prepared(&self.steps(), room, &monitor.part(0.0, 0.5))?;
         may_write()?;
@@ -185,33 +180,32 @@ impl Film {
         });
         let written = write_film(path, (count, pictures), rate, &monitor.part(0.5, 0.5));
         failed.map_or(Ok(()), Err)?;
-        monitor.check().map_err(DetectError::from)?;
-        Ok(written?)
+        monitor.check()?;
+        written
     }
 
     /// The first and the middle picture, from which the size of the file can be estimated.
-    pub fn samples(&self, draw: &Rasteriser<'_>, monitor: &Monitor) -> Result<[RgbaImage; 2], FilmError> {
+    pub fn samples(&self, draw: &Rasteriser<'_>, monitor: &Monitor) -> Result<[RgbaImage; 2], Error> {
         let steps = self.steps();
         let room = part_of_memory();
         let prepared = self.prepared(&[steps[0], steps[steps.len() / 2]], room, monitor)?;
-        let pictures = self.pictures(prepared, room, draw, monitor).collect::<Result<Vec<_>, FilmError>>()?;
-        pictures.try_into().map_err(|_| FilmError::Drawing("a film has at least one picture".to_owned()))
+        let pictures = self.pictures(prepared, room, draw, monitor).collect::<Result<Vec<_>, Error>>()?;
+        pictures.try_into().map_err(|_| undrawn("a film has at least one picture".to_owned()))
     }
 
     /// Computes the values of all `steps` for what the pictures share, and keeps as many as `room` bytes hold.
-    fn prepared(&self, steps: &[FilmStep], mut room: u64, monitor: &Monitor) -> Result<Prepared, FilmError> {
+    fn prepared(&self, steps: &[FilmStep], mut room: u64, monitor: &Monitor) -> Result<Prepared, Error> {
         let place = self.place();
         let (mut planes, mut responses) = (Vec::with_capacity(steps.len()), Vec::with_capacity(steps.len()));
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for (index, step) in steps.iter().enumerate() {
-            monitor.check().map_err(DetectError::from)?;
+            monitor.check()?;
             monitor.report(Stage::Search { octave: 0 }, index as f32 / steps.len() as f32);
             let silent = monitor.silent();
             let plane = self.plane(step, &silent)?;
             let response = place.map(|place| self.response(step, place, &silent));
             responses.push(response.transpose()?.unwrap_or(f32::NAN));
-            let found =
-                percentiles_until(&plane, &Region::whole(&plane), &RANGE, &silent).map_err(DetectError::from)?;
+            let found = percentiles_until(&plane, &Region::whole(&plane), &RANGE, &silent)?;
             if let Some(found) = found {
                 (low, high) = (low.min(found[0]), high.max(found[1]));
             }
@@ -234,7 +228,7 @@ impl Film {
         room: u64,
         draw: &'a Rasteriser<'_>,
         monitor: &'a Monitor,
-    ) -> impl Iterator<Item = Result<RgbaImage, FilmError>> + 'a {
+    ) -> impl Iterator<Item = Result<RgbaImage, Error>> + 'a {
         // Beside the picture its drawing has the panel's pixels.
         let [width, height] = prepared.sheet.map(|side| side as u64);
         let at_once = room / (8 * width * height).max(1);
@@ -256,18 +250,18 @@ impl Film {
         group: Range<usize>,
         draw: &Rasteriser<'_>,
         monitor: &Monitor,
-    ) -> Result<Vec<RgbaImage>, FilmError> {
+    ) -> Result<Vec<RgbaImage>, Error> {
         let mut planes = Vec::with_capacity(group.len());
         for index in group.clone() {
-            monitor.check().map_err(DetectError::from)?;
+            monitor.check()?;
             planes.push(match prepared.planes[index].take() {
                 Some(plane) => plane,
                 None => self.plane(&prepared.steps[index], monitor)?,
             });
         }
         let prepared = &*prepared;
-        let picture = |(index, plane): (usize, &Plane)| -> Result<RgbaImage, FilmError> {
-            monitor.check().map_err(DetectError::from)?;
+        let picture = |(index, plane): (usize, &Plane)| -> Result<RgbaImage, Error> {
+            monitor.check()?;
             let panel = self.panel(&prepared.steps[index], Some((plane, &prepared.display)));
             let mut drawing = lay_out(&[vec![panel]], &self.options());
             drawing.size = prepared.sheet;
@@ -275,7 +269,7 @@ impl Film {
                 drawing.size[1] -= curve_height(FONT_PX);
                 draw_curve(&mut drawing, &self.curve(&prepared.steps, &prepared.responses, index), FONT_PX);
             }
-            draw(&drawing).map_err(FilmError::Drawing)
+            draw(&drawing).map_err(undrawn)
         };
         group.zip(&planes).collect::<Vec<_>>().into_par_iter().map(picture).collect()
     }
@@ -297,7 +291,7 @@ impl Film {
         width.max(height).div_ceil(self.max_side_px.max(16)).max(1)
     }
 
-    fn plane(&self, step: &FilmStep, monitor: &Monitor) -> Result<Plane, DetectError> {
+    fn plane(&self, step: &FilmStep, monitor: &Monitor) -> Result<Plane, Error> {
         let burst = &self.burst.burst;
         let params = self.params_of(step);
         let (plane, per_pixel) = match step.scale {
@@ -404,7 +398,7 @@ impl Film {
     }
 
     /// D at the place, with the slope, scale and frames of a step, fraction of full scale; NaN outside.
-    fn response(&self, step: &FilmStep, place: FilmPlace, monitor: &Monitor) -> Result<f32, DetectError> {
+    fn response(&self, step: &FilmStep, place: FilmPlace, monitor: &Monitor) -> Result<f32, Error> {
         let (octave, level) = step.scale.unwrap_or(place.scale);
         let dog = dog_view(&self.burst.burst, &self.params_of(step), step.slope, octave, level, monitor)?;
         let [x, y] = place.at.map(|at| at * 2f32.powi(-octave));
@@ -507,7 +501,7 @@ mod tests {
         }
         monitor.cancel();
         let error = film.prepared(&film.steps(), 0, &monitor).err();
-        assert!(matches!(error, Some(FilmError::Picture(DetectError::Cancelled(_)))), "{error:?}");
+        assert!(error.as_ref().is_some_and(Error::is_cancelled), "{error:?}");
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub use explain::{
     ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
     Probed, Traced,
 };
-pub use film::{Film, FilmError, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
+pub use film::{Film, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::MotionMap;
 pub use open::{BurstId, OpenBurst};
@@ -43,7 +43,7 @@ pub(crate) use picture::PictureKey;
 pub use picture::{Picture, PictureRequest};
 pub use pictures::PicturesRequest;
 pub use request::{JobId, Kept, PictureStore, Request, Running, Urgency, Work};
-pub use source::{BurstSource, SourceError};
+pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
 pub(crate) use trail::trail_of;
 pub use trail::{DetectionSource, NothingKept, TrailStore};

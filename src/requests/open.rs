@@ -1,9 +1,10 @@
 //! Open bursts, and how they are opened.
 
 use super::error::JobError;
-use super::source::{BurstSource, SourceError};
-use crate::burst::{Burst, OpenErrorKind, OpenOptions, find_bursts};
-use crate::inspect::truth::{TruthError, is_known, truth_of};
+use super::source::BurstSource;
+use crate::burst::{Burst, OpenOptions, find_bursts};
+use crate::error::{Error, ErrorKind};
+use crate::inspect::truth::{is_known, truth_of};
 use crate::inspect::words::counted;
 use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart};
@@ -35,7 +36,7 @@ impl OpenBurst {
         Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source, planted: None }
     }
 
-    pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, TruthError> {
+    pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, Error> {
         if let Some(truth) = &self.planted {
             return Ok(Some(Truth::clone(truth)));
         }
@@ -65,11 +66,11 @@ impl BurstSource {
                 Ok(OpenBurst { planted: planted.map(Arc::new), ..OpenBurst::new(burst, self.clone()) })
             }
             Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),
-            Err(SourceError::Open(error)) if error.kind == OpenErrorKind::SeveralBursts => {
+            Err(error) if error.kind == ErrorKind::SeveralBursts => {
                 let found = find_bursts(self.paths()).unwrap_or_default();
                 Err(JobError::Several(found.into_iter().map(|found| BurstSource::Paths(found.paths)).collect()))
             }
-            Err(error) => Err(JobError::failed(error)),
+            Err(error) => Err(error.into()),
         }
     }
 }

@@ -1,13 +1,11 @@
 //! Source of a burst, and how the burst is read or made from it: the same for the window and the commands.
 
-use crate::burst::{Burst, OpenError, OpenOptions, files_at};
-use crate::evaluate::EvaluateError;
-use crate::export::case::{CaseError, is_case, read_case};
-use crate::monitor::{Cancelled, Monitor};
+use crate::burst::{Burst, OpenOptions, files_at};
+use crate::error::Error;
+use crate::export::case::{is_case, read_case};
+use crate::monitor::Monitor;
 use crate::recover::RecoverStudy;
-use crate::synth::{
-    ChartParams, Example, FrameLevels, NoisyParams, SynthError, Truth, demo_burst, later_demo_burst, synth_chart,
-};
+use crate::synth::{ChartParams, Example, FrameLevels, NoisyParams, Truth, demo_burst, later_demo_burst, synth_chart};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -21,43 +19,6 @@ pub enum BurstSource {
     DarkCopy { of: Box<BurstSource>, noise: NoisyParams },
     Planted { of: Box<BurstSource>, study: Box<RecoverStudy>, seed: u64 },
     Paths(Vec<PathBuf>),
-}
-
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SourceError {
-    #[error(transparent)]
-    Open(#[from] OpenError),
-    #[error(transparent)]
-    Synth(#[from] SynthError),
-    #[error("{0}")]
-    Case(String),
-    #[error(transparent)]
-    Plant(#[from] EvaluateError),
-}
-
-impl SourceError {
-    pub fn is_cancelled(&self) -> bool {
-        match self {
-            Self::Open(error) => error.is_cancelled(),
-            Self::Synth(SynthError::Cancelled(_)) | Self::Plant(EvaluateError::Cancelled(_)) => true,
-            _ => false,
-        }
-    }
-}
-
-impl From<CaseError> for SourceError {
-    fn from(error: CaseError) -> Self {
-        match error {
-            CaseError::Cancelled(cancelled) => cancelled.into(),
-            error => Self::Case(error.to_string()),
-        }
-    }
-}
-
-impl From<Cancelled> for SourceError {
-    fn from(cancelled: Cancelled) -> Self {
-        Self::Synth(cancelled.into())
-    }
 }
 
 impl BurstSource {
@@ -121,23 +82,23 @@ impl BurstSource {
         }
     }
 
-    pub fn check(&self) -> Result<(), SourceError> {
+    pub fn check(&self) -> Result<(), Error> {
         match self {
             Self::Demo | Self::DemoLater | Self::Example(_) | Self::Paths(_) => Ok(()),
-            Self::Chart(chart) => Ok(chart.check()?),
+            Self::Chart(chart) => chart.check(),
             Self::DarkCopy { of, noise } => {
                 noise.check()?;
                 of.check()
             }
             Self::Planted { of, study, .. } => {
-                study.check().map_err(EvaluateError::from)?;
+                study.check()?;
                 of.check()
             }
         }
     }
 
     /// Reads or makes the burst on the calling thread, with the calibration in `options`; built-in bursts need none.
-    pub fn burst(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, SourceError> {
+    pub fn burst(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, Error> {
         Ok(self.burst_and_planted(options, monitor)?.0)
     }
 
@@ -145,7 +106,7 @@ impl BurstSource {
         &self,
         options: &OpenOptions,
         monitor: &Monitor,
-    ) -> Result<(Burst, Option<Truth>), SourceError> {
+    ) -> Result<(Burst, Option<Truth>), Error> {
         let mut planted = None;
         let burst = match self {
             Self::Demo => demo_burst(),

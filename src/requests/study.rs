@@ -31,7 +31,7 @@ impl Request for StudyRequest {
         let monitor = work.monitor;
         let Self { mut study, open } = self;
         if let (Study::BurstFrames(_, bursts), Some(open)) = (&mut study, open) {
-            let truth = open.truth(monitor).map_err(JobError::failed)?;
+            let truth = open.truth(monitor)?;
             bursts.truth = truth.map(Arc::new);
         }
         Ok(study.run_telling(monitor, work.tell)?)
@@ -78,10 +78,10 @@ impl TrajectorySource {
 
     fn read(self) -> Result<(PathBuf, Arc<Trajectory>), JobError> {
         match self {
-            Self::Path(path) => match read_trajectory(&path) {
-                Ok(trajectory) => Ok((path, Arc::new(trajectory))),
-                Err(error) => Err(JobError::failed(error)),
-            },
+            Self::Path(path) => {
+                let trajectory = read_trajectory(&path)?;
+                Ok((path, Arc::new(trajectory)))
+            }
             Self::Read(path, trajectory) => Ok((path, trajectory)),
         }
     }

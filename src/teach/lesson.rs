@@ -4,6 +4,7 @@ use super::goal::Goal;
 use super::part::Part;
 use super::state::{Layout, State, Workspace};
 use super::values::Text;
+use crate::error::{Error, ErrorKind};
 use crate::files::read_text;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -42,15 +43,10 @@ pub struct Task {
 
 const MAX_BYTES: u64 = 1 << 20;
 
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{file}{}: {problem}", line.map_or_else(String::new, |line| format!(", line {line}")))]
-pub struct LessonError {
-    /// File, or name of the lesson.
-    pub file: String,
-    /// From 1.
-    pub line: Option<usize>,
-    /// The mistake, and what would be right.
-    pub problem: String,
+/// An error at a line, counted from 1, of a lesson's file, which may be the lesson's name.
+fn wrong_at(file: &str, line: Option<usize>, problem: &str) -> Error {
+    let line = line.map_or_else(String::new, |line| format!(", line {line}"));
+    Error { subject: format!("{file}{line}"), ..Error::new(ErrorKind::Content, problem, "") }
 }
 
 #[derive(Deserialize)]
@@ -83,8 +79,8 @@ impl Lesson {
     ///
     /// # Errors
     /// The first mistake, with its line.
-    pub fn read(file: &str, text: &str) -> Result<Self, LessonError> {
-        let wrong = |line: Option<usize>, problem: String| LessonError { file: file.to_owned(), line, problem };
+    pub fn read(file: &str, text: &str) -> Result<Self, Error> {
+        let wrong = |line: Option<usize>, problem: String| wrong_at(file, line, &problem);
         let line_at = |byte: usize| text.as_bytes()[..byte.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1;
         let read: LessonFile = toml::from_str(text).map_err(|error| {
             let line = error.span().map(|span| line_at(span.start));
@@ -143,8 +139,8 @@ impl StepTable {
 ///
 /// # Errors
 /// All mistakes, one for each file that has any; no lesson is returned then.
-pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<LessonError>> {
-    let whole = |problem: String| LessonError { file: path.display().to_string(), line: None, problem };
+pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<Error>> {
+    let whole = |problem: String| wrong_at(&path.display().to_string(), None, &problem);
     let files = if path.is_dir() {
         let entries = std::fs::read_dir(path).and_then(|entries| entries.collect::<Result<Vec<_>, _>>());
         let entries = entries.map_err(|error| vec![whole(error.to_string())])?;
@@ -168,9 +164,9 @@ pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<LessonError>> {
     if errors.is_empty() { Ok(lessons) } else { Err(errors) }
 }
 
-fn read_file(path: &Path) -> Result<Lesson, LessonError> {
+fn read_file(path: &Path) -> Result<Lesson, Error> {
     let file = path.display().to_string();
-    let wrong = |problem: String| LessonError { file: file.clone(), line: None, problem };
+    let wrong = |problem: String| wrong_at(&file, None, &problem);
     let text = read_text(path, MAX_BYTES).map_err(|error| wrong(error.to_string()))?;
     Lesson::read(&file, &text)
 }
@@ -270,11 +266,11 @@ slope = [2, 0]
             let text = GOOD.replace(from, to);
             assert_ne!(text, GOOD, "{from} is in it");
             let error = Lesson::read("one.toml", &text).expect_err(to);
-            assert_eq!(error.line, Some(line), "{to}: {error}");
-            assert!(error.problem.contains(word) && error.to_string().starts_with("one.toml, line "), "{error}");
+            assert_eq!(error.subject, format!("one.toml, line {line}"), "{to}: {error}");
+            assert!(error.problem.contains(word), "{error}");
         }
         let none = Lesson::read("x", "title = \"a\"\nabout = \"b\"\nstep = []").expect_err("no step");
-        assert!(none.problem.contains("at least one") && none.line == Some(3), "{none}");
+        assert!(none.problem.contains("at least one") && none.subject.ends_with(", line 3"), "{none}");
         assert!(Lesson::read("x", "").is_err());
     }
 
@@ -292,7 +288,7 @@ slope = [2, 0]
         write("worse.toml", "\n\nabout = [");
         let errors = lessons_at(folder.path()).expect_err("two are wrong");
         assert_eq!(errors.len(), 2);
-        assert!(errors[0].file.ends_with("bad.toml") && errors[0].line == Some(1), "{}", errors[0]);
+        assert!(errors[0].subject.ends_with("bad.toml, line 1"), "{}", errors[0]);
         assert_eq!(lessons_at(&folder.path().join("9.toml")).expect("good").len(), 1);
         assert!(lessons_at(&folder.path().join("none.toml")).is_err());
     }
@@ -308,7 +304,8 @@ slope = [2, 0]
             text.insert_str(at, &junk);
             if let Err(error) = Lesson::read(name, &text) {
                 let lines = text.lines().count() + 1;
-                prop_assert!(error.line.is_none_or(|line| (1..=lines).contains(&line)), "{error}");
+                let line = error.subject.rsplit_once(", line ").map(|(_, line)| line.parse::<usize>());
+                prop_assert!(line.is_none_or(|line| line.is_ok_and(|line| (1..=lines).contains(&line))), "{error}");
                 prop_assert!(!error.problem.is_empty());
             }
         }

@@ -10,7 +10,7 @@ mod state;
 mod values;
 
 pub use goal::{Goal, Holds, Near, ParamName, Wanted};
-pub use lesson::{Lesson, LessonError, Step, Task, built_in, built_in_names, lessons_at};
+pub use lesson::{Lesson, Step, Task, built_in, built_in_names, lessons_at};
 pub use part::Part;
 pub use state::{BottomTab, InView, Layout, Spot, State, Workspace};
 pub use values::Between;

@@ -3,8 +3,8 @@
 
 use super::part::field_of;
 use super::values::finite;
-use crate::detector::params::ParamError;
 use crate::detector::{SearchParams, Slope};
+use crate::error::Error;
 use crate::inspect::set_up::SetUp;
 use crate::matching::MatchParams;
 use crate::requests::{BurstSource, ViewKind};
@@ -215,6 +215,6 @@ fn matching<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<MatchPa
     Ok(Some(params))
 }
 
-fn wrong<E: de::Error>(error: ParamError) -> E {
-    E::custom(format!("{}: {}; {}", field_of(error.parameter), error.problem, error.remedy))
+fn wrong<E: de::Error>(error: Error) -> E {
+    E::custom(format!("{}: {}; {}", field_of(&error.subject), error.problem, error.remedy))
 }

@@ -12,7 +12,8 @@ mod dng;
 
 use super::support::{names, program, run_badly, run_well};
 use burstscope::Monitor;
-use burstscope::burst::{Burst, DecodeWorker, Limits, OpenError, OpenErrorKind, OpenOptions};
+use burstscope::burst::{Burst, DecodeWorker, Limits, OpenOptions};
+use burstscope::error::{Error, ErrorKind};
 use dng::Dng;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,7 @@ fn with_worker() {
     });
 }
 
-fn open(path: &Path) -> Result<Burst, OpenError> {
+fn open(path: &Path) -> Result<Burst, Error> {
     with_worker();
     Burst::open(path)
 }
@@ -85,10 +86,10 @@ fn errors_say_what_they_say_without_a_process() {
     let sound = Dng::new((24, 16), |u, v| (64 + u + v) as u16).bytes();
     std::fs::write(&path, &sound[..sound.len() - 9]).expect("written");
     let error = open(&path).expect_err("cut");
-    assert!(error.kind == OpenErrorKind::Damaged && error.to_string().contains("a.dng"), "{error}");
+    assert!(error.kind == ErrorKind::Damaged && error.to_string().contains("a.dng"), "{error}");
     std::fs::write(&path, b"FUJIFILM and nothing more").expect("written");
     let error = open(&path.with_extension("raf")).expect_err("missing");
-    assert_eq!(error.kind, OpenErrorKind::NotFound, "{error}");
+    assert_eq!(error.kind, ErrorKind::NotFound, "{error}");
     // Contradictory levels: the error of the decoder's caller.
     std::fs::write(&path, &sound).expect("written");
     let options = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
@@ -98,7 +99,7 @@ fn errors_say_what_they_say_without_a_process() {
     let limits = Limits { max_side_px: 20, ..Limits::default() };
     let options = OpenOptions { limits, ..OpenOptions::default() };
     let error = Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default()).expect_err("too wide");
-    assert!(error.kind == OpenErrorKind::TooLarge && error.to_string().contains("24×16"), "{error:?}");
+    assert!(error.kind == ErrorKind::TooLarge && error.to_string().contains("24×16"), "{error:?}");
     // Frames of two sizes.
     let second = folder.path().join("b.dng");
     std::fs::write(&second, Dng::new((24, 18), |_, _| 70).bytes()).expect("written");
@@ -113,7 +114,7 @@ fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
     let path = folder.path().join("bad.raf");
     std::fs::write(&path, crafted::huge_count_raf()).expect("written");
     let error = open(&path).expect_err("34 GB");
-    assert_eq!(error.kind, OpenErrorKind::Damaged, "{error:?}");
+    assert_eq!(error.kind, ErrorKind::Damaged, "{error:?}");
     let words = error.to_string();
     assert!(words.contains("bad.raf") && words.contains("damaged"), "{words}");
     if cfg!(target_os = "linux") {
@@ -165,7 +166,7 @@ fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
             opening.join().expect("no panic").expect_err("it was ended")
         });
         let words = error.to_string();
-        assert_eq!(error.kind, OpenErrorKind::System, "{error:?}");
+        assert_eq!(error.kind, ErrorKind::System, "{error:?}");
         assert!(words.contains(number) && words.contains("ended.dng") && !words.contains("damaged"), "{words}");
     }
 }

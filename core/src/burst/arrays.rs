@@ -2,9 +2,9 @@
 
 use super::Burst;
 use super::decode::{FileScale, RawFrame, frame_of_plane};
-use super::error::OpenError;
 use super::open::{Measured, RawBurst, calibrated};
 use super::options::OpenOptions;
+use crate::error::Error;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ impl ArrayFrame {
         }
     }
 
-    fn decoded(self, path: &Path, t: usize) -> Result<RawFrame, OpenError> {
+    fn decoded(self, path: &Path, t: usize) -> Result<RawFrame, Error> {
         match self {
             Self::Integers { plane, range } => Ok(RawFrame::linear(plane, FileScale::Range(range))),
             Self::Floats(plane) => frame_of_plane(path, t, plane, false),
@@ -74,10 +74,10 @@ impl Burst {
         arrays: Arrays,
         options: &OpenOptions,
         monitor: &Monitor,
-    ) -> Result<Self, OpenError> {
+    ) -> Result<Self, Error> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
-        let frames = decoded("frames", arrays.frames, options)?.ok_or_else(OpenError::nothing_given)?;
+        let frames = decoded("frames", arrays.frames, options)?.ok_or_else(Error::nothing_given)?;
         let calibration = [decoded("bias", arrays.bias, options)?, decoded("flat", arrays.flat, options)?];
         let count = frames.frames.len();
         let raw = RawBurst {
@@ -90,7 +90,7 @@ impl Burst {
     }
 }
 
-fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result<Option<Measured>, OpenError> {
+fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result<Option<Measured>, Error> {
     let path = PathBuf::from(name);
     let Some(first) = frames.first() else { return Ok(None) };
     let (width, height) = first.plane().size();
@@ -100,7 +100,7 @@ fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result
         if size == (width, height) {
             frame.decoded(&path, t)
         } else {
-            Err(OpenError::different_sizes((name, (width, height)), (&format!("{name} (frame {t})"), size)))
+            Err(Error::different_sizes((name, (width, height)), (&format!("{name} (frame {t})"), size)))
         }
     });
     Ok(Some(Measured { frames: frames.collect::<Result<_, _>>()?, path }))

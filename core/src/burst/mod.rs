@@ -14,7 +14,6 @@ mod source;
 
 pub use arrays::{ArrayFrame, Arrays};
 pub use decode::{DecodeWorker, LUMA_WEIGHTS, serve_decoding};
-pub use error::{OpenError, OpenErrorKind};
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
 pub use source::{

@@ -6,10 +6,10 @@
 
 use super::Burst;
 use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
-use super::error::{OpenError, OpenErrorKind};
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
 use super::source::only_burst;
+use crate::error::{Error, ErrorKind};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 impl Burst {
     /// Opens a folder of frames, a picture, a multi-page TIFF or a `.npy` stack with the default options.
-    pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
 
@@ -39,7 +39,7 @@ impl Burst {
     /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
     /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty
     /// frames the error names the first.
-    pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, OpenError> {
+    pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
         let raw = read(inputs, options, monitor)?;
@@ -47,7 +47,7 @@ impl Burst {
             let Some(path) = path.clone() else { return Ok(None) };
             // Quiet, because its progress would begin again after the burst's own.
             let frames = read(std::slice::from_ref(&path), options, &monitor.silent())?.frames;
-            Ok::<_, OpenError>(Some(Measured { frames, path }))
+            Ok::<_, Error>(Some(Measured { frames, path }))
         };
         let measured = [measured(&options.bias)?, measured(&options.flat)?];
         let sources = inputs.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect();
@@ -61,7 +61,7 @@ pub(super) fn calibrated(
     sources: Vec<PathBuf>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<Burst, OpenError> {
+) -> Result<Burst, Error> {
     let remarks = Remark::of(&mut raw.frames);
     let levels = Levels::of(&raw.frames, options.full_scale, options.black_level)?;
     let is_plain = options.is_plain() && measured.iter().all(Option::is_none);
@@ -75,7 +75,7 @@ pub(super) fn calibrated(
         monitor.check()?;
         Ok(Arc::new(calibration.apply(frame, levels)))
     });
-    let frames = frames.collect::<Result<Vec<_>, OpenError>>()?;
+    let frames = frames.collect::<Result<Vec<_>, Error>>()?;
     if !is_plain {
         check_overflow(&frames, &raw.origins)?;
     }
@@ -98,13 +98,13 @@ pub(super) struct Measured {
     pub path: PathBuf,
 }
 
-fn calibration(burst: &RawBurst, levels: Levels, measured: [Option<Measured>; 2]) -> Result<Calibration, OpenError> {
+fn calibration(burst: &RawBurst, levels: Levels, measured: [Option<Measured>; 2]) -> Result<Calibration, Error> {
     let mean = |of: &Measured, kind| mean_in_unit_of(&burst.frames, levels, &of.frames, kind, &of.path);
     let [bias, flat] = measured;
     let bias = bias.map(|of| {
         let bias = mean(&of, "bias")?;
         check_bias(&bias, of.frames[0].scale, &burst.frames, &of.path)?;
-        Ok::<_, OpenError>(bias)
+        Ok::<_, Error>(bias)
     });
     let bias = bias.transpose()?;
     let gain = flat.map(|of| gain(mean(&of, "flat")?, bias.as_ref(), levels.black, &of.path)).transpose()?;
@@ -119,11 +119,11 @@ pub(super) struct RawBurst {
     pub origins: Vec<(PathBuf, usize)>,
 }
 
-fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, OpenError> {
+fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, Error> {
     let limits = &options.limits;
     let source = only_burst(inputs)?;
     let files = source.files()?;
-    let first = files.first().ok_or_else(OpenError::nothing_given)?;
+    let first = files.first().ok_or_else(Error::nothing_given)?;
     let (header, decoded) = decode::header(first, options, monitor)?;
     if files.len() == 1 {
         let ticker = Ticker::new(monitor, header.frames);
@@ -163,10 +163,10 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
 }
 
 /// Checks that the frames' values have a common unit; `path` gives the path of a frame.
-fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<(), OpenError> {
+fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<(), Error> {
     let Some((first, others)) = frames.split_first() else { return Ok(()) };
     for (t, frame) in others.iter().enumerate() {
-        let mismatch = |problem: String, remedy: String| Err(OpenError::new(OpenErrorKind::Mismatch, problem, remedy));
+        let mismatch = |problem: String, remedy: String| Err(Error::new(ErrorKind::Mismatch, problem, remedy));
         let paths = || [path(0), path(t + 1)].map(|path| path.display().to_string());
         let (first_kind, kind) = (std::mem::discriminant(&first.scale), std::mem::discriminant(&frame.scale));
         if first_kind != kind || first.binning != frame.binning {
@@ -190,11 +190,11 @@ fn file_name(path: &Path) -> String {
 }
 
 /// Fails at the first value that the bias or a tiny full scale has driven out of the range of `f32`.
-fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result<(), OpenError> {
+fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result<(), Error> {
     let bad = frames.par_iter().map(|plane| plane.data().iter().position(|v| !v.is_finite())).collect::<Vec<_>>();
     for ((plane, (path, frame)), index) in frames.iter().zip(origins).zip(bad) {
         if let Some(index) = index {
-            return Err(OpenError::not_finite(path, *frame, plane.width(), index, plane.data()[index]));
+            return Err(Error::not_finite(path, *frame, plane.width(), index, plane.data()[index]));
         }
     }
     Ok(())
@@ -221,18 +221,18 @@ pub(super) struct Levels {
 
 impl Levels {
     /// Levels of `frames`, where no others are given; an error for given ones that make no sense.
-    pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self, OpenError> {
+    pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self, Error> {
         if let Some(value) = given.filter(|s| !(s.is_finite() && *s > 0.0)) {
             let problem = "the full scale is the file's value that becomes 1.0";
             let remedy = format!("it must be a positive number, not {value}");
-            return Err(OpenError::new(OpenErrorKind::Request, problem, remedy));
+            return Err(Error::new(ErrorKind::Request, problem, remedy));
         }
         let full_scale = given.unwrap_or_else(|| natural_full_scale(frames));
         let black = black.unwrap_or(0.0);
         if !(black.is_finite() && black < full_scale) {
             let problem = "the black level is the file's value that becomes 0";
             let remedy = format!("it must be a number below the full scale, {full_scale}, not {black}");
-            return Err(OpenError::new(OpenErrorKind::Request, problem, remedy));
+            return Err(Error::new(ErrorKind::Request, problem, remedy));
         }
         Ok(Self { given, full_scale, black })
     }
@@ -331,13 +331,13 @@ pub(super) fn mean_in_unit_of(
     of: &[RawFrame],
     kind: &str,
     path: &Path,
-) -> Result<Plane, OpenError> {
+) -> Result<Plane, Error> {
     let (own_size, frame_size) = (of[0].plane.size(), frames[0].plane.size());
     if own_size != frame_size {
         let ((width, height), (frame_width, frame_height)) = (own_size, frame_size);
         let problem = format!("the {kind} frame is {width}×{height}, but the frames are {frame_width}×{frame_height}");
         let remedy = "take it with the same camera settings";
-        return Err(OpenError::new(OpenErrorKind::Mismatch, problem, remedy).about(path));
+        return Err(Error::new(ErrorKind::Mismatch, problem, remedy).about(path));
     }
     // The unit of float files is that of the largest of all values.
     let whole = |frames: &[RawFrame]| {
@@ -354,7 +354,7 @@ pub(super) fn mean_in_unit_of(
     let count = of.len() as f32;
     for frame in of {
         let scale = if let FileScale::Data { .. } = frame.scale { whole(of) } else { frame.scale };
-        let factor = factor(burst, levels, scale).map_err(|reason| OpenError::calibration(path, kind, reason))?;
+        let factor = factor(burst, levels, scale).map_err(|reason| Error::calibration(path, kind, reason))?;
         for (sum, value) in mean.data_mut().iter_mut().zip(frame.plane.data()) {
             *sum += value * factor / count;
         }
@@ -363,7 +363,7 @@ pub(super) fn mean_in_unit_of(
 }
 
 /// Checks that a converted bias whose files are `of` another kind is not brighter on average than all frames.
-pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<(), OpenError> {
+pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<(), Error> {
     let is_alike = match (of, frames[0].scale) {
         (FileScale::Range(a), FileScale::Range(b)) => a == b,
         (a, b) => std::mem::discriminant(&a) == std::mem::discriminant(&b),
@@ -373,7 +373,7 @@ pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path:
     let mean = mean_of(bias);
     if !is_alike && mean > f64::from(values.fold(f32::MIN, f32::max)) && mean > 0.0 {
         let reason = "it is brighter than everything in the frames; save it in their unit";
-        return Err(OpenError::calibration(path, "bias", reason));
+        return Err(Error::calibration(path, "bias", reason));
     }
     Ok(())
 }
@@ -384,13 +384,13 @@ fn mean_of(plane: &Plane) -> f64 {
 
 /// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1;
 /// a flat frame without light, or with many of them, is refused.
-pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Path) -> Result<Plane, OpenError> {
+pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Path) -> Result<Plane, Error> {
     match bias {
         Some(bias) => flat.data_mut().iter_mut().zip(bias.data()).for_each(|(f, b)| *f -= b),
         None => flat.data_mut().iter_mut().for_each(|f| *f -= black),
     }
     let mean = mean_of(&flat) as f32;
-    let dark = |reason| OpenError::calibration(path, "flat", reason);
+    let dark = |reason| Error::calibration(path, "flat", reason);
     if mean.is_nan() || mean <= 0.0 {
         return Err(dark("there is no light in it; take a picture of an even, bright surface"));
     }

@@ -3,7 +3,7 @@
 //! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
 //! cannot take the machine's memory.
 
-use super::error::{OpenError, OpenErrorKind};
+use crate::error::{Error, ErrorKind};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -83,31 +83,31 @@ impl Default for Limits {
 
 impl Limits {
     /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
-    pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), OpenError> {
+    pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), Error> {
         if width == 0 || height == 0 {
             let problem = format!("this file's frames have no pixels ({width}×{height})");
-            return Err(OpenError::new(OpenErrorKind::Damaged, problem, "write it again or remove it").about(path));
+            return Err(Error::new(ErrorKind::Damaged, problem, "write it again or remove it").about(path));
         }
         if width.max(height) > self.max_side_px as u64 || width.saturating_mul(height) > self.max_pixels {
             let found = format!("its frames are {width}×{height} pixels");
             let limit = format!("{} pixels a side and {} pixels in all", self.max_side_px, self.max_pixels);
-            return Err(OpenError::too_large(path, found, limit, "crop or shrink the frames"));
+            return Err(Error::too_large(path, found, limit, "crop or shrink the frames"));
         }
         self.check_burst(path, 1, width, height)
     }
 
     /// Checks the number of frames, and the memory that they need together.
-    pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), OpenError> {
+    pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), Error> {
         if frames > self.max_frames as u64 {
             let (found, limit) = (format!("it has {frames} frames"), format!("{} frames", self.max_frames));
-            return Err(OpenError::too_large(path, found, limit, "split it into shorter bursts"));
+            return Err(Error::too_large(path, found, limit, "split it into shorter bursts"));
         }
         let bytes = frames.saturating_mul(width).saturating_mul(height).saturating_mul(4);
         let max_bytes = machine_bytes().map_or(self.max_bytes, |bytes| bytes.min(self.max_bytes));
         if bytes > max_bytes {
             let found = format!("{frames} × {width}×{height} pixels need {} MiB", bytes >> 20);
             let limit = format!("{} MiB", max_bytes >> 20);
-            return Err(OpenError::too_large(path, found, limit, "open fewer frames, or crop or shrink them"));
+            return Err(Error::too_large(path, found, limit, "open fewer frames, or crop or shrink them"));
         }
         Ok(())
     }

@@ -7,8 +7,8 @@
 //! [`cut_sequence`] makes a burst of every N frames of a long recording; each lists its own files and is opened alone.
 
 use super::decode;
-use super::error::{OpenError, OpenErrorKind};
 use super::options::OpenOptions;
+use crate::error::{Error, ErrorKind};
 use crate::files::path_text;
 use crate::monitor::Monitor;
 use std::cmp::Ordering;
@@ -27,13 +27,13 @@ pub struct BurstFiles {
 
 impl BurstFiles {
     /// Files with its frames: those of its folder in natural order, or its paths.
-    pub fn files(&self) -> Result<Vec<PathBuf>, OpenError> {
+    pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
         files_at(&self.paths)
     }
 }
 
 /// Files with the frames at `paths`: those of a single folder in natural order, or the paths themselves.
-pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>, OpenError> {
+pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     match paths {
         [folder] if folder.is_dir() => Ok(list(folder)?.0),
         paths => Ok(paths.to_vec()),
@@ -50,21 +50,21 @@ pub fn supported_extensions() -> Vec<&'static str> {
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
-pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstFiles>, OpenError> {
+pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstFiles>, Error> {
     Ok(find_entries(inputs)?.bursts)
 }
 
 /// The burst that `inputs` name, if they name one.
-pub(super) fn only_burst(inputs: &[PathBuf]) -> Result<BurstFiles, OpenError> {
+pub(super) fn only_burst(inputs: &[PathBuf]) -> Result<BurstFiles, Error> {
     let mut bursts = find_bursts(inputs)?;
     if bursts.len() > 1 {
         const FEW: usize = 8;
         let names: Vec<&str> = bursts.iter().take(FEW).map(|burst| &*burst.name).collect();
         let more = if bursts.len() > FEW { ", …" } else { "" };
         let problem = format!("there are {} bursts here, open one of them: {}{more}", bursts.len(), names.join(", "));
-        return Err(OpenError::new(OpenErrorKind::SeveralBursts, problem, ""));
+        return Err(Error::new(ErrorKind::SeveralBursts, problem, ""));
     }
-    bursts.pop().ok_or_else(OpenError::nothing_given)
+    bursts.pop().ok_or_else(Error::nothing_given)
 }
 
 /// Bursts and stray pictures of an input.
@@ -77,25 +77,25 @@ pub struct Entries {
 }
 
 /// Finds bursts as [`find_bursts`], and the pictures that belong to none.
-pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
+pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, Error> {
     if inputs.is_empty() {
-        return Err(OpenError::nothing_given());
+        return Err(Error::nothing_given());
     }
     let (mut folders, mut files) = (Vec::new(), Vec::new());
     for path in inputs {
-        let metadata = std::fs::metadata(path).map_err(|e| OpenError::from_io(path, &e))?;
+        let metadata = std::fs::metadata(path).map_err(|e| Error::from_io(path, &e))?;
         if metadata.is_dir() {
             folders.push(path.clone());
         } else if metadata.is_file() {
             files.push(path.clone());
         } else {
-            return Err(OpenError::not_a_file(path));
+            return Err(Error::not_a_file(path));
         }
     }
     if let (Some(folder), Some(file)) = (folders.first(), files.first()) {
         let (folder, file) = (folder.display(), file.display());
         let problem = format!("open either folders or files, not both: {folder} is a folder and {file} is a file");
-        return Err(OpenError::new(OpenErrorKind::Request, problem, ""));
+        return Err(Error::new(ErrorKind::Request, problem, ""));
     }
     let mut entries = Entries::default();
     for folder in &folders {
@@ -103,7 +103,7 @@ pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
         if found.bursts.is_empty() {
             let problem = "this folder holds no pictures, nor do its subfolders";
             let remedy = format!("a burst is a folder of {} files", supported_extensions().join(", "));
-            return Err(OpenError::new(OpenErrorKind::Request, problem, remedy).about(folder));
+            return Err(Error::new(ErrorKind::Request, problem, remedy).about(folder));
         }
         entries.bursts.extend(found.bursts);
         entries.strays.extend(found.strays);
@@ -115,7 +115,7 @@ pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, OpenError> {
     Ok(entries)
 }
 
-fn entries_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Entries, OpenError> {
+fn entries_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Entries, Error> {
     let (pictures, subfolders) = list(folder)?;
     if pictures.len() > 1 && pictures.iter().all(|p| is_stack(p)) {
         return Ok(Entries { bursts: pictures.into_iter().map(stack_source).collect(), strays: Vec::new() });
@@ -141,7 +141,7 @@ fn folder_source(folder: &Path) -> BurstFiles {
     BurstFiles { name: folder_name(folder), paths: vec![folder.into()] }
 }
 
-fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, OpenError> {
+fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, Error> {
     if let [single] = &files[..] {
         return Ok(vec![stack_source(single.clone())]);
     }
@@ -149,7 +149,7 @@ fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, OpenError> {
         return Ok(files.into_iter().map(stack_source).collect());
     }
     if let Some(path) = files.iter().find(|f| is_stack(f)) {
-        return Err(OpenError::stack_among_frames(path, decode::frame_count(path).unwrap_or(2)));
+        return Err(Error::stack_among_frames(path, decode::frame_count(path).unwrap_or(2)));
     }
     let parent = files[0].parent().unwrap_or(Path::new(""));
     let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
@@ -178,11 +178,11 @@ pub(super) fn folder_name(folder: &Path) -> String {
 }
 
 /// Pictures and subfolders of a folder, each in natural order, without hidden files and those of other kinds.
-fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), OpenError> {
+fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Error> {
     let (mut pictures, mut subfolders) = (Vec::new(), Vec::new());
-    let entries = std::fs::read_dir(folder).map_err(|e| OpenError::from_io(folder, &e))?;
+    let entries = std::fs::read_dir(folder).map_err(|e| Error::from_io(folder, &e))?;
     for entry in entries {
-        let entry = entry.map_err(|e| OpenError::from_io(folder, &e))?;
+        let entry = entry.map_err(|e| Error::from_io(folder, &e))?;
         if entry.file_name().to_string_lossy().starts_with('.') {
             continue;
         }
@@ -231,14 +231,14 @@ pub struct SequenceCut {
 impl SequenceCut {
     /// Bursts of `length` frames; each begins `step` frames after the one before, by default `length`: each frame is in
     /// one burst. Either being 0 is an error.
-    pub fn new(length: usize, step: Option<usize>) -> Result<Self, OpenError> {
+    pub fn new(length: usize, step: Option<usize>) -> Result<Self, Error> {
         let step = step.unwrap_or(length);
         if length == 0 || step == 0 {
             let problem = format!(
                 "a sequence is cut into bursts of 1 or more frames that begin 1 or more frames apart, \
                  not {length} frames that begin {step} apart"
             );
-            return Err(OpenError::new(OpenErrorKind::Request, problem, ""));
+            return Err(Error::new(ErrorKind::Request, problem, ""));
         }
         Ok(Self { length, step })
     }
@@ -267,19 +267,19 @@ impl SequenceCut {
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
-pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<BurstFiles>, OpenError> {
+pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<BurstFiles>, Error> {
     let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f)) {
         let held = decode::frame_count(path).unwrap_or(2);
         let problem = format!("a sequence is cut into bursts between its files, but this one file holds {held} frames");
         let remedy = "save each frame as a file of its own";
-        return Err(OpenError::new(OpenErrorKind::Request, problem, remedy).about(path));
+        return Err(Error::new(ErrorKind::Request, problem, remedy).about(path));
     }
     let ranges = cut.ranges(frames.len());
     if ranges.len() == 0 {
         let path = sequence.paths.first().cloned().unwrap_or_default();
         let problem = format!("this has {} frames, too few for a burst of {}", frames.len(), cut.length);
-        return Err(OpenError::new(OpenErrorKind::Request, problem, "cut it into shorter bursts").about(&path));
+        return Err(Error::new(ErrorKind::Request, problem, "cut it into shorter bursts").about(&path));
     }
     let burst_of = |range: Range<usize>| {
         let frames = &frames[range];
@@ -307,9 +307,9 @@ pub struct Declared {
 impl Declared {
     /// Reads the header of the first frame of the burst that `inputs` name, as
     /// [`Burst::open_with`](super::Burst::open_with) takes them.
-    pub fn of(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, OpenError> {
+    pub fn of(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, Error> {
         let files = only_burst(inputs)?.files()?;
-        let first = files.first().ok_or_else(OpenError::nothing_given)?;
+        let first = files.first().ok_or_else(Error::nothing_given)?;
         let (header, _) = decode::header(first, options, &Monitor::default())?;
         let frames = if files.len() == 1 { header.frames } else { files.len() };
         Ok(Self { frames, size: (header.width, header.height) })

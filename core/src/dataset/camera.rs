@@ -1,7 +1,6 @@
 //! The camera of a dataset, and the default for an unknown camera.
 
-use super::DatasetError;
-use crate::detector::ParamError;
+use crate::error::{Error, ErrorKind};
 use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use crate::matching::{Camera, CameraModel};
 use std::path::Path;
@@ -27,13 +26,17 @@ impl CameraChoice {
     /// The camera of images of `size` (columns, rows).
     ///
     /// # Errors
-    /// [`DatasetError::CameraSize`] when the known camera's images have another size.
-    pub fn for_images(&self, size: (usize, usize)) -> Result<Camera, DatasetError> {
+    /// The known camera's images have another size.
+    pub fn for_images(&self, size: (usize, usize)) -> Result<Camera, Error> {
         match self {
             Self::Guessed(model) => Ok(guessed(*model, size)),
             Self::Known(camera) if (camera.width, camera.height) == size => Ok(camera.clone()),
             Self::Known(camera) => {
-                Err(DatasetError::CameraSize { camera: (camera.width, camera.height), images: size })
+                let problem = format!(
+                    "the camera is given for images of {}×{}, but this burst has {}×{}",
+                    camera.width, camera.height, size.0, size.1
+                );
+                Err(Error::new(ErrorKind::Failed, problem, "give the camera of these images"))
             }
         }
     }
@@ -60,13 +63,13 @@ fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {
 ///
 /// # Errors
 /// The problem of the file, and what would be right.
-pub fn read_camera(path: &Path) -> Result<Camera, ParamError> {
+pub fn read_camera(path: &Path) -> Result<Camera, Error> {
     let fail = |problem: String| {
-        ParamError {
-        parameter: "camera",
-        problem: format!("{problem}: {}", path.display()),
-        remedy: "write the file as: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each".into(),
-    }
+        Error::param(
+            "camera",
+            format!("{problem}: {}", path.display()),
+            "write the file as: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each",
+        )
     };
     let text = read_text(path, MAX_SETTINGS_BYTES).map_err(|e| fail(e.to_string()))?;
     let camera: Camera = toml::from_str(&text).map_err(|e| fail(e.message().to_owned()))?;

@@ -4,10 +4,11 @@
 //! `database.db` cameras, images, features, matches and verified geometries. Finished bursts are not computed again;
 //! matches are. Features are in memory only while they are found or matched: memory does not grow with the bursts.
 
+use super::CameraChoice;
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::pairs::{BurstSide, MatchedPair, match_pairs};
-use super::{CameraChoice, DatasetError};
 use crate::burst::BurstFiles;
+use crate::error::{Error, ErrorKind};
 use crate::export::{DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database};
 use crate::files::serialize_path;
 use crate::matching::{
@@ -83,17 +84,17 @@ pub struct ColmapReport {
 /// left out.
 ///
 /// # Errors
-/// [`DatasetError`]. Files are written completely or not at all; finished bursts stay finished.
+/// Parameters, or what concerns all bursts. Files are written completely or not at all; finished bursts stay finished.
 pub fn export_colmap(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],
     job: &ColmapJob,
     on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
-) -> Result<ColmapReport, DatasetError> {
+) -> Result<ColmapReport, Error> {
     let matching = job.verified_matching()?;
     if bursts.len() < 2 {
-        return Err(DatasetError::TooFew(bursts.len()));
+        return Err(too_few(bursts.len()));
     }
     let out = store.folder.clone();
     store.protect(bursts)?;
@@ -108,7 +109,7 @@ pub fn export_colmap(
     };
     detect_all(store, bursts, &job.camera, &mut tell, monitor)?;
     if done.len() < 2 {
-        return Err(DatasetError::TooFew(done.len()));
+        return Err(too_few(done.len()));
     }
     let pairs = job.pairs.pairs(done.len());
     on(BurstEvent::Matching(pairs.len()));
@@ -140,7 +141,7 @@ fn add_burst(
     burst: &BurstFeatures,
     job: &ColmapJob,
     report: &mut ColmapReport,
-) -> Result<(), DatasetError> {
+) -> Result<(), Error> {
     let camera = job.camera.for_images(burst.size)?;
     let camera_id = match report.cameras.iter().position(|c| *c == camera) {
         Some(index) => index as u32 + 1,
@@ -173,7 +174,7 @@ fn match_all(
     matching: &MatchParams,
     report: &mut ColmapReport,
     monitor: &Monitor,
-) -> Result<(), DatasetError> {
+) -> Result<(), Error> {
     let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
     let database = RefCell::new(database);
     let mut load = |index: usize| {
@@ -196,8 +197,14 @@ fn match_all(
     Ok(monitor.check()?)
 }
 
+fn too_few(bursts: usize) -> Error {
+    let problem = format!("{bursts} bursts have features, and matching needs two or more");
+    let remedy = "name a folder of bursts, or cut a long sequence with --burst-length";
+    Error::new(ErrorKind::Failed, problem, remedy)
+}
+
 impl ColmapJob {
-    fn verified_matching(&self) -> Result<MatchParams, DatasetError> {
+    fn verified_matching(&self) -> Result<MatchParams, Error> {
         let camera = match &self.camera {
             CameraChoice::Known(camera) => Some(camera.clone()),
             CameraChoice::Guessed(_) => None,
@@ -205,12 +212,11 @@ impl ColmapJob {
         let matching = MatchParams { camera, ..self.matching.clone() };
         matching.validate()?;
         if matching.geometry == Geometry::None {
-            return Err(crate::detector::ParamError {
-                parameter: crate::matching::params::doc::GEOMETRY.name,
-                problem: "COLMAP's mapper takes verified matches only".to_owned(),
-                remedy: "give fundamental, essential or homography".to_owned(),
-            }
-            .into());
+            return Err(Error::param(
+                crate::matching::params::doc::GEOMETRY.name,
+                "COLMAP's mapper takes verified matches only",
+                "give fundamental, essential or homography",
+            ));
         }
         Ok(matching)
     }

@@ -1,15 +1,16 @@
 //! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
+use super::CameraChoice;
 use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
 use super::picture::{ImageKind, burst_picture};
 use super::stamp::{Comparison, FileStamp};
-use super::{CameraChoice, DatasetError};
-use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions, files_at};
+use crate::burst::{Burst, BurstFiles, OpenOptions, files_at};
 use crate::detect::{Searched, check_memory, search};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
+use crate::error::{Error, ErrorKind};
 use crate::export::{
-    ColmapKeypoint, ExportError, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records,
-    may_begin, parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
+    ColmapKeypoint, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records, may_begin,
+    parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
 };
 use crate::files::lock::FolderLock;
 use crate::files::mark::{Checksum, Kind};
@@ -80,7 +81,7 @@ pub enum BurstEvent<'a> {
     /// A burst was finished; its features were found now or earlier.
     Done(usize, &'a BurstFeatures),
     /// A burst cannot be opened; the work continues with the others.
-    Failed(usize, &'a DatasetError),
+    Failed(usize, &'a Error),
     /// All bursts are finished, and so many pairs are matched.
     Matching(usize),
 }
@@ -103,10 +104,9 @@ impl FeatureStore {
     /// Opens the dataset in `folder`, existing or new. Nothing is written.
     ///
     /// # Errors
-    /// [`DatasetError::Occupied`] when the folder holds other files, [`DatasetError::Open`] when the bias or flat frame
-    /// cannot be read.
-    pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self, DatasetError> {
-        let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>, DatasetError> {
+    /// The folder holds other files, or the bias or flat frame cannot be read.
+    pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self, Error> {
+        let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>, Error> {
             let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
             Ok(stamps.iter().map(FileStamp::content).collect())
         };
@@ -122,7 +122,8 @@ impl FeatureStore {
             "accept_damaged": job.open.accept_damaged,
         });
         if !may_begin(folder, Kind::Dataset, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
-            return Err(DatasetError::Occupied(folder.into()));
+            let problem = "this folder holds files, but no dataset that was begun by this command";
+            return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));
         }
         Ok(Self {
             folder: folder.into(),
@@ -165,9 +166,8 @@ impl FeatureStore {
     /// Ensures, now and with every later write, that no opened file and no file of others is overwritten.
     ///
     /// # Errors
-    /// [`ExportError::Input`] for an opened file in the place of an output file, [`ExportError::Link`] for a link,
-    /// [`ExportError::InTheWay`] for a file of others.
-    pub fn protect(&mut self, bursts: &[BurstFiles]) -> Result<(), DatasetError> {
+    /// An opened file, a link, or a file of others in the place of an output file.
+    pub fn protect(&mut self, bursts: &[BurstFiles]) -> Result<(), Error> {
         let of_bursts = bursts.iter().flat_map(|burst| burst.files().unwrap_or_else(|_| burst.paths.clone()));
         let calibration =
             [&self.job.open.bias, &self.job.open.flat].map(|path| calibration_files(path).unwrap_or_default());
@@ -183,8 +183,8 @@ impl FeatureStore {
     }
 
     /// Checks whether `file` of the dataset's folder may be written; errors as of [`Self::protect`].
-    pub(super) fn check_output(&self, file: &Path) -> Result<(), DatasetError> {
-        Ok(self.rules.check_own(file, &[])?)
+    pub(super) fn check_output(&self, file: &Path) -> Result<(), Error> {
+        self.rules.check_own(file, &[])
     }
 
     /// The numbers of `source` if it is finished, judged without reading its frames or its features.
@@ -198,7 +198,7 @@ impl FeatureStore {
 
     /// Reads the features of `source` from its files if it is finished.
     pub fn kept(&self, source: &BurstFiles, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
-        let files = source.files().map_err(DatasetError::from)?;
+        let files = source.files()?;
         Ok(self.kept_with_record(source, &files, monitor)?.0)
     }
 
@@ -215,13 +215,11 @@ impl FeatureStore {
 
     /// Reads the features that this store has found or kept in this run. The frames are not compared again.
     #[cfg(feature = "colmap")]
-    pub(super) fn written(&self, source: &BurstFiles) -> Result<BurstFeatures, DatasetError> {
+    pub(super) fn written(&self, source: &BurstFiles) -> Result<BurstFeatures, Error> {
         let image_name = image_name(source);
         let record = self.records().read(&image_name).filter(|record| record.made_from == self.made_with);
         let read = record.ok_or(NotKept::NoRecord).and_then(|record| self.read(source, &record.of));
-        read.map_err(|reason| {
-            ExportError::Read { path: self.feature_file(&image_name), reason: reason.to_string() }.into()
-        })
+        read.map_err(|reason| Error::unread_file(&self.feature_file(&image_name), reason))
     }
 
     fn read(&self, source: &BurstFiles, record: &KeptBurst) -> Result<BurstFeatures, NotKept> {
@@ -245,7 +243,7 @@ impl FeatureStore {
         source: &BurstFiles,
         camera: &CameraChoice,
         monitor: &Monitor,
-    ) -> Result<BurstFeatures, DatasetError> {
+    ) -> Result<BurstFeatures, Error> {
         let files = source.files()?;
         match self.kept_with_record(source, &files, monitor) {
             Ok((kept, record)) => {
@@ -253,7 +251,7 @@ impl FeatureStore {
                 self.complete(source, &files, record, monitor)?;
                 Ok(kept)
             }
-            Err(NotKept::Failed(error @ DatasetError::Cancelled(_))) => Err(error),
+            Err(NotKept::Failed(error)) if error.is_cancelled() => Err(error),
             Err(_) => self.make(source, &files, camera, monitor),
         }
     }
@@ -264,7 +262,7 @@ impl FeatureStore {
         files: &[PathBuf],
         camera: &CameraChoice,
         monitor: &Monitor,
-    ) -> Result<BurstFeatures, DatasetError> {
+    ) -> Result<BurstFeatures, Error> {
         // Checked before anything is read.
         check_memory(&source.paths, &self.job.open, &self.job.detector)?;
         let stamps = FileStamp::with_checksums(files, monitor)?;
@@ -274,7 +272,7 @@ impl FeatureStore {
         self.check_output(&path)?;
         self.records().remove(&found.image_name)?;
         write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
-        let content = Checksum::of_file(&path).map_err(|e| ExportError::write(&path, &e))?;
+        let content = Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))?;
         let picture_content = self.write_picture_of(&found.image_name, &burst, monitor)?;
         let of = KeptBurst {
             files: stamps,
@@ -297,7 +295,7 @@ impl FeatureStore {
         files: &[PathBuf],
         Record { made_from, of }: BurstRecord,
         monitor: &Monitor,
-    ) -> Result<(), DatasetError> {
+    ) -> Result<(), Error> {
         let image_name = image_name(source);
         let picture_file = self.picture_file(&image_name);
         let is_whole = of.picture_content.is_of(&picture_file);
@@ -314,22 +312,22 @@ impl FeatureStore {
             self.write_picture_of(&image_name, &burst, monitor)?
         };
         let of = KeptBurst { files: stamps, picture: self.job.images, picture_content, ..of };
-        Ok(self.records().write(&image_name, &Record { made_from, of })?)
+        self.records().write(&image_name, &Record { made_from, of })
     }
 
-    fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum, DatasetError> {
+    fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum, Error> {
         let path = self.picture_file(image_name);
         self.check_output(&path)?;
         let picture = burst_picture(burst, self.job.images, &self.job.detector.detector, monitor)?;
         write_png(&path, picture.picture())?;
-        Ok(Checksum::of_file(&path).map_err(|e| ExportError::write(&path, &e))?)
+        Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
     /// Before the first write: locks the folder for this process, removes files that a killed run left, and writes the
     /// manifest. Later: checks that the folder is still the locked one.
-    pub(super) fn begin_writing(&mut self) -> Result<(), DatasetError> {
+    pub(super) fn begin_writing(&mut self) -> Result<(), Error> {
         if let Some(lock) = &self.lock {
-            return Ok(lock.check()?);
+            return lock.check();
         }
         let lock = FolderLock::take(&self.folder)?;
         let folders = [IMAGES_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
@@ -346,7 +344,7 @@ impl FeatureStore {
         source: &BurstFiles,
         camera: &CameraChoice,
         monitor: &Monitor,
-    ) -> Result<(BurstFeatures, Burst), DatasetError> {
+    ) -> Result<(BurstFeatures, Burst), Error> {
         let started = Instant::now();
         let burst = Burst::open_with(&source.paths, &self.job.open, monitor)?;
         camera.for_images(burst.size())?;
@@ -394,11 +392,17 @@ impl FeatureStore {
 }
 
 /// The files of a bias or flat frame, which may be a folder of them.
-fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>, OpenError> {
+fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>, Error> {
     match path {
         Some(path) => files_at(std::slice::from_ref(path)),
         None => Ok(Vec::new()),
     }
+}
+
+/// Whether the other bursts cannot continue. A parameter error after the first checks concerns one burst.
+fn concerns_all(kind: ErrorKind) -> bool {
+    use ErrorKind::{Cancelled, Failed, InTheWay, Locked, Refused, Unwritten};
+    matches!(kind, Cancelled | Unwritten | Refused | InTheWay | Locked | Failed)
 }
 
 /// The name of the picture of a burst, below the folder of images; also its name in COLMAP.
@@ -409,15 +413,15 @@ pub fn image_name(source: &BurstFiles) -> String {
 /// Finds the features of all `bursts` in turn; `on` is called with every event.
 ///
 /// # Errors
-/// [`DatasetError`] when it concerns all bursts, or the work was cancelled. A burst that cannot be opened is reported
-/// as [`BurstEvent::Failed`] and left out.
+/// One that concerns all bursts, or cancellation. A burst that cannot be opened is reported as [`BurstEvent::Failed`]
+/// and left out.
 pub fn detect_all(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],
     camera: &CameraChoice,
     on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
-) -> Result<(), DatasetError> {
+) -> Result<(), Error> {
     store.job.detector.validate()?;
     store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;
@@ -425,7 +429,7 @@ pub fn detect_all(
         on(BurstEvent::Begin(index));
         match store.features(source, camera, &monitor.part(index as f32 * share, share)) {
             Ok(features) => on(BurstEvent::Done(index, &features)),
-            Err(error) if error.is_final() => return Err(error),
+            Err(error) if concerns_all(error.kind) => return Err(error),
             Err(error) => on(BurstEvent::Failed(index, &error)),
         }
     }

@@ -3,11 +3,12 @@
 //! For each burst of a dataset that is not finished yet, the files of a run that found its features with the same
 //! parameters in the same frames are copied. Files that do not fit are reported, and their features found again.
 
+use super::BurstFeatures;
 use super::features::{FEATURES_FOLDER, FeatureStore, IMAGES_FOLDER, image_name};
 use super::kept::{KeptBurst, NotKept};
-use super::{BurstFeatures, DatasetError};
 use crate::burst::BurstFiles;
-use crate::export::{ExportError, write_whole};
+use crate::error::Error;
+use crate::export::write_whole;
 use crate::files::serialize_path;
 use crate::monitor::Monitor;
 use serde::{Serialize, Serializer};
@@ -53,10 +54,9 @@ pub fn gather(
     bursts: &[BurstFiles],
     folders: &[PathBuf],
     monitor: &Monitor,
-) -> Result<GatherReport, DatasetError> {
+) -> Result<GatherReport, Error> {
     if let Some(missing) = folders.iter().find(|folder| !folder.is_dir()) {
-        let reason = "there is no such folder of kept features".to_owned();
-        return Err(ExportError::Read { path: missing.clone(), reason }.into());
+        return Err(Error::unread_file(missing, "there is no such folder of kept features"));
     }
     store.protect(bursts)?;
     let others = folders.iter().map(|folder| store.like(folder)).collect::<Vec<_>>();
@@ -77,7 +77,7 @@ pub fn gather(
                     (brought, *knows_one) = (true, true);
                     bring(store, other, &features)?;
                 }
-                Err(NotKept::Failed(error @ DatasetError::Cancelled(_))) => return Err(error),
+                Err(NotKept::Failed(error)) if error.is_cancelled() => return Err(error),
                 Err(NotKept::NoRecord) => {}
                 Err(reason) => {
                     *knows_one = true;
@@ -97,7 +97,7 @@ pub fn gather(
 }
 
 /// Copies the files of a burst that is finished in `other`. A picture that is missing there is made later.
-fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeatures) -> Result<(), DatasetError> {
+fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeatures) -> Result<(), Error> {
     let image = &features.image_name;
     let Some(record) = other.records().read::<KeptBurst>(image) else { return Ok(()) };
     store.begin_writing()?;
@@ -109,8 +109,8 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
         let to = store.folder.join(&file);
         store.check_output(&to)?;
         let from = other.folder.join(&file);
-        let bytes = std::fs::read(&from).map_err(|e| ExportError::Read { path: from, reason: e.to_string() })?;
+        let bytes = std::fs::read(&from).map_err(|e| Error::unread_file(&from, e))?;
         write_whole(&to, |out| out.write_all(&bytes))?;
     }
-    Ok(store.records().write(image, &record)?)
+    store.records().write(image, &record)
 }

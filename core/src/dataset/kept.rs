@@ -4,9 +4,10 @@
 //! record, `records/NAME.png.json`, of all that its features were made from and the checksum of their file. A burst
 //! without one, or with other settings, is computed again: features of two detectors match worse than those of one.
 
+use super::ImageKind;
 use super::stamp::FileStamp;
-use super::{DatasetError, ImageKind};
-use crate::export::{ExportError, MadeFrom, Record, write_whole};
+use crate::error::Error;
+use crate::export::{MadeFrom, Record, write_whole};
 use crate::files::mark::{Checksum, Kind, claiming, claims};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -58,11 +59,11 @@ pub enum NotKept {
     Altered,
     /// The check failed.
     #[error(transparent)]
-    Failed(#[from] DatasetError),
+    Failed(#[from] Error),
 }
 
 /// Writes the manifest into `folder`, unless it is there already.
-pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), ExportError> {
+pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), Error> {
     if claims(folder, Kind::Dataset).as_ref() == Some(manifest) {
         return Ok(());
     }

@@ -6,7 +6,6 @@
 pub mod camera;
 #[cfg(feature = "colmap")]
 pub mod colmap;
-mod error;
 pub mod features;
 pub mod gather;
 mod kept;
@@ -18,7 +17,6 @@ mod stamp;
 pub use camera::CameraChoice;
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapJob, ColmapReport, ImageReport, PairReport, export_colmap};
-pub use error::DatasetError;
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;

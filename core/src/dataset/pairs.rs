@@ -1,7 +1,8 @@
 //! The matching of pairs of bursts, with the features of a few bursts in memory at a time, however many there are.
 
-use super::{BurstFeatures, DatasetError};
+use super::BurstFeatures;
 use crate::detector::Descriptor;
+use crate::error::Error;
 use crate::export::ColmapKeypoint;
 use crate::matching::{MatchParams, MatchResult, MatchSide, match_features};
 use crate::monitor::{Monitor, Stage};
@@ -56,14 +57,14 @@ pub struct MatchedPair<'a> {
 /// result. Pairs with a burst for which `load` gives `None` are left out. Returns their number.
 ///
 /// # Errors
-/// [`DatasetError::Param`] for parameters that make no sense, and errors of `load` and `on`.
+/// Parameters that make no sense, and errors of `load` and `on`.
 pub fn match_pairs(
     pairs: &[(usize, usize)],
     params: &MatchParams,
-    load: &mut dyn FnMut(usize) -> Result<Option<BurstSide>, DatasetError>,
-    on: &mut dyn FnMut(MatchedPair<'_>) -> Result<(), DatasetError>,
+    load: &mut dyn FnMut(usize) -> Result<Option<BurstSide>, Error>,
+    on: &mut dyn FnMut(MatchedPair<'_>) -> Result<(), Error>,
     monitor: &Monitor,
-) -> Result<usize, DatasetError> {
+) -> Result<usize, Error> {
     params.validate()?;
     let mut ordered = pairs.to_vec();
     ordered.sort_by_key(|&(a, b)| (a / FIRST_AT_ONCE, b, a));

@@ -1,9 +1,10 @@
 //! Pictures of bursts, 8 bit, stretched so that dark content is visible: one for programs that take one image, and
 //! thumbnails for a list of many bursts.
 
-use crate::burst::{Burst, BurstFiles, OpenError, OpenOptions};
+use crate::burst::{Burst, BurstFiles, OpenOptions};
 use crate::detect::prepare;
-use crate::detector::{DetectError, DetectorParams, Method};
+use crate::detector::{DetectorParams, Method};
+use crate::error::Error;
 use crate::export::Picture;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
@@ -55,7 +56,7 @@ pub fn burst_picture(
     kind: ImageKind,
     params: &DetectorParams,
     monitor: &Monitor,
-) -> Result<BurstPicture, DetectError> {
+) -> Result<BurstPicture, Error> {
     monitor.check()?;
     let method = match kind {
         ImageKind::Middle => Method::Sift,
@@ -81,9 +82,9 @@ pub fn thumbnail(
     max_side_px: usize,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<BurstPicture, OpenError> {
+) -> Result<BurstPicture, Error> {
     let files = source.files()?;
-    let middle = files.get(files.len() / 2).ok_or_else(OpenError::nothing_given)?;
+    let middle = files.get(files.len() / 2).ok_or_else(Error::nothing_given)?;
     let burst = Burst::open_with(std::slice::from_ref(middle), options, monitor)?;
     Ok(BurstPicture::of(&reduced(&burst.frames[burst.len() / 2], max_side_px.max(1))))
 }

@@ -1,6 +1,7 @@
 //! The source of a dataset: its paths, and the cutting of long sequences.
 
-use crate::burst::{BurstFiles, Entries, OpenError, SequenceCut, cut_sequence, find_entries, name_among_several};
+use crate::burst::{BurstFiles, Entries, SequenceCut, cut_sequence, find_entries, name_among_several};
+use crate::error::Error;
 use crate::export::{make_file_names_unique, safe_file_name};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -28,14 +29,14 @@ impl DatasetSource {
     /// Lists the bursts, in order, each with a unique name. No pixel is read.
     ///
     /// # Errors
-    /// See [`OpenError`]: a path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
+    /// A path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
     /// too short for it.
-    pub fn bursts(&self) -> Result<Vec<BurstFiles>, OpenError> {
+    pub fn bursts(&self) -> Result<Vec<BurstFiles>, Error> {
         self.entries().map(|found| found.bursts)
     }
 
     /// As [`Self::bursts`], with the pictures beside them that belong to none.
-    pub fn entries(&self) -> Result<Entries, OpenError> {
+    pub fn entries(&self) -> Result<Entries, Error> {
         let Entries { bursts: sequences, strays } = find_entries(&self.paths)?;
         let Some(length) = self.burst_length else {
             return Ok(Entries { bursts: with_unique_names(sequences), strays });

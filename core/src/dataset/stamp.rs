@@ -3,8 +3,7 @@
 //! By path, length, and the times at which a file was written and at which the system last changed anything about it,
 //! which cannot be set. Where a time differs (access rights change it too) the checksum decides.
 
-use super::DatasetError;
-use crate::burst::OpenError;
+use crate::error::Error;
 use crate::files::path_text;
 use crate::monitor::Monitor;
 use serde::{Deserialize, Serialize};
@@ -43,13 +42,13 @@ pub(super) struct FileStamp {
 
 impl FileStamp {
     /// Stamps of `files` as they are now, without checksums.
-    fn of(files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
-        files.iter().map(|path| Ok(Self::of_one(path).map_err(|e| OpenError::unread(path, &e))?)).collect()
+    fn of(files: &[PathBuf]) -> Result<Vec<Self>, Error> {
+        files.iter().map(|path| Self::of_one(path).map_err(|e| Error::unread(path, &e))).collect()
     }
 
     /// Stamps of `files` as they are now, with checksums. Each file's times are taken before it is read, so that a file
     /// that changes meanwhile differs from its stamp.
-    pub fn with_checksums(files: &[PathBuf], monitor: &Monitor) -> Result<Vec<Self>, DatasetError> {
+    pub fn with_checksums(files: &[PathBuf], monitor: &Monitor) -> Result<Vec<Self>, Error> {
         let mut stamps = Self::of(files)?;
         for (stamp, path) in stamps.iter_mut().zip(files) {
             stamp.crc32 = Some(checksum(path, monitor)?);
@@ -75,7 +74,7 @@ impl FileStamp {
         files: &[PathBuf],
         comparison: Comparison,
         monitor: &Monitor,
-    ) -> Result<bool, DatasetError> {
+    ) -> Result<bool, Error> {
         let now = Self::of(files)?;
         let same_files = kept.len() == now.len()
             && kept.iter().zip(&now).all(|(kept, now)| kept.path == now.path && kept.bytes == now.bytes);
@@ -97,7 +96,7 @@ impl FileStamp {
     }
 
     /// The stamps `kept` with the times of `files` as they are now; their contents are the same.
-    pub fn with_times_of(kept: &[Self], files: &[PathBuf]) -> Result<Vec<Self>, DatasetError> {
+    pub fn with_times_of(kept: &[Self], files: &[PathBuf]) -> Result<Vec<Self>, Error> {
         let now = Self::of(files)?;
         Ok(kept.iter().zip(now).map(|(kept, now)| Self { crc32: kept.crc32, ..now }).collect())
     }
@@ -120,8 +119,8 @@ fn changed_ns(_: &Metadata) -> Option<u64> {
     None
 }
 
-fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, DatasetError> {
-    let mut file = File::open(path).map_err(|e| OpenError::unread(path, &e))?;
+fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, Error> {
+    let mut file = File::open(path).map_err(|e| Error::unread(path, &e))?;
     let (mut hasher, mut piece) = (crc32fast::Hasher::new(), vec![0; 1 << 18]);
     loop {
         monitor.check()?;
@@ -129,7 +128,7 @@ fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, DatasetError> {
             Ok(0) => return Ok(hasher.finalize()),
             Ok(count) => hasher.update(&piece[..count]),
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(OpenError::unread(path, &error).into()),
+            Err(error) => return Err(Error::unread(path, &error)),
         }
     }
 }
@@ -175,9 +174,9 @@ mod tests {
         // Neither is one that cannot be read, nor a check that is cancelled.
         std::fs::write(&path, "two").expect("written");
         let cancelled = FileStamp::all_agree(&kept, &files, Comparison::Content, &Monitor::cancelled());
-        assert!(matches!(cancelled, Err(DatasetError::Cancelled(_))));
+        assert!(cancelled.is_err_and(|error| error.is_cancelled()));
         std::fs::remove_file(&path).expect("removed");
         let gone = FileStamp::all_agree(&kept, &files, Comparison::Times, &Monitor::default());
-        assert!(matches!(gone, Err(DatasetError::Open(_))), "{gone:?}");
+        assert!(gone.as_ref().is_err_and(|error| error.problem.starts_with("cannot read this")), "{gone:?}");
     }
 }

@@ -7,9 +7,8 @@ pub use super::test::{Tally, Test};
 
 use super::field::MotionField;
 use super::noise_model::NoiseModel;
-use super::params::{DetectorParams, ParamError, Slope, SlopeExtrema, SlopeGrid};
+use super::params::{DetectorParams, Slope, SlopeExtrema, SlopeGrid};
 use crate::detector::scale_space::octave_pixel;
-use crate::monitor::Cancelled;
 use std::sync::Arc;
 
 /// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.
@@ -205,17 +204,6 @@ impl Keypoint {
 /// large blobs. Their product found most discs of the charts, over powers 0, ½, 1 and 2 of the snr.
 pub fn strength(response: f32, snr: f32) -> f32 {
     response.abs() * if snr.is_finite() { snr.sqrt() } else { 1.0 }
-}
-
-/// Reason why there is no detection, or no match of detections.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum DetectError {
-    /// A parameter makes no sense.
-    #[error(transparent)]
-    Param(#[from] ParamError),
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
 }
 
 /// Revision of the detector. It goes up by one with every change after which an unchanged burst and unchanged

@@ -41,13 +41,12 @@ pub mod view;
 
 pub use advice::{Advice, explain};
 pub use combine::Combine;
-pub use feature::{Descriptor, DetectError, Detection, Feature, Moves, REVISION, StageTimes, Tally, Test};
+pub use feature::{Descriptor, Detection, Feature, Moves, REVISION, StageTimes, Tally, Test};
 pub use field::{Motion, MotionField, MotionLayer};
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, Param, ParamChange, ParamDoc, ParamError, Rules, SearchParams, SlopeChoice, SlopeExtrema,
-    SlopeNeighbours,
+    NoiseModelKind, Param, ParamChange, ParamDoc, Rules, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows};
 pub use quantity::Quantity;

@@ -2,15 +2,15 @@
 //! noise by place.
 
 use super::combine::{Combine, combined_stack};
-use super::feature::DetectError;
 use super::field::{MotionField, in_focus, motion_field};
 use super::noise_model::reading::sample_at;
-use super::params::{DetectorParams, ParamError, Slope, doc};
+use super::params::{DetectorParams, Slope, doc};
 use super::search::setup::{Inputs, known_noise};
 use crate::burst::Burst;
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
 use crate::detector::stack::{coverage, frame_offsets, motion_stack};
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ pub fn combined_view(
 /// bitwise those that the search compares, unless the local noise model cleaned the frames.
 ///
 /// # Errors
-/// [`DetectError::Param`] for an octave or level that the parameters do not have.
+/// An octave or level that the parameters do not have.
 pub fn dog_view(
     burst: &Burst,
     params: &DetectorParams,
@@ -47,7 +47,7 @@ pub fn dog_view(
     octave: i32,
     level: i32,
     monitor: &Monitor,
-) -> Result<Plane, DetectError> {
+) -> Result<Plane, Error> {
     let octaves = check_level(params, burst.size(), octave, level)?;
     let frames = used_frames(burst, params);
     let offsets = frame_offsets(frames.len(), slope, params.rules.interpolation);
@@ -77,21 +77,21 @@ pub fn check_level(
     size: (usize, usize),
     octave: i32,
     level: i32,
-) -> Result<Range<i32>, ParamError> {
+) -> Result<Range<i32>, Error> {
     let octaves = searched_octaves(params, size);
     if !octaves.contains(&octave) {
-        return Err(ParamError {
-            parameter: doc::OCTAVES.name,
-            problem: format!("there is no octave {octave} in this search"),
-            remedy: format!("give {} to {}, or change octaves and first-octave", octaves.start, octaves.end - 1),
-        });
+        return Err(Error::param(
+            doc::OCTAVES.name,
+            format!("there is no octave {octave} in this search"),
+            format!("give {} to {}, or change octaves and first-octave", octaves.start, octaves.end - 1),
+        ));
     }
     if !(-1..=params.levels as i32).contains(&level) {
-        return Err(ParamError {
-            parameter: doc::LEVELS.name,
-            problem: format!("there is no DoG level {level}"),
-            remedy: format!("give -1 to {}", params.levels),
-        });
+        return Err(Error::param(
+            doc::LEVELS.name,
+            format!("there is no DoG level {level}"),
+            format!("give -1 to {}", params.levels),
+        ));
     }
     Ok(octaves)
 }
@@ -99,8 +99,8 @@ pub fn check_level(
 /// σ of one frame's noise at each pixel, fraction of full scale, at the finest octave; uniform for white noise.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst.
-pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Plane, DetectError> {
+/// Parameters that make no sense for the burst.
+pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Plane, Error> {
     params.validate_for(burst.len(), burst.size())?;
     let noise = known_noise(burst, params, &ScaleSpace::of(params), monitor)?.model;
     let (width, height) = burst.size();
@@ -114,7 +114,7 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
 /// times this. On the pixels of `octave`, as [`dog_view`]; fraction of full scale.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, or do not have the octave or level.
+/// Parameters that make no sense for the burst, or do not have the octave or level.
 pub fn gate_noise_map(
     burst: &Burst,
     params: &DetectorParams,
@@ -122,7 +122,7 @@ pub fn gate_noise_map(
     octave: i32,
     level: i32,
     monitor: &Monitor,
-) -> Result<Plane, DetectError> {
+) -> Result<Plane, Error> {
     check_level(params, burst.size(), octave, level)?;
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let offsets = inputs.offsets(slope);
@@ -135,13 +135,8 @@ pub fn gate_noise_map(
 /// the grid or between). Where fewer do, the mean over them is noisier.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst.
-pub fn coverage_view(
-    burst: &Burst,
-    params: &DetectorParams,
-    slope: Slope,
-    monitor: &Monitor,
-) -> Result<Plane, DetectError> {
+/// Parameters that make no sense for the burst.
+pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Error> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let (offsets, size) = (inputs.offsets(slope), inputs.size_image);
     let share = |u, v| coverage(&offsets, u, v, size) as f32 / offsets.len().max(1) as f32;
@@ -244,6 +239,6 @@ mod tests {
             assert!(share.at(0, 3) < 1.0 && share.at(80, 60) == 1.0);
         }
         let wrong = gate_noise_map(&burst, &DetectorParams::default(), Slope::default(), 9, 0, &monitor);
-        assert!(matches!(wrong, Err(DetectError::Param(_))));
+        assert!(wrong.is_err_and(|error| error.subject == doc::OCTAVES.name));
     }
 }

@@ -1,6 +1,6 @@
 //! Files that are written completely or not at all: in a hidden folder beside the target ([`Unfinished`]), then moved.
 
-use super::error::ExportError;
+use crate::error::Error;
 use crate::files::mark::{Kind, seal, sealed};
 use crate::files::unfinished::Unfinished;
 use std::fs::{File, OpenOptions};
@@ -15,9 +15,8 @@ pub type FileWriter<'a> = BufWriter<&'a mut File>;
 /// replaced, never followed; permissions stay. [`OutputRules`](super::OutputRules) say whether it may be replaced.
 ///
 /// # Errors
-/// [`ExportError::Write`] when the system or `write` fails, [`ExportError::Cancelled`] when `write` was cancelled,
-/// [`ExportError::NotAFile`] when `path` is a folder or a device.
-pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>) -> Result<(), ExportError> {
+/// The system or `write` fails, `write` was cancelled, or `path` is a folder or a device.
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>) -> Result<(), Error> {
     replace(path, |new| written(new, write))
 }
 
@@ -26,7 +25,7 @@ pub fn write_marked(
     path: &Path,
     kind: Kind,
     write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>,
-) -> Result<(), ExportError> {
+) -> Result<(), Error> {
     replace(path, |new| {
         let mut file = written(new, write)?;
         seal(&mut file, kind)?;
@@ -35,7 +34,7 @@ pub fn write_marked(
 }
 
 /// Writes the text of an XML document or of settings, with the mark of this kind, as [`write_whole`] does.
-pub fn write_text(path: &Path, kind: Kind, text: String) -> Result<(), ExportError> {
+pub fn write_text(path: &Path, kind: Kind, text: String) -> Result<(), Error> {
     write_whole(path, |out| out.write_all(sealed(text, kind).as_bytes()))
 }
 
@@ -54,12 +53,12 @@ pub(super) fn is_of_system(path: &Path) -> bool {
 }
 
 /// Writes the file `path` by `fill`, which completes the new file at the path that it is given.
-pub(super) fn replace(path: &Path, fill: impl FnOnce(&Path) -> io::Result<File>) -> Result<(), ExportError> {
-    let fail = |e: io::Error| ExportError::write(path, &e);
+pub(super) fn replace(path: &Path, fill: impl FnOnce(&Path) -> io::Result<File>) -> Result<(), Error> {
+    let fail = |e: io::Error| Error::unwritten(path, &e);
     let existing = std::fs::symlink_metadata(path).ok();
     let is_other = existing.as_ref().is_some_and(|m| !m.is_file() && !m.is_symlink());
     if is_of_system(path) || is_other || path.file_name().is_none() {
-        return Err(ExportError::NotAFile(path.into()));
+        return Err(Error::no_file(path));
     }
     if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         std::fs::create_dir_all(parent).map_err(fail)?;
@@ -89,7 +88,7 @@ mod tests {
         write_whole(&path, |w| w.write_all(b"old")).expect("written");
         let full = || Err(io::Error::other("disk full"));
         let error = write_whole(&path, |w| w.write_all(&[b'x'; 1 << 18]).and_then(|()| full()));
-        assert!(matches!(error, Err(ExportError::Write { ref reason, .. }) if reason == "disk full"), "{error:?}");
+        assert_eq!(error, Err(Error::unwritten(&path, &io::Error::other("disk full"))));
         assert_eq!(std::fs::read(&path).expect("read"), b"old");
         assert_eq!(count(folder.path()), 1);
     }
@@ -119,7 +118,7 @@ mod tests {
         write_whole(&path, |w| w.write_all(b"new")).expect("written");
         assert_eq!(mode(&path), 0o640);
         for path in [folder.path(), Path::new("/"), Path::new("/dev/null")] {
-            assert!(matches!(write_whole(path, |_| Ok(())), Err(ExportError::NotAFile(_))), "{}", path.display());
+            assert_eq!(write_whole(path, |_| Ok(())), Err(Error::no_file(path)));
         }
     }
 }

@@ -6,9 +6,9 @@
 //! bounded: declared sizes are checked before frames are decoded, and no entry is read further than these can need.
 
 use super::atomic::write_marked;
-use super::error::ExportError;
 use crate::burst::{Burst, Encoding, Limits};
-use crate::detector::{ParamError, SearchParams};
+use crate::detector::SearchParams;
+use crate::error::{Error, ErrorKind};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -17,7 +17,7 @@ use crate::synth::{FeatureTruth, Truth};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -88,22 +88,6 @@ mod bounds {
     pub const STEP: Bounds = Bounds::new((Included(0.0), Included(1e33)), "a step is 0 to 1e33");
 }
 
-/// Reason why a case was not read.
-#[derive(Debug, thiserror::Error)]
-pub enum CaseError {
-    /// The file is no case, or a damaged one.
-    #[error("{}: not a case that can be opened: {problem}; give a file that 'burstscope case' or Save case wrote", path.display())]
-    Invalid {
-        /// The file.
-        path: PathBuf,
-        /// Problem with it.
-        problem: String,
-    },
-    /// Reading was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
 impl Case {
     /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the case's burst.
     pub fn of(
@@ -158,7 +142,7 @@ impl Case {
     }
 
     /// A file may hold anything.
-    fn check(&self) -> Result<(), ParamError> {
+    fn check(&self) -> Result<(), Error> {
         for place in self.place.iter().flatten() {
             bounds::PLACE.check("place", f64::from(*place))?;
         }
@@ -233,7 +217,7 @@ pub fn write_case(
     (case, burst): (&Case, &Burst),
     enclosed: &Enclosed,
     monitor: &Monitor,
-) -> Result<(), ExportError> {
+) -> Result<(), Error> {
     let about = toml::to_string(case).expect("a case is plain values, which TOML can always hold");
     let truth = enclosed.truth.as_ref().map(|truth| truth.within(case));
     let truth = truth.map(|truth| serde_json::to_string(&truth).expect("a truth is plain values"));
@@ -287,12 +271,12 @@ pub fn is_case(path: &Path) -> bool {
 }
 
 /// Reads a case without its frames.
-pub fn read_about(path: &Path) -> Result<Case, CaseError> {
+pub fn read_about(path: &Path) -> Result<Case, Error> {
     about(path, &mut opened(path)?)
 }
 
 /// Reads a case and its frames.
-pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Case, Burst), CaseError> {
+pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Case, Burst), Error> {
     let mut zip = opened(path)?;
     let case = about(path, &mut zip)?;
     let [width, height] = case.size;
@@ -322,12 +306,12 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
 }
 
 /// Reads the text of a case's session; `None` where it has none.
-pub fn read_session(path: &Path) -> Result<Option<String>, CaseError> {
+pub fn read_session(path: &Path) -> Result<Option<String>, Error> {
     text(path, &mut opened(path)?, SESSION, MAX_SESSION_BYTES)
 }
 
 /// Reads the truth of a case's frames; `None` where it has none.
-pub fn read_truth(path: &Path) -> Result<Option<Truth>, CaseError> {
+pub fn read_truth(path: &Path) -> Result<Option<Truth>, Error> {
     let text = text(path, &mut opened(path)?, TRUTH, MAX_SESSION_BYTES)?;
     let Some(text) = text else { return Ok(None) };
     let wrong = |problem: String| invalid(path, format!("{TRUTH}: {problem}"));
@@ -342,7 +326,7 @@ pub fn has_truth(path: &Path) -> bool {
 }
 
 /// The text of an entry, of which there may be `limit` bytes at most; `None` where there is no such entry.
-fn text(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Option<String>, CaseError> {
+fn text(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Option<String>, Error> {
     if zip.index_for_name(name).is_none() {
         return Ok(None);
     }
@@ -350,18 +334,19 @@ fn text(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Option<Str
     String::from_utf8(bytes).map(Some).map_err(|_| invalid(path, format!("{name} is no text")))
 }
 
-fn invalid(path: &Path, problem: impl ToString) -> CaseError {
-    CaseError::Invalid { path: path.to_owned(), problem: problem.to_string() }
+fn invalid(path: &Path, problem: impl ToString) -> Error {
+    let problem = format!("not a case that can be opened: {}", problem.to_string());
+    Error::new(ErrorKind::Content, problem, "give a file that 'burstscope case' or Save case wrote").about(path)
 }
 
 type Zip = ZipArchive<BufReader<File>>;
 
-fn opened(path: &Path) -> Result<Zip, CaseError> {
+fn opened(path: &Path) -> Result<Zip, Error> {
     let file = File::open(path).map_err(|error| invalid(path, error))?;
     ZipArchive::new(BufReader::new(file)).map_err(|error| invalid(path, error))
 }
 
-fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>, CaseError> {
+fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>, Error> {
     let entry = zip.by_name(name).map_err(|error| invalid(path, format!("{name}: {error}")))?;
     let mut bytes = Vec::new();
     // The declared size is no promise.
@@ -372,7 +357,7 @@ fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>, 
     Ok(bytes)
 }
 
-fn about(path: &Path, zip: &mut Zip) -> Result<Case, CaseError> {
+fn about(path: &Path, zip: &mut Zip) -> Result<Case, Error> {
     let text = text(path, zip, ABOUT, MAX_SETTINGS_BYTES)?;
     let text = text.ok_or_else(|| invalid(path, format!("there is no {ABOUT}")))?;
     let wrong = |problem: String| invalid(path, format!("{ABOUT}: {problem}"));
@@ -384,7 +369,7 @@ fn about(path: &Path, zip: &mut Zip) -> Result<Case, CaseError> {
     Ok(case)
 }
 
-fn frame(path: &Path, zip: &mut Zip, case: &Case, t: usize) -> Result<Plane, CaseError> {
+fn frame(path: &Path, zip: &mut Zip, case: &Case, t: usize) -> Result<Plane, Error> {
     let name = frame_name(t);
     let [width, height] = case.size;
     let words = 2 * width as u64 * height as u64;
@@ -501,7 +486,7 @@ mod tests {
             let zip = zipped(std::iter::once(about).chain(frames)).expect("zipped");
             std::fs::write(&path, zip).expect("written");
             let error = read_case(&path, &Limits::default(), &Monitor::default()).expect_err("a lie");
-            assert!(matches!(error, CaseError::Invalid { .. }), "{error}");
+            assert_eq!(error.kind, ErrorKind::Content, "{error}");
         }
         // So are other numbers that make no sense, by their names.
         let good = || case.clone();

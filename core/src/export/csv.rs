@@ -4,8 +4,8 @@
 //! a number. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
 
 use super::atomic::write_whole;
-use super::error::ExportError;
 use crate::detector::{Feature, Quantity};
+use crate::error::Error;
 use crate::files::{MAX_TABLE_BYTES, read_bytes, read_text};
 use crate::plane::sample::ProfileSample;
 use std::fs::File;
@@ -22,7 +22,7 @@ fn header_of(columns: usize) -> String {
 }
 
 /// Writes the features as CSV.
-pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
+pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), Error> {
     write_whole(path, |out| {
         writeln!(out, "{}", feature_header())?;
         for feature in features {
@@ -37,15 +37,14 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), ExportError> {
 /// feature was found: `slope_index` is 0.
 ///
 /// # Errors
-/// [`ExportError::Read`], or [`ExportError::Text`] with the line and the problem in it.
-pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>, ExportError> {
-    let bytes = read_bytes(path, MAX_TABLE_BYTES)
-        .map_err(|e| ExportError::Read { path: path.into(), reason: e.to_string() })?;
+/// The file cannot be read, or a line has a wrong form; it is named with its number.
+pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>, Error> {
+    let bytes = read_bytes(path, MAX_TABLE_BYTES).map_err(|e| Error::unread_file(path, e))?;
     let text = std::str::from_utf8(&bytes).map_err(|e| {
         let line = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
-        ExportError::Text { path: path.into(), line, problem: "this is not text; save it as UTF-8".into() }
+        Error::in_line(path, line, "this is not text; save it as UTF-8")
     })?;
-    parse(text).map_err(|(line, problem)| ExportError::Text { path: path.into(), line, problem })
+    parse(text).map_err(|(line, problem)| Error::in_line(path, line, &problem))
 }
 
 /// The error is the number of the wrong line and its problem.
@@ -118,7 +117,7 @@ pub struct MatchRow {
 pub const MATCH_COLUMNS: &str = "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier";
 
 /// Writes the matches as CSV.
-pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), ExportError> {
+pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), Error> {
     write_whole(path, |out| {
         writeln!(out, "{MATCH_COLUMNS}")?;
         for MatchRow { features, a, b, distance, ratio, verified } in matches {
@@ -147,7 +146,7 @@ pub struct PictureProfile {
 }
 
 /// Writes the profiles, one after the other. A sample outside its picture has an empty value.
-pub fn write_profiles_csv(path: &Path, profiles: &[PictureProfile]) -> Result<(), ExportError> {
+pub fn write_profiles_csv(path: &Path, profiles: &[PictureProfile]) -> Result<(), Error> {
     write_whole(path, |out| {
         writeln!(out, "{PROFILE_COLUMNS}")?;
         for profile in profiles {

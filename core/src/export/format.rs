@@ -2,9 +2,9 @@
 
 use super::colmap::write_colmap;
 use super::csv::write_csv;
-use super::error::ExportError;
 use super::npz::write_npz;
 use crate::detector::Detection;
+use crate::error::Error;
 use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -20,11 +20,6 @@ pub enum ExportFormat {
     /// Features and descriptors for numpy, `NAME.npz`.
     Npz,
 }
-
-/// The name of a format that does not exist.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no export format '{0}'; the formats are csv, colmap and npz")]
-pub struct UnknownFormat(pub String);
 
 impl ExportFormat {
     /// All formats.
@@ -50,7 +45,7 @@ impl ExportFormat {
     }
 
     /// Writes the features of `detection` to the file `path` in this format.
-    pub fn write(self, path: &Path, detection: &Detection) -> Result<(), ExportError> {
+    pub fn write(self, path: &Path, detection: &Detection) -> Result<(), Error> {
         match self {
             Self::Csv => write_csv(path, &detection.features),
             Self::Colmap => write_colmap(path, &detection.features, &detection.descriptors),
@@ -66,11 +61,14 @@ impl fmt::Display for ExportFormat {
 }
 
 impl FromStr for ExportFormat {
-    type Err = UnknownFormat;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, UnknownFormat> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let named = |f: &Self| f.to_string().eq_ignore_ascii_case(text.trim());
-        Self::ALL.into_iter().find(named).ok_or_else(|| UnknownFormat(text.into()))
+        Self::ALL.into_iter().find(named).ok_or_else(|| {
+            let problem = format!("there is no export format '{text}'");
+            Error::param("", problem, "the formats are csv, colmap and npz")
+        })
     }
 }
 
@@ -79,13 +77,13 @@ impl FromStr for ExportFormat {
 /// files' paths, one for each format, in the order of `formats`.
 ///
 /// # Errors
-/// [`ExportError`] of the first file that cannot be written; earlier files are complete.
+/// The one of the first file that cannot be written; earlier files are complete.
 pub fn write_detection(
     folder: &Path,
     burst_name: &str,
     detection: &Detection,
     formats: &[ExportFormat],
-) -> Result<Vec<PathBuf>, ExportError> {
+) -> Result<Vec<PathBuf>, Error> {
     let files = detection_files(folder, burst_name, formats);
     let written = files.into_iter().zip(formats).map(|(path, format)| {
         format.write(&path, detection)?;

@@ -6,8 +6,8 @@
 //! used again if it was made from the same by this program. A folder with files but without our mark is refused.
 
 use super::atomic::write_whole;
-use super::error::ExportError;
 use crate::detector::REVISION;
+use crate::error::Error;
 use crate::files::mark::{Kind, claims};
 use crate::files::unfinished::{is_free, remove_abandoned};
 use crate::files::{MAX_SESSION_BYTES, read_text};
@@ -81,8 +81,8 @@ impl Records {
     }
 
     /// Creates the folder, and removes files that killed runs have left there.
-    pub fn begin(&self) -> Result<(), ExportError> {
-        std::fs::create_dir_all(&self.folder).map_err(|error| ExportError::write(&self.folder, &error))?;
+    pub fn begin(&self) -> Result<(), Error> {
+        std::fs::create_dir_all(&self.folder).map_err(|error| Error::unwritten(&self.folder, &error))?;
         remove_abandoned(&self.folder);
         Ok(())
     }
@@ -93,7 +93,7 @@ impl Records {
     }
 
     /// Writes the record `name`, after the files that it describes.
-    pub fn write<T: Serialize>(&self, name: &str, record: &Record<T>) -> Result<(), ExportError> {
+    pub fn write<T: Serialize>(&self, name: &str, record: &Record<T>) -> Result<(), Error> {
         self.check(name)?;
         write_whole(&self.path(name), |out| {
             serde_json::to_writer_pretty(&mut *out, record)?;
@@ -102,20 +102,20 @@ impl Records {
     }
 
     /// Removes the record `name`, before the files that it describes are changed.
-    pub fn remove(&self, name: &str) -> Result<(), ExportError> {
+    pub fn remove(&self, name: &str) -> Result<(), Error> {
         self.check(name)?;
         let path = self.path(name);
         match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(ExportError::write(&path, &error)),
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Error::unwritten(&path, &error)),
             _ => Ok(()),
         }
     }
 
-    fn check(&self, name: &str) -> Result<(), ExportError> {
+    fn check(&self, name: &str) -> Result<(), Error> {
         let path = self.path(name);
         let is_other = std::fs::metadata(&path).is_ok_and(|file| file.is_file() && file.len() > 0)
             && self.read::<serde_json::Map<String, Value>>(name).is_none();
-        if is_other { Err(ExportError::InTheWay(path)) } else { Ok(()) }
+        if is_other { Err(Error::in_the_way(&path)) } else { Ok(()) }
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -127,10 +127,10 @@ impl Records {
 /// result, or nothing. A folder that cannot be listed passes: writing there gives the error.
 ///
 /// # Errors
-/// [`ExportError::Link`] where one of its `parts` is a link, which leads out of the folder.
-pub fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool, ExportError> {
+/// One of its `parts` is a link, which leads out of the folder.
+pub fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool, Error> {
     match parts.iter().map(|part| folder.join(part)).find(|part| part.is_symlink()) {
-        Some(path) => Err(ExportError::Link(path)),
+        Some(path) => Err(Error::link(&path)),
         None => Ok(claims::<Value>(folder, kind).is_some() || is_free(folder).unwrap_or(true)),
     }
 }

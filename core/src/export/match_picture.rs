@@ -4,8 +4,8 @@
 //! colour-blind readers can tell apart), under the inliers. Each end is a small ring. A match's ends are at (u + ½, v +
 //! ½) of the drawing, where the first pixel's centre is at (0.5, 0.5).
 
-use super::error::ExportError;
 use super::png::{Picture, write_png};
+use crate::error::Error;
 use crate::plane::memory;
 use std::path::Path;
 
@@ -38,7 +38,7 @@ pub fn write_match_picture(
     a: Picture<'_>,
     b: Picture<'_>,
     lines: &[MatchLine],
-) -> Result<(), ExportError> {
+) -> Result<(), Error> {
     a.check_size(path)?;
     b.check_size(path)?;
     let right = a.size().0 + PICTURE_GAP_PX;

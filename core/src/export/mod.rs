@@ -34,15 +34,12 @@ pub use csv::{
     read_features_csv, write_csv, write_matches_csv, write_profiles_csv,
 };
 pub use density::{Cells, IN_A_CELL};
-pub use error::ExportError;
 pub use figure::{
     Colour, ColourBar, Drawing, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect,
     FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, motion_over,
     write_drawing_svg,
 };
-pub use format::{
-    ExportFormat, UnknownFormat, detection_files, make_file_names_unique, safe_file_name, write_detection,
-};
+pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};
 pub use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use npz::write_npz;

@@ -2,8 +2,8 @@
 //! 128]` uint8 in UBC order.
 
 use super::atomic::write_marked;
-use super::error::ExportError;
 use crate::detector::{Descriptor, Feature, Quantity};
+use crate::error::Error;
 use crate::files::mark::Kind;
 use ndarray::ArrayView2;
 use ndarray_npy::NpzWriter;
@@ -11,7 +11,7 @@ use std::io;
 use std::path::Path;
 
 /// Writes features and descriptors, one for each feature (it panics if the numbers differ); also without any.
-pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
+pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), Error> {
     assert_eq!(features.len(), descriptors.len(), "each feature has one descriptor");
     let values = |f| Quantity::STORED.into_iter().filter_map(move |quantity| quantity.of(f));
     let rows: Vec<f32> = features.iter().flat_map(values).collect();

@@ -6,7 +6,7 @@
 use super::atomic::is_of_system;
 use super::colmap::is_colmap_text;
 use super::csv::is_table;
-use super::error::ExportError;
+use crate::error::Error;
 use crate::files::mark::{Checksum, has_mark};
 use std::collections::HashSet;
 use std::fs::Metadata;
@@ -112,42 +112,41 @@ impl OutputRules {
     /// Checks whether the file `path` may be written. An empty file counts as missing.
     ///
     /// # Errors
-    /// [`ExportError::Input`] for a file that was opened, in any case; [`ExportError::NotAFile`] for a folder or a
-    /// device; without [`Overwrite::Force`] [`ExportError::Link`] for a link and [`ExportError::Foreign`] for a file
-    /// that Burstscope did not write, or not as it is now.
-    pub fn check(&self, path: &Path) -> Result<(), ExportError> {
-        self.check_if(path, || is_ours(path)).map_err(|refused| refused.unwrap_or(ExportError::Foreign(path.into())))
+    /// A file that was opened, in any case; a folder or a device; without [`Overwrite::Force`] a link, and a file that
+    /// Burstscope did not write, or not as it is now.
+    pub fn check(&self, path: &Path) -> Result<(), Error> {
+        self.check_if(path, || is_ours(path)).map_err(|refused| refused.unwrap_or(Error::foreign(path)))
     }
 
     /// Checks whether `path` may be written in a folder known to be this program's own. What was altered there is made
     /// again: every file with a mark may be replaced, whole or not, and one with a checksum among the `known` ones.
     ///
     /// # Errors
-    /// As [`Self::check`], but for [`ExportError::InTheWay`] in place of [`ExportError::Foreign`].
-    pub fn check_own(&self, path: &Path, known: &[Checksum]) -> Result<(), ExportError> {
+    /// As [`Self::check`]; the remedy is another folder.
+    pub fn check_own(&self, path: &Path, known: &[Checksum]) -> Result<(), Error> {
         let is_ours =
             || has_mark(path, false) || is_colmap_text(path, false) || known.iter().any(|content| content.is_of(path));
-        self.check_if(path, is_ours).map_err(|refused| refused.unwrap_or(ExportError::InTheWay(path.into())))
+        self.check_if(path, is_ours).map_err(|refused| refused.unwrap_or(Error::in_the_way(path)))
     }
 
     /// The error is `None` for a file that is not ours.
-    fn check_if(&self, path: &Path, is_ours: impl FnOnce() -> bool) -> Result<(), Option<ExportError>> {
+    fn check_if(&self, path: &Path, is_ours: impl FnOnce() -> bool) -> Result<(), Option<Error>> {
         let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
         let refused = match self.overwrite {
-            _ if is_of_system(path) => ExportError::NotAFile(path.into()),
-            _ if self.inputs.hold(path, &metadata) => ExportError::Input(path.into()),
-            Overwrite::Refuse if metadata.is_symlink() => ExportError::Link(path.into()),
-            _ if !(metadata.is_file() || metadata.is_symlink()) => ExportError::NotAFile(path.into()),
+            _ if is_of_system(path) => Error::no_file(path),
+            _ if self.inputs.hold(path, &metadata) => Error::opened(path),
+            Overwrite::Refuse if metadata.is_symlink() => Error::link(path),
+            _ if !(metadata.is_file() || metadata.is_symlink()) => Error::no_file(path),
             Overwrite::Refuse if metadata.len() > 0 && !is_ours() => return Err(None),
             _ => return Ok(()),
         };
         Err(Some(refused))
     }
 
-    /// Fails with [`ExportError::Input`] when an opened file lies in `folder`, which is to be replaced as a whole.
-    pub fn check_folder(&self, folder: &Path) -> Result<(), ExportError> {
+    /// Fails when an opened file lies in `folder`, which is to be replaced as a whole.
+    pub fn check_folder(&self, folder: &Path) -> Result<(), Error> {
         let holds = |real: PathBuf| self.inputs.places.iter().any(|place| place.starts_with(&real));
-        if std::fs::canonicalize(folder).is_ok_and(holds) { Err(ExportError::Input(folder.into())) } else { Ok(()) }
+        if std::fs::canonicalize(folder).is_ok_and(holds) { Err(Error::opened(folder)) } else { Ok(()) }
     }
 }
 
@@ -190,13 +189,13 @@ mod tests {
             let rules = rules(&opened, overwrite);
             for name in ["night/f0.png", "night/../night/./f0.png", "a.txt"] {
                 let path = at(name);
-                assert_eq!(rules.check(&path), Err(ExportError::Input(path.clone())), "{name}");
-                assert_eq!(rules.check_own(&path, &[]), Err(ExportError::Input(path)), "{name}");
+                assert_eq!(rules.check(&path), Err(Error::opened(&path)), "{name}");
+                assert_eq!(rules.check_own(&path, &[]), Err(Error::opened(&path)), "{name}");
             }
             assert_eq!(rules.check(&at("new/x.png")), Ok(()));
             assert!(rules.check_folder(&at("night")).is_err() && rules.check_folder(&at("")).is_err());
             assert_eq!(rules.check_folder(&at("new")), Ok(()));
-            assert!(matches!(rules.check(&at("night")), Err(ExportError::NotAFile(_))));
+            assert_eq!(rules.check(&at("night")), Err(Error::no_file(&at("night"))));
         }
         #[cfg(unix)]
         {
@@ -205,7 +204,7 @@ mod tests {
             assert!(["to_frame.png", "night/f0.png"].iter().all(|name| of_links.check(&at(name)).is_err()));
         }
         let careful = rules(&[], Overwrite::Refuse);
-        assert_eq!(careful.check_own(&at("notes.txt"), &[]), Err(ExportError::InTheWay(at("notes.txt"))));
+        assert_eq!(careful.check_own(&at("notes.txt"), &[]), Err(Error::in_the_way(&at("notes.txt"))));
         assert_eq!(careful.check_own(&at("notes.txt"), &[Checksum::of(b"about the night")]), Ok(()));
     }
 

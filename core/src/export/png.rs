@@ -1,7 +1,7 @@
 //! PNG files of 8-bit RGB or RGBA pictures, as shown in the window.
 
 use super::atomic::write_marked;
-use super::error::ExportError;
+use crate::error::Error;
 use crate::files::mark::{Kind, SOFTWARE};
 use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 use std::io::{self, Write};
@@ -39,13 +39,13 @@ impl<'a> Picture<'a> {
         self.pixels.chunks_exact(bytes).map(|p| [p[0], p[1], p[2]]).collect()
     }
 
-    pub(super) fn check_size(&self, path: &Path) -> Result<(), ExportError> {
+    pub(super) fn check_size(&self, path: &Path) -> Result<(), Error> {
         // PNG's own limit is 2³¹ − 1 for each side.
         let fits = |side: usize| (1..=i32::MAX as usize).contains(&side);
         if fits(self.width) && fits(self.height) {
             return Ok(());
         }
-        Err(ExportError::Size { path: path.into(), width: self.width, height: self.height, format: "PNG" })
+        Err(Error::unfit(path, (self.width, self.height), "PNG"))
     }
 
     /// Encodes the picture and the program's name; its size has been checked.
@@ -67,7 +67,7 @@ impl<'a> Picture<'a> {
 }
 
 /// Writes the picture as PNG.
-pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<(), ExportError> {
+pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<(), Error> {
     picture.check_size(path)?;
     write_marked(path, Kind::Picture, |out| picture.encode_png(out))
 }

@@ -1,7 +1,7 @@
 //! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy.
 
 use super::atomic::write_whole;
-use super::error::ExportError;
+use crate::error::Error;
 use crate::files::mark::{Checksum, Kind, Mark, SOFTWARE};
 use crate::plane::Plane;
 use std::io::{self, Seek, Write};
@@ -14,9 +14,9 @@ use tiff::tags::Tag;
 const MAX_PLAIN_BYTES: usize = 0xf000_0000;
 
 /// Writes the plane's values unchanged.
-pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), ExportError> {
+pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), Error> {
     let (width, height) = plane.size();
-    let unfit = || ExportError::Size { path: path.into(), width, height, format: "TIFF" };
+    let unfit = || Error::unfit(path, (width, height), "TIFF");
     let columns = u32::try_from(width).ok().filter(|w| *w > 0).ok_or_else(unfit)?;
     let rows = u32::try_from(height).ok().filter(|h| *h > 0).ok_or_else(unfit)?;
     write_whole(path, |out| {

@@ -5,10 +5,11 @@
 //! the end, while it is still locked: a process that opened it before sees that it has lost its name, and starts again.
 //! Elsewhere that cannot be seen, and the hidden file stays. A file of its name with any other text is somebody's.
 
-use super::{path_text, write_problem};
+use super::path_text;
+use crate::error::{Error, ErrorKind};
 use std::ffi::OsStr;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, ErrorKind, Read, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the lock file in a folder.
@@ -37,30 +38,6 @@ fn names_owner(file: &mut File) -> bool {
     is_text && (text.is_empty() || (text.strip_prefix(OWNER).is_some_and(is_number) && text.lines().count() == 1))
 }
 
-/// Reason why a folder must not be written, or no longer.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum LockError {
-    /// Another process writes into it.
-    #[error("{owner} writes into this folder; wait until it has finished, or name another folder: {}", .folder.display())]
-    Locked {
-        /// The folder.
-        folder: PathBuf,
-        /// The owner's process, in words.
-        owner: String,
-    },
-    /// The folder was removed, or another one was put in its place.
-    #[error("this folder was removed while it was being written, so nothing more is written; run the command again to make it anew: {}", .0.display())]
-    Gone(PathBuf),
-    /// The lock cannot be written.
-    #[error("cannot write this file: {reason}; check the folder's permissions and the free space: {}", .path.display())]
-    Write {
-        /// The lock file.
-        path: PathBuf,
-        /// The system's message.
-        reason: String,
-    },
-}
-
 /// Right to write into a folder, until it is dropped.
 #[derive(Debug)]
 pub struct FolderLock {
@@ -78,13 +55,13 @@ impl FolderLock {
     /// Takes the lock of `folder`, creating it. A folder that was created so and stays empty is removed with the lock.
     ///
     /// # Errors
-    /// [`LockError::Locked`] when another process has it, [`LockError::Write`] when the folder cannot be written.
-    pub fn take(folder: &Path) -> Result<Self, LockError> {
+    /// Another process has it, or the folder cannot be written.
+    pub fn take(folder: &Path) -> Result<Self, Error> {
         Self::at(folder, folder, folder.join(LOCK_FILE))
     }
 
     /// Takes the lock of a `folder` that is replaced as a whole: the lock lies in the parent folder, which is created.
-    pub fn beside(folder: &Path) -> Result<Self, LockError> {
+    pub fn beside(folder: &Path) -> Result<Self, Error> {
         let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         remove_abandoned(parent);
         let name = path_text(Path::new(folder.file_name().unwrap_or_default()));
@@ -92,8 +69,8 @@ impl FolderLock {
         Self::at(folder, parent, parent.join(format!("{HIDDEN_PREFIX}-{name}{LOCK_SUFFIX}")))
     }
 
-    fn at(folder: &Path, place: &Path, path: PathBuf) -> Result<Self, LockError> {
-        let failed = |error: io::Error| LockError::Write { path: path.clone(), reason: write_problem(&error) };
+    fn at(folder: &Path, place: &Path, path: PathBuf) -> Result<Self, Error> {
+        let failed = |error: io::Error| Error::unwritten(&path, &error);
         let refused = |words: &str| failed(io::Error::other(words));
         // From here on the created folders are removed again, even if the lock cannot be taken.
         let mut lock =
@@ -102,7 +79,7 @@ impl FolderLock {
             match make_folders(place) {
                 Ok(made) => drop(lock.made.splice(0..0, made)),
                 // Another process has ended and removed the folders that it had created.
-                Err(error) if error.kind() == ErrorKind::NotFound => continue,
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 Err(error) => return Err(failed(error)),
             }
             if std::fs::symlink_metadata(&path).is_ok_and(|file| file.is_symlink()) {
@@ -111,13 +88,15 @@ impl FolderLock {
             let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
             let mut file = match file {
                 Ok(file) => file,
-                Err(error) if error.kind() == ErrorKind::NotFound => continue,
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 Err(error) => return Err(failed(error)),
             };
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
-                    return Err(LockError::Locked { folder: folder.into(), owner: owner_in(&mut file) });
+                    let problem = format!("{} writes into this folder", owner_in(&mut file));
+                    let remedy = "wait until it has finished, or name another folder";
+                    return Err(Error::new(ErrorKind::Locked, problem, remedy).about(folder));
                 }
                 // A file system without locks reports it with various errors; none is a reason not to work there.
                 Err(TryLockError::Error(_)) => lock.is_locked = false,
@@ -136,14 +115,19 @@ impl FolderLock {
         Err(refused("it is removed again and again"))
     }
 
-    /// Fails with [`LockError::Gone`] when the folder was removed, or another one has its place.
-    pub fn check(&self) -> Result<(), LockError> {
+    /// Fails when the folder was removed, or another one has its place.
+    pub fn check(&self) -> Result<(), Error> {
         let there = match &self.file {
             Some(file) if self.is_locked => is_named(file, &self.path),
             // Another process may have put its own file there.
             _ => self.path.exists(),
         };
-        if there { Ok(()) } else { Err(LockError::Gone(self.folder.clone())) }
+        if there { Ok(()) } else { Err(self.gone()) }
+    }
+
+    fn gone(&self) -> Error {
+        let problem = "this folder was removed while it was being written, so nothing more is written";
+        Error::new(ErrorKind::Locked, problem, "run the command again to make it anew").about(&self.folder)
     }
 }
 
@@ -193,7 +177,7 @@ fn make_folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
         match std::fs::create_dir(folder) {
             Ok(()) => made.insert(0, folder.to_path_buf()),
             // Another process created it, and may have removed it again by now, which is seen below.
-            Err(error) if error.kind() == ErrorKind::AlreadyExists && !folder.is_symlink() => {}
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && !folder.is_symlink() => {}
             Err(error) => return Err(error),
         }
     }
@@ -202,8 +186,8 @@ fn make_folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
     }
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => Ok(made),
-        Ok(_) => Err(ErrorKind::NotADirectory.into()),
-        // [`ErrorKind::NotFound`] if another process has removed it meanwhile.
+        Ok(_) => Err(io::ErrorKind::NotADirectory.into()),
+        // [`io::ErrorKind::NotFound`] if another process has removed it meanwhile.
         Err(error) => Err(error),
     }
 }
@@ -269,9 +253,9 @@ mod tests {
         let lock = FolderLock::take(&folder).expect("free");
         lock.check().expect("it is there");
         std::fs::remove_dir_all(&folder).expect("removed");
-        assert_eq!(lock.check(), Err(LockError::Gone(folder.clone())));
+        assert_eq!(lock.check(), Err(lock.gone()));
         let next = FolderLock::take(&folder).expect("a new folder has a new lock");
-        assert_eq!(lock.check(), Err(LockError::Gone(folder.clone())));
+        assert_eq!(lock.check(), Err(lock.gone()));
         drop(lock);
         next.check().expect("the old lock has left it alone");
     }
@@ -295,7 +279,7 @@ mod tests {
                                 own += 1;
                                 inside.fetch_sub(1, Ordering::SeqCst);
                             }
-                            Err(LockError::Locked { .. }) => {}
+                            Err(error) if error.kind == ErrorKind::Locked => {}
                             Err(error) => panic!("{error}"),
                         }
                     }
@@ -312,7 +296,7 @@ mod tests {
         let precious = home.path().join("thesis.txt");
         std::fs::write(&precious, "precious").expect("written");
         std::os::unix::fs::symlink(&precious, home.path().join(LOCK_FILE)).expect("linked");
-        assert!(matches!(FolderLock::take(home.path()), Err(LockError::Write { .. })));
+        assert!(FolderLock::take(home.path()).is_err_and(|error| error.kind == ErrorKind::Unwritten));
         assert_eq!(std::fs::read_to_string(&precious).expect("there"), "precious");
     }
 }

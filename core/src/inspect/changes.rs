@@ -7,7 +7,8 @@
 //! together.
 
 use crate::detector::{Feature, Slope};
-use crate::export::{ExportError, feature_header, read_colmap, read_features_csv};
+use crate::error::Error;
+use crate::export::{feature_header, read_colmap, read_features_csv};
 use crate::inspect::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
@@ -212,9 +213,9 @@ pub struct ForeignFeature {
 /// Reads features from a file: CSV if it begins like our table, otherwise COLMAP's text.
 ///
 /// # Errors
-/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] with the line that has a wrong form, a
-/// place that is no number, or a scale that is not above 0.
-pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, ExportError> {
+/// The file cannot be read, or a line, which is named, has a wrong form, a place that is no number, or a scale that is
+/// not above 0.
+pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, Error> {
     let features: Vec<ForeignFeature> = if is_table(path)? {
         let rows = read_features_csv(path)?.into_iter().map(|row| ForeignFeature {
             pos_image: [row.u, row.v],
@@ -237,17 +238,16 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, ExportError> {
     let usable = |f: &ForeignFeature| f.pos_image.iter().all(|x| x.is_finite()) && f.sigma.is_finite() && f.sigma > 0.0;
     match features.iter().position(|f| !usable(f)) {
         None => Ok(features),
-        Some(index) => Err(ExportError::Text {
-            path: path.into(),
-            line: index + 2,
-            problem: "the place must be two numbers and the scale a number above 0".to_owned(),
-        }),
+        Some(index) => {
+            let problem = "the place must be two numbers and the scale a number above 0";
+            Err(Error::in_line(path, index + 2, problem))
+        }
     }
 }
 
 /// Whether a file is a feature table of ours, from its beginning; otherwise it is COLMAP's text.
-fn is_table(path: &Path) -> Result<bool, ExportError> {
-    let read = |e: std::io::Error| ExportError::Read { path: path.into(), reason: e.to_string() };
+fn is_table(path: &Path) -> Result<bool, Error> {
+    let read = |e: std::io::Error| Error::unread_file(path, e);
     let mut start = Vec::new();
     std::fs::File::open(path).map_err(read)?.take(256).read_to_end(&mut start).map_err(read)?;
     let start = String::from_utf8_lossy(&start);
@@ -260,13 +260,10 @@ fn is_table(path: &Path) -> Result<bool, ExportError> {
     if matches!(words[..], [count, size] if count.parse::<u64>().is_ok() && size.parse::<u64>().is_ok()) {
         return Ok(false);
     }
-    Err(ExportError::Text {
-        path: path.into(),
-        line: 1,
-        problem: format!(
-            "the first line '{first:.40}' is neither the header of a feature table ({header}) nor that of COLMAP's text (a count and 128)"
-        ),
-    })
+    let problem = format!(
+        "the first line '{first:.40}' is neither the header of a feature table ({header}) nor that of COLMAP's text (a count and 128)"
+    );
+    Err(Error::in_line(path, 1, &problem))
 }
 
 #[cfg(test)]

@@ -30,12 +30,13 @@ pub mod words;
 
 pub use fate::{Fate, Outcome, TestReport};
 pub use outlook::Outlook;
-pub use probe::{Probe, ProbeError, ProbeOptions, Subject, probe};
+pub use probe::{Probe, ProbeOptions, Subject, probe};
 
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;
 use crate::detector::pipeline::search_with_trail;
-use crate::detector::{DetectError, Detection, DetectorParams, SearchParams, SlopeFinding, Trail};
+use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding, Trail};
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor};
 use std::sync::Arc;
 
@@ -54,7 +55,7 @@ pub struct ProbeCache {
 
 impl ProbeCache {
     /// Detects the features of `burst`, finding its slopes first if requested, and keeps the data that questions need.
-    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, DetectError> {
+    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
         let PreparedSearch { burst, params: prepared, finding, rest, .. } =
             PreparedSearch::new(burst, params, monitor)?;
         let trail = Arc::new(search_with_trail(&burst, &prepared, &rest)?);

@@ -11,49 +11,12 @@ use super::suspicion::{Suspicion, suspicions};
 use super::verdict::Judged;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::{Sample, Slope, Test, Trail};
+use crate::error::Error;
 use crate::inspect::telling::fate;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::tile::Region;
 use serde::Serialize;
-
-/// Reason why a place was not probed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ProbeError {
-    /// The place is outside the picture.
-    #[error("({u}, {v}) is outside the {width}×{height} image; give 0 to {} and 0 to {}", width - 1, height - 1)]
-    Outside {
-        /// Column, input pixels.
-        u: f32,
-        /// Row, input pixels.
-        v: f32,
-        /// Columns of the image.
-        width: usize,
-        /// Rows of the image.
-        height: usize,
-    },
-    /// No feature has this index.
-    #[error("there is no feature {index}: the detection has {count}")]
-    NoFeature {
-        /// Requested index.
-        index: usize,
-        /// Number of features.
-        count: usize,
-    },
-    /// No such octave, level or slope was searched.
-    #[error("there is no octave {octave}, level {level} and slope number {slope_index} in this search")]
-    NoScale {
-        /// Octave.
-        octave: i32,
-        /// Level.
-        level: i32,
-        /// Index of the slope in the grid.
-        slope_index: usize,
-    },
-    /// The probe was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
 
 /// Subject that the probe examines more closely.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -221,28 +184,35 @@ fn strength(fate: &Fate) -> f32 {
     if fate.snr.is_finite() { fate.snr } else { fate.value.abs() }
 }
 
+/// Checks that `place` (u, v) lies in a picture of `size` (columns, rows), whose outer pixels reach half a pixel
+/// beyond their centres.
+pub fn check_place(place: [f32; 2], size: (usize, usize)) -> Result<(), Error> {
+    let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
+    if inside(place[0], size.0) && inside(place[1], size.1) { Ok(()) } else { Err(outside(place, size)) }
+}
+
+/// Error for a place outside a picture of `size` (columns, rows).
+pub fn outside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Error {
+    let problem = format!("({u}, {v}) is outside the {width}×{height} image");
+    Error::param("at", problem, format!("give 0 to {} and 0 to {}", width - 1, height - 1))
+}
+
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
-pub fn probe(
-    cache: &ProbeCache,
-    place: [f32; 2],
-    options: &ProbeOptions,
-    monitor: &Monitor,
-) -> Result<Probe, ProbeError> {
+pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monitor: &Monitor) -> Result<Probe, Error> {
     let trail = &cache.trail;
     let nearness = match options.wanted {
         Wanted::Feature(index) => {
             let features = &trail.detection().features;
-            let feature = features.get(index).ok_or(ProbeError::NoFeature { index, count: features.len() })?;
+            let feature = features.get(index).ok_or_else(|| {
+                let problem = format!("there is no feature {index}: the detection has {}", features.len());
+                Error::param("feature", problem, "")
+            })?;
             Nearness { place: [feature.u, feature.v], sigma: options.near_sigma.or(Some(feature.sigma)) }
         }
         _ => Nearness { place, sigma: options.near_sigma },
     };
     let place = nearness.place;
-    let ([u, v], (width, height)) = (place, trail.size_image());
-    let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
-    if !(inside(u, width) && inside(v, height)) {
-        return Err(ProbeError::Outside { u, v, width, height });
-    }
+    check_place(place, trail.size_image())?;
     let (mut fates, mut samples) = (Vec::new(), 0);
     for octave in trail.octaves() {
         samples += candidates_near(trail, place, octave, options.reach_sigmas, monitor, &mut fates)?;
@@ -285,12 +255,14 @@ pub fn probe(
     })
 }
 
-fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -> Result<Subject, ProbeError> {
+fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -> Result<Subject, Error> {
     let (grid, place) = (trail.params().used_slopes(), nearness.place);
     if let Wanted::Scale { octave, level, slope_index } = wanted {
         let levels = 0..trail.space().levels as i32;
         if !trail.octaves().contains(&octave) || !levels.contains(&level) || slope_index >= grid.len() {
-            return Err(ProbeError::NoScale { octave, level, slope_index });
+            let problem =
+                format!("there is no octave {octave}, level {level} and slope number {slope_index} in this search");
+            return Err(Error::param("", problem, ""));
         }
         let fate = fates.iter().position(|f| (f.octave, f.level, f.slope_index) == (octave, level, slope_index));
         return Ok(Subject { fate, pos_image: place, slope: grid.slope(slope_index), slope_index, octave, level });

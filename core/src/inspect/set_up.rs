@@ -13,7 +13,8 @@
 
 use super::words::number;
 use crate::detector::scale_space::ScaleSpace;
-use crate::detector::{DetectorParams, ParamError, Slope, SlopeAxis, SlopeGrid};
+use crate::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid};
+use crate::error::Error;
 use serde::{Deserialize, Serialize};
 
 /// Camera and scene.
@@ -86,7 +87,7 @@ const MAX_COUNT: usize = 1024;
 
 impl SetUp {
     /// Checks the numbers.
-    pub fn check(&self) -> Result<(), ParamError> {
+    pub fn check(&self) -> Result<(), Error> {
         bounds::SPEED.check("speed", self.speed_m_s)?;
         bounds::DIRECTION.check("direction", self.direction_deg)?;
         bounds::TURN.check("turn-deg-s", self.turn_deg_s)?;
@@ -96,7 +97,7 @@ impl SetUp {
         let [near, far] = self.depth_m;
         if near > far {
             let remedy = "give NEAR:FAR in metres, such as 1:8".to_owned();
-            return Err(ParamError { parameter: "depth", problem: format!("{near}:{far} is no range"), remedy });
+            return Err(Error::param("depth", format!("{near}:{far} is no range"), remedy));
         }
         Ok(())
     }

@@ -4,66 +4,44 @@
 use super::probe::fates_near;
 use super::{Fate, ProbeCache};
 use crate::burst::Burst;
+use crate::error::{Error, ErrorKind};
 use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
 use crate::inspect::score::{Ranking, finds, is_of_disc, judge};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const DEMO: &str = "demo";
 
-/// Reason why there is no truth to compare with.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum TruthError {
-    /// The file cannot be read.
-    #[error("{}: cannot be read: {reason}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's message.
-        reason: String,
-    },
-    /// The file is not a truth.
-    #[error("{}: not the truth of a synthetic burst: {reason}; give a truth.json written by 'burstscope synth'", path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// Problem and its place.
-        reason: String,
-    },
-    /// The truth belongs to another burst.
-    #[error("{}: made for {truth:?} pixels, but the burst has {burst:?}; give the truth of this burst", path.display())]
-    Size {
-        /// The file.
-        path: PathBuf,
-        /// Columns and rows of the truth.
-        truth: (usize, usize),
-        /// Columns and rows of the burst.
-        burst: (usize, usize),
-    },
+fn wrong(path: &Path, problem: String, remedy: &str) -> Error {
+    Error::new(ErrorKind::Content, problem, remedy).about(path)
+}
+
+fn no_truth(path: &Path, reason: &str) -> Error {
+    let problem = format!("not the truth of a synthetic burst: {reason}");
+    wrong(path, problem, "give a truth.json written by 'burstscope synth'")
 }
 
 /// Reads a `truth.json`.
-pub fn read_truth(path: &Path) -> Result<Truth, TruthError> {
-    let text =
-        read_text(path, MAX_TABLE_BYTES).map_err(|e| TruthError::Read { path: path.into(), reason: e.to_string() })?;
-    let invalid = |reason: String| TruthError::Json { path: path.into(), reason };
+pub fn read_truth(path: &Path) -> Result<Truth, Error> {
+    let text = read_text(path, MAX_TABLE_BYTES).map_err(|e| wrong(path, format!("cannot be read: {e}"), ""))?;
+    let invalid = |reason: String| no_truth(path, &reason);
     let truth: Truth = serde_json::from_str(&text).map_err(|e| invalid(e.to_string()))?;
     truth.check().map_err(invalid)?;
     Ok(truth)
 }
 
 /// The truth of a burst, if it has one: the `truth.json` in its folder or case, or that of a built-in burst.
-pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
+pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, Error> {
     let [source] = &burst.sources[..] else {
         let name = Some(&burst.name).filter(|_| burst.sources.is_empty());
         let demo = name.filter(|name| *name == DEMO).map(|_| demo_truth());
         return Ok(demo.or_else(|| name.and_then(|name| Example::named(name)).map(Example::truth)));
     };
     let (path, truth) = if is_case(source) {
-        let unread = |error: case::CaseError| TruthError::Json { path: source.clone(), reason: error.to_string() };
+        let unread = |error: Error| no_truth(source, &error.to_string());
         (source.clone(), case::read_truth(source).map_err(unread)?)
     } else {
         let path = source.join("truth.json");
@@ -73,7 +51,8 @@ pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, TruthError> {
     let Some(truth) = truth else { return Ok(None) };
     let size = (truth.width, truth.height);
     if size != burst.size() {
-        return Err(TruthError::Size { path, truth: size, burst: burst.size() });
+        let problem = format!("made for {size:?} pixels, but the burst has {:?}", burst.size());
+        return Err(wrong(&path, problem, "give the truth of this burst"));
     }
     Ok(Some(truth))
 }

@@ -25,7 +25,8 @@ pub use guided::{GUIDED_RATIO, guided_matches, nearest_along};
 pub use params::{Geometry, MatchParams};
 pub use putative::{Match, match_descriptors};
 
-use crate::detector::{Descriptor, DetectError, Detection, Feature};
+use crate::detector::{Descriptor, Detection, Feature};
+use crate::error::Error;
 use crate::monitor::Monitor;
 use serde::Serialize;
 use std::fmt;
@@ -54,13 +55,13 @@ pub struct MatchSide<'a> {
 /// Matches the features of two detections and verifies the matches.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense.
+/// Parameters that make no sense.
 pub fn match_detections(
     a: &Detection,
     b: &Detection,
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<MatchResult, DetectError> {
+) -> Result<MatchResult, Error> {
     let place = |feature: &Feature| [feature.u, feature.v].map(f64::from);
     let places = [a, b].map(|of| of.features.iter().map(place).collect::<Vec<_>>());
     let a = MatchSide { places: &places[0], descriptors: &a.descriptors };
@@ -76,7 +77,7 @@ pub fn match_features(
     b: MatchSide<'_>,
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<MatchResult, DetectError> {
+) -> Result<MatchResult, Error> {
     for side in [&a, &b] {
         assert_eq!(side.places.len(), side.descriptors.len(), "each feature has a place and a descriptor");
     }

@@ -1,8 +1,8 @@
 //! The parameters of matching, with their descriptions and checks: the command line, the window and files use [`doc`].
 
 use super::camera::Camera;
-use crate::detector::ParamError;
 use crate::detector::params::{Param, TextValue, words};
+use crate::error::Error;
 use serde::{Deserialize, Serialize};
 
 /// Geometry of the two views against which the matches are verified.
@@ -97,7 +97,7 @@ impl MatchParams {
     pub fn of_texts<'a>(
         camera: Option<Camera>,
         given: impl IntoIterator<Item = (Param<Self>, &'a str)>,
-    ) -> Result<Self, ParamError> {
+    ) -> Result<Self, Error> {
         let geometry = if camera.is_some() { Geometry::Essential } else { Geometry::default() };
         let mut params = Self { geometry, camera, ..Self::default() };
         for (record, text) in given {
@@ -108,15 +108,15 @@ impl MatchParams {
     }
 
     /// Checks the parameters.
-    pub fn validate(&self) -> Result<(), ParamError> {
+    pub fn validate(&self) -> Result<(), Error> {
         doc::ALL.iter().try_for_each(|record| record.check(self))?;
         match &self.camera {
             Some(camera) => camera.validate(doc::CAMERA.name),
-            None if self.geometry == Geometry::Essential => Err(ParamError {
-                parameter: doc::CAMERA.name,
-                problem: "the essential matrix needs the camera's intrinsics".into(),
-                remedy: "give them, such as PINHOLE,640,480,500,500,320,240, or ask for the fundamental matrix".into(),
-            }),
+            None if self.geometry == Geometry::Essential => Err(Error::param(
+                doc::CAMERA.name,
+                "the essential matrix needs the camera's intrinsics",
+                "give them, such as PINHOLE,640,480,500,500,320,240, or ask for the fundamental matrix",
+            )),
             None => Ok(()),
         }
     }
@@ -242,7 +242,7 @@ mod tests {
         for (name, spoil) in cases {
             let mut params = MatchParams::default();
             spoil(&mut params, flat.clone());
-            assert_eq!(params.validate().expect_err(name).parameter, name);
+            assert_eq!(params.validate().expect_err(name).subject, name);
         }
     }
 }

@@ -8,7 +8,8 @@
 //! by one thread alone, and ties go to the lowest index, so the result does not depend on threads.
 
 use super::params::MatchParams;
-use crate::detector::{Descriptor, DetectError};
+use crate::detector::Descriptor;
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -38,7 +39,7 @@ pub fn match_descriptors(
     b: &[Descriptor],
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<Vec<Match>, DetectError> {
+) -> Result<Vec<Match>, Error> {
     params.validate()?;
     let of_a = nearest_two(a, b, monitor)?;
     let of_b = params.mutual.then(|| nearest_two(b, a, monitor)).transpose()?;
@@ -272,7 +273,7 @@ mod tests {
         assert_eq!(matches(&[at(5, 5)], &[at(5, 5), at(5, 5)], &off), [twin]);
         assert_eq!(matches(&[at(5, 5)], &[at(5, 9)], &params), [Match { a: 0, b: 0, distance: 4.0, ratio: 0.0 }]);
         let refused = match_descriptors(&[], &[], &MatchParams { ratio: 0.0, ..params }, &Monitor::default());
-        assert!(matches!(refused, Err(DetectError::Param(_))), "{refused:?}");
+        assert!(refused.as_ref().is_err_and(|error| error.subject == "ratio"), "{refused:?}");
     }
 
     fn descriptors(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Descriptor>> {

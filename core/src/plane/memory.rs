@@ -1,47 +1,38 @@
 //! Memory for pixels, with allocations that may fail without ending the program.
 //!
 //! The user's input decides the size of frames and planes, which may exceed the machine's memory. A refusal unwinds as
-//! [`NoMemory`], without a panic's message; [`refusable`] turns it into an error, for a file that is opened, a command,
+//! an [`Error`], without a panic's message; [`refusable`] catches it, for a file that is opened, a command,
 //! or a job in the background. A system may promise memory that it does not have and end the program later;
 //! [`crate::detector`] checks, before a search starts, the limit that keeps it well below that.
 
+use crate::error::{Error, ErrorKind};
 use bytemuck::Zeroable;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::OnceLock;
 
-/// The system refused memory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "there is no memory for {} MiB more; take fewer frames or slopes, smaller pictures or a coarser first octave, or close other programs",
-    bytes.div_ceil(1 << 20)
-)]
-pub struct NoMemory {
-    /// Size of the refused allocation, bytes.
-    pub bytes: u64,
+fn no_memory(bytes: u64) -> Error {
+    let problem = format!("there is no memory for {} MiB more", bytes.div_ceil(1 << 20));
+    let remedy = "take fewer frames or slopes, smaller pictures or a coarser first octave, or close other programs";
+    Error::new(ErrorKind::NoMemory, problem, remedy)
 }
 
-impl NoMemory {
-    fn of<T>(count: usize) -> Self {
-        Self { bytes: (count as u64).saturating_mul(size_of::<T>() as u64) }
-    }
-
-    fn unwind(self) -> ! {
-        // Not a panic: there is no bug, and the hook that prints panics is not called.
-        resume_unwind(Box::new(self))
-    }
+fn refused<T>(count: usize) -> ! {
+    let error = no_memory((count as u64).saturating_mul(size_of::<T>() as u64));
+    // Not a panic: there is no bug, and the hook that prints panics is not called.
+    resume_unwind(Box::new(error))
 }
 
-/// `count` zeros. Unwinds as [`NoMemory`] where the system refuses them.
+/// `count` zeros. Unwinds as an error of the kind [`ErrorKind::NoMemory`] where the system refuses them.
 pub fn zeroed<T: Zeroable>(count: usize) -> Vec<T> {
-    bytemuck::try_zeroed_vec(count).unwrap_or_else(|()| NoMemory::of::<T>(count).unwind())
+    bytemuck::try_zeroed_vec(count).unwrap_or_else(|()| refused::<T>(count))
 }
 
-/// An empty vector with room for `count` values. Unwinds as [`NoMemory`] where the system refuses it.
+/// An empty vector with room for `count` values. Unwinds as [`zeroed`] does where the system refuses it.
 pub fn with_capacity<T>(count: usize) -> Vec<T> {
     let mut values = Vec::new();
     match values.try_reserve_exact(count) {
         Ok(()) => values,
-        Err(_) => NoMemory::of::<T>(count).unwind(),
+        Err(_) => refused::<T>(count),
     }
 }
 
@@ -74,10 +65,10 @@ fn address_space_of(limits: &str) -> Option<u64> {
 /// Runs `work`; turns a refused allocation into an error.
 ///
 /// # Errors
-/// [`NoMemory`] where the system refused it memory.
-pub fn refusable<T>(work: impl FnOnce() -> T) -> Result<T, NoMemory> {
+/// The one of the allocation.
+pub fn refusable<T>(work: impl FnOnce() -> T) -> Result<T, Error> {
     // State that the work has changed halfway is its own, and dropped with it.
-    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.downcast::<NoMemory>() {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.downcast::<Error>() {
         Ok(refused) => *refused,
         Err(panic) => resume_unwind(panic),
     })
@@ -93,13 +84,13 @@ mod tests {
     fn what_is_refused_is_an_error_with_its_size() {
         // 2^40 pixels of 4 bytes are more than a process may address on any machine of today; so is what overflows.
         let side = 1 << 30;
-        assert_eq!(refusable(|| Plane::zeros(side, side)), Err(NoMemory { bytes: 1 << 62 }));
+        assert_eq!(refusable(|| Plane::zeros(side, side)), Err(no_memory(1 << 62)));
         assert!(refusable(|| Plane::from_fn(side, side, |_, _| 0.0)).is_err());
-        assert_eq!(refusable(|| Plane::zeros(usize::MAX, usize::MAX)), Err(NoMemory { bytes: u64::MAX }));
+        assert_eq!(refusable(|| Plane::zeros(usize::MAX, usize::MAX)), Err(no_memory(u64::MAX)));
         assert!(refusable(|| with_capacity::<u64>(usize::MAX)).is_err());
         assert_eq!(refusable(|| zeroed::<f32>(3)), Ok(vec![0.0; 3]));
         assert!(refusable(|| with_capacity::<u8>(9)).is_ok_and(|room| room.capacity() >= 9));
-        let words = NoMemory { bytes: 3 << 20 }.to_string();
+        let words = no_memory(3 << 20).to_string();
         assert!(words.contains("3 MiB"), "{words}");
     }
 
@@ -117,7 +108,7 @@ mod tests {
     #[test]
     fn it_comes_through_parallel_loops_and_panics_stay_panics() {
         let work = || (0..64usize).into_par_iter().map(|i| zeroed::<u8>(if i == 40 { 1 << 62 } else { i }).len()).sum();
-        assert_eq!(refusable::<usize>(work), Err(NoMemory { bytes: 1 << 62 }));
+        assert_eq!(refusable::<usize>(work), Err(no_memory(1 << 62)));
         let panic = catch_unwind(|| refusable(|| panic!("a mistake")));
         assert_eq!(panic.expect_err("a panic").downcast_ref::<&str>(), Some(&"a mistake"));
     }

@@ -22,7 +22,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane of zeros. Unwinds as [`memory::NoMemory`] where the system refuses the memory, as all constructors do.
+    /// A plane of zeros. Unwinds as [`memory::zeroed`] where the system refuses the memory, as all constructors do.
     pub fn zeros(width: usize, height: usize) -> Self {
         Self { width, height, data: Pixels::Own(memory::zeroed(width.saturating_mul(height))) }
     }

@@ -7,8 +7,9 @@ use super::noise::Camera;
 #[cfg(feature = "cli")]
 use super::options::{SNR_HELP, motions, parse_range, words};
 use super::truth::{FeatureTruth, Truth, TruthKind};
-use super::{Motion, SynthError, capture_burst, check_common, check_snr};
+use super::{Motion, capture_burst, check_common, check_snr};
 use crate::burst::Burst;
+use crate::error::Error;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::synth::random::Stream;
@@ -110,11 +111,11 @@ impl ChartParams {
     ///
     /// # Errors
     /// When contrast or SNR make no sense.
-    pub fn exposure(&self) -> Result<Exposure, SynthError> {
+    pub fn exposure(&self) -> Result<Exposure, Error> {
         if !(self.contrast.is_finite() && self.contrast > 0.0 && self.contrast <= 8.0)
             || (self.contrast - 1.0).abs() < 1e-3
         {
-            return Err(SynthError::param(
+            return Err(Error::param(
                 "contrast",
                 format!("{} as the ratio of disc to background", self.contrast),
                 "give a ratio above 0 and up to 8, other than 1",
@@ -133,22 +134,22 @@ impl ChartParams {
     ///
     /// # Errors
     /// The first one that makes no sense.
-    pub fn check(&self) -> Result<(), SynthError> {
+    pub fn check(&self) -> Result<(), Error> {
         check_snr(self.snr)?;
         check_common(self.width, self.height, self.frames, self.max_slope, self.read_noise, self.bits)?;
         let (smallest, largest) = (*self.radius.start(), *self.radius.end());
         if !(smallest.is_finite() && largest.is_finite() && smallest >= 0.5 && smallest <= largest) {
-            return Err(SynthError::param(
+            return Err(Error::param(
                 "radius",
                 format!("{smallest}:{largest}"),
                 "give MIN:MAX in pixels, at least 0.5, the smaller one first",
             ));
         }
         if self.discs > 100_000 {
-            return Err(SynthError::param("discs", self.discs.to_string(), "give at most 100000"));
+            return Err(Error::param("discs", self.discs.to_string(), "give at most 100000"));
         }
         if !(self.gap.is_finite() && self.gap >= 0.0) {
-            return Err(SynthError::param("gap", format!("{}", self.gap), "give 0 or more pixels"));
+            return Err(Error::param("gap", format!("{}", self.gap), "give 0 or more pixels"));
         }
         Ok(())
     }
@@ -157,8 +158,8 @@ impl ChartParams {
 /// Makes a chart and its truth.
 ///
 /// # Errors
-/// A parameter that makes no sense, more discs than fit, or [`SynthError::Cancelled`].
-pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Truth), SynthError> {
+/// A parameter that makes no sense, more discs than fit, or cancellation.
+pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
     params.check()?;
     let exposure = params.exposure()?;
     let features = place_discs(params, monitor)?;
@@ -207,7 +208,7 @@ pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
 }
 
 /// Draws positions, radii and slopes at random; large discs first, because they are hardest to place.
-fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTruth>, SynthError> {
+fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTruth>, Error> {
     let mut stream = Stream::new(params.seed, 0);
     let mut radii: Vec<f64> = (0..params.discs).map(|_| params.radius_law.draw(&params.radius, &mut stream)).collect();
     radii.sort_by(|a, b| b.total_cmp(a));
@@ -236,7 +237,7 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
             }
         }
         let Some((u, v, slope_u, slope_v)) = place else {
-            return Err(SynthError::param(
+            return Err(Error::param(
                 "discs",
                 format!("only {id} of {} discs fit into {}×{} pixels", params.discs, params.width, params.height),
                 "ask for fewer or smaller discs, smaller slopes or a larger image",
@@ -389,7 +390,7 @@ mod tests {
             let error = synth_chart(&params, &Monitor::default()).expect_err(name).to_string();
             assert!(error.starts_with(&format!("{name}: ")), "{error}");
         }
-        assert!(matches!(synth_chart(&small(), &Monitor::cancelled()), Err(SynthError::Cancelled(_))));
+        assert!(synth_chart(&small(), &Monitor::cancelled()).is_err_and(|error| error.is_cancelled()));
     }
 
     #[test]

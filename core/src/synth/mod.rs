@@ -11,7 +11,7 @@
 //! let params = ChartParams { width: 160, height: 120, discs: 4, frames: 3, ..ChartParams::default() };
 //! let (burst, truth) = synth_chart(&params, &Monitor::default())?;
 //! assert_eq!((burst.len(), truth.features.len()), (3, 4));
-//! # Ok::<(), burstscope_core::synth::SynthError>(())
+//! # Ok::<(), burstscope_core::Error>(())
 //! ```
 
 pub mod chart;
@@ -36,6 +36,7 @@ pub use scene::{SceneParams, synth_scene};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
 
 use crate::burst::Burst;
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use random::Stream;
@@ -54,31 +55,6 @@ pub enum Motion {
     TwoD,
 }
 
-/// Reason why there is no synthetic burst.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SynthError {
-    /// A parameter, or a combination of them, makes no sense.
-    #[error("{parameter}: {problem}; {remedy}")]
-    Param {
-        /// Name of the parameter to change, as on the command line without the dashes.
-        parameter: &'static str,
-        /// Problem with its value.
-        problem: String,
-        /// Suggested change.
-        remedy: String,
-    },
-    /// The work was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl SynthError {
-    /// Error that names a parameter, its problem and a remedy.
-    pub fn param(parameter: &'static str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self::Param { parameter, problem: problem.into(), remedy: remedy.into() }
-    }
-}
-
 /// Maximum number of pixels of a synthetic burst, over all its frames: 2^31, 8 GiB in memory.
 pub const MAX_PIXELS: u64 = 1 << 31;
 
@@ -86,7 +62,7 @@ pub const MAX_PIXELS: u64 = 1 << 31;
 /// read noise in electrons.
 ///
 /// # Errors
-/// [`SynthError::Param`] names the parameter and the range that it has.
+/// The parameter and the range that it has.
 pub fn check_common(
     width: usize,
     height: usize,
@@ -94,29 +70,29 @@ pub fn check_common(
     max_slope: f64,
     read_noise: f64,
     bits: u32,
-) -> Result<(), SynthError> {
+) -> Result<(), Error> {
     for (name, pixels) in [("width", width), ("height", height)] {
         if !(16..=32768).contains(&pixels) {
-            return Err(SynthError::param(name, format!("{pixels} pixels"), "give 16 to 32768"));
+            return Err(Error::param(name, format!("{pixels} pixels"), "give 16 to 32768"));
         }
     }
     if !(1..=4096).contains(&frames) {
-        return Err(SynthError::param("frames", format!("{frames} frames"), "give 1 to 4096"));
+        return Err(Error::param("frames", format!("{frames} frames"), "give 1 to 4096"));
     }
     let pixels = width as u64 * height as u64 * frames as u64;
     if pixels > MAX_PIXELS {
-        return Err(SynthError::param(
+        return Err(Error::param(
             "frames",
             format!("{frames} frames of {width}×{height} are {pixels} pixels, above the limit of {MAX_PIXELS}"),
             "make fewer or smaller frames",
         ));
     }
     if !(max_slope.is_finite() && max_slope >= 0.0) {
-        return Err(SynthError::param("max-slope", format!("{max_slope}"), "give 0 or more pixels per frame"));
+        return Err(Error::param("max-slope", format!("{max_slope}"), "give 0 or more pixels per frame"));
     }
     let span = 0.5 * (frames - 1) as f64 * max_slope;
     if 2.0 * span >= width.min(height) as f64 {
-        return Err(SynthError::param(
+        return Err(Error::param(
             "max-slope",
             format!("{max_slope} px/frame over {frames} frames moves things by {:.0} px, the whole image", 2.0 * span),
             "give a smaller slope, fewer frames or a larger image",
@@ -129,27 +105,23 @@ pub fn check_common(
 ///
 /// # Errors
 /// As [`check_common`].
-pub fn check_snr(snr: f64) -> Result<(), SynthError> {
+pub fn check_snr(snr: f64) -> Result<(), Error> {
     if snr == f64::INFINITY || (1e-6..=1e9).contains(&snr) {
         return Ok(());
     }
-    Err(SynthError::param(
-        "snr",
-        format!("{snr}"),
-        "give a ratio above 0, from 0.000001 to 1000000000, or inf for no noise",
-    ))
+    Err(Error::param("snr", format!("{snr}"), "give a ratio above 0, from 0.000001 to 1000000000, or inf for no noise"))
 }
 
 /// Checks the read noise (electrons) and the bits of a camera.
 ///
 /// # Errors
 /// As [`check_common`].
-pub fn check_camera(read_noise: f64, bits: u32) -> Result<(), SynthError> {
+pub fn check_camera(read_noise: f64, bits: u32) -> Result<(), Error> {
     if !(read_noise.is_finite() && read_noise >= 0.0) {
-        return Err(SynthError::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));
+        return Err(Error::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));
     }
     if !(4..=16).contains(&bits) {
-        return Err(SynthError::param("bits", format!("{bits} bits"), "give 4 to 16"));
+        return Err(Error::param("bits", format!("{bits} bits"), "give 4 to 16"));
     }
     Ok(())
 }

@@ -9,8 +9,9 @@
 //! standard deviation of one pixel in one frame at the mean `x` of the two levels: `σ² = (x·F + r²)/F² + q²/12` with
 //! the quantisation step `q`.
 
+use super::check_snr;
 use super::random::Stream;
-use super::{SynthError, check_snr};
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
@@ -46,7 +47,7 @@ impl Camera {
         read_noise_electrons: f64,
         black_level: f64,
         bits: u32,
-    ) -> Result<Self, SynthError> {
+    ) -> Result<Self, Error> {
         if snr == f64::INFINITY {
             return Ok(Self::noiseless(black_level));
         }
@@ -57,7 +58,7 @@ impl Camera {
         let rounding = quantisation_step(bits).powi(2) / 12.0;
         let rest = sigma * sigma - rounding;
         if rest <= 0.0 {
-            return Err(SynthError::param(
+            return Err(Error::param(
                 "snr",
                 format!("{snr} is out of reach: rounding to {bits} bits alone makes more noise"),
                 "give a lower ratio, more bits, or inf for no noise",

@@ -10,8 +10,9 @@ use super::options::{SNR_HELP, motions};
 use super::paint::{Area, fractal_relief};
 use super::random::Stream;
 use super::truth::{Truth, TruthKind};
-use super::{Motion, SynthError, capture_burst, check_common};
+use super::{Motion, capture_burst, check_common};
 use crate::burst::Burst;
+use crate::error::Error;
 use crate::monitor::Monitor;
 
 /// Parameters of a layered scene.
@@ -79,16 +80,16 @@ const CLEARANCE_SIGMAS: f64 = 5.0;
 /// Makes a layered scene and its truth: the layers' slopes, and the landmarks completely visible in every frame.
 ///
 /// # Errors
-/// A parameter that makes no sense, or [`SynthError::Cancelled`].
-pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Truth), SynthError> {
+/// A parameter that makes no sense, or cancellation.
+pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
     check_common(params.width, params.height, params.frames, params.max_slope, params.read_noise, params.bits)?;
     if !(1..=16).contains(&params.layers) {
-        return Err(SynthError::param("layers", format!("{} layers", params.layers), "give 1 to 16"));
+        return Err(Error::param("layers", format!("{} layers", params.layers), "give 1 to 16"));
     }
     let mut camera = Camera::for_snr(params.snr, BOARD, MARK, params.read_noise, 0.0, params.bits)?;
     camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(1.0 / 64.0);
     if camera.black_level + 3.0 * MARK > 1.0 {
-        return Err(SynthError::param(
+        return Err(Error::param(
             "snr",
             format!("{} makes the noise wider than full scale", params.snr),
             "give a ratio of 0.5 or more",
@@ -106,7 +107,7 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     Ok((burst, Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth }))
 }
 
-fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Result<Vec<Layer>, SynthError> {
+fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Result<Vec<Layer>, Error> {
     let mut stream = Stream::new(params.seed, 0);
     let mut layers = Vec::with_capacity(params.layers);
     for index in 0..params.layers {

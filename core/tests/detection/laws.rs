@@ -6,7 +6,7 @@
 
 use burstscope_core::detector::view::{dog_view, stack_view};
 use burstscope_core::detector::{
-    DetectError, Distinct, Method, NoiseGate, NoiseModelKind, Rules, Slope, SlopeExtrema, SlopeNeighbours,
+    Distinct, Method, NoiseGate, NoiseModelKind, Rules, Slope, SlopeExtrema, SlopeNeighbours,
 };
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{SceneParams, synth_scene};
@@ -292,7 +292,7 @@ fn a_cancelled_detection_has_no_result() {
     let monitor = Monitor::default();
     monitor.cancel();
     let result = detect(&two_slopes(1, 3), &plane_grid(), &monitor);
-    assert!(matches!(result, Err(DetectError::Cancelled(_))));
+    assert!(result.is_err_and(|error| error.is_cancelled()));
 }
 
 #[test]

@@ -3,9 +3,10 @@
 
 use burstscope_core::burst::{Burst, BurstFiles, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use burstscope_core::dataset::{
-    BurstEvent, CameraChoice, ColmapJob, ColmapReport, DatasetError, FeatureJob, FeatureStore, ImageKind, export_colmap,
+    BurstEvent, CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, export_colmap,
 };
 use burstscope_core::detector::DetectorParams;
+use burstscope_core::error::{Error, ErrorKind};
 use burstscope_core::export::{pair_id, read_colmap};
 use burstscope_core::matching::{Camera, Geometry, MatchParams, PairSelection};
 use burstscope_core::{Monitor, SlopeGrid};
@@ -51,7 +52,7 @@ pub fn job() -> ColmapJob {
 }
 
 /// Runs the job; also returns the names of bursts that failed.
-pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<ColmapReport, DatasetError>, Vec<String>) {
+pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<ColmapReport, Error>, Vec<String>) {
     let mut failed = Vec::new();
     let mut on = |event: BurstEvent<'_>| {
         if let BurstEvent::Failed(index, _) = event {
@@ -337,7 +338,7 @@ fn an_interrupted_run_is_continued() {
     let mut store = FeatureStore::open(&out, &job().features).expect("a new folder");
     let stopped = export_colmap(&mut store, &bursts, &job(), &mut on, &monitor);
     drop(store);
-    assert!(matches!(stopped, Err(DatasetError::Cancelled(_))), "{stopped:?}");
+    assert!(stopped.as_ref().is_err_and(|error| error.is_cancelled()), "{stopped:?}");
     assert!(!out.join("database.db").exists());
     assert_eq!(resumed(&done(&bursts, &out, &job())), [true, false, false]);
 }
@@ -351,12 +352,12 @@ fn a_broken_burst_is_left_out_and_a_foreign_folder_left_alone() {
     let report = report.expect("written");
     assert_eq!((failed, report.images.len(), report.pairs.len()), (vec!["frame_007".to_owned()], 2, 1));
     let (too_few, _) = export(&bursts[..1], &home.path().join("one"), &job());
-    assert!(matches!(too_few, Err(DatasetError::TooFew(1))));
+    assert!(too_few.is_err_and(|error| error.problem.starts_with("1 bursts have features")));
     let own = home.path().join("own");
     fs::create_dir(&own).expect("made");
     fs::write(own.join("thesis.txt"), "precious").expect("written");
     let (occupied, _) = export(&bursts, &own, &job());
-    assert!(matches!(occupied, Err(DatasetError::Occupied(_))));
+    assert!(occupied.is_err_and(|error| error.kind == ErrorKind::InTheWay));
     assert_eq!(fs::read_dir(&own).expect("a folder").count(), 1);
 }
 

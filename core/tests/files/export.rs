@@ -3,10 +3,10 @@
 use burstscope_core::detector::{
     Descriptor, Detection, DetectorParams, Feature, Quantity, Slope, SlopeGrid, StageTimes, Tally,
 };
+use burstscope_core::error::ErrorKind;
 use burstscope_core::export::{
-    ColourBar, ExportError, ExportFormat, FigureMark, FigureOptions, FigurePanel, LegendEntry, Picture, feature_header,
-    lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz, write_png,
-    write_tiff,
+    ColourBar, ExportFormat, FigureMark, FigureOptions, FigurePanel, LegendEntry, Picture, feature_header, lay_out,
+    read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz, write_png, write_tiff,
 };
 use burstscope_core::{Burst, Plane};
 use ndarray::Array2;
@@ -129,7 +129,7 @@ fn csv_errors_name_the_file_and_the_line() {
     bytes[last_line] = 0xff;
     fs::write(&path, bytes).expect("written");
     let error = read_features_csv(&path).expect_err("not text");
-    assert!(matches!(error, ExportError::Text { line: 3, .. }), "{error}");
+    assert!(error.problem.starts_with("line 3: "), "{error}");
     assert!(error.to_string().contains("a.csv"), "{error}");
 }
 
@@ -222,7 +222,7 @@ fn a_plane_survives_as_tiff_and_opens_as_a_burst() {
     let burst = Burst::open(&path).expect("opens");
     assert_eq!(*burst.frames[0], plane);
     let error = write_tiff(&path, &Plane::zeros(0, 5)).expect_err("no pixels");
-    assert!(matches!(error, ExportError::Size { width: 0, height: 5, .. }), "{error}");
+    assert!(error.problem.contains("0×5"), "{error}");
     assert!(Burst::open(&path).is_ok(), "the file that was there is untouched");
 }
 
@@ -235,7 +235,7 @@ fn png_keeps_every_byte() {
     assert_eq!(image::open(&path).expect("opens").into_rgba8().into_raw(), pixels);
     write_png(&path, Picture::rgb(5, 4, &pixels)).expect("written");
     assert_eq!(image::open(&path).expect("opens").into_rgb8().into_raw(), pixels);
-    assert!(matches!(write_png(&path, Picture::rgb(0, 0, &[])), Err(ExportError::Size { .. })));
+    assert!(write_png(&path, Picture::rgb(0, 0, &[])).is_err_and(|error| error.problem.contains("0×0")));
 }
 
 /// The attribute as a number.
@@ -425,7 +425,7 @@ fn what_cannot_be_written_leaves_everything_as_it_was() {
     // A file in place of the folder.
     fs::write(folder.path().join("file"), "precious").expect("written");
     let error = write_detection(&folder.path().join("file"), "a", &detection, &[ExportFormat::Npz]);
-    assert!(matches!(error, Err(ExportError::Write { .. })), "{error:?}");
+    assert!(error.as_ref().is_err_and(|error| error.kind == ErrorKind::Unwritten), "{error:?}");
     assert_eq!(fs::read(folder.path().join("file")).expect("read"), b"precious");
     assert_eq!(names(folder.path()), ["a.csv", "file"]);
 }

@@ -20,10 +20,11 @@
 
 use super::chart::{ChartSummary, LookedChart};
 use super::statistics::{Errors, quantile};
-use super::{EvaluateError, check_lists, run_jobs};
+use super::{check_lists, run_jobs};
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::inspect::score::{Ranking, judge};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
@@ -106,8 +107,8 @@ impl AccuracyStudy {
     /// Makes the charts, searches them and compares the features with the truth.
     ///
     /// # Errors
-    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
-    pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport, EvaluateError> {
+    /// A parameter of study, chart or detector that makes no sense, or cancellation.
+    pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport, Error> {
         self.run_telling(monitor, &|_| {})
     }
 
@@ -120,7 +121,7 @@ impl AccuracyStudy {
         &self,
         monitor: &Monitor,
         tell: &(dyn Fn(AccuracyReport) + Sync),
-    ) -> Result<AccuracyReport, EvaluateError> {
+    ) -> Result<AccuracyReport, Error> {
         check_lists(&self.snrs, self.seeds)?;
         let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
         let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..self.snrs.len()).map(move |row| (row, seed))).collect();
@@ -151,7 +152,7 @@ impl AccuracyStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart, EvaluateError> {
+    pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart, Error> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let detection = detect(&burst, &self.detector, monitor)?;
         let judged = judge(&detection.features, &truth, Ranking::Strength);

@@ -7,11 +7,12 @@
 
 use super::methods::{BurstMethod, Searches, slopes_of};
 use super::statistics::Mean;
-use super::{EvaluateError, check_lists, motion_name, run_jobs};
+use super::{check_lists, motion_name, run_jobs};
 use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::{Detection, DetectorParams, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::inspect::score::{Curve, Judged, Ranking, judge, mean_curve};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
@@ -98,18 +99,14 @@ impl ChartStudy {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), EvaluateError> {
+    pub(super) fn check(&self) -> Result<(), Error> {
         check_lists(&self.snrs, self.seeds)?;
         if self.methods.is_empty() {
-            return Err(EvaluateError::param(
-                "methods",
-                "none is given",
-                "give one or more, such as sift-mean,buff-1d",
-            ));
+            return Err(Error::param("methods", "none is given", "give one or more, such as sift-mean,buff-1d"));
         }
         if !(0.0..=1.0).contains(&self.false_fraction) {
             let remedy = "give a share from 0 to 1, such as 0.1";
-            return Err(EvaluateError::param("false-fraction", self.false_fraction.to_string(), remedy));
+            return Err(Error::param("false-fraction", self.false_fraction.to_string(), remedy));
         }
         for &method in &self.methods {
             self.searches().params(method).validate_for(self.chart.frames, (self.chart.width, self.chart.height))?;
@@ -141,8 +138,8 @@ impl ChartStudy {
     /// Makes the charts, runs the methods and scores their features.
     ///
     /// # Errors
-    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
-    pub fn run(&self, monitor: &Monitor) -> Result<ChartReport, EvaluateError> {
+    /// A parameter of study, chart or detector that makes no sense, or cancellation.
+    pub fn run(&self, monitor: &Monitor) -> Result<ChartReport, Error> {
         self.run_telling(monitor, &|_| {})
     }
 
@@ -152,11 +149,7 @@ impl ChartStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn run_telling(
-        &self,
-        monitor: &Monitor,
-        tell: &(dyn Fn(ChartReport) + Sync),
-    ) -> Result<ChartReport, EvaluateError> {
+    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(ChartReport) + Sync)) -> Result<ChartReport, Error> {
         self.check()?;
         let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
         let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..self.snrs.len()).map(move |row| (row, seed))).collect();
@@ -168,7 +161,7 @@ impl ChartStudy {
                 steps.done();
                 Ok(self.score(method, seed, &detection, &truth))
             };
-            let scores = self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, EvaluateError>>()?;
+            let scores = self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, Error>>()?;
             let chart = FinishedChart { row, seed, scores };
             let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
             so_far.push(chart.clone());
@@ -182,13 +175,7 @@ impl ChartStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn look(
-        &self,
-        snr: f64,
-        seed: u64,
-        method: BurstMethod,
-        monitor: &Monitor,
-    ) -> Result<LookedChart, EvaluateError> {
+    pub fn look(&self, snr: f64, seed: u64, method: BurstMethod, monitor: &Monitor) -> Result<LookedChart, Error> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let Searched { detection, .. } = self.searches().search(method, &burst, monitor)?;
         let judged = judge(&detection.features, &truth, self.ranking);

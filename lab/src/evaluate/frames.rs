@@ -5,8 +5,9 @@
 //! [`super::BurstFramesStudy`].
 
 use super::chart::{ChartReport, ChartStudy, ChartSummary, ComparisonSetup, MethodReport};
-use super::{EvaluateError, check_lists};
+use super::check_lists;
 use crate::synth::ChartParams;
+use burstscope_core::error::Error;
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 
@@ -66,14 +67,14 @@ impl FramesStudy {
         ChartStudy { chart: ChartParams { frames, ..self.charts.chart.clone() }, ..self.charts.clone() }
     }
 
-    fn check(&self) -> Result<(), EvaluateError> {
+    fn check(&self) -> Result<(), Error> {
         check_lists(&self.charts.snrs, self.charts.seeds)?;
         if self.charts.snrs.len() > 1 {
             let problem = format!("{} ratios", self.charts.snrs.len());
-            return Err(EvaluateError::param("snr", problem, "give one; the number of frames is what changes"));
+            return Err(Error::param("snr", problem, "give one; the number of frames is what changes"));
         }
         if self.frame_counts.is_empty() {
-            return Err(EvaluateError::param("frame-counts", "none is given", "give one or more, such as 2,5,10"));
+            return Err(Error::param("frame-counts", "none is given", "give one or more, such as 2,5,10"));
         }
         // The last number is checked before the first one is run.
         self.counts().into_iter().try_for_each(|frames| self.charts_of(frames).check())
@@ -82,8 +83,8 @@ impl FramesStudy {
     /// Makes the charts of every number of frames, runs the methods and scores their features.
     ///
     /// # Errors
-    /// A parameter of study, chart or detector that makes no sense, or [`EvaluateError::Cancelled`].
-    pub fn run(&self, monitor: &Monitor) -> Result<FramesReport, EvaluateError> {
+    /// A parameter of study, chart or detector that makes no sense, or cancellation.
+    pub fn run(&self, monitor: &Monitor) -> Result<FramesReport, Error> {
         self.run_telling(monitor, &|_| {})
     }
 
@@ -92,11 +93,7 @@ impl FramesStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn run_telling(
-        &self,
-        monitor: &Monitor,
-        tell: &(dyn Fn(FramesReport) + Sync),
-    ) -> Result<FramesReport, EvaluateError> {
+    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(FramesReport) + Sync)) -> Result<FramesReport, Error> {
         self.check()?;
         let counts = self.counts();
         // A chart of twice as many frames takes about twice as long.
@@ -192,6 +189,6 @@ mod tests {
         }
         let monitor = Monitor::default();
         monitor.cancel();
-        assert!(matches!(small().run(&monitor), Err(EvaluateError::Cancelled(_))));
+        assert!(small().run(&monitor).is_err_and(|error| error.is_cancelled()));
     }
 }

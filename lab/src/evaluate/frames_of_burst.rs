@@ -7,12 +7,12 @@
 //! Where the truth is known, discs found and false features are counted as well, and with a second burst the matches
 //! between the two.
 
-use super::EvaluateError;
 use crate::synth::{FeatureTruth, Truth, TruthKind};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::slopes::resolve;
 use burstscope_core::detector::{Detection, DetectorParams, Feature, FrameRange, SearchParams, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::inspect::score::{Ranking, judge_by_discs};
 use burstscope_core::matching::{MatchCounts, MatchParams, match_detections};
 use burstscope_core::monitor::{Monitor, Stage};
@@ -80,7 +80,7 @@ struct Searched<'a> {
 }
 
 impl<'a> Searched<'a> {
-    fn new(burst: &'a Burst, search: &SearchParams, monitor: &Monitor) -> Result<Self, EvaluateError> {
+    fn new(burst: &'a Burst, search: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
         let (params, _) = resolve(burst, search, monitor)?;
         params.validate_for(burst.len(), burst.size())?;
         let frames = params.frames.map_or(0..burst.len(), |range| range.start..range.end);
@@ -91,7 +91,7 @@ impl<'a> Searched<'a> {
         self.frames.start + (self.frames.len() - count) / 2
     }
 
-    fn middle(&self, count: usize, monitor: &Monitor) -> Result<Detection, EvaluateError> {
+    fn middle(&self, count: usize, monitor: &Monitor) -> Result<Detection, Error> {
         let start = self.first_of(count);
         let frames = Some(FrameRange { start, end: start + count });
         Ok(detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)?)
@@ -109,14 +109,14 @@ impl BurstFramesStudy {
     ///
     /// # Errors
     /// A parameter that makes no sense for a burst, a truth of another number of frames, or
-    /// [`EvaluateError::Cancelled`].
+    /// cancellation.
     pub fn run(
         &self,
         burst: &Burst,
         second: Option<&Burst>,
         truth: Option<&Truth>,
         monitor: &Monitor,
-    ) -> Result<BurstFramesReport, EvaluateError> {
+    ) -> Result<BurstFramesReport, Error> {
         self.run_telling(burst, second, truth, monitor, &|_| {})
     }
 
@@ -131,11 +131,11 @@ impl BurstFramesStudy {
         truth: Option<&Truth>,
         monitor: &Monitor,
         tell: &(dyn Fn(BurstFramesReport) + Sync),
-    ) -> Result<BurstFramesReport, EvaluateError> {
+    ) -> Result<BurstFramesReport, Error> {
         self.matching.validate()?;
         if let Some(truth) = truth.filter(|truth| truth.frames != burst.len()) {
             let problem = format!("truth.json is of {} frames, but the burst has {}", truth.frames, burst.len());
-            return Err(EvaluateError::param("frames", problem, "put back the frames that were taken away"));
+            return Err(Error::param("frames", problem, "put back the frames that were taken away"));
         }
         let silent = monitor.silent();
         monitor.report(Stage::Evaluate, 0.0);
@@ -164,7 +164,7 @@ impl BurstFramesStudy {
                 None => None,
                 Some(second) => {
                     let other = second.middle(count, &silent)?;
-                    Some(match_detections(&found, &other, &self.matching, &silent).map_err(EvaluateError::from)?.counts)
+                    Some(match_detections(&found, &other, &self.matching, &silent)?.counts)
                 }
             };
             report.rows.push(row(&first, count, (&found, &all), truth, matches));
@@ -176,17 +176,17 @@ impl BurstFramesStudy {
     }
 
     /// The numbers of frames in ascending order, for a burst of `frames` frames.
-    fn counts(&self, frames: usize) -> Result<Vec<usize>, EvaluateError> {
+    fn counts(&self, frames: usize) -> Result<Vec<usize>, Error> {
         if frames < 2 {
             let remedy = "name a burst of 2 frames or more";
-            return Err(EvaluateError::param("frames", format!("{frames} is all there is"), remedy));
+            return Err(Error::param("frames", format!("{frames} is all there is"), remedy));
         }
         let mut counts = if self.frame_counts.is_empty() { (2..=frames).collect() } else { self.frame_counts.clone() };
         counts.sort_unstable();
         counts.dedup();
         if let Some(count) = counts.iter().find(|count| !(2..=frames).contains(*count)) {
             let remedy = "give numbers from 2 to the number of frames of the burst";
-            return Err(EvaluateError::param("frame-counts", format!("{count} of {frames} frames"), remedy));
+            return Err(Error::param("frame-counts", format!("{count} of {frames} frames"), remedy));
         }
         Ok(counts)
     }
@@ -356,6 +356,6 @@ mod tests {
         assert!(fails(&study, Some(&other)).contains("truth.json is of 5 frames, but the burst has 4"));
         let monitor = Monitor::default();
         monitor.cancel();
-        assert!(matches!(study.run(&burst, None, None, &monitor), Err(EvaluateError::Cancelled(_))));
+        assert!(study.run(&burst, None, None, &monitor).is_err_and(|error| error.is_cancelled()));
     }
 }

@@ -10,10 +10,10 @@
 //! counted against a geometry that was found with the same matches, which favours a method with few matches: some
 //! always agree on some geometry. This column does not.
 
-use super::EvaluateError;
 use super::methods::{BurstMethod, Searches};
 use burstscope_core::burst::Burst;
-use burstscope_core::detector::{Descriptor, DetectError, Detection, DetectorParams, SlopeGrid};
+use burstscope_core::detector::{Descriptor, Detection, DetectorParams, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::matching::{
     Geometry, ImageCounts, MatchCounts, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
     match_features,
@@ -73,23 +73,23 @@ impl Features {
 }
 
 impl MatchStudy {
-    fn check(&self, bursts: usize) -> Result<(), EvaluateError> {
+    fn check(&self, bursts: usize) -> Result<(), Error> {
         self.matching.validate()?;
         if self.methods.is_empty() {
             let remedy = "give one or more, such as sift-merge,buff-1d";
-            return Err(EvaluateError::param("methods", "none is given", remedy));
+            return Err(Error::param("methods", "none is given", remedy));
         }
         if self.methods.contains(&BurstMethod::Gold) && !self.has_gold {
             let remedy = "give --gold, or --snr to make noisy bursts of sharp ones; or leave it out";
-            return Err(EvaluateError::param("methods", "the gold standard needs sharp images", remedy));
+            return Err(Error::param("methods", "the gold standard needs sharp images", remedy));
         }
         if self.matching.geometry == Geometry::None {
             let remedy = "give fundamental, essential or homography";
-            return Err(EvaluateError::param("geometry", "inliers are those of a geometry", remedy));
+            return Err(Error::param("geometry", "inliers are those of a geometry", remedy));
         }
         if bursts < 2 {
             let remedy = "name a folder of bursts, or cut a long sequence with --burst-length";
-            return Err(EvaluateError::param("pairs", format!("{bursts} bursts make no pair"), remedy));
+            return Err(Error::param("pairs", format!("{bursts} bursts make no pair"), remedy));
         }
         Ok(())
     }
@@ -98,8 +98,8 @@ impl MatchStudy {
     /// burst k; sharp ones are requested only if there are any. One burst is held in memory at a time.
     ///
     /// # Errors
-    /// A parameter that makes no sense, an error of `open`, or [`EvaluateError::Cancelled`].
-    pub fn run<E: From<EvaluateError>>(
+    /// A parameter that makes no sense, an error of `open`, or cancellation.
+    pub fn run<E: From<Error>>(
         &self,
         names: &[String],
         mut open: impl FnMut(usize, Shot) -> Result<Burst, E>,
@@ -152,8 +152,8 @@ impl MatchStudy {
             let of_pair = |&(a, b): &(usize, usize)| {
                 match_features(features[a].side(), features[b].side(), &self.matching, &monitor.silent())
             };
-            let found: Result<Vec<MatchResult>, DetectError> = pairs.par_iter().map(of_pair).collect();
-            results.push(found.map_err(EvaluateError::from)?);
+            let found: Result<Vec<MatchResult>, Error> = pairs.par_iter().map(of_pair).collect();
+            results.push(found?);
             step();
         }
         let gold = methods.iter().position(|m| *m == BurstMethod::Gold);

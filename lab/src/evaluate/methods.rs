@@ -1,11 +1,11 @@
 //! The methods to features that are compared: one frame, two merges, the burst search over a line of slopes, over a
 //! plane of slopes and over slopes found for each burst, and a sharp image as gold standard.
 
-use super::EvaluateError;
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::{Searched, detect, search};
 use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 
@@ -118,8 +118,8 @@ impl Searches<'_> {
     /// Runs `method` on `burst`.
     ///
     /// # Errors
-    /// [`EvaluateError::Detector`] for parameters that make no sense, [`EvaluateError::Cancelled`].
-    pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched, EvaluateError> {
+    /// Parameters that make no sense, or cancellation.
+    pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched, Error> {
         let detector = self.params(method);
         let slopes = match method {
             BurstMethod::BuffAuto => SlopeChoice::Auto { direction_deg: self.direction_deg },
@@ -127,7 +127,7 @@ impl Searches<'_> {
         };
         let params = SearchParams { detector, slopes };
         if method != BurstMethod::SiftMean {
-            return Ok(search(burst, &params, monitor)?);
+            return search(burst, &params, monitor);
         }
         let params = params.detector;
         // SIFT uses one frame; the mean is of all frames that the burst search would use.

@@ -40,59 +40,11 @@ pub use matches::{MatchReport, MatchStudy, Shot};
 pub use methods::{BurstMethod, Searches, slopes_of};
 pub use pure_noise::{NoiseReport, NoiseStudy};
 
-use crate::synth::{Motion, SynthError};
-use burstscope_core::detector::{DetectError, ParamError};
-use burstscope_core::monitor::{Cancelled, Monitor, Stage};
+use crate::synth::Motion;
+use burstscope_core::error::Error;
+use burstscope_core::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Reason why a study has no report.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum EvaluateError {
-    /// A parameter of the study makes no sense.
-    #[error("{parameter}: {problem}; {remedy}")]
-    Param {
-        /// Name of the parameter to change, as on the command line without the dashes.
-        parameter: &'static str,
-        /// Problem with its value.
-        problem: String,
-        /// Suggested change.
-        remedy: &'static str,
-    },
-    /// The charts cannot be made.
-    #[error(transparent)]
-    Synth(SynthError),
-    /// The detector's parameters make no sense.
-    #[error(transparent)]
-    Detector(#[from] ParamError),
-    /// The study was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl From<SynthError> for EvaluateError {
-    fn from(error: SynthError) -> Self {
-        match error {
-            SynthError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Synth(other),
-        }
-    }
-}
-
-impl From<DetectError> for EvaluateError {
-    fn from(error: DetectError) -> Self {
-        match error {
-            DetectError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            DetectError::Param(param) => Self::Detector(param),
-        }
-    }
-}
-
-impl EvaluateError {
-    fn param(parameter: &'static str, problem: impl Into<String>, remedy: &'static str) -> Self {
-        Self::Param { parameter, problem: problem.into(), remedy }
-    }
-}
 
 /// Name of a motion, as on the command line.
 pub fn motion_name(motion: Motion) -> &'static str {
@@ -102,12 +54,12 @@ pub fn motion_name(motion: Motion) -> &'static str {
     }
 }
 
-fn check_lists(snrs: &[f64], seeds: u64) -> Result<(), EvaluateError> {
+fn check_lists(snrs: &[f64], seeds: u64) -> Result<(), Error> {
     if snrs.is_empty() {
-        return Err(EvaluateError::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
+        return Err(Error::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
     }
     if seeds == 0 {
-        return Err(EvaluateError::param("seeds", "0 charts", "give 1 or more"));
+        return Err(Error::param("seeds", "0 charts", "give 1 or more"));
     }
     Ok(())
 }
@@ -136,15 +88,15 @@ fn run_jobs<J: Sync, R: Send>(
     jobs: &[J],
     steps_per_job: usize,
     monitor: &Monitor,
-    f: impl Fn(&J, &Monitor, &Steps<'_>) -> Result<R, EvaluateError> + Sync,
-) -> Result<Vec<R>, EvaluateError> {
+    f: impl Fn(&J, &Monitor, &Steps<'_>) -> Result<R, Error> + Sync,
+) -> Result<Vec<R>, Error> {
     let steps = Steps { monitor, finished: AtomicUsize::new(0), total: jobs.len() * steps_per_job };
     let silent = monitor.silent();
     monitor.report(Stage::Evaluate, 0.0);
     let mut results = Vec::with_capacity(jobs.len());
     for group in jobs.chunks(rayon::current_num_threads()) {
         monitor.check()?;
-        let answers: Vec<Result<R, EvaluateError>> =
+        let answers: Vec<Result<R, Error>> =
             group.par_iter().with_max_len(1).map(|job| f(job, &silent, &steps)).collect();
         for answer in answers {
             results.push(answer?);
@@ -179,7 +131,7 @@ mod tests {
     fn the_first_failure_in_order_is_the_answer_and_cancelling_ends_it() {
         let jobs: Vec<usize> = (0..40).collect();
         let fail = |&job: &usize, _: &Monitor, _: &Steps<'_>| {
-            if job % 7 == 5 { Err(EvaluateError::param("seeds", format!("{job}"), "none")) } else { Ok(()) }
+            if job % 7 == 5 { Err(Error::param("seeds", format!("{job}"), "none")) } else { Ok(()) }
         };
         let error = run_jobs(&jobs, 1, &Monitor::default(), fail).expect_err("job 5 fails");
         assert_eq!(error.to_string(), "seeds: 5; none");
@@ -190,6 +142,6 @@ mod tests {
             }
             Ok(monitor.check()?)
         });
-        assert!(matches!(cancelled, Err(EvaluateError::Cancelled(_))));
+        assert!(cancelled.is_err_and(|error| error.is_cancelled()));
     }
 }

@@ -5,7 +5,7 @@
 //! is false. The noise gate promises at most one of them in a million pixels of the image, for any noise and any number
 //! of slopes searched.
 
-use super::{EvaluateError, run_jobs};
+use super::run_jobs;
 use crate::synth::NoiseCase;
 use crate::synth::noise::{quantisation_step, quantised_word};
 use crate::synth::random::Stream;
@@ -13,6 +13,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::noise::gate_factor;
 use burstscope_core::detector::{DetectorParams, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
 use serde::Serialize;
@@ -152,43 +153,43 @@ pub struct NoiseCount {
 }
 
 impl NoiseStudy {
-    fn check(&self) -> Result<(), EvaluateError> {
+    fn check(&self) -> Result<(), Error> {
         for level in &self.levels {
             if !(level.sigma.is_finite() && level.sigma > 0.0 && level.sigma <= 0.1) {
                 let remedy =
                     "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
-                return Err(EvaluateError::param("sigma", level.sigma.to_string(), remedy));
+                return Err(Error::param("sigma", level.sigma.to_string(), remedy));
             }
             if !(level.mean > 0.0 && level.mean < 1.0) {
                 let remedy = "give a level between 0 and 1";
-                return Err(EvaluateError::param("case_level", level.mean.to_string(), remedy));
+                return Err(Error::param("case_level", level.mean.to_string(), remedy));
             }
             if level.bits.is_some() && level.case != NoiseCase::White {
                 let remedy = "round white noise only";
-                return Err(EvaluateError::param("bits", format!("{:?} of {}", level.bits, level.case.name()), remedy));
+                return Err(Error::param("bits", format!("{:?} of {}", level.bits, level.case.name()), remedy));
             }
             if level.bits.is_some_and(|bits| !(4..=16).contains(&bits)) {
-                return Err(EvaluateError::param("bits", format!("{:?}", level.bits), "give 4 to 16"));
+                return Err(Error::param("bits", format!("{:?}", level.bits), "give 4 to 16"));
             }
         }
         if self.levels.is_empty() || self.searches.is_empty() {
-            return Err(EvaluateError::param("sigma", "no noise or no search is given", "give one or more"));
+            return Err(Error::param("sigma", "no noise or no search is given", "give one or more"));
         }
         let pixels = self.width as f64 * self.height as f64;
         if !(16..=32768).contains(&self.width) || !(16..=32768).contains(&self.height) || pixels > 1e8 {
             let problem = format!("{}×{} pixels", self.width, self.height);
-            return Err(EvaluateError::param("width", problem, "give 16 to 32768 a side, 100 million at most"));
+            return Err(Error::param("width", problem, "give 16 to 32768 a side, 100 million at most"));
         }
         if !(1..=4096).contains(&self.frames) || pixels * self.frames as f64 > 2e9 {
             let problem = format!("{} frames of {}×{}", self.frames, self.width, self.height);
-            return Err(EvaluateError::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
+            return Err(Error::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
         }
         if self.seeds.is_some_and(|seeds| !(1..=1_000_000).contains(&seeds)) {
-            return Err(EvaluateError::param("seeds", format!("{:?}", self.seeds), "give 1 to a million"));
+            return Err(Error::param("seeds", format!("{:?}", self.seeds), "give 1 to a million"));
         }
         if !(self.megapixels > 0.0 && self.megapixels <= 1e6) {
             let remedy = "give millions of pixels, above 0 and up to a million";
-            return Err(EvaluateError::param("megapixels", self.megapixels.to_string(), remedy));
+            return Err(Error::param("megapixels", self.megapixels.to_string(), remedy));
         }
         for search in &self.searches {
             search.detector.validate_for(self.frames, (self.width, self.height))?;
@@ -199,8 +200,8 @@ impl NoiseStudy {
     /// Makes the bursts, searches them and counts the features.
     ///
     /// # Errors
-    /// A parameter of study or detector that makes no sense, or [`EvaluateError::Cancelled`].
-    pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport, EvaluateError> {
+    /// A parameter of study or detector that makes no sense, or cancellation.
+    pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport, Error> {
         self.check()?;
         let burst_megapixels = (self.width * self.height) as f64 * 1e-6;
         let bursts = self.seeds.unwrap_or((self.megapixels / burst_megapixels).ceil().max(1.0) as usize);
@@ -216,7 +217,7 @@ impl NoiseStudy {
                 steps.done();
                 Ok((detection.features.len(), f64::from(detection.frame_noise)))
             };
-            self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>, EvaluateError>>()
+            self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>, Error>>()
         })?;
         let megapixels = bursts as f64 * burst_megapixels;
         let row = |(&level, found): (&NoiseLevel, &[Vec<(usize, f64)>])| NoiseRow {
@@ -269,7 +270,7 @@ fn noise_burst(
     frames: usize,
     seed: u64,
     monitor: &Monitor,
-) -> Result<Burst, EvaluateError> {
+) -> Result<Burst, Error> {
     if level.case != NoiseCase::White {
         return Ok(level.case.burst_at(level.mean, size, frames, level.sigma, seed, monitor)?);
     }

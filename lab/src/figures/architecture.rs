@@ -2,11 +2,12 @@
 
 use super::drawing::{Panel, stretched};
 use super::record::Pieces;
-use super::{FigureSize, FiguresError, Made, MakeFigure};
+use super::{FigureSize, Made, MakeFigure};
 use crate::synth::demo_burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::view::{dog_view, stack_view};
 use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::export::sheet::{Anchor, Area, INK, RED, Sheet, short};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -54,7 +55,7 @@ struct Response {
 }
 
 impl MakeFigure for Architecture {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
         let silent = monitor.silent();
         let burst = demo_burst();
         let detection = detect(&burst, &self.detector, &silent)?;
@@ -161,7 +162,7 @@ impl Architecture {
         burst: &burstscope_core::burst::Burst,
         feature: &Feature,
         monitor: &Monitor,
-    ) -> Result<Response, FiguresError> {
+    ) -> Result<Response, Error> {
         let grid = self.detector.slopes;
         let slopes: Vec<f32> = (0..grid.u.count).map(|index| grid.u.value(index as f32)).collect();
         let levels = self.detector.levels as i32;

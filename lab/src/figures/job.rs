@@ -1,8 +1,9 @@
 //! Making figures one after the other into a folder, and the page that shows all figures there.
 
 use super::record::{FigureRecord, KeptFigure, Pieces, begin, check_folder, read_record};
-use super::{FigureSize, FiguresError, Made, PaperFigure};
-use burstscope_core::export::{Escaped, ExportError, MadeFrom, OutputRules, Record, Records, write_text, write_whole};
+use super::{FigureSize, Made, PaperFigure};
+use burstscope_core::error::Error;
+use burstscope_core::export::{Escaped, MadeFrom, OutputRules, Record, Records, write_text, write_whole};
 use burstscope_core::files::lock::FolderLock;
 use burstscope_core::files::mark::{Checksum, Kind, sealed};
 use burstscope_core::monitor::Monitor;
@@ -84,10 +85,10 @@ impl FiguresJob {
     /// Makes the figures that are not finished yet, and the page. `on` is called with every event.
     ///
     /// # Errors
-    /// See [`FiguresError`]. Files are written completely or not at all; finished figures stay finished.
-    pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport, FiguresError> {
+    /// A study, a file or COLMAP fails, or cancellation. Files are written completely or not at all; finished figures stay finished.
+    pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport, Error> {
         check_folder(&self.out)?;
-        let lock = FolderLock::take(&self.out).map_err(ExportError::from)?;
+        let lock = FolderLock::take(&self.out)?;
         begin(&self.out)?;
         let pieces = Pieces::of(&self.out);
         let wanted = self.wanted();
@@ -103,7 +104,7 @@ impl FiguresJob {
             on(FiguresEvent::Done(&report));
             figures.push(report);
         }
-        lock.check().map_err(ExportError::from)?;
+        lock.check()?;
         let page = write_page(&self.out, self.size)?;
         Ok(FiguresReport { page, size: self.size, figures })
     }
@@ -115,7 +116,7 @@ impl FiguresJob {
         pieces: &Pieces,
         lock: &FolderLock,
         monitor: &Monitor,
-    ) -> Result<FigureReport, FiguresError> {
+    ) -> Result<FigureReport, Error> {
         let maker = figure.maker(self.size, self.colmap.as_deref());
         let made_from = MadeFrom::new(format!("{maker:?}"));
         let kept = read_record(&self.out, figure).filter(|record| record.made_from == made_from);
@@ -126,7 +127,7 @@ impl FiguresJob {
                 let started = Instant::now();
                 let made = maker.make(pieces, monitor)?;
                 monitor.check()?;
-                lock.check().map_err(ExportError::from)?;
+                lock.check()?;
                 self.write(figure, made, made_from, started.elapsed().as_secs_f64())?
             }
         };
@@ -135,13 +136,7 @@ impl FiguresJob {
         Ok(FigureReport { figure, files, notes, resumed, seconds })
     }
 
-    fn write(
-        &self,
-        figure: PaperFigure,
-        made: Made,
-        made_from: MadeFrom,
-        seconds: f64,
-    ) -> Result<FigureRecord, FiguresError> {
+    fn write(&self, figure: PaperFigure, made: Made, made_from: MadeFrom, seconds: f64) -> Result<FigureRecord, Error> {
         let records = Records::of(&self.out);
         let earlier = records.read::<KeptFigure>(figure.name()).map(|record| record.of);
         let mut earlier = earlier.map_or_else(Vec::new, |of| [of.files, of.earlier].concat());
@@ -163,7 +158,7 @@ impl FiguresJob {
 }
 
 /// Writes `index.html` into `folder`: every finished figure there, with its caption, notes and numbers.
-pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf, FiguresError> {
+pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf, Error> {
     let records: Vec<KeptFigure> =
         PaperFigure::ALL.into_iter().filter_map(|f| Some(read_record(folder, f)?.of)).collect();
     let path = folder.join("index.html");

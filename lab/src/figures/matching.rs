@@ -2,10 +2,11 @@
 
 use super::drawing::{Panel, RIGHT, WRONG, stretched};
 use super::record::Pieces;
-use super::{FigureSize, FiguresError, Made, MakeFigure};
+use super::{FigureSize, Made, MakeFigure};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::matching::{MatchParams, match_detections};
 use burstscope_core::monitor::{Monitor, Stage};
@@ -68,7 +69,7 @@ fn true_place(way: &Trajectory, [from, to]: [usize; 2], [u, v]: [f64; 2]) -> Opt
 }
 
 impl MakeFigure for MatchingInTheDark {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
         let silent = monitor.silent();
         let way = Trajectory::new(&self.way, &silent)?;
         monitor.report(Stage::Synth, 0.3);
@@ -94,7 +95,7 @@ impl MatchingInTheDark {
         bursts: &[Burst; 2],
         params: &DetectorParams,
         monitor: &Monitor,
-    ) -> Result<(Matched, Detection), FiguresError> {
+    ) -> Result<(Matched, Detection), Error> {
         let a = detect(&bursts[0], params, monitor)?;
         let b = detect(&bursts[1], params, monitor)?;
         let result = match_detections(&a, &b, &self.matching, monitor)?;

@@ -3,8 +3,9 @@
 //! `records/NAME.json` names all that a figure was made from and the checksums of its files. [`Pieces`] stores, in the
 //! same way, parts that take long and are used by several figures.
 
-use super::{FiguresError, PaperFigure};
-use burstscope_core::export::{ExportError, MadeFrom, RECORDS_FOLDER, Record, Records, may_begin, write_whole};
+use super::PaperFigure;
+use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::export::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin, write_whole};
 use burstscope_core::files::mark::{Checksum, Kind, claiming};
 use burstscope_core::files::unfinished::{Unfinished, remove_abandoned};
 use serde::de::DeserializeOwned;
@@ -40,15 +41,19 @@ pub(super) fn read_record(folder: &Path, figure: PaperFigure) -> Option<FigureRe
 /// Checks that `folder` is free or holds figures that this program began.
 ///
 /// # Errors
-/// [`FiguresError::Occupied`] when `folder` holds files but not the mark of a folder of figures: it belongs to somebody
-/// else; [`ExportError::Link`] when a folder of records is a link.
-pub(super) fn check_folder(folder: &Path) -> Result<(), FiguresError> {
+/// `folder` holds files but not the mark of a folder of figures: it belongs to somebody
+/// else; or a folder of records is a link.
+pub(super) fn check_folder(folder: &Path) -> Result<(), Error> {
     let parts = [RECORDS_FOLDER, &format!("{RECORDS_FOLDER}/{PIECES_FOLDER}")];
-    if may_begin(folder, Kind::Figures, &parts)? { Ok(()) } else { Err(FiguresError::Occupied(folder.into())) }
+    if may_begin(folder, Kind::Figures, &parts)? {
+        return Ok(());
+    }
+    let problem = "this folder holds files, but no figures that this program began";
+    Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder))
 }
 
 /// Writes the folder's mark, creates the folders of records, and removes files that killed runs have left.
-pub(super) fn begin(folder: &Path) -> Result<(), ExportError> {
+pub(super) fn begin(folder: &Path) -> Result<(), Error> {
     remove_abandoned(folder);
     write_whole(&folder.join(Kind::Figures.file()), |out| out.write_all(claiming(Kind::Figures, &()).as_bytes()))?;
     Records::of(folder).begin()?;
@@ -77,15 +82,15 @@ impl Pieces {
         (made_from == MadeFrom::new(settings)).then_some(of.value)
     }
 
-    pub fn keep<T: Serialize>(&self, name: &str, settings: &str, value: &T) -> Result<(), ExportError> {
+    pub fn keep<T: Serialize>(&self, name: &str, settings: &str, value: &T) -> Result<(), Error> {
         self.records.write(name, &Record { made_from: MadeFrom::new(settings), of: Piece { value } })
     }
 
     /// A folder for files that are needed only while a piece is made: [`Unfinished::new_path`], which exists.
-    pub fn temporary(&self) -> Result<Unfinished, ExportError> {
+    pub fn temporary(&self) -> Result<Unfinished, Error> {
         let place = self.records.folder().join("work");
         let made = Unfinished::beside(&place).and_then(|made| std::fs::create_dir(made.new_path()).map(|()| made));
-        made.map_err(|error| ExportError::write(&place, &error))
+        made.map_err(|error| Error::unwritten(&place, &error))
     }
 }
 
@@ -118,7 +123,7 @@ mod tests {
     fn pieces_are_of_their_settings_and_other_peoples_folders_are_left_alone() {
         let home = tempfile::tempdir().expect("a folder");
         std::fs::write(home.path().join("thesis.txt"), "").expect("written");
-        assert!(matches!(check_folder(home.path()), Err(FiguresError::Occupied(_))));
+        assert!(check_folder(home.path()).is_err_and(|error| error.kind == ErrorKind::InTheWay));
         assert!(check_folder(&home.path().join("new")).is_ok());
         begin(home.path()).expect("begun");
         assert!(check_folder(home.path()).is_ok());

@@ -3,12 +3,12 @@
 
 use super::thing::LightNoise;
 use super::{Planted, RecoverStudy};
-use crate::evaluate::EvaluateError;
 use crate::synth::random::Stream;
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::noise_model::{ForSearch, NoiseModel, examine};
 use burstscope_core::detector::scale_space::{ScaleSpace, searched_octaves};
 use burstscope_core::detector::{Feature, Method, SearchParams, Slope};
+use burstscope_core::error::Error;
 use burstscope_core::inspect::ProbeCache;
 use burstscope_core::inspect::score::finds;
 use burstscope_core::monitor::{Cancelled, Monitor};
@@ -46,10 +46,10 @@ impl Ground {
     ///
     /// # Errors
     /// Parameters that make no sense, a burst without noise, or cancellation.
-    pub fn new(study: &RecoverStudy, burst: &Burst, monitor: &Monitor) -> Result<Self, EvaluateError> {
+    pub fn new(study: &RecoverStudy, burst: &Burst, monitor: &Monitor) -> Result<Self, Error> {
         let params = &study.search;
         if params.detector.method == Method::Merge {
-            return Err(super::param(
+            return Err(Error::param(
                 "method",
                 "planted things are not searched for in a merged frame",
                 "give buff or sift",
@@ -65,7 +65,7 @@ impl Ground {
         let sigma = noise.sigma_map(burst.size(), CELL_PX);
         if noise.frame_noise <= 0.0 {
             let remedy = "take frames of a camera, or add noise with 'burstscope synth noisy'";
-            return Err(super::param("snr", "the burst has no noise, so that no ratio to it can be planted", remedy));
+            return Err(Error::param("snr", "the burst has no noise, so that no ratio to it can be planted", remedy));
         }
         let gains = (0..used.len()).map(|t| noise.frames.get(t).map_or(1.0, |facts| f64::from(facts.gain))).collect();
         let light = LightNoise {
@@ -77,7 +77,7 @@ impl Ground {
     }
 
     /// The noise model of the search; where that has one strength only, the burst is examined.
-    fn noise(cache: &ProbeCache, burst: &Burst, monitor: &Monitor) -> Result<NoiseModel, EvaluateError> {
+    fn noise(cache: &ProbeCache, burst: &Burst, monitor: &Monitor) -> Result<NoiseModel, Error> {
         let of_search = cache.trail.noise();
         if of_search.is_local {
             return Ok((**of_search).clone());

@@ -2,10 +2,10 @@
 
 use super::expected::expected;
 use super::ground::Ground;
-use super::{RecoverStudy, Varied, bounds, param};
-use crate::evaluate::EvaluateError;
+use super::{RecoverStudy, Varied, bounds};
 use crate::synth::random::Stream;
 use burstscope_core::detector::{Slope, SlopeAxis, SlopeGrid};
+use burstscope_core::error::Error;
 use serde::Serialize;
 
 /// Levels of a study, those left open chosen for the burst.
@@ -43,7 +43,7 @@ const MAX_SLOPE_LEVELS: usize = 41;
 const AREA_PX: f64 = 8000.0;
 
 impl Levels {
-    pub(super) fn of(study: &RecoverStudy, ground: &Ground) -> Result<Self, EvaluateError> {
+    pub(super) fn of(study: &RecoverStudy, ground: &Ground) -> Result<Self, Error> {
         let trail = &ground.cache.trail;
         let (width, height) = trail.size_image();
         let grid = trail.params().used_slopes();
@@ -51,12 +51,12 @@ impl Levels {
         let slope = grid.slopes().min_by(|a, b| a.magnitude().total_cmp(&b.magnitude())).unwrap_or_default();
         let Some(middle) = expected(trail, study.shape, study.at_radius, centre, slope) else {
             let problem = format!("no scale of the search suits things of {} pixels", study.at_radius);
-            return Err(param("at-radius", problem, "give another radius, or search more octaves"));
+            return Err(Error::param("at-radius", problem, "give another radius, or search more octaves"));
         };
         let factor = f64::from(ground.cache.detection().noise_gate_factor);
         if factor <= 0.0 && study.snrs.is_empty() {
             let remedy = "set a noise gate, or give the ratios yourself";
-            return Err(param("snr", "without a noise gate no ratio is expected to be the limit", remedy));
+            return Err(Error::param("snr", "without a noise gate no ratio is expected to be the limit", remedy));
         }
         let expected_amplitude = middle.amplitude_at(factor);
         let variance = ground.sigma_at(centre.0, centre.1).powi(2);
@@ -66,7 +66,7 @@ impl Levels {
         let (_, most) = bounds::SNR.span().into_inner();
         if expected_half > most && (study.snrs.is_empty() || study.at_snr.is_none()) {
             let problem = format!("a thing needs an SNR of {expected_half:.1e} to pass a gate of {factor:.1e} σ");
-            return Err(param("noise-gate", problem, "lower the gate, or give snr and at-snr yourself"));
+            return Err(Error::param("noise-gate", problem, "lower the gate, or give snr and at-snr yourself"));
         }
         let tidy = |x: f64| {
             let digits = 10f64.powi(2 - x.log10().floor() as i32);

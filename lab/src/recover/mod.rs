@@ -21,11 +21,11 @@ pub use levels::Levels;
 pub use report::RecoverReport;
 pub use thing::Shape;
 
-use crate::evaluate::EvaluateError;
 use crate::synth::random::Stream;
 use crate::synth::truth::{FeatureTruth, Truth, TruthKind, disc_sigma};
 use burstscope_core::burst::Burst;
-use burstscope_core::detector::{ParamError, SearchParams, Slope, SlopeAxis, Test};
+use burstscope_core::detector::{SearchParams, Slope, SlopeAxis, Test};
+use burstscope_core::error::Error;
 use burstscope_core::inspect::ProbeCache;
 use burstscope_core::inspect::score::{Ranking, judge_by_discs};
 use burstscope_core::inspect::truth::miss;
@@ -197,10 +197,6 @@ pub struct RecoverTimes {
     pub fate_secs: f64,
 }
 
-fn param(parameter: &'static str, problem: impl Into<String>, remedy: &'static str) -> EvaluateError {
-    EvaluateError::Param { parameter, problem: problem.into(), remedy }
-}
-
 fn truth_of_thing(id: usize, (u, v): (f64, f64), radius: f64, slope: Slope, contrast_sign: i8) -> FeatureTruth {
     let (slope_u, slope_v) = (f64::from(slope.u), f64::from(slope.v));
     FeatureTruth { id, layer: None, u, v, radius, sigma: disc_sigma(radius), slope_u, slope_v, contrast_sign }
@@ -236,14 +232,14 @@ impl RecoverStudy {
     ///
     /// # Errors
     /// The first one that makes no sense.
-    pub fn check(&self) -> Result<(), ParamError> {
+    pub fn check(&self) -> Result<(), Error> {
         self.snrs.iter().try_for_each(|&snr| bounds::SNR.check("snr", snr))?;
         self.at_snr.iter().try_for_each(|&snr| bounds::SNR.check("at-snr", snr))?;
         self.radii.iter().try_for_each(|&radius| bounds::RADIUS.check("radius", radius))?;
         bounds::RADIUS.check("at-radius", self.at_radius)?;
         bounds::COPIES.check("copies", self.copies as f64)?;
         self.per_copy.iter().try_for_each(|&count| bounds::PER_COPY.check("per-copy", count as f64))?;
-        let wrong = |(problem, remedy)| ParamError { parameter: "planted-slopes", problem, remedy };
+        let wrong = |(problem, remedy)| Error::param("planted-slopes", problem, remedy);
         self.slopes.iter().try_for_each(|axis| axis.check().map_err(wrong))?;
         self.search.validate()
     }
@@ -251,13 +247,13 @@ impl RecoverStudy {
     /// Runs the study on `burst`; calls `tell` with the report so far after every copy.
     ///
     /// # Errors
-    /// Parameters that make no sense, a burst without noise, or [`EvaluateError::Cancelled`].
+    /// Parameters that make no sense, a burst without noise, or cancellation.
     pub fn run_telling(
         &self,
         burst: &Burst,
         monitor: &Monitor,
         tell: &(dyn Fn(RecoverReport) + Sync),
-    ) -> Result<RecoverReport, EvaluateError> {
+    ) -> Result<RecoverReport, Error> {
         self.check()?;
         let share = 1.0 / (self.copies as f32 + 1.0);
         let silent = monitor.silent();
@@ -282,7 +278,7 @@ impl RecoverStudy {
     ///
     /// # Errors
     /// As there.
-    pub fn run(&self, burst: &Burst, monitor: &Monitor) -> Result<RecoverReport, EvaluateError> {
+    pub fn run(&self, burst: &Burst, monitor: &Monitor) -> Result<RecoverReport, Error> {
         self.run_telling(burst, monitor, &|_| {})
     }
 
@@ -290,7 +286,7 @@ impl RecoverStudy {
     ///
     /// # Errors
     /// As [`Self::run_telling`].
-    pub fn planted_copy(&self, burst: &Burst, seed: u64, monitor: &Monitor) -> Result<(Burst, Truth), EvaluateError> {
+    pub fn planted_copy(&self, burst: &Burst, seed: u64, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
         self.check()?;
         let ground = Ground::new(self, burst, &monitor.part(0.0, 0.9))?;
         let levels = Levels::of(self, &ground)?;
@@ -319,7 +315,7 @@ impl RecoverStudy {
         levels: &Levels,
         copy: u64,
         monitor: &Monitor,
-    ) -> Result<(SearchedCopy, RecoverTimes), EvaluateError> {
+    ) -> Result<(SearchedCopy, RecoverTimes), Error> {
         let seed = self.first_seed.wrapping_add(copy);
         let started = Instant::now();
         let mut planted = self.things(ground, levels, copy, monitor)?;

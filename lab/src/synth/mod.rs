@@ -12,4 +12,4 @@ pub mod write;
 pub use burstscope_core::synth::*;
 pub use noisy::{FrameLevels, NoisyExposure, NoisyParams, NoisyTruth, write_noisy};
 pub use trajectory::{Light, Trajectory, TrajectoryParams, write_trajectory};
-pub use write::{WriteBurstError, write_burst};
+pub use write::write_burst;

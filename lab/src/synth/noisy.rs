@@ -10,15 +10,16 @@
 //! pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at their
 //! mean.
 
-use super::write::{WriteBurstError, io, write_folder, write_frame};
+use super::write::{io, write_folder, write_frame};
 use burstscope_core::burst::Burst;
+use burstscope_core::error::Error;
 use burstscope_core::files::mark::Kind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::synth::noise::Camera;
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::truth::NoiseTruth;
-use burstscope_core::synth::{SynthError, check_camera, check_snr};
+use burstscope_core::synth::{check_camera, check_snr};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -117,7 +118,7 @@ impl NoisyParams {
     ///
     /// # Errors
     /// The first one that makes no sense.
-    pub fn check(&self) -> Result<(), SynthError> {
+    pub fn check(&self) -> Result<(), Error> {
         check_snr(self.snr)?;
         check_camera(self.read_noise, self.bits)
     }
@@ -125,13 +126,13 @@ impl NoisyParams {
     /// Computes the camera for frames of these levels, one for all bursts of a dataset.
     ///
     /// # Errors
-    /// [`SynthError::Param`] for parameters that make no sense, and for frames without any contrast.
-    pub fn exposure(&self, levels: &FrameLevels) -> Result<NoisyExposure, SynthError> {
+    /// Parameters that make no sense, and for frames without any contrast.
+    pub fn exposure(&self, levels: &FrameLevels) -> Result<NoisyExposure, Error> {
         self.check()?;
         let (mean, contrast) = (levels.mean(), levels.standard_deviation());
         if contrast.is_nan() || contrast <= 1e-6 {
             let problem = "all pixels of the frames are alike, and a ratio to their contrast means nothing";
-            return Err(SynthError::param("snr", problem, "give frames that show something"));
+            return Err(Error::param("snr", problem, "give frames that show something"));
         }
         let camera = |gain: f64| {
             let level = |sign: f64| (gain * (mean + sign * 0.5 * contrast)).max(0.0);
@@ -195,8 +196,8 @@ const TRUTH_FILE: &str = "noise.json";
 /// noisy copies in `dir` are replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
-/// An error of `open`, or [`WriteBurstError`]; the folder is then unchanged.
-pub fn write_noisy<E: From<WriteBurstError> + From<Cancelled>>(
+/// An error of `open`, or of writing; the folder is then unchanged.
+pub fn write_noisy<E: From<Error>>(
     dir: &Path,
     names: &[String],
     subfolders: bool,
@@ -221,7 +222,7 @@ pub fn write_noisy<E: From<WriteBurstError> + From<Cancelled>>(
                 Ok(burst) => burst,
                 Err(error) => {
                     failure = Some(error);
-                    return Err(WriteBurstError::Cancelled(Cancelled));
+                    return Err(Cancelled.into());
                 }
             };
             let noisy = exposure.capture(&burst, params.seed, 1 + truth.frames.len() as u64, monitor)?;
@@ -241,7 +242,7 @@ pub fn write_noisy<E: From<WriteBurstError> + From<Cancelled>>(
 }
 
 /// Writes the frames of a burst into `dir`, or its subfolder `part`; returns their names for [`NoisyTruth::frames`].
-fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<String>, WriteBurstError> {
+fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<String>, Error> {
     let folder = part.map_or_else(|| dir.to_owned(), |part| dir.join(part));
     std::fs::create_dir_all(&folder).map_err(io(&folder))?;
     let names = frame_files(&burst.frame_names);
@@ -267,6 +268,7 @@ fn frame_files(originals: &[String]) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::synth::noise::quantisation_step;
+    use crate::synth::write::occupied;
 
     /// Three frames of a ramp from 0 to 1, whose standard deviation is 0.29.
     fn ramp() -> Burst {
@@ -355,7 +357,7 @@ mod tests {
         let write = |subfolders| {
             let names = ["night 1".to_owned(), "night 2".to_owned()];
             let names = if subfolders { &names[..] } else { &names[..1] };
-            let open = |_| Ok::<_, WriteBurstError>(burst.clone());
+            let open = |_| Ok::<_, Error>(burst.clone());
             write_noisy(&dir, names, subfolders, &params, &exposure, open, &Monitor::default())
         };
         assert_eq!(write(false).expect("written").frames, ["a.png", "b.png", "c.png"]);
@@ -365,7 +367,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 4);
         write(true).expect("replaced again");
         std::fs::write(dir.join("night 1/notes.txt"), "precious").expect("written");
-        assert!(matches!(write(false), Err(WriteBurstError::Occupied(_))));
+        assert_eq!(write(false).err(), Some(occupied(&dir)));
         assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1, "no leftovers");
         assert_eq!(
             frame_files(&["x/s.tif [0]".to_owned(), "x/s.tif [1]".to_owned()]),

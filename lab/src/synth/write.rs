@@ -8,24 +8,25 @@
 //! one to which anything was added, or in which anything was changed, is not replaced.
 
 use burstscope_core::burst::Burst;
-use burstscope_core::files::lock::{FolderLock, LockError};
+use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::files::lock::FolderLock;
 use burstscope_core::files::mark::{Kind, is_unchanged, seal_folder};
 use burstscope_core::files::unfinished::{Unfinished, is_free};
 use burstscope_core::files::write_problem;
-use burstscope_core::monitor::{Cancelled, Monitor, Stage};
+use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::synth::noise::quantised_word;
 use burstscope_core::synth::truth::Truth;
 use image::ImageFormat;
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is created. An earlier
 /// synthetic burst in it is replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
-/// See [`WriteBurstError`]; the folder is then unchanged.
-pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), WriteBurstError> {
+/// The folder is a link, holds other files or cannot be written; it is then unchanged.
+pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), Error> {
     write_folder(dir, Kind::Burst, |fresh| {
         for (t, frame) in burst.frames.iter().enumerate() {
             monitor.check()?;
@@ -39,7 +40,7 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
     })
 }
 
-pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), WriteBurstError> {
+pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), Error> {
     let words: Vec<u16> = frame.data().iter().map(|&x| quantised_word(f64::from(x), 16)).collect();
     let picture =
         image::ImageBuffer::<image::Luma<u16>, _>::from_raw(frame.width() as u32, frame.height() as u32, words)
@@ -56,35 +57,15 @@ pub fn frame_name(t: usize) -> String {
     format!("frame_{t:03}.png")
 }
 
-/// Reason why a burst was not written.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteBurstError {
-    /// The folder holds files that this command did not write there, or that were changed since.
-    #[error("the folder holds files that this command did not write there, or that were changed since; name a new or an empty folder: {}", .0.display())]
-    Occupied(PathBuf),
-    /// Writing failed.
-    #[error("cannot write: {}: {}", write_problem(.source), .path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The folder's name is that of a link, which the new folder would replace.
-    #[error("this is a link, and links are not followed; name the folder itself: {}", .0.display())]
-    Link(PathBuf),
-    /// Another process makes the folder.
-    #[error(transparent)]
-    Lock(#[from] LockError),
-    /// The work was cancelled; nothing was written.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
+/// Converter of a failure at `path` into an error.
+pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> Error + use<> {
+    let path = path.to_owned();
+    move |error| Error::new(ErrorKind::Unwritten, format!("cannot write: {}", write_problem(&error)), "").about(&path)
 }
 
-/// Converter of a failure at `path` into an error.
-pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> WriteBurstError + use<> {
-    let path = path.to_owned();
-    move |source| WriteBurstError::Io { path: path.clone(), source }
+pub(super) fn occupied(dir: &Path) -> Error {
+    let problem = "the folder holds files that this command did not write there, or that were changed since";
+    Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(dir)
 }
 
 /// Makes the folder `dir` by `fill`, which writes into the empty folder that it is given. An existing `dir` is replaced
@@ -92,27 +73,23 @@ pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> WriteBurstError + us
 /// Meanwhile no other process can make it.
 ///
 /// # Errors
-/// See [`WriteBurstError`]; the folder is then unchanged.
-pub(super) fn write_folder(
-    dir: &Path,
-    kind: Kind,
-    fill: impl FnOnce(&Path) -> Result<(), WriteBurstError>,
-) -> Result<(), WriteBurstError> {
+/// The folder is a link, holds other files or cannot be written, or an error of `fill`; it is then unchanged.
+pub(super) fn write_folder(dir: &Path, kind: Kind, fill: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
     if std::fs::symlink_metadata(dir).is_ok_and(|metadata| metadata.is_symlink()) {
-        return Err(WriteBurstError::Link(dir.to_owned()));
+        let problem = "this is a link, and links are not followed";
+        return Err(Error::new(ErrorKind::Refused, problem, "name the folder itself").about(dir));
     }
     let _lock = FolderLock::beside(dir)?;
     let may_go = |folder: &Path| Ok(is_free(folder)? || is_unchanged(folder, kind)?);
-    let occupied = || Err(WriteBurstError::Occupied(dir.to_owned()));
     if !may_go(dir).map_err(io(dir))? {
-        return occupied();
+        return Err(occupied(dir));
     }
     let unfinished = Unfinished::beside(dir).map_err(io(dir))?;
     let fresh = unfinished.new_path();
     std::fs::create_dir(&fresh).map_err(io(&fresh))?;
     fill(&fresh)?;
     seal_folder(&fresh, kind).map_err(io(&fresh.join(kind.file())))?;
-    if unfinished.put_folder(dir, may_go).map_err(io(dir))? { Ok(()) } else { occupied() }
+    if unfinished.put_folder(dir, may_go).map_err(io(dir))? { Ok(()) } else { Err(occupied(dir)) }
 }
 
 #[cfg(test)]
@@ -163,7 +140,7 @@ mod tests {
         for name in ["frame_000.png", "truth.json"] {
             std::fs::write(own.join(name), "mine").expect("written");
         }
-        assert!(matches!(write_burst(&own, &long, &truth, &Monitor::default()), Err(WriteBurstError::Occupied(_))));
+        assert_eq!(write_burst(&own, &long, &truth, &Monitor::default()), Err(occupied(&own)));
         // So does what comes into the folder while the new one is made.
         let late = home.path().join("late");
         write_burst(&late, &short, &truth, &Monitor::default()).expect("written");
@@ -171,9 +148,9 @@ mod tests {
             std::fs::write(late.join("thesis.txt"), "precious").expect("written");
             Ok(())
         };
-        assert!(matches!(write_folder(&late, Kind::Burst, added), Err(WriteBurstError::Occupied(_))));
+        assert_eq!(write_folder(&late, Kind::Burst, added), Err(occupied(&late)));
         assert_eq!(std::fs::read_to_string(late.join("thesis.txt")).expect("there"), "precious");
-        assert!(matches!(write_folder(&dir, Kind::Trajectory, |_| Ok(())), Err(WriteBurstError::Occupied(_))));
+        assert_eq!(write_folder(&dir, Kind::Trajectory, |_| Ok(())), Err(occupied(&dir)));
     }
 
     #[test]
@@ -183,7 +160,7 @@ mod tests {
         let (burst, truth) = chart(1, 3);
         monitor.cancel();
         let result = write_burst(&home.path().join("chart"), &burst, &truth, &monitor);
-        assert!(matches!(result, Err(WriteBurstError::Cancelled(_))));
+        assert!(result.is_err_and(|error| error.is_cancelled()));
         let file = home.path().join("file");
         std::fs::write(&file, "").expect("written");
         assert!(write_burst(&file.join("chart"), &burst, &truth, &Monitor::default()).is_err());

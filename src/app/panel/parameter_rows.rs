@@ -2,8 +2,9 @@
 
 use crate::app::panel::widgets::hint;
 use crate::app::words::explained;
-use crate::detector::params::{Drag, Field, Param, ParamDoc, ParamError, Word};
+use crate::detector::params::{Drag, Field, Param, ParamDoc, Word};
 use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeChoice};
+use crate::error::Error;
 use crate::teach::Part;
 use crate::teach::glossary::glossary;
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
@@ -12,7 +13,7 @@ use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 const LABEL_WIDTH: f32 = 106.0;
 
 pub struct ParamTable<'a, P> {
-    pub error: Option<&'a ParamError>,
+    pub error: Option<&'a Error>,
     pub defaults: P,
     pub frame_count: usize,
 }
@@ -46,7 +47,7 @@ impl<P: Clone> ParamTable<'_, P> {
         editor: impl FnOnce(&mut Ui, &mut V, Id),
         reset: impl FnOnce(&mut Ui, &mut V),
     ) {
-        let wrong = self.error.filter(|e| e.parameter == record.name);
+        let wrong = self.error.filter(|e| e.subject == record.name);
         let row = ui.horizontal(|ui| {
             let label = label_ui(ui, record, wrong.is_some());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -72,7 +72,7 @@ fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
 fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, DetectorParams>) {
     let changed = advanced().filter(|record| record.text(&model.params) != record.text(&table.defaults)).count();
     let is_needed = |record: &Param<DetectorParams>| {
-        table.error.is_some_and(|error| error.parameter == record.name)
+        table.error.is_some_and(|error| error.subject == record.name)
             || parts::is_wanted(ui.ctx(), Part::parameter(record))
     };
     let is_open = model.panels.advanced || advanced().any(is_needed);

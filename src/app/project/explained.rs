@@ -8,8 +8,9 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use crate::app::view::ColourBy;
 use crate::detector::params::doc;
-use crate::detector::{Detection, DetectorParams, Method, ParamChange, ParamError, SlopeChoice, Test};
+use crate::detector::{Detection, DetectorParams, Method, ParamChange, SlopeChoice, Test};
 use crate::engine::{Engine, Wanted};
+use crate::error::Error;
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
 use crate::inspect::verdict::Judged;
@@ -78,7 +79,7 @@ impl Model {
     }
 
     /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
-    pub fn apply_changes(&mut self, side: Side, changes: &[ParamChange]) -> Result<(), ParamError> {
+    pub fn apply_changes(&mut self, side: Side, changes: &[ParamChange]) -> Result<(), Error> {
         let slopes = self.params_of(side).slopes;
         let changed = ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() })?;
         let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];

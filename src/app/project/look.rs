@@ -2,8 +2,8 @@
 //! a range, so that slopes or frames can be compared. It is set once, from the first picture of its class (of several
 //! panes, that in focus); after that only by the user.
 
-use crate::detector::ParamError;
 use crate::detector::params::Bounds;
+use crate::error::Error;
 use crate::plane::display::{ColourMap, Display};
 use crate::plane::statistics::{Region, percentiles};
 use crate::requests::Picture;
@@ -158,7 +158,7 @@ pub struct Look {
 
 impl Look {
     /// Checks the numbers that decide how long a picture takes. Others are brought into their ranges.
-    pub fn check(&self) -> Result<(), ParamError> {
+    pub fn check(&self) -> Result<(), Error> {
         SMOOTHING_PX.check("smoothing_px", f64::from(self.smoothing_px))
     }
 }

@@ -9,10 +9,10 @@ use crate::app::project::{Effect, Model};
 use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Feature, Method, ParamError, SearchParams, Slope, SlopeFinding, SlopeGrid,
-    explain, follows,
+    Advice, Detection, DetectorParams, Feature, Method, SearchParams, Slope, SlopeFinding, SlopeGrid, explain, follows,
 };
 use crate::engine::{Engine, Wanted};
+use crate::error::Error;
 use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes, judgement, slope_with_most_features};
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, JobId, OpenBurst, OpenRequest};
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ pub struct Slot {
     pub burst: Option<OpenBurst>,
     /// The last parameters that were valid for the burst: pictures are made with these.
     pub usable_params: DetectorParams,
-    pub param_error: Option<ParamError>,
+    pub param_error: Option<Error>,
     pub found: Option<FoundFeatures>,
     pub against: Against,
     pub opening: Wanted<OpenRequest>,
@@ -232,7 +232,7 @@ fn checked(
     mut params: DetectorParams,
     slopes_are_found: bool,
     usable: &mut DetectorParams,
-) -> Option<ParamError> {
+) -> Option<Error> {
     let check = |params: &DetectorParams| match burst {
         Some(open) => params.validate_for(open.burst.len(), open.burst.size()),
         None => params.validate(),

@@ -172,7 +172,7 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     model.selected = Some(0);
     model.take_burst(open((40, 40), 1));
     assert!(model.slots.a.found.is_none() && model.selected.is_none() && model.picture().is_none());
-    assert_eq!(model.slots.a.param_error.as_ref().map(|e| e.parameter), Some("frames"));
+    assert_eq!(model.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
     let wanted = model.wanted(model.focus()).expect("open");
     assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
 }

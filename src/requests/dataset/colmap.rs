@@ -3,10 +3,10 @@
 use super::DatasetEvent;
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{
-    BurstEvent, CameraChoice, ColmapJob, ColmapReport, DatasetError, FeatureJob, FeatureStore, ImageKind,
-    export_colmap, gather,
+    BurstEvent, CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, export_colmap, gather,
 };
 use crate::detector::SearchParams;
+use crate::error::Error;
 use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::monitor::Monitor;
 use std::path::PathBuf;
@@ -52,7 +52,7 @@ pub(super) fn run(
     request: &ColmapRequest,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
-) -> Result<ColmapDone, DatasetError> {
+) -> Result<ColmapDone, Error> {
     let mut left_out = Vec::new();
     let mut on = |event: BurstEvent<'_>| {
         if let BurstEvent::Failed(index, error) = event {

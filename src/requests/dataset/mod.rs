@@ -10,10 +10,10 @@ pub use colmap::{ColmapDone, ColmapRequest};
 
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::{
-    BurstEvent, BurstPicture, DatasetError, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind,
-    thumbnail,
+    BurstEvent, BurstPicture, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind, thumbnail,
 };
 use crate::detector::SearchParams;
+use crate::error::Error;
 use crate::matching::{MatchCounts, MatchParams};
 use crate::requests::error::JobError;
 use crate::requests::request::{Request, Urgency, Work};
@@ -31,7 +31,7 @@ pub struct Keeping {
 }
 
 impl Keeping {
-    fn store(&self) -> Result<FeatureStore, DatasetError> {
+    fn store(&self) -> Result<FeatureStore, Error> {
         let job = FeatureJob { detector: self.params.clone(), open: self.open.clone(), images: ImageKind::default() };
         FeatureStore::open(&self.folder, &job)
     }

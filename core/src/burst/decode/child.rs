@@ -6,8 +6,8 @@
 
 use super::wire::{DecodeRequest, Part, receive_reply, send};
 use super::{Expected, RawFrame};
-use crate::burst::error::{OpenError, OpenErrorKind};
 use crate::burst::options::OpenOptions;
+use crate::error::{Error, ErrorKind};
 use crate::monitor::Monitor;
 use std::ffi::OsString;
 use std::io::{self, Read};
@@ -83,9 +83,9 @@ pub(super) fn decode(
     options: &OpenOptions,
     budget: Budget,
     monitor: &Monitor,
-) -> Result<RawFrame, OpenError> {
+) -> Result<RawFrame, Error> {
     monitor.check()?;
-    let worker = WORKER.get().ok_or_else(|| OpenError::unread(path, "no program is set that decodes it"))?;
+    let worker = WORKER.get().ok_or_else(|| Error::unread(path, "no program is set that decodes it"))?;
     let mut running = Running::start(worker, path)?;
     let request = DecodeRequest {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -113,10 +113,10 @@ pub(super) fn decode(
     let answer = std::thread::scope(|scope| {
         let _over = over; // also when the reading unwinds
         let watching = std::thread::Builder::new().spawn_scoped(scope, watch);
-        watching.map_err(|e| OpenError::unread(path, format!("a thread could not be started: {e}")))?;
+        watching.map_err(|e| Error::unread(path, format!("a thread could not be started: {e}")))?;
         // Writing to a child that has already ended fails; its last output is read below.
         let answer = send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, &options.limits));
-        Ok::<_, OpenError>(answer)
+        Ok::<_, Error>(answer)
     })?;
     // The child ends when its input is closed.
     drop(stdin);
@@ -125,13 +125,13 @@ pub(super) fn decode(
     match answer {
         Ok(answer) => answer,
         Err(error) => Err(match running.last_words(&error, stderr, is_overdue, budget) {
-            Ending::OfFile(reason) => OpenError::corrupt(path, kind, reason),
+            Ending::OfFile(reason) => Error::corrupt(path, kind, reason),
             Ending::FromOutside(signal) => {
                 let problem = format!(
                     "the decoder of this {kind} file was ended by signal {signal}, from outside or because the machine \
                      has no memory left"
                 );
-                OpenError::new(OpenErrorKind::System, problem, "open it again").about(path)
+                Error::new(ErrorKind::System, problem, "open it again").about(path)
             }
         }),
     }
@@ -149,7 +149,7 @@ struct Running {
 }
 
 impl Running {
-    fn start(worker: &DecodeWorker, path: &Path) -> Result<Self, OpenError> {
+    fn start(worker: &DecodeWorker, path: &Path) -> Result<Self, Error> {
         let mut command = Command::new(&worker.program);
         command.args(&worker.arguments).arg(path);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -164,7 +164,7 @@ impl Running {
             const CREATE_NO_WINDOW: u32 = 0x0800_0000;
             std::os::windows::process::CommandExt::creation_flags(&mut command, CREATE_NO_WINDOW);
         }
-        let failed = |e| OpenError::unread(path, format!("the process that decodes it could not be started: {e}"));
+        let failed = |e| Error::unread(path, format!("the process that decodes it could not be started: {e}"));
         Ok(Self { child: Mutex::new(command.spawn().map_err(failed)?) })
     }
 

@@ -6,8 +6,8 @@ use super::pixels::{turned, turned_size};
 use super::wire::Part;
 use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved};
-use crate::burst::error::OpenError;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
+use crate::error::Error;
 use crate::files::read_bytes;
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
@@ -24,7 +24,7 @@ const BESIDES_BYTES: u64 = 1 << 26;
 /// Largest number of pixels of a byte of a file: of one bit each, in deflated data of the largest ratio, about.
 const PIXELS_A_BYTE: u64 = 8 * 1040;
 
-pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, OpenError> {
+pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, Error> {
     let bytes = jpeg_bytes(path, format, limits)?;
     let mut decoder = decoder(path, file, &bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
@@ -40,7 +40,7 @@ pub(super) fn frame(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, OpenError> {
+) -> Result<RawFrame, Error> {
     let limits = &options.limits;
     let bytes = jpeg_bytes(path, format, limits)?;
     if format == ImageFormat::Pnm {
@@ -52,7 +52,7 @@ pub(super) fn frame(
     // Of WebP a few bytes can be a large picture of one colour.
     let is_too_short = too_few_bytes(input.length, width.into(), height.into(), PIXELS_A_BYTE);
     if let Some(reason) = is_too_short.filter(|_| format != ImageFormat::WebP) {
-        return Err(OpenError::corrupt(path, name(format), reason));
+        return Err(Error::corrupt(path, name(format), reason));
     }
     let size = (width as usize, height as usize);
     let orientation = orientation(&mut decoder);
@@ -69,7 +69,7 @@ pub(super) fn frame(
         None => (None, None),
         Some(Ok(samples)) => (Some(samples), None),
         Some(Err(reason)) if options.accept_damaged => (None, Some(reason)),
-        Some(Err(reason)) => return Err(OpenError::corrupt(path, name(format), reason)),
+        Some(Err(reason)) => return Err(Error::corrupt(path, name(format), reason)),
     };
     let channels = usize::from(color.channel_count());
     let values = size.0 * size.1 * channels;
@@ -98,13 +98,13 @@ pub(super) fn frame(
         }
         other => {
             let reason = format!("its pixels are {other:?}; save it as grey or RGB of 8 or 16 bit");
-            Err(OpenError::unsupported(path, name(format), reason))
+            Err(Error::unsupported(path, name(format), reason))
         }
     }
 }
 
 /// Checks that a PNM of numbers in decimal digits does not end with a digit: its last number may have lost others.
-fn check_end_of_text(path: &Path, mut file: &File) -> Result<(), OpenError> {
+fn check_end_of_text(path: &Path, mut file: &File) -> Result<(), Error> {
     let mut ends = || -> io::Result<([u8; 2], u8)> {
         let (mut first, mut last) = ([0; 2], [0]);
         file.rewind()?;
@@ -114,10 +114,10 @@ fn check_end_of_text(path: &Path, mut file: &File) -> Result<(), OpenError> {
         file.rewind()?;
         Ok((first, last[0]))
     };
-    let (first, last) = ends().map_err(|e| OpenError::from_read(path, "PNM", &e))?;
+    let (first, last) = ends().map_err(|e| Error::from_read(path, "PNM", &e))?;
     if matches!(&first, b"P2" | b"P3") && last.is_ascii_digit() {
         let reason = "no space or line end follows its last number, which may be cut";
-        return Err(OpenError::corrupt(path, "PNM", reason));
+        return Err(Error::corrupt(path, "PNM", reason));
     }
     Ok(())
 }
@@ -145,13 +145,13 @@ fn bytes_per_pixel(format: ImageFormat, color: ColorType) -> u64 {
 }
 
 /// The whole file of a JPEG, which is decoded strictly, and otherwise where that is asked for; empty for other formats.
-fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>, OpenError> {
+fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>, Error> {
     if format != ImageFormat::Jpeg {
         return Ok(Vec::new());
     }
     // Other data, as films and second pictures, may follow a picture.
     let most = limits.max_pixels.saturating_mul(4).saturating_add(BESIDES_BYTES);
-    read_bytes(path, most).map_err(|e| OpenError::from_io(path, &e))
+    read_bytes(path, most).map_err(|e| Error::from_io(path, &e))
 }
 
 fn decoder<'a>(
@@ -160,7 +160,7 @@ fn decoder<'a>(
     bytes: &'a [u8],
     format: ImageFormat,
     limits: &Limits,
-) -> Result<Box<dyn ImageDecoder + 'a>, OpenError> {
+) -> Result<Box<dyn ImageDecoder + 'a>, Error> {
     let file = BufReader::with_capacity(1 << 16, file);
     // `Limits` checks sizes before pixels are read; this bounds the decoder's other memory: at most four channels of
     // four bytes.
@@ -183,16 +183,16 @@ fn decoder<'a>(
     }
 }
 
-fn failure(path: &Path, format: ImageFormat, error: ImageError) -> OpenError {
+fn failure(path: &Path, format: ImageFormat, error: ImageError) -> Error {
     match error {
-        ImageError::IoError(e) => OpenError::from_read(path, name(format), &e),
-        ImageError::Unsupported(e) => OpenError::unsupported(path, name(format), e),
+        ImageError::IoError(e) => Error::from_read(path, name(format), &e),
+        ImageError::Unsupported(e) => Error::unsupported(path, name(format), e),
         ImageError::Limits(e) => {
             let limit = "the memory of the largest frame allowed";
-            OpenError::too_large(path, e.to_string(), limit, "crop or shrink the frame")
+            Error::too_large(path, e.to_string(), limit, "crop or shrink the frame")
         }
         ImageError::Decoding(_) | ImageError::Encoding(_) | ImageError::Parameter(_) => {
-            OpenError::corrupt(path, name(format), error)
+            Error::corrupt(path, name(format), error)
         }
     }
 }

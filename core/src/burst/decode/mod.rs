@@ -22,11 +22,11 @@ pub(super) use look::extensions;
 pub use pixels::LUMA_WEIGHTS;
 pub use serve::serve_decoding;
 
-use super::error::{OpenError, OpenErrorKind};
 use super::options::{Encoding, OpenOptions};
+use crate::error::Error;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
-use crate::plane::memory::{self, NoMemory};
+use crate::plane::memory::{self};
 use ::image::ImageFormat::WebP;
 use look::{Directories, Kind, check_webp, is_video};
 use rayon::prelude::*;
@@ -107,9 +107,9 @@ pub(super) struct Expected<'a> {
 }
 
 impl Expected<'_> {
-    fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<(), OpenError> {
+    fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<(), Error> {
         match expected {
-            Some(Self { first, size: first_size }) if size != first_size => Err(OpenError::different_sizes(
+            Some(Self { first, size: first_size }) if size != first_size => Err(Error::different_sizes(
                 (&first.display().to_string(), first_size),
                 (&path.display().to_string(), size),
             )),
@@ -119,7 +119,7 @@ impl Expected<'_> {
 }
 
 /// Number of frames in the file, for a TIFF at most 2; reads as little as possible.
-pub(super) fn frame_count(path: &Path) -> Result<usize, OpenError> {
+pub(super) fn frame_count(path: &Path) -> Result<usize, Error> {
     // Extensions are tried first, because this is called for every picture of a folder.
     if let Some(Kind::Raw | Kind::Picture(_)) = Kind::named(path) {
         return Ok(1);
@@ -140,7 +140,7 @@ pub(super) fn header(
     path: &Path,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<(Header, Option<RawFrame>), OpenError> {
+) -> Result<(Header, Option<RawFrame>), Error> {
     let limits = &options.limits;
     let input = InputFile::open(path, usize::MAX)?;
     guarded(path, input.kind, || match input.kind {
@@ -164,7 +164,7 @@ pub(super) fn frame(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, OpenError> {
+) -> Result<RawFrame, Error> {
     let input = InputFile::open(path, usize::MAX)?;
     let misnamed = input.misnamed;
     let frame = guarded(path, input.kind, || match input.kind {
@@ -176,7 +176,7 @@ pub(super) fn frame(
     Ok(RawFrame { misnamed, ..frame })
 }
 
-pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
+pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
     let input = InputFile::open(path, usize::MAX)?;
     let misnamed = input.misnamed;
     let mut frames = match input.kind {
@@ -193,7 +193,7 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
 }
 
 /// Decodes one page of a TIFF, which is frame `frame` of its burst.
-fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, OpenError> {
+fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, Error> {
     let input = InputFile::open(path, usize::MAX)?;
     guarded(path, Kind::Tiff, || tiff::page(path, input, page, frame, options))
 }
@@ -204,7 +204,7 @@ fn raw_frame(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, OpenError> {
+) -> Result<RawFrame, Error> {
     if cfg!(feature = "raw") && child::is_installed() {
         // Two pixels a byte are more than any camera packs; a directory gives their number.
         let packed = input.length.saturating_mul(2);
@@ -218,7 +218,7 @@ fn raw_frame(
     #[cfg(not(feature = "raw"))]
     let frame = {
         let reason = "this program was built without raw frames (the feature 'raw'); convert it to a 16-bit TIFF";
-        Err(OpenError::unsupported(path, "raw", reason))
+        Err(Error::unsupported(path, "raw", reason))
     };
     frame
 }
@@ -235,15 +235,15 @@ struct InputFile {
 impl InputFile {
     /// Opens a regular file that is not empty, tells its kind and checks the sizes that it declares; of a TIFF, the
     /// first `pages` pages only.
-    fn open(path: &Path, pages: usize) -> Result<Self, OpenError> {
-        let read_error = |e: std::io::Error| OpenError::from_io(path, &e);
+    fn open(path: &Path, pages: usize) -> Result<Self, Error> {
+        let read_error = |e: std::io::Error| Error::from_io(path, &e);
         let metadata = std::fs::metadata(path).map_err(read_error)?;
         if !metadata.is_file() {
-            return Err(OpenError::not_a_file(path));
+            return Err(Error::not_a_file(path));
         }
         let length = metadata.len();
         if length == 0 {
-            return Err(OpenError::damaged(path, "this file is empty (0 bytes)"));
+            return Err(Error::damaged(path, "this file is empty (0 bytes)"));
         }
         let mut file = File::open(path).map_err(read_error)?;
         let mut start = Vec::with_capacity(32);
@@ -264,13 +264,13 @@ impl InputFile {
         let mut directories = None;
         if begins_as == Some(Kind::Tiff) {
             let found = Directories::read(&mut reader, length, is_raw, pages);
-            let found = found.map_err(|e| OpenError::from_read(path, kind.name(), &e))?;
+            let found = found.map_err(|e| Error::from_read(path, kind.name(), &e))?;
             if found.is_dng {
                 kind = Kind::Raw; // whatever its extension
             }
             directories = Some(found);
         } else if kind == Kind::Picture(WebP) {
-            check_webp(&mut reader, length).map_err(|e| OpenError::from_read(path, kind.name(), &e))?;
+            check_webp(&mut reader, length).map_err(|e| Error::from_read(path, kind.name(), &e))?;
         }
         file.seek(SeekFrom::Start(0)).map_err(read_error)?;
         let misnamed = named.filter(|named| *named != kind).map(|_| kind.name());
@@ -279,22 +279,21 @@ impl InputFile {
 }
 
 /// Runs a decoder. A panic in it, and memory that the system refuses it, become errors about the file.
-fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, OpenError>) -> Result<T, OpenError> {
-    let no_memory = |refused: NoMemory| OpenError::new(OpenErrorKind::NoMemory, refused.to_string(), "").about(path);
-    let decode = || memory::refusable(decode).unwrap_or_else(|refused| Err(no_memory(refused)));
+fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    let decode = || memory::refusable(decode).unwrap_or_else(|refused| Err(refused.about(path)));
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode))
-        .unwrap_or_else(|_| Err(OpenError::corrupt(path, kind.name(), "its decoder failed unexpectedly")))
+        .unwrap_or_else(|_| Err(Error::corrupt(path, kind.name(), "its decoder failed unexpectedly")))
 }
 
 /// Makes a frame of a plane in file units. Fails at the first value that is not finite.
-pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame, OpenError> {
+pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame, Error> {
     let values = plane.data();
     // The bits of magnitudes are ordered as they are, infinity and NaN above all; integers are compared many at a time.
     let largest = values.iter().fold(0, |largest, v| (v.to_bits() & 0x7fff_ffff).max(largest));
     let largest = f32::from_bits(largest);
     if !largest.is_finite() {
         let index = values.iter().position(|v| !v.is_finite()).expect("the largest one is not finite");
-        return Err(OpenError::not_finite(path, frame, plane.width(), index, values[index]));
+        return Err(Error::not_finite(path, frame, plane.width(), index, values[index]));
     }
     Ok(RawFrame::linear(plane, FileScale::Data { integer, largest }))
 }
@@ -315,7 +314,7 @@ impl<'a> Ticker<'a> {
         self.monitor
     }
 
-    pub(super) fn check(&self) -> Result<(), OpenError> {
+    pub(super) fn check(&self) -> Result<(), Error> {
         Ok(self.monitor.check()?)
     }
 
@@ -327,12 +326,9 @@ impl<'a> Ticker<'a> {
 
 /// Computes `f(0) … f(count − 1)` in parallel. When several fail, the error is that of the lowest index, whatever the
 /// number of threads, so that a user who mends one file after the other sees them in order.
-pub(super) fn in_order<T: Send>(
-    count: usize,
-    f: impl Fn(usize) -> Result<T, OpenError> + Sync,
-) -> Result<Vec<T>, OpenError> {
+pub(super) fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Result<T, Error> + Sync) -> Result<Vec<T>, Error> {
     let first_failure = AtomicUsize::new(usize::MAX);
-    let answers: Vec<Option<Result<T, OpenError>>> = (0..count)
+    let answers: Vec<Option<Result<T, Error>>> = (0..count)
         .into_par_iter()
         .with_max_len(1)
         .map(|i| {
@@ -356,7 +352,7 @@ mod tests {
 
     #[test]
     fn the_first_failure_in_order_is_the_answer() {
-        let fail = |path: usize| OpenError::damaged(Path::new(&path.to_string()), "");
+        let fail = |path: usize| Error::damaged(Path::new(&path.to_string()), "");
         for _ in 0..50 {
             let answer = in_order(100, |i| if i % 7 == 5 { Err(fail(i)) } else { Ok(i) });
             assert_eq!(answer, Err(fail(5)));

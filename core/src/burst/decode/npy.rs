@@ -4,8 +4,8 @@
 use super::npy_header::{self, NpyHeader};
 use super::{Expected, FileScale, RawFrame, frame_of_plane};
 use crate::burst::decode::{Ticker, in_order};
-use crate::burst::error::OpenError;
 use crate::burst::options::Limits;
+use crate::error::Error;
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use std::fs::File;
@@ -20,17 +20,17 @@ pub(super) fn frame(
     file: File,
     expected: Option<Expected<'_>>,
     limits: &Limits,
-) -> Result<RawFrame, OpenError> {
+) -> Result<RawFrame, Error> {
     let header = npy_header::read(path, &file, limits)?;
     if header.frames != 1 {
-        return Err(OpenError::stack_among_frames(path, header.frames));
+        return Err(Error::stack_among_frames(path, header.frames));
     }
     Expected::check(expected, path, (header.width, header.height))?;
     let mut frames = stack(path, file, limits, &Ticker::new(&Monitor::default(), 1))?;
     Ok(frames.remove(0))
 }
 
-pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, OpenError> {
+pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
     let header = npy_header::read(path, &file, limits)?;
     let planes = if header.fortran_order {
         read_fortran(path, file, &header, ticker)?
@@ -52,8 +52,8 @@ pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_
     planes.into_iter().enumerate().map(frame).collect()
 }
 
-fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, OpenError> {
-    let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
+fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, Error> {
+    let fail = |e: std::io::Error| Error::from_read(path, "NPY", &e);
     let count = header.width * header.height;
     let bytes = count * header.value_bytes;
     let mut file = File::open(path).map_err(fail)?;
@@ -72,13 +72,8 @@ fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) ->
 }
 
 /// Reads all frames of an array in Fortran order, where the frame index runs fastest and the column slowest.
-fn read_fortran(
-    path: &Path,
-    mut file: File,
-    header: &NpyHeader,
-    ticker: &Ticker<'_>,
-) -> Result<Vec<Vec<f32>>, OpenError> {
-    let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
+fn read_fortran(path: &Path, mut file: File, header: &NpyHeader, ticker: &Ticker<'_>) -> Result<Vec<Vec<f32>>, Error> {
+    let fail = |e: std::io::Error| Error::from_read(path, "NPY", &e);
     let (frames, height, width) = (header.frames, header.height, header.width);
     let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(width * height)).collect();
     file.seek(SeekFrom::Start(header.data_offset)).map_err(fail)?;

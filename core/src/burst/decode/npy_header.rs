@@ -5,8 +5,8 @@
 //! neither take memory nor nest without end. Format:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use crate::burst::error::{OpenError, OpenErrorKind};
 use crate::burst::options::Limits;
+use crate::error::{Error, ErrorKind};
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
@@ -47,9 +47,9 @@ pub(super) struct NpyHeader {
 }
 
 /// Reads the header, checks the shape against the limits, and the file's length against the shape.
-pub(super) fn read(path: &Path, mut file: &File, limits: &Limits) -> Result<NpyHeader, OpenError> {
-    let corrupt = |reason: &str| OpenError::corrupt(path, "NPY", reason);
-    let fail = |e: std::io::Error| OpenError::from_read(path, "NPY", &e);
+pub(super) fn read(path: &Path, mut file: &File, limits: &Limits) -> Result<NpyHeader, Error> {
+    let corrupt = |reason: &str| Error::corrupt(path, "NPY", reason);
+    let fail = |e: std::io::Error| Error::from_read(path, "NPY", &e);
     let file_bytes = file.metadata().map_err(fail)?.len();
     file.rewind().map_err(fail)?; // handles of one file share their place
     let mut start = [0u8; 10];
@@ -78,7 +78,7 @@ pub(super) fn read(path: &Path, mut file: &File, limits: &Limits) -> Result<NpyH
     let (code, value_bytes, range) = *record.ok_or_else(|| {
         let reason =
             format!("its values are of the type '{descr}'; save integers or floats, such as uint16 or float32");
-        OpenError::unsupported(path, "NPY", reason)
+        Error::unsupported(path, "NPY", reason)
     })?;
     let big_endian = match order {
         "<" | "|" | "=" => false,
@@ -91,7 +91,7 @@ pub(super) fn read(path: &Path, mut file: &File, limits: &Limits) -> Result<NpyH
         _ => {
             let problem = format!("this array has the shape {shape:?}");
             let remedy = "a stack is [frames, rows, columns], one frame is [rows, columns]";
-            return Err(OpenError::new(OpenErrorKind::Unsupported, problem, remedy).about(path));
+            return Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path));
         }
     };
     limits.check_frame(path, width, height)?;

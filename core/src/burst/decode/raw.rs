@@ -9,8 +9,8 @@
 use super::pixels::turned;
 use super::{Expected, FileScale, RawFrame};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
-use crate::burst::error::OpenError;
 use crate::burst::options::{OpenOptions, RawColour};
+use crate::error::Error;
 use crate::files::read_bytes;
 use crate::plane::Plane;
 use image::metadata::Orientation;
@@ -26,11 +26,11 @@ use std::path::Path;
 /// Largest file per allowed pixel, bytes: float values, and the file's other data.
 const BYTES_PER_PIXEL: u64 = 8;
 
-pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame, OpenError> {
+pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame, Error> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
-    let bytes = read_bytes(path, max_bytes).map_err(|e| OpenError::from_io(path, &e))?;
+    let bytes = read_bytes(path, max_bytes).map_err(|e| Error::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
-    let corrupt = |e: rawler::RawlerError| OpenError::corrupt(path, "raw", e);
+    let corrupt = |e: rawler::RawlerError| Error::corrupt(path, "raw", e);
     let decoder = rawler::get_decoder(&source).map_err(corrupt)?;
     // The declared size is checked before anything is decoded.
     let (mut width, mut height) = (0, 0);
@@ -46,13 +46,13 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     }
     options.limits.check_frame(path, width as u64, height as u64)?;
     let raw = decoder.raw_image(&source, &RawDecodeParams::default(), false).map_err(corrupt)?;
-    let unsupported = |reason: String| OpenError::unsupported(path, "raw", reason);
-    let too_few = || OpenError::corrupt(path, "raw", "it has fewer values than its size announces");
+    let unsupported = |reason: String| Error::unsupported(path, "raw", reason);
+    let too_few = || Error::corrupt(path, "raw", "it has fewer values than its size announces");
     let area = active_area(&raw).ok_or_else(too_few)?;
     let levels = RawLevels::of(&raw, (area.d.w, area.d.h), black_steps, options).map_err(unsupported)?;
     let (plane, binning) = plane_of(&raw, &area, &levels, options.raw_colour).map_err(unsupported)?;
     if let Some(index) = plane.data().iter().position(|v| !v.is_finite()) {
-        return Err(OpenError::not_finite(path, 0, plane.width(), index, plane.data()[index]));
+        return Err(Error::not_finite(path, 0, plane.width(), index, plane.data()[index]));
     }
     let orientation = u8::try_from(raw.orientation.to_u16()).ok().and_then(Orientation::from_exif);
     let plane = turned(plane, orientation.unwrap_or(Orientation::NoTransforms));

@@ -6,8 +6,8 @@
 
 use super::wire::{DecodeRequest, Part, receive, send_reply};
 use super::{Expected, RawFrame, frame, page};
-use crate::burst::error::OpenError;
 use crate::burst::options::OpenOptions;
+use crate::error::Error;
 use crate::monitor::Monitor;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -37,9 +37,9 @@ fn serve(path: &Path) -> io::Result<()> {
     output.flush()
 }
 
-fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame, OpenError> {
+fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame, Error> {
     if request.version != env!("CARGO_PKG_VERSION") {
-        return Err(OpenError::unread(path, "the program was replaced while it ran; start it again"));
+        return Err(Error::unread(path, "the program was replaced while it ran; start it again"));
     }
     let options = OpenOptions { limits: request.limits, ..request.options.clone() };
     let expected = request.expected.as_ref().map(|(first, size)| Expected { first: Path::new(first), size: *size });

@@ -10,8 +10,8 @@ use super::wire::Part;
 use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes};
 use crate::burst::decode::{Ticker, in_order};
-use crate::burst::error::{OpenError, OpenErrorKind};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
+use crate::error::{Error, ErrorKind};
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
@@ -23,16 +23,16 @@ use tiff::tags::Tag;
 use tiff::{ColorType, TiffResult};
 
 /// Number of frames, 2 standing for any larger number: reads no further than the second.
-pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, OpenError> {
+pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, Error> {
     let limits = Limits { max_frames: 1, ..Limits::default() };
     match Pages::read(path, file, &limits) {
         Ok(pages) => Ok(pages.list.len()),
-        Err(error) if matches!(error.kind, OpenErrorKind::TooLarge | OpenErrorKind::Mismatch) => Ok(2),
+        Err(error) if matches!(error.kind, ErrorKind::TooLarge | ErrorKind::Mismatch) => Ok(2),
         Err(error) => Err(error),
     }
 }
 
-pub(super) fn header(path: &Path, file: File, limits: &Limits) -> Result<Header, OpenError> {
+pub(super) fn header(path: &Path, file: File, limits: &Limits) -> Result<Header, Error> {
     let Pages { size: (width, height), list } = Pages::read(path, file, limits)?;
     Ok(Header { width, height, frames: list.len() })
 }
@@ -43,10 +43,10 @@ pub(super) fn frame(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, OpenError> {
+) -> Result<RawFrame, Error> {
     let pages = Pages::read(path, input.file, &options.limits)?;
     let [page] = pages.list[..] else {
-        return Err(OpenError::stack_among_frames(path, pages.list.len()));
+        return Err(Error::stack_among_frames(path, pages.list.len()));
     };
     Expected::check(expected, path, pages.size)?;
     PageReader::open(path, input.length, options, monitor)?.read(page, 0)
@@ -59,10 +59,10 @@ pub(super) fn page(
     page: usize,
     frame: usize,
     options: &OpenOptions,
-) -> Result<RawFrame, OpenError> {
+) -> Result<RawFrame, Error> {
     let pages = Pages::read(path, input.file, &options.limits)?;
     if !pages.list.contains(&page) {
-        return Err(OpenError::corrupt(path, "TIFF", format!("it has no page {} any more", page + 1)));
+        return Err(Error::corrupt(path, "TIFF", format!("it has no page {} any more", page + 1)));
     }
     PageReader::open(path, input.length, options, &Monitor::default())?.read(page, frame)
 }
@@ -72,7 +72,7 @@ pub(super) fn stack(
     input: InputFile,
     options: &OpenOptions,
     ticker: &Ticker<'_>,
-) -> Result<Vec<RawFrame>, OpenError> {
+) -> Result<Vec<RawFrame>, Error> {
     let pages = Pages::read(path, input.file, &options.limits)?.list;
     // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
@@ -91,9 +91,9 @@ pub(super) fn stack(
     Ok(frames.into_iter().flatten().collect())
 }
 
-fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, OpenError> {
-    file.rewind().map_err(|e| OpenError::from_io(path, &e))?; // handles of one file share their place
-    let file_bytes = file.metadata().map_err(|e| OpenError::from_io(path, &e))?.len();
+fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, Error> {
+    file.rewind().map_err(|e| Error::from_io(path, &e))?; // handles of one file share their place
+    let file_bytes = file.metadata().map_err(|e| Error::from_io(path, &e))?.len();
     let decoder = Decoder::new(BufReader::new(file)).map_err(|e| failure(path, e))?;
     let bytes = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let mut own = tiff::decoder::Limits::default();
@@ -111,7 +111,7 @@ struct Pages {
 }
 
 impl Pages {
-    fn read(path: &Path, file: File, limits: &Limits) -> Result<Self, OpenError> {
+    fn read(path: &Path, file: File, limits: &Limits) -> Result<Self, Error> {
         let fail = |e| failure(path, e);
         let mut decoder = decoder(path, file, limits)?;
         let announced = announced_images(&mut decoder);
@@ -124,7 +124,7 @@ impl Pages {
                 let first_size = *size.get_or_insert(this);
                 if this != first_size {
                     let name = |page: usize| format!("{} (page {})", path.display(), page + 1);
-                    return Err(OpenError::different_sizes((&name(list[0]), first_size), (&name(page), this)));
+                    return Err(Error::different_sizes((&name(list[0]), first_size), (&name(page), this)));
                 }
                 list.push(page);
                 limits.check_burst(path, list.len() as u64, width.into(), height.into())?;
@@ -135,13 +135,13 @@ impl Pages {
             decoder.next_image().map_err(fail)?;
         }
         let thumbnails = "all its pages are thumbnails; save the full pictures";
-        let size = size.ok_or_else(|| OpenError::unsupported(path, "TIFF", thumbnails))?;
+        let size = size.ok_or_else(|| Error::unsupported(path, "TIFF", thumbnails))?;
         if let Some(announced) = announced.filter(|&n| n > 1 && list.len() == 1) {
             let reason = format!(
                 "it announces {announced} images but lists only the first, as ImageJ does in files beyond 4 GiB; \
                  save it as BigTIFF, as a .npy stack or as an image sequence"
             );
-            return Err(OpenError::unsupported(path, "TIFF", reason));
+            return Err(Error::unsupported(path, "TIFF", reason));
         }
         Ok(Self { size, list })
     }
@@ -156,14 +156,14 @@ struct PageReader<'a> {
 }
 
 impl<'a> PageReader<'a> {
-    fn open(path: &'a Path, length: u64, options: &'a OpenOptions, monitor: &'a Monitor) -> Result<Self, OpenError> {
-        let file = File::open(path).map_err(|e| OpenError::from_io(path, &e))?;
+    fn open(path: &'a Path, length: u64, options: &'a OpenOptions, monitor: &'a Monitor) -> Result<Self, Error> {
+        let file = File::open(path).map_err(|e| Error::from_io(path, &e))?;
         let decoder = decoder(path, file, &options.limits)?;
         Ok(Self { path, decoder, length, options, monitor })
     }
 
     /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
-    fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame, OpenError> {
+    fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame, Error> {
         let (path, fail) = (self.path, |e| failure(self.path, e));
         self.decoder.seek_to_image(page).map_err(fail)?;
         let (width, height) = self.decoder.dimensions().map_err(fail)?;
@@ -181,7 +181,7 @@ impl<'a> PageReader<'a> {
         }
         let damage = self.damage().map_err(fail)?;
         if let Some(reason) = damage.as_ref().filter(|_| !self.options.accept_damaged) {
-            return Err(OpenError::corrupt(path, "TIFF", reason));
+            return Err(Error::corrupt(path, "TIFF", reason));
         }
         let decoded = decode_page(path, frame, &mut self.decoder, self.options)?;
         Ok(RawFrame { damage, ..decoded })
@@ -260,14 +260,9 @@ macro_rules! with_samples {
     };
 }
 /// Decodes the decoder's current page; its size has been checked.
-fn decode_page(
-    path: &Path,
-    frame: usize,
-    decoder: &mut FileDecoder,
-    options: &OpenOptions,
-) -> Result<RawFrame, OpenError> {
+fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &OpenOptions) -> Result<RawFrame, Error> {
     let fail = |e| failure(path, e);
-    let unsupported = |reason: String| OpenError::unsupported(path, "TIFF", reason);
+    let unsupported = |reason: String| Error::unsupported(path, "TIFF", reason);
     let (width, height) = decoder.dimensions().map_err(fail)?;
     let size = (width as usize, height as usize);
     let color = decoder.colortype().map_err(fail)?;
@@ -285,7 +280,7 @@ fn decode_page(
     let (samples, kind, planar) = read_samples(decoder, size, channels).map_err(fail)?;
     let curve = Curve::of(kind.range.unwrap_or(1.0), kind.is_unsigned && options.linearise);
     let values = with_samples!(&samples, s => grey(s, size.0 * size.1, channels, planar, curve));
-    let too_few = || OpenError::corrupt(path, "TIFF", "it has fewer samples than its size announces");
+    let too_few = || Error::corrupt(path, "TIFF", "it has fewer samples than its size announces");
     let plane = Plane::from_vec(size.0, size.1, values.ok_or_else(too_few)?);
     let decoded = match kind.range {
         Some(range) => RawFrame::linear(plane, FileScale::Range(range)),
@@ -308,20 +303,20 @@ fn grey<T: Sample>(samples: &[T], pixels: usize, channels: usize, planar: bool, 
     Some(grey_from_planes(plane(0)?, plane(1)?, plane(2)?, curve))
 }
 
-fn failure(path: &Path, error: tiff::TiffError) -> OpenError {
+fn failure(path: &Path, error: tiff::TiffError) -> Error {
     use tiff::TiffError::{FormatError, IntSizeError, IoError, LimitsExceeded, UnsupportedError, UsageError};
     match error {
-        IoError(e) => OpenError::from_read(path, "TIFF", &e),
+        IoError(e) => Error::from_read(path, "TIFF", &e),
         UnsupportedError(e) => {
-            OpenError::unsupported(path, "TIFF", format!("{e}; save it as grey or RGB without exotic compression"))
+            Error::unsupported(path, "TIFF", format!("{e}; save it as grey or RGB without exotic compression"))
         }
-        LimitsExceeded => OpenError::too_large(
+        LimitsExceeded => Error::too_large(
             path,
             "a table or strip in it announces too many bytes",
             "what the file itself could hold",
             "copy it again, or save it anew",
         ),
-        FormatError(_) | IntSizeError | UsageError(_) => OpenError::corrupt(path, "TIFF", error),
+        FormatError(_) | IntSizeError | UsageError(_) => Error::corrupt(path, "TIFF", error),
     }
 }
 

@@ -2,8 +2,8 @@
 //! they are in memory, because both processes are of one program on one machine.
 
 use super::{FileScale, RawFrame};
-use crate::burst::error::OpenError;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
+use crate::error::Error;
 use crate::plane::{Plane, memory};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::io::{self, Read, Write};
@@ -66,11 +66,11 @@ pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T
     Ok(serde_json::from_slice(&text)?)
 }
 
-pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>) -> io::Result<()> {
+pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, Error>) -> io::Result<()> {
     match reply {
         Ok(RawFrame { plane, scale, encoding, binning, damage, misnamed: _ }) => {
             let head = FrameHead { size: plane.size(), scale, encoding, binning, damage };
-            send(to, &Ok::<_, OpenError>(head))?;
+            send(to, &Ok::<_, Error>(head))?;
             to.write_all(bytemuck::cast_slice(plane.data()))
         }
         Err(error) => send(to, &Err::<FrameHead, _>(error)),
@@ -79,11 +79,7 @@ pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, OpenError>
 
 /// Receives the reply about the file `path`. The outer error is of a reply that is damaged or cut off, the inner one is
 /// the child's error about the file, or of a frame beyond `limits`.
-pub(super) fn receive_reply(
-    from: &mut impl Read,
-    path: &Path,
-    limits: &Limits,
-) -> io::Result<Result<RawFrame, OpenError>> {
+pub(super) fn receive_reply(from: &mut impl Read, path: &Path, limits: &Limits) -> io::Result<Result<RawFrame, Error>> {
     let FrameHead { size, scale, encoding, binning, damage } = match receive(from)? {
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
@@ -119,7 +115,7 @@ mod tests {
             let bits = |plane: &Plane| plane.data().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&found.plane), bits(&plane));
         }
-        let error = OpenError::not_finite(Path::new("a.dng"), 0, 9, 31, f32::NEG_INFINITY);
+        let error = Error::not_finite(Path::new("a.dng"), 0, 9, 31, f32::NEG_INFINITY);
         assert_eq!(sent(Err(error.clone())).expect_err("an error"), error);
     }
 

@@ -6,7 +6,8 @@
 //! is rare and strong ([`rare`]). Without this `jpeg-20` has 8769 false features a megapixel at the strict gate, not 6.
 
 use super::warning::{NoiseWarning, WarningKind};
-use crate::detector::params::{ParamError, doc};
+use crate::detector::params::doc;
+use crate::error::Error;
 use crate::plane::Plane;
 use serde::Serialize;
 
@@ -67,16 +68,16 @@ impl Flattened {
         self.shown >= ENOUGH
     }
 
-    pub(in crate::detector) fn against_strict(&self) -> ParamError {
-        ParamError {
-            parameter: doc::NOISE_GATE.name,
-            problem: format!(
+    pub(in crate::detector) fn against_strict(&self) -> Error {
+        Error::param(
+            doc::NOISE_GATE.name,
+            format!(
                 "{:.1} % of the blocks of 8×8 pixels are flat, as JPEG files of low quality have them, so that the noise cannot be \
                  measured and the gate strict cannot promise anything",
                 100.0 * self.share
             ),
-            remedy: "save the frames without loss, or give auto or a number".to_owned(),
-        }
+            "save the frames without loss, or give auto or a number",
+        )
     }
 
     pub(super) fn warning(&self) -> NoiseWarning {

@@ -1,6 +1,7 @@
 //! Change of one setting, as advice and explanations suggest it: commands print it, and the window applies it.
 
-use super::{DetectorParams, Param, ParamDoc, ParamError};
+use super::{DetectorParams, Param, ParamDoc};
+use crate::error::Error;
 use serde::{Serialize, Serializer};
 
 /// A parameter and its new value, as the command line takes it.
@@ -38,7 +39,7 @@ impl ParamChange {
     /// # Errors
     /// The value cannot be read, or the parameters make no sense with it. The choice between given and found slopes
     /// ([`super::doc::SLOPES`]) is not one of the detector's parameters, so a change of it is refused too.
-    pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams, ParamError> {
+    pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams, Error> {
         Self::all_applied(std::slice::from_ref(self), params)
     }
 
@@ -46,12 +47,12 @@ impl ParamChange {
     ///
     /// # Errors
     /// As [`Self::applied`].
-    pub fn all_applied(changes: &[Self], params: &DetectorParams) -> Result<DetectorParams, ParamError> {
+    pub fn all_applied(changes: &[Self], params: &DetectorParams) -> Result<DetectorParams, Error> {
         let mut changed = params.clone();
         for change in changes {
             let ParamDoc { name: parameter, .. } = *change.parameter;
             let remedy = format!("give what '--{parameter}' takes");
-            let wrong = |problem| ParamError { parameter, problem, remedy };
+            let wrong = |problem| Error::param(parameter, problem, remedy);
             change.parameter.read(&mut changed, &change.value).map_err(wrong)?;
         }
         changed.validate()?;
@@ -82,7 +83,7 @@ mod tests {
             }
             assert_ne!(after, before, "{}", record.name);
             let error = ParamChange::new(record, "nonsense").applied(&before).expect_err(record.name);
-            assert_eq!(error.parameter, record.name);
+            assert_eq!(error.subject, record.name);
         }
         assert!(ParamChange::new(doc::SLOPES, "auto").applied(&before).is_err());
         assert!(ParamChange::new(doc::LEVELS, 0).applied(&before).is_err(), "checked");

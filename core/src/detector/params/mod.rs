@@ -25,7 +25,6 @@ pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
 pub use rules::Rules;
 pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use slope_grid::{MAX_SLOPES, Slope, SlopeAxis, SlopeGrid};
-pub use validate::ParamError;
 
 impl DetectorParams {
     /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
@@ -123,14 +122,14 @@ mod tests {
             (DetectorParams { noise_gate: NoiseGate::Factor(-1.0), ..good() }, "noise-gate"),
         ];
         for (params, name) in cases {
-            assert_eq!(params.validate().expect_err(name).parameter, name);
+            assert_eq!(params.validate().expect_err(name).subject, name);
         }
         let one_frame = DetectorParams::default().validate_for(1, (100, 100)).expect_err("one frame");
-        assert_eq!(one_frame.parameter, "frames");
+        assert_eq!(one_frame.subject, "frames");
         let sift = DetectorParams { method: Method::Sift, ..good() };
         assert_eq!(sift.validate_for(1, (64, 64)), Ok(()));
         let too_fast = DetectorParams { slopes: SlopeGrid::line(-99.0..=99.0, 3), ..good() };
-        assert_eq!(too_fast.validate_for(10, (100, 100)).expect_err("too fast").parameter, "slopes-u");
+        assert_eq!(too_fast.validate_for(10, (100, 100)).expect_err("too fast").subject, "slopes-u");
     }
 
     #[test]

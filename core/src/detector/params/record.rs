@@ -3,7 +3,7 @@
 //! The option of the commands, the row in the window, the changes that advice suggests, the checks, the help texts and
 //! the page of reference are made from a [`Param`].
 
-use super::{Distinct, FrameRange, NoiseGate, ParamError, SlopeAxis, Word};
+use super::{Distinct, FrameRange, NoiseGate, SlopeAxis, Word};
 use std::fmt;
 use std::ops::{Bound, Deref, RangeBounds, RangeInclusive};
 
@@ -191,13 +191,13 @@ impl Bounds {
     ///
     /// # Errors
     /// Its fault, with the remedy.
-    pub fn check(&self, parameter: &'static str, number: f64) -> Result<(), ParamError> {
+    pub fn check(&self, parameter: &'static str, number: f64) -> Result<(), Error> {
         if self.allow(number) {
             return Ok(());
         }
         // 1e300, not a one with three hundred zeros; NaN is NaN in both forms.
         let problem = if number.abs() < 1e15 { number.to_string() } else { format!("{number:e}") };
-        Err(ParamError { parameter, problem, remedy: self.remedy.to_owned() })
+        Err(Error::param(parameter, problem, self.remedy.to_owned()))
     }
 
     /// Numbers from the lower to the upper bound, both included, for a field of the window.
@@ -318,12 +318,12 @@ impl<P> Param<P> {
     ///
     /// # Errors
     /// The fault in `text`, with a remedy. The value is checked only for whether it can be read.
-    pub fn set(&self, params: &mut P, text: &str) -> Result<(), ParamError> {
+    pub fn set(&self, params: &mut P, text: &str) -> Result<(), Error> {
         self.set_field((self.field)(params), text)
     }
 
     /// Sets a value of this parameter that is held elsewhere.
-    pub(super) fn set_field(&self, field: Field<'_>, text: &str) -> Result<(), ParamError> {
+    pub(super) fn set_field(&self, field: Field<'_>, text: &str) -> Result<(), Error> {
         let remedy = match (field.words(), self.bounds) {
             (Some(words), _) => {
                 let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
@@ -332,7 +332,7 @@ impl<P> Param<P> {
             (None, Some(bounds)) => bounds.remedy.to_owned(),
             (None, None) => format!("give {}", self.placeholder),
         };
-        field.read(text).map_err(|problem| ParamError { parameter: self.doc.name, problem, remedy })
+        field.read(text).map_err(|problem| Error::param(self.doc.name, problem, remedy))
     }
 }
 
@@ -346,9 +346,9 @@ impl<P: Clone> Param<P> {
     ///
     /// # Errors
     /// Its fault, with a remedy.
-    pub fn check(&self, params: &P) -> Result<(), ParamError> {
+    pub fn check(&self, params: &P) -> Result<(), Error> {
         let fault = (self.field)(&mut params.clone()).fault(self.bounds.as_ref());
-        fault.map_err(|(problem, remedy)| ParamError { parameter: self.doc.name, problem, remedy })
+        fault.map_err(|(problem, remedy)| Error::param(self.doc.name, problem, remedy))
     }
 }
 

@@ -4,7 +4,7 @@
 //! [`DetectorParams`] gives the slopes. [`SearchParams`] may instead request slopes found from each burst;
 //! [`crate::detector::slopes::resolve`] then converts the one into the other, burst by burst, before the detection.
 
-use super::{DetectorParams, Field, Param, ParamError, Slope, SlopeGrid, doc};
+use super::{DetectorParams, Field, Param, Slope, SlopeGrid, doc};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::{Table, Value};
 
@@ -66,15 +66,11 @@ impl SearchParams {
     ///
     /// # Errors
     /// The first parameter that makes no sense.
-    pub fn validate(&self) -> Result<(), ParamError> {
+    pub fn validate(&self) -> Result<(), Error> {
         if let SlopeChoice::Auto { direction_deg: Some(degrees) } = self.slopes
             && !degrees.is_finite()
         {
-            return Err(ParamError {
-                parameter: doc::SLOPE_DIRECTION.name,
-                problem: "it is not finite".into(),
-                remedy: "give degrees".into(),
-            });
+            return Err(Error::param(doc::SLOPE_DIRECTION.name, "it is not finite", "give degrees"));
         }
         self.detector.validate()
     }
@@ -90,15 +86,11 @@ impl SearchParams {
     pub fn with_texts<'a>(
         self,
         given: impl IntoIterator<Item = (Param<DetectorParams>, &'a str)>,
-    ) -> Result<Self, ParamError> {
+    ) -> Result<Self, Error> {
         let mut params = self;
         let (slopes, others): (Vec<_>, Vec<_>) = given.into_iter().partition(|(record, _)| *record == doc::SLOPES);
         let ranges = others.iter().find(|(record, _)| *record == doc::SLOPES_U || *record == doc::SLOPES_V);
-        let error = |problem: String, remedy: &str| ParamError {
-            parameter: doc::SLOPES.name,
-            problem,
-            remedy: remedy.to_owned(),
-        };
+        let error = |problem: String, remedy: &str| Error::param(doc::SLOPES.name, problem, remedy.to_owned());
         for (_, text) in slopes {
             if text != AUTO {
                 return Err(error(format!("'{text}' is not known"), "give auto, or the ranges slopes-u and slopes-v"));

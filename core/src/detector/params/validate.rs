@@ -19,14 +19,14 @@ impl DetectorParams {
     ///
     /// # Errors
     /// The first parameter that makes no sense.
-    pub fn validate(&self) -> Result<(), ParamError> {
+    pub fn validate(&self) -> Result<(), Error> {
         doc::ALL.iter().try_for_each(|record| record.check(self))?;
         if self.slopes.len() > MAX_SLOPES {
-            return Err(ParamError {
-                parameter: doc::SLOPES_V.name,
-                problem: format!("the grid has {} slopes", self.slopes.len()),
-                remedy: "at most 4096 slopes are searched; use coarser steps".into(),
-            });
+            return Err(Error::param(
+                doc::SLOPES_V.name,
+                format!("the grid has {} slopes", self.slopes.len()),
+                "at most 4096 slopes are searched; use coarser steps",
+            ));
         }
         Ok(())
     }
@@ -35,14 +35,14 @@ impl DetectorParams {
     ///
     /// # Errors
     /// [`doc::FRAMES`] if the range reaches past the burst.
-    pub fn validate_frames(&self, frame_count: usize) -> Result<(), ParamError> {
+    pub fn validate_frames(&self, frame_count: usize) -> Result<(), Error> {
         match self.frames.filter(|range| range.end > frame_count) {
             None => Ok(()),
-            Some(range) => Err(ParamError {
-                parameter: doc::FRAMES.name,
-                problem: format!("{range} reaches past the burst's {frame_count} frames"),
-                remedy: format!("give A..B with B at most {frame_count}"),
-            }),
+            Some(range) => Err(Error::param(
+                doc::FRAMES.name,
+                format!("{range} reaches past the burst's {frame_count} frames"),
+                format!("give A..B with B at most {frame_count}"),
+            )),
         }
     }
 
@@ -50,11 +50,11 @@ impl DetectorParams {
     ///
     /// # Errors
     /// The first parameter that makes no sense for it.
-    pub fn validate_for(&self, frame_count: usize, size: (usize, usize)) -> Result<(), ParamError> {
+    pub fn validate_for(&self, frame_count: usize, size: (usize, usize)) -> Result<(), Error> {
         self.validate()?;
         self.validate_frames(frame_count)?;
         let fail = |parameter: Param<Self>, problem: String, remedy: String| {
-            Err(ParamError { parameter: parameter.name, problem, remedy })
+            Err(Error::param(parameter.name, problem, remedy))
         };
         let shift = self.first_octave;
         let side = |pixels: usize| if shift < 0 { pixels * 2 } else { pixels >> shift };

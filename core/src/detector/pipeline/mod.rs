@@ -16,7 +16,7 @@ pub use judgement::{Judgement, Neighbourhood, Sample, compared_slopes};
 pub use outcome::follows;
 pub use trail::Trail;
 
-use super::feature::{DetectError, Detection, Keypoint, StageTimes, Tally};
+use super::feature::{Detection, Keypoint, StageTimes, Tally};
 use super::memory::{self, Account, OF_PROCESS, Wanted};
 use super::params::{DescribeSlope, DetectorParams};
 use crate::burst::Burst;
@@ -27,6 +27,7 @@ use crate::detector::pipeline::choice::{Choice, Chooser};
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, sigma_d};
 use crate::detector::search::SEARCH_PART;
 use crate::detector::search::setup::{FirstLevels, Inputs, Search};
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
@@ -35,16 +36,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Finds the features of a burst whose frames are merged already; callers use [`crate::detect`].
-pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, DetectError> {
+pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, Error> {
     Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), false, monitor)?.detection)
 }
 
 /// Finds the features of a burst and keeps the data that explains them.
-pub(crate) fn search_with_trail(
-    burst: &Burst,
-    params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<Trail, DetectError> {
+pub(crate) fn search_with_trail(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Trail, Error> {
     // Trails that are kept already have their part of the budget.
     let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
     Ok(search_all(burst, params, &OF_PROCESS, budget, true, monitor)?.ready())
@@ -59,7 +56,7 @@ fn search_all(
     budget: Option<u64>,
     keeps: bool,
     monitor: &Monitor,
-) -> Result<Trail, DetectError> {
+) -> Result<Trail, Error> {
     let started = Instant::now();
     params.validate_for(burst.len(), burst.size())?;
     let frames = params.used_frames(burst.len()).len();

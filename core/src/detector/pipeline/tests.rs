@@ -4,6 +4,7 @@ use super::*;
 use crate::detector::memory::{Plan, Wanted, estimate};
 use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, Rules, SlopeExtrema, SlopeNeighbours};
 use crate::detector::{Slope, SlopeGrid, Test};
+use crate::error::Error;
 use crate::plane::tile::Region;
 use crate::synth::{SceneParams, synth_scene};
 use proptest::prelude::*;
@@ -22,7 +23,7 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
 }
 
 /// Searches with all of `budget` bytes, whatever other tests of this process take at the same time.
-fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, DetectError> {
+fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, Error> {
     search_all(burst, params, &Account::new(), budget, true, &Monitor::default())
 }
 

@@ -6,7 +6,6 @@
 //! is computed by identical operations whatever the group, so the keypoints together are those of the whole search.
 
 use crate::burst::Burst;
-use crate::detector::feature::DetectError;
 use crate::detector::noise::{frame_noise, gate_factor};
 use crate::detector::noise_model::warning::of_merge;
 use crate::detector::noise_model::{Examined, ForSearch, NoiseModel, examine};
@@ -16,6 +15,7 @@ use crate::detector::scale_space::planes::SlopeStack;
 use crate::detector::scale_space::{Base, ScaleSpace, octave_pixel, searched_octaves};
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::{FrameTimes, coverage, frame_offsets};
+use crate::error::Error;
 use crate::kernel::gaussian_bank::{FilterBank, FilterScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -99,7 +99,7 @@ pub(crate) struct Inputs {
 
 impl Inputs {
     /// Checks the parameters and examines the noise.
-    pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, DetectError> {
+    pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, Error> {
         params.validate_for(burst.len(), burst.size())?;
         let frames_used = params.used_frames(burst.len());
         monitor.report(Stage::Noise, 0.0);
@@ -107,7 +107,7 @@ impl Inputs {
         let Examined { model, frames, kept } = known_noise(burst, params, &space, monitor)?;
         if let Some(refused) = model.flattened.filter(|f| params.noise_gate == NoiseGate::Strict && !f.is_measurable())
         {
-            return Err(DetectError::Param(refused.against_strict()));
+            return Err(refused.against_strict());
         }
         let times = FrameTimes { frame_count: frames_used.len(), kept };
         let (size_image, noise, gate_factor) = (burst.size(), Arc::new(model), gate_factor(params));

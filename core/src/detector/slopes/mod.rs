@@ -16,10 +16,10 @@ mod tests;
 pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
-use super::feature::DetectError;
 use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
 use crate::burst::Burst;
 use crate::detector::scale_space::ScaleSpace;
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use evidence::{
@@ -162,13 +162,13 @@ pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: u
 /// Parameters with which `burst` is searched, and the finding where slopes are found from it, which baselines do not.
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst, [`DetectError::Cancelled`] once `monitor`
+/// Parameters that make no sense for the burst, and cancellation once `monitor`
 /// was cancelled.
 pub fn resolve(
     burst: &Burst,
     params: &SearchParams,
     monitor: &Monitor,
-) -> Result<(DetectorParams, Option<SlopeFinding>), DetectError> {
+) -> Result<(DetectorParams, Option<SlopeFinding>), Error> {
     params.validate()?;
     let SlopeChoice::Auto { direction_deg } = params.slopes else {
         return Ok((params.detector.clone(), None));

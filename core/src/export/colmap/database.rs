@@ -6,8 +6,8 @@
 
 use super::text::{ColmapKeypoint, FIRST_PIXEL};
 use crate::detector::Descriptor;
+use crate::error::Error;
 use crate::export::atomic::replace;
-use crate::export::error::ExportError;
 use crate::files::mark::DATABASE_ID;
 use nalgebra::{Isometry3, Matrix3};
 use rusqlite::{Connection, Params, params};
@@ -48,11 +48,11 @@ pub struct DatabaseWriter<'a> {
 /// failure an older file is unchanged and no other one is left behind.
 ///
 /// # Errors
-/// The error of `fill`, or [`ExportError`] when the file cannot be written.
-pub fn write_colmap_database<E: From<ExportError>>(
+/// The error of `fill`, or of a file that cannot be written.
+pub fn write_colmap_database(
     path: &Path,
-    fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), E>,
-) -> Result<(), E> {
+    fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), Error>,
+) -> Result<(), Error> {
     let mut made = Ok(());
     let written = replace(path, |new| {
         made = make(new, path, fill);
@@ -60,14 +60,14 @@ pub fn write_colmap_database<E: From<ExportError>>(
         File::options().read(true).write(true).open(new)
     });
     made?;
-    Ok(written?)
+    written
 }
 
-fn make<E: From<ExportError>>(
+fn make(
     temporary: &Path,
     path: &Path,
-    fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), E>,
-) -> Result<(), E> {
+    fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), Error>,
+) -> Result<(), Error> {
     let fail = |e: rusqlite::Error| failure(path, &e);
     let connection = Connection::open(temporary).map_err(fail)?;
     // No journal and no waiting for the disk: the file is useless until it is complete, and is then flushed.
@@ -81,13 +81,13 @@ fn make<E: From<ExportError>>(
     Ok(())
 }
 
-fn failure(path: &Path, error: &rusqlite::Error) -> ExportError {
-    ExportError::Write { path: path.into(), reason: error.to_string() }
+fn failure(path: &Path, error: &rusqlite::Error) -> Error {
+    Error::unwritten(path, &io::Error::other(error.to_string()))
 }
 
 impl DatabaseWriter<'_> {
     /// Adds a camera and returns its id.
-    pub fn add_camera(&mut self, camera: &DatabaseCamera) -> Result<u32, ExportError> {
+    pub fn add_camera(&mut self, camera: &DatabaseCamera) -> Result<u32, Error> {
         self.cameras += 1;
         let id = self.cameras;
         let DatabaseCamera { model_id, width, height, params: intrinsics, prior_focal_length } = camera;
@@ -104,7 +104,7 @@ impl DatabaseWriter<'_> {
     /// folder of images.
     ///
     /// # Errors
-    /// [`ExportError`] when the file cannot be written, or already has an image of this name.
+    /// The file cannot be written, or already has an image of this name.
     ///
     /// # Panics
     /// When the numbers of keypoints and descriptors differ, or there is no such camera.
@@ -114,7 +114,7 @@ impl DatabaseWriter<'_> {
         camera_id: u32,
         keypoints: &[ColmapKeypoint],
         descriptors: &[Descriptor],
-    ) -> Result<u32, ExportError> {
+    ) -> Result<u32, Error> {
         assert_eq!(keypoints.len(), descriptors.len(), "each feature has one descriptor");
         assert!((1..=self.cameras).contains(&camera_id), "the camera is added first");
         self.keypoints.push(keypoints.len());
@@ -135,7 +135,7 @@ impl DatabaseWriter<'_> {
     /// Adds the matches of images `a` and `b` (index pairs of their features) and their two-view geometry.
     ///
     /// # Errors
-    /// [`ExportError`] when the file cannot be written, or already has this pair.
+    /// The file cannot be written, or already has this pair.
     ///
     /// # Panics
     /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature.
@@ -145,7 +145,7 @@ impl DatabaseWriter<'_> {
         b: u32,
         matches: &[[u32; 2]],
         geometry: Option<&DatabaseGeometry>,
-    ) -> Result<(), ExportError> {
+    ) -> Result<(), Error> {
         assert!(1 <= a && a < b && b as usize <= self.keypoints.len(), "pairs are of images that were added, in order");
         let (of_a, of_b) = (self.keypoints[a as usize - 1], self.keypoints[b as usize - 1]);
         let exist = |pairs: &[[u32; 2]]| pairs.iter().all(|&[i, j]| (i as usize) < of_a && (j as usize) < of_b);
@@ -180,7 +180,7 @@ impl DatabaseWriter<'_> {
     }
 
     /// Reads the features of the image `id` back, as they were added.
-    pub fn features(&self, id: u32) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
+    pub fn features(&self, id: u32) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), Error> {
         let sql = "SELECT keypoints.data, descriptors.data FROM keypoints JOIN descriptors USING (image_id) WHERE image_id = ?";
         let read = self.connection.query_row(sql, [id], |row| {
             let number = |bytes: &[u8], k: usize| f32::from_le_bytes(std::array::from_fn(|i| bytes[4 * k + i]));
@@ -194,7 +194,7 @@ impl DatabaseWriter<'_> {
         read.map_err(|e| failure(self.path, &e))
     }
 
-    fn insert(&self, sql: &str, values: impl Params) -> Result<(), ExportError> {
+    fn insert(&self, sql: &str, values: impl Params) -> Result<(), Error> {
         self.connection.execute(sql, values).map(|_| ()).map_err(|e| failure(self.path, &e))
     }
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::detector::Descriptor;
-use crate::export::ExportError;
+use crate::error::{Error, ErrorKind};
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use proptest::prelude::*;
 use rusqlite::Connection;
@@ -27,7 +27,7 @@ fn camera() -> DatabaseCamera {
 
 /// Writes two images with four and three features, with matches and a geometry of every kind.
 fn written(path: &Path) {
-    write_colmap_database::<ExportError>(path, |database| {
+    write_colmap_database(path, |database| {
         let camera = database.add_camera(&camera())?;
         let a = database.add_image("a.png", camera, &keypoints(4), &descriptors(4))?;
         let b = database.add_image("b.png", camera, &keypoints(3), &descriptors(3))?;
@@ -118,22 +118,12 @@ fn a_database_is_whole_or_not_there() {
         database.add_image("a.png", camera, &[], &[])?;
         database.add_image("a.png", camera, &[], &[]).map(|_| ())
     });
-    assert!(matches!(&twice, Err(ExportError::Write { reason, .. }) if reason.contains("images.name")), "{twice:?}");
+    assert!(twice.as_ref().is_err_and(|error| error.problem.contains("images.name")), "{twice:?}");
     // An error of `fill` is returned unchanged.
-    #[derive(Debug, PartialEq)]
-    enum Mine {
-        Stopped,
-        Export(ExportError),
-    }
-    impl From<ExportError> for Mine {
-        fn from(error: ExportError) -> Self {
-            Self::Export(error)
-        }
-    }
-    assert_eq!(write_colmap_database(&path, |_| Err(Mine::Stopped)), Err(Mine::Stopped));
+    assert_eq!(write_colmap_database(&path, |_| Err(Cancelled.into())), Err(Cancelled.into()));
     assert_eq!(std::fs::read(&path).expect("a file"), before);
     assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
-    assert!(matches!(write_colmap_database(home.path(), |_| Ok(())), Err(Mine::Export(ExportError::NotAFile(_)))));
+    assert_eq!(write_colmap_database(home.path(), |_| Ok(())), Err(Error::no_file(home.path())));
 }
 
 #[test]
@@ -154,7 +144,7 @@ fn text_that_is_no_features_is_named() {
         let error = read_colmap(&path).expect_err(words).to_string();
         assert!(error.contains(words) && error.ends_with("a.txt"), "{error}");
     }
-    assert!(matches!(read_colmap(&home.path().join("gone.txt")), Err(ExportError::Read { .. })));
+    assert!(read_colmap(&home.path().join("gone.txt")).is_err_and(|error| error.kind == ErrorKind::System));
 }
 
 proptest! {

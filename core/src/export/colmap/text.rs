@@ -6,16 +6,16 @@
 //! <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
 
 use crate::detector::{Descriptor, Feature};
+use crate::error::Error;
 use crate::export::atomic::write_whole;
 use crate::export::csv::first_line;
-use crate::export::error::ExportError;
 use crate::files::{MAX_TABLE_BYTES, read_text};
 use std::io::{self, Write};
 use std::path::Path;
 use std::str::FromStr;
 
 /// Writes features and descriptors for COLMAP's importer; panics if the numbers of them differ.
-pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), ExportError> {
+pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), Error> {
     write_colmap_keypoints(path, &features.iter().map(ColmapKeypoint::from).collect::<Vec<_>>(), descriptors)
 }
 
@@ -24,7 +24,7 @@ pub fn write_colmap_keypoints(
     path: &Path,
     keypoints: &[ColmapKeypoint],
     descriptors: &[Descriptor],
-) -> Result<(), ExportError> {
+) -> Result<(), Error> {
     assert_eq!(keypoints.len(), descriptors.len(), "each feature has one descriptor");
     write_whole(path, |out| print(out, keypoints, descriptors))
 }
@@ -57,16 +57,15 @@ pub(in crate::export) fn is_colmap_text(path: &Path, is_whole: bool) -> bool {
 /// Reads features and descriptors that [`write_colmap`] wrote; all numbers are the same.
 ///
 /// # Errors
-/// [`ExportError::Read`] when the file cannot be read, [`ExportError::Text`] with the line that is not in this format.
-pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
-    let read = |e: std::io::Error| ExportError::Read { path: path.into(), reason: e.to_string() };
-    parse_colmap(path, &read_text(path, MAX_TABLE_BYTES).map_err(read)?)
+/// The file cannot be read, or a line, which is named, is not in this format.
+pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), Error> {
+    parse_colmap(path, &read_text(path, MAX_TABLE_BYTES).map_err(|e| Error::unread_file(path, e))?)
 }
 
 /// Parses the `text` of a file that `write_colmap` wrote, as [`read_colmap`]; `path` is for messages.
-pub fn parse_colmap(path: &Path, text: &str) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), ExportError> {
+pub fn parse_colmap(path: &Path, text: &str) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), Error> {
     let mut lines = text.lines();
-    let bad = |line: usize, problem: String| ExportError::Text { path: path.into(), line, problem };
+    let bad = |line: usize, problem: String| Error::in_line(path, line, &problem);
     let header = lines.next().unwrap_or_default();
     let count = header.strip_suffix(" 128").and_then(|count| count.parse::<usize>().ok());
     let count = count.ok_or_else(|| bad(1, format!("'{header:.40}' is not the number of features and 128")))?;

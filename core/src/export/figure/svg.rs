@@ -1,8 +1,8 @@
 //! Drawings as SVG 1.1.
 
 use super::{Colour, Drawing, FigureRect, FigureShape, FigureStroke};
+use crate::error::Error;
 use crate::export::atomic::write_marked;
-use crate::export::error::ExportError;
 use crate::export::png::Picture;
 use crate::export::svg::{Attribute, Number, PathData, SvgWriter, rectangle};
 use crate::files::mark::Kind;
@@ -10,7 +10,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes the drawing.
-pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), ExportError> {
+pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), Error> {
     for shape in &drawing.shapes {
         if let FigureShape::Picture { size, rgba, .. } = shape {
             Picture::rgba(size.0, size.1, rgba).check_size(path)?;

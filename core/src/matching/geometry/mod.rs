@@ -20,7 +20,7 @@ pub use model::TwoViewModel;
 
 use super::camera::Camera;
 use super::params::{Geometry, MatchParams};
-use crate::detector::DetectError;
+use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor};
 use consensus::estimate;
 use points::{Normalisation, RayPair};
@@ -58,11 +58,7 @@ pub struct PointPair {
 
 /// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] is none. Both images are
 /// from [`MatchParams::camera`].
-pub fn verify(
-    pairs: &[PointPair],
-    params: &MatchParams,
-    monitor: &Monitor,
-) -> Result<Option<Verification>, DetectError> {
+pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> Result<Option<Verification>, Error> {
     params.validate()?;
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
     let mut order: Vec<usize> = (0..pairs.len()).collect();

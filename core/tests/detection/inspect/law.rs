@@ -9,7 +9,7 @@ use burstscope_core::detector::{
 };
 use burstscope_core::inspect::changes::{Spot, compare};
 use burstscope_core::inspect::telling::fate;
-use burstscope_core::inspect::truth::{AgainstTruth, TruthError, against_truth, read_truth, truth_of};
+use burstscope_core::inspect::truth::{AgainstTruth, against_truth, read_truth, truth_of};
 use burstscope_core::inspect::unmatched::{ComparedPair, Losses, Lost};
 use burstscope_core::inspect::{Fate, Outcome, ProbeCache};
 use burstscope_core::matching::{Geometry, MatchParams, match_detections};
@@ -277,11 +277,11 @@ fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
     );
     let small = burstscope_core::synth::Truth { width: 9, ..truth };
     std::fs::write(folder.join("truth.json"), serde_json::to_string(&small).expect("JSON")).expect("written");
-    assert!(matches!(truth_of(&opened), Err(TruthError::Size { .. })));
+    assert!(truth_of(&opened).is_err_and(|error| error.problem.contains("the burst has")));
     std::fs::write(folder.join("truth.json"), "{").expect("written");
     let error = truth_of(&opened).expect_err("broken").to_string();
     assert!(error.contains("truth.json") && error.contains("burstscope synth"), "{error}");
-    assert!(matches!(read_truth(&home.path().join("gone.json")), Err(TruthError::Read { .. })));
+    assert!(read_truth(&home.path().join("gone.json")).is_err_and(|error| error.problem.starts_with("cannot be read")));
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use super::crafted;
 use super::support::{folder, grey8, open, raw_tiff, save, tiff_pages};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, OpenError, OpenErrorKind, OpenOptions, RemarkKind};
+use burstscope_core::burst::{Burst, OpenOptions, RemarkKind};
+use burstscope_core::error::{Error, ErrorKind};
 use image::{ImageBuffer, Luma, Rgb};
 use std::fs;
 use std::path::Path;
@@ -16,7 +17,7 @@ fn accepting() -> OpenOptions {
     OpenOptions { accept_damaged: true, ..OpenOptions::default() }
 }
 
-fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, OpenError> {
+fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
     Burst::open_with(&[path.into()], options, &Monitor::default())
 }
 
@@ -67,7 +68,7 @@ fn what_is_cut_off_is_refused_in_every_format_wherever_it_is_cut() {
                 };
                 let words = error.to_string();
                 assert!(words.contains(name) && words.contains("copy it again"), "{words}");
-                assert_eq!(error.kind, OpenErrorKind::Damaged, "{name} cut to {cut}: {error:?}");
+                assert_eq!(error.kind, ErrorKind::Damaged, "{name} cut to {cut}: {error:?}");
             }
         }
     }
@@ -118,7 +119,7 @@ fn damaged_jpegs_are_taken_where_that_is_asked_for_and_named() {
     let sound = fs::read(&path).expect("read");
     fs::write(&path, &sound[..sound.len() / 2]).expect("written");
     let error = Burst::open(folder.path()).expect_err("cut");
-    assert!(error.kind == OpenErrorKind::Damaged && error.subject.ends_with("1.jpg"), "{error}");
+    assert!(error.kind == ErrorKind::Damaged && error.subject.ends_with("1.jpg"), "{error}");
     let burst = open_with(folder.path(), &accepting()).expect("taken");
     let [remark] = &burst.remarks[..] else { panic!("{:?}", burst.remarks) };
     assert!(remark.frame == 1 && matches!(remark.kind, RemarkKind::Damaged(_)), "{remark:?}");
@@ -210,7 +211,7 @@ fn files_that_announce_much_are_refused_at_once() {
         let path = folder.path().join(name);
         fs::write(&path, bytes).expect("written");
         let error = open(&[path]).expect_err(name);
-        assert_eq!(error.kind, OpenErrorKind::Damaged, "{error:?}");
+        assert_eq!(error.kind, ErrorKind::Damaged, "{error:?}");
         assert!(error.to_string().contains(word) && error.to_string().contains(name), "{error}");
     };
     for kind in [5, 10, 12] {

@@ -2,7 +2,8 @@
 
 use super::support::{folder, grey8, open, save, tiff_pages};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Limits, OpenError, OpenErrorKind, OpenOptions};
+use burstscope_core::burst::{Burst, Limits, OpenOptions};
+use burstscope_core::error::{Error, ErrorKind};
 use ndarray::{Array1, Array2, Array3, Array4};
 use ndarray_npy::write_npy;
 use std::fs;
@@ -11,7 +12,7 @@ use tiff::encoder::colortype;
 
 /// Opens a file that must fail, and checks that the message contains all of `words`.
 #[track_caller]
-fn failure(path: &Path, words: &[&str]) -> OpenError {
+fn failure(path: &Path, words: &[&str]) -> Error {
     let error = Burst::open(path).expect_err("this must not open");
     let message = error.to_string();
     assert!(message.contains(&*path.file_name().expect("named").to_string_lossy()), "{message}");
@@ -98,7 +99,7 @@ fn a_bad_picture_in_a_folder_is_named_and_never_skipped() {
         fs::remove_file(folder.path().join("2.png")).expect("removed");
         std::os::unix::fs::symlink("nowhere", folder.path().join("2.png")).expect("linked");
         let error = Burst::open(folder.path()).expect_err("a link to nowhere");
-        assert!(error.kind == OpenErrorKind::NotFound && error.subject.ends_with("2.png"), "{error}");
+        assert!(error.kind == ErrorKind::NotFound && error.subject.ends_with("2.png"), "{error}");
     }
 }
 
@@ -179,7 +180,7 @@ fn limits_are_checked_before_memory_is_taken() {
     let options = OpenOptions { limits, ..OpenOptions::default() };
     let fails = |path: &Path, word: &str| {
         let error = Burst::open_with(&[path.into()], &options, &Monitor::default()).expect_err(word);
-        assert_eq!(error.kind, OpenErrorKind::TooLarge, "{error}");
+        assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
         assert!(error.to_string().contains(word), "{error}");
     };
     let at = |name: &str| folder.path().join(name);
@@ -198,13 +199,13 @@ fn limits_are_checked_before_memory_is_taken() {
     fails(&at("many"), "3 × 30×30");
     // A few bytes that announce a huge picture, against the default limits.
     fs::write(at("giant.pam"), "P7\nWIDTH 200000\nHEIGHT 200000\nDEPTH 1\nMAXVAL 255\nENDHDR\n").expect("written");
-    assert_eq!(failure(&at("giant.pam"), &["200000×200000"]).kind, OpenErrorKind::TooLarge);
+    assert_eq!(failure(&at("giant.pam"), &["200000×200000"]).kind, ErrorKind::TooLarge);
     let giant = "{'descr': '<f8', 'fortran_order': True, 'shape': (4000, 16000, 16000), }";
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((giant.len() as u16).to_le_bytes());
     bytes.extend(giant.as_bytes());
     fs::write(at("giant.npy"), bytes).expect("written");
-    assert_eq!(failure(&at("giant.npy"), &["MiB"]).kind, OpenErrorKind::TooLarge);
+    assert_eq!(failure(&at("giant.npy"), &["MiB"]).kind, ErrorKind::TooLarge);
 }
 
 #[test]

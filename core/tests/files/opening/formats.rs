@@ -3,8 +3,9 @@
 
 use super::support::{assert_close, folder, grey8, open, raw_tiff, save, tiff_pages};
 use burstscope_core::burst::{
-    Burst, BurstFiles, LUMA_WEIGHTS, OpenErrorKind, SequenceCut, cut_sequence, find_bursts, supported_extensions,
+    Burst, BurstFiles, LUMA_WEIGHTS, SequenceCut, cut_sequence, find_bursts, supported_extensions,
 };
+use burstscope_core::error::ErrorKind;
 use image::{ImageBuffer, Luma, LumaA, Rgb, Rgba};
 use ndarray::{Array2, Array3, ShapeBuilder};
 use ndarray_npy::write_npy;
@@ -256,7 +257,7 @@ fn tiffs_of_rarer_layouts() {
         ("palette", raw_tiff(false, (2, 1), &[8], &[(262, 3)], &[&[0; 2]])),
     ] {
         let error = values(bytes).expect_err(what);
-        assert_eq!(error.kind, OpenErrorKind::Unsupported, "{what}: {error}");
+        assert_eq!(error.kind, ErrorKind::Unsupported, "{what}: {error}");
     }
 }
 

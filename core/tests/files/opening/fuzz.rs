@@ -4,7 +4,8 @@ use super::crafted;
 use super::damaged::PROGRESSIVE;
 use super::support::{folder, grey8, raw_tiff, save, tiff_pages};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Limits, OpenError, OpenErrorKind, OpenOptions};
+use burstscope_core::burst::{Burst, Limits, OpenOptions};
+use burstscope_core::error::{Error, ErrorKind};
 use image::{ImageBuffer, Luma, Rgb};
 use proptest::prelude::*;
 use std::sync::OnceLock;
@@ -69,7 +70,7 @@ fn seeds() -> &'static [(&'static str, Vec<u8>)] {
 }
 
 /// Opens the bytes as a file; limits are small, so that a wrong size cannot slow the test down.
-fn open(name: &str, bytes: &[u8]) -> Result<Burst, OpenError> {
+fn open(name: &str, bytes: &[u8]) -> Result<Burst, Error> {
     let folder = folder();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).expect("written");
@@ -77,7 +78,7 @@ fn open(name: &str, bytes: &[u8]) -> Result<Burst, OpenError> {
     Burst::open_with(&[path], &OpenOptions { limits, ..OpenOptions::default() }, &Monitor::default())
 }
 
-fn check(name: &str, answer: Result<Burst, OpenError>) {
+fn check(name: &str, answer: Result<Burst, Error>) {
     match answer {
         Ok(burst) => {
             assert!(burst.frames.iter().all(|f| f.size() == burst.size() && f.data().iter().all(|v| v.is_finite())));
@@ -85,7 +86,7 @@ fn check(name: &str, answer: Result<Burst, OpenError>) {
         }
         Err(error) => {
             let message = error.to_string();
-            assert!(message.contains(name) || error.kind == OpenErrorKind::SeveralBursts, "{message}");
+            assert!(message.contains(name) || error.kind == ErrorKind::SeveralBursts, "{message}");
             // The decoders of raw files and of JPEGs panic over some, which is caught and reported; all other decoders
             // must not panic.
             let may_panic = name.ends_with(".dng") || name.ends_with(".jpg");

@@ -3,7 +3,8 @@
 
 use super::support::{assert_close, folder, grey8, save, tiff_pages};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, OpenError, OpenErrorKind, OpenOptions};
+use burstscope_core::burst::{Burst, OpenOptions};
+use burstscope_core::error::{Error, ErrorKind};
 use burstscope_core::export::write_tiff;
 use burstscope_core::plane::Plane;
 use ndarray::{Array2, Array3};
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use tiff::encoder::colortype;
 
-fn open(path: &Path, options: &OpenOptions) -> Result<Burst, OpenError> {
+fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
     Burst::open_with(&[path.into()], options, &Monitor::default())
 }
 
@@ -60,7 +61,7 @@ fn a_bias_must_fit_and_its_errors_name_it() {
     assert!(error.problem == "the bias frame is 2×3, but the frames are 3×2", "{error}");
     assert!(error.to_string().contains("bias.png"), "{error}");
     let error = open(&at("a.png"), &options("missing.png")).expect_err("missing");
-    assert!(error.kind == OpenErrorKind::NotFound && error.subject.ends_with("missing.png"), "{error}");
+    assert!(error.kind == ErrorKind::NotFound && error.subject.ends_with("missing.png"), "{error}");
 }
 
 #[test]
@@ -128,14 +129,14 @@ fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
         });
         *handle.lock().expect("not poisoned") = Some(monitor.clone());
         let answer = Burst::open_with(&[folder.path().join(name)], &OpenOptions::default(), &monitor);
-        assert!(answer.as_ref().is_err_and(OpenError::is_cancelled), "{name}: {answer:?}");
+        assert!(answer.as_ref().is_err_and(Error::is_cancelled), "{name}: {answer:?}");
         // Each thread may have been reading one frame.
         let frames = *frames.lock().expect("not poisoned");
         assert!(frames <= 2 * rayon::current_num_threads() + 1, "{name}: {frames} frames after the cancel");
     }
 }
 
-fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, OpenError> {
+fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
     Burst::open_with(&[path.into()], options, &Monitor::default())
 }
 

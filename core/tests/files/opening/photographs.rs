@@ -4,7 +4,8 @@
 use super::support::{assert_close, folder, open, save};
 use crate::shared::shared;
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, OpenErrorKind, OpenOptions, find_bursts};
+use burstscope_core::burst::{Burst, Encoding, OpenOptions, find_bursts};
+use burstscope_core::error::ErrorKind;
 use image::{ExtendedColorType, ImageEncoder, Luma, Rgb, RgbImage};
 use std::path::Path;
 
@@ -257,7 +258,7 @@ fn sensor_raw_files_open_or_are_refused_with_a_reason() {
         assert!((0.01..0.9).contains(&mean) && values.iter().all(|v| (-0.1..1.3).contains(v)), "mean {mean}");
     } else {
         let error = opened.expect_err("nothing reads it");
-        assert!(error.kind == OpenErrorKind::Unsupported && error.to_string().contains("raw"), "{error}");
+        assert!(error.kind == ErrorKind::Unsupported && error.to_string().contains("raw"), "{error}");
     }
     let error = Burst::open(data.join("raw/openisp_test_1920x1080.raw")).expect_err("no header");
     assert!(error.problem.contains("not a picture of a kind"), "{error}");

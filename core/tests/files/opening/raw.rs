@@ -3,12 +3,13 @@
 use super::dng::{Dng, sensor_values};
 use super::support::folder;
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, Limits, OpenError, OpenErrorKind, OpenOptions, RawColour};
+use burstscope_core::burst::{Burst, Encoding, Limits, OpenOptions, RawColour};
 use burstscope_core::detector::{DetectorParams, SlopeGrid};
+use burstscope_core::error::{Error, ErrorKind};
 use burstscope_core::synth::{ChartParams, synth_chart};
 use std::path::Path;
 
-fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, OpenError> {
+fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
     Burst::open_with(&[path.into()], options, &Monitor::default())
 }
 
@@ -159,7 +160,7 @@ fn damaged_and_huge_files_are_errors() {
     let small = Limits { max_side_px: 8, ..Limits::default() };
     std::fs::write(&path, &whole).expect("written");
     let error = opened(&path, &OpenOptions { limits: small, ..OpenOptions::default() }).expect_err("too large");
-    assert_eq!(error.kind, OpenErrorKind::TooLarge, "{error}");
+    assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
     for length in [0, 4, 9, 60, 200, 300, whole.len() - 30, whole.len() - 1] {
         std::fs::write(&path, &whole[..length]).expect("written");
         if let Err(error) = opened(&path, &OpenOptions::default()) {

@@ -1,7 +1,8 @@
 //! Files for the tests.
 
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, OpenError, OpenOptions};
+use burstscope_core::burst::{Burst, OpenOptions};
+use burstscope_core::error::Error;
 use image::{ImageBuffer, Luma, Pixel};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -39,7 +40,7 @@ where
 }
 
 /// Opens files with the default options.
-pub fn open(paths: &[PathBuf]) -> Result<Burst, OpenError> {
+pub fn open(paths: &[PathBuf]) -> Result<Burst, Error> {
     Burst::open_with(paths, &OpenOptions::default(), &Monitor::default())
 }
 

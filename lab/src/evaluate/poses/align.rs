@@ -8,7 +8,7 @@
 //! trajectories are common (motion in 1D), so the viewing directions of the cameras determine it: of all rotations
 //! about the rail the one that aligns them best (maximum sum of traces) is taken.
 
-use super::PoseError;
+use burstscope_core::error::{Error, ErrorKind};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -47,14 +47,16 @@ pub struct Alignment {
 /// Finds the best similarity from the poses `estimate` to the poses `truth`, which correspond one to one.
 ///
 /// # Errors
-/// [`PoseError::Degenerate`] for fewer than two pairs, for cameras that are all in one place, and for trajectories
+/// Fewer than two pairs, for cameras that are all in one place, and for trajectories
 /// without correlation.
 ///
 /// # Panics
 /// When the numbers of poses differ: a mistake of the caller.
-pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Alignment, PoseError> {
+pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Alignment, Error> {
     assert_eq!(estimate.len(), truth.len(), "poses belong together one by one");
-    let degenerate = |problem: String| Err(PoseError::Degenerate(problem));
+    let degenerate = |problem: String| {
+        Err(Error::new(ErrorKind::Failed, format!("the trajectories cannot be aligned: {problem}"), ""))
+    };
     if estimate.len() < 2 {
         return degenerate(format!("there is {} pair of poses, and a scale needs two or more", estimate.len()));
     }

@@ -10,7 +10,8 @@
 //! Without a given rule, names are used where both sides have them; otherwise times, if every pose of the estimate has
 //! a partner by time; otherwise the order.
 
-use super::{Pose, PoseError};
+use super::Pose;
+use burstscope_core::error::{Error, ErrorKind};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::path::Path;
@@ -51,13 +52,13 @@ pub struct Pairing {
 /// never paired.
 ///
 /// # Errors
-/// [`PoseError::Unpaired`] when no pair is found.
+/// No pair is found.
 pub fn associate(
     estimate: &[Pose],
     truth: &[Pose],
     by: Option<Association>,
     max_time_difference: f64,
-) -> Result<Pairing, PoseError> {
+) -> Result<Pairing, Error> {
     let by_time = || pairs_by_time(estimate, truth, max_time_difference);
     let named = |poses: &[Pose]| poses.iter().all(|p| p.time.is_none());
     let (by, mut pairs) = match by {
@@ -81,9 +82,15 @@ pub fn associate(
             truth.len(),
             first(truth)
         );
-        return Err(PoseError::Unpaired { by: by.phrase(), problem });
+        return Err(unpaired(by.phrase(), &problem));
     }
     Ok(Pairing { by, pairs })
+}
+
+/// Error for poses that the rule `by` does not pair; `problem` says what would help.
+fn unpaired(by: &str, problem: &str) -> Error {
+    let problem = format!("the poses of estimate and truth cannot be paired {by}: {problem}");
+    Error::new(ErrorKind::Failed, problem, "")
 }
 
 /// Pairs by order where that is plausible: each pose of the estimate has a partner in the truth. Otherwise by time,
@@ -92,7 +99,7 @@ fn order_or_times(
     estimate: &[Pose],
     truth: &[Pose],
     times: Vec<(usize, usize)>,
-) -> Result<(Association, Vec<(usize, usize)>), PoseError> {
+) -> Result<(Association, Vec<(usize, usize)>), Error> {
     let timed = |poses: &[Pose]| poses.iter().all(|p| p.time.is_some());
     if timed(estimate) && timed(truth) {
         return Ok((Association::Time, times));
@@ -108,7 +115,7 @@ fn order_or_times(
         pairs.len(),
         estimate.len()
     );
-    Err(PoseError::Unpaired { by: "by time or order", problem })
+    Err(unpaired("by time or order", &problem))
 }
 
 fn pairs_by_name(estimate: &[Pose], truth: &[Pose]) -> Vec<(usize, usize)> {

@@ -20,8 +20,10 @@ pub use report::{ErrorSummary, PairReport, PoseErrors, PoseReport, PoseStudy, ev
 pub use sparse::{ModelSummary, SparseModel, read_sparse_model};
 pub use tum::read_tum;
 
+use burstscope_core::error::{Error, ErrorKind};
 use nalgebra::Isometry3;
-use std::path::{Path, PathBuf};
+use std::fmt::Display;
+use std::path::Path;
 
 /// The pose of a camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,8 +51,8 @@ pub struct Trajectory {
 /// file (see [`read_tum`]).
 ///
 /// # Errors
-/// See [`PoseError`].
-pub fn read_trajectory(path: &Path) -> Result<Trajectory, PoseError> {
+/// The file or model cannot be read, is damaged, or has no pose.
+pub fn read_trajectory(path: &Path) -> Result<Trajectory, Error> {
     let folder = if path.is_dir() { Some(path) } else { sparse::folder_of_file(path) };
     if let Some(folder) = folder {
         let model = read_sparse_model(folder)?;
@@ -60,77 +62,19 @@ pub fn read_trajectory(path: &Path) -> Result<Trajectory, PoseError> {
     }
 }
 
-/// Reason why poses could not be read or compared.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PoseError {
-    /// The file or folder could not be read.
-    #[error("cannot read this: {reason}: {}", path.display())]
-    Read {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's message.
-        reason: String,
-    },
-    /// The folder holds no sparse model.
-    #[error(
-        "this folder holds no sparse model (images.bin and points3D.bin, or images.txt and points3D.txt), nor do its subfolders; \
-         name the folder that COLMAP's mapper wrote: {}",
-        path.display()
-    )]
-    NoModel {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// The file's content does not fit its kind.
-    #[error("{place}: {problem}: {}", path.display())]
-    Corrupt {
-        /// The file.
-        path: PathBuf,
-        /// Place in the file, such as "line 3" or "image 2 of 5".
-        place: String,
-        /// Problem, and what would be right.
-        problem: String,
-    },
-    /// The file or model has no pose.
-    #[error("there is no pose in this; a reconstruction that failed has none: {}", path.display())]
-    Empty {
-        /// The file or folder.
-        path: PathBuf,
-    },
-    /// The poses of estimate and truth cannot be paired.
-    #[error("the poses of estimate and truth cannot be paired {by}: {problem}")]
-    Unpaired {
-        /// The rule that was tried, such as "by name".
-        by: &'static str,
-        /// Reason, and what would help.
-        problem: String,
-    },
-    /// Too few pairs, or cameras that do not move.
-    #[error("the trajectories cannot be aligned: {0}")]
-    Degenerate(String),
-    /// A parameter of the study makes no sense.
-    #[error("{parameter}: {problem}; {remedy}")]
-    Param {
-        /// Name of the parameter to change, as on the command line without the dashes.
-        parameter: &'static str,
-        /// Problem with its value.
-        problem: String,
-        /// Suggested change.
-        remedy: &'static str,
-    },
+fn unread(path: &Path, error: &std::io::Error) -> Error {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => Error::unread(path, "there is no such file or folder; check the spelling"),
+        _ => Error::unread(path, error),
+    }
 }
 
-impl PoseError {
-    fn read(path: &Path, error: &std::io::Error) -> Self {
-        let reason = match error.kind() {
-            std::io::ErrorKind::NotFound => "there is no such file or folder; check the spelling".to_owned(),
-            _ => error.to_string(),
-        };
-        Self::Read { path: path.into(), reason }
-    }
+/// Error for the content of a file at a place such as "line 3" or "image 2 of 5"; `problem` says what would be right.
+fn corrupt(path: &Path, place: &str, problem: impl Display) -> Error {
+    Error::new(ErrorKind::Damaged, format!("{place}: {problem}"), "").about(path)
+}
 
-    fn corrupt(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Corrupt { path: path.into(), place: place.into(), problem: problem.into() }
-    }
+fn no_pose(path: &Path) -> Error {
+    let problem = "there is no pose in this; a reconstruction that failed has none";
+    Error::new(ErrorKind::NotFound, problem, "").about(path)
 }

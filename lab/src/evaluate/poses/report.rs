@@ -6,8 +6,9 @@
 //! one to the other is small, and its length and angle are the error. It does not accumulate along the trajectory, as
 //! the absolute one may.
 
-use super::{Association, ModelSummary, PoseError, Similarity, Trajectory, align, associate};
+use super::{Association, ModelSummary, Similarity, Trajectory, align, associate};
 use crate::evaluate::statistics::quantile;
+use burstscope_core::error::Error;
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::words;
 use nalgebra::Isometry3;
@@ -100,9 +101,9 @@ impl PoseReport {
 /// Compares `estimate` with `truth`.
 ///
 /// # Errors
-/// [`PoseError`] when the study makes no sense, or poses cannot be paired or aligned.
-pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStudy) -> Result<PoseReport, PoseError> {
-    let param = |parameter, problem: String, remedy| Err(PoseError::Param { parameter, problem, remedy });
+/// The study makes no sense, or poses cannot be paired or aligned.
+pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStudy) -> Result<PoseReport, Error> {
+    let param = |parameter, problem: String, remedy| Err(Error::param(parameter, problem, remedy));
     if study.step == 0 {
         return param("step", "0 poses".to_owned(), "give 1 or more");
     }

@@ -4,7 +4,8 @@
 //! as blanks. An image's name may replace the time stamp, so that truth can be given for images by name; then all lines
 //! have one. Format: <https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats>.
 
-use super::{Pose, PoseError};
+use super::{Pose, corrupt, no_pose, unread};
+use burstscope_core::error::Error;
 use burstscope_core::files::{MAX_TABLE_BYTES, read_bytes};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::path::Path;
@@ -15,9 +16,9 @@ const QUATERNION_TOLERANCE: f64 = 0.05;
 /// Reads a trajectory file. The order of the poses is that of the lines.
 ///
 /// # Errors
-/// [`PoseError`] when the file cannot be read, has no pose, or a line is no pose.
-pub fn read_tum(path: &Path) -> Result<Vec<Pose>, PoseError> {
-    let bytes = read_bytes(path, MAX_TABLE_BYTES).map_err(|e| PoseError::read(path, &e))?;
+/// The file cannot be read, has no pose, or a line is no pose.
+pub fn read_tum(path: &Path) -> Result<Vec<Pose>, Error> {
+    let bytes = read_bytes(path, MAX_TABLE_BYTES).map_err(|e| unread(path, &e))?;
     parse_tum(&String::from_utf8_lossy(&bytes), path)
 }
 
@@ -25,14 +26,14 @@ pub fn read_tum(path: &Path) -> Result<Vec<Pose>, PoseError> {
 ///
 /// # Errors
 /// As [`read_tum`].
-pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>, PoseError> {
+pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>, Error> {
     let mut poses: Vec<Pose> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let corrupt = |problem: String| PoseError::corrupt(path, format!("line {}", index + 1), problem);
+        let corrupt = |problem: String| corrupt(path, &format!("line {}", index + 1), problem);
         let pose = parse_line(line, poses.len() as u32).map_err(corrupt)?;
         if poses.first().is_some_and(|first| first.time.is_some() != pose.time.is_some()) {
             return Err(corrupt("all poses have a time stamp, or all have an image's name".to_owned()));
@@ -40,7 +41,7 @@ pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>, PoseError> {
         poses.push(pose);
     }
     if poses.is_empty() {
-        return Err(PoseError::Empty { path: path.into() });
+        return Err(no_pose(path));
     }
     Ok(poses)
 }
@@ -82,7 +83,7 @@ mod tests {
     use super::*;
     use nalgebra::{Point3, Vector3};
 
-    fn parse(text: &str) -> Result<Vec<Pose>, PoseError> {
+    fn parse(text: &str) -> Result<Vec<Pose>, Error> {
         parse_tum(text, Path::new("truth.txt"))
     }
 
@@ -118,7 +119,7 @@ mod tests {
             let error = parse(&format!("0 0 0 0 0 0 0 1\n{line}\n")).expect_err(line).to_string();
             assert!(error.contains("line 2") && error.contains(words), "{error}");
         }
-        assert!(matches!(parse("# nothing\n"), Err(PoseError::Empty { .. })));
+        assert_eq!(parse("# nothing\n"), Err(no_pose(Path::new(NAME))));
         let error = read_tum(Path::new("/nowhere/truth.txt")).expect_err("absent").to_string();
         assert!(error.contains("no such file"), "{error}");
     }

@@ -2,9 +2,9 @@
 //! mapper, computes the errors.
 
 use crate::evaluate::BurstMethod;
-use crate::figures::FiguresError;
 use crate::synth::{Motion, Trajectory};
 use burstscope_core::detector::SearchParams;
+use burstscope_core::error::{Error, ErrorKind};
 use burstscope_core::matching::MatchParams;
 use burstscope_core::monitor::Monitor;
 use serde::{Deserialize, Serialize};
@@ -31,8 +31,13 @@ pub(super) fn reconstruct(
     way: &Trajectory,
     folder: &Path,
     monitor: &Monitor,
-) -> Result<Reconstructed, FiguresError> {
+) -> Result<Reconstructed, Error> {
     with_database::reconstruct(program, how, way, folder, monitor)
+}
+
+fn unrun(program: &Path, reason: &str) -> Error {
+    let problem = format!("cannot run {}: {reason}", program.display());
+    Error::new(ErrorKind::Failed, problem, "install COLMAP anew, or leave it out with --no-colmap")
 }
 
 /// Without the database COLMAP has no input; the figure never calls this then.
@@ -43,9 +48,8 @@ pub(super) fn reconstruct(
     _: &Trajectory,
     _: &Path,
     _: &Monitor,
-) -> Result<Reconstructed, FiguresError> {
-    let reason = "this program was built without the feature colmap".to_owned();
-    Err(FiguresError::Colmap { program: program.into(), reason })
+) -> Result<Reconstructed, Error> {
+    Err(unrun(program, "this program was built without the feature colmap"))
 }
 
 #[cfg(feature = "colmap")]
@@ -74,7 +78,7 @@ mod with_database {
         way: &Trajectory,
         folder: &Path,
         monitor: &Monitor,
-    ) -> Result<Reconstructed, FiguresError> {
+    ) -> Result<Reconstructed, Error> {
         let silent = monitor.silent();
         let (data, out) = (folder.join("way"), folder.join("out"));
         write_trajectory(&data, way, &silent)?;
@@ -117,9 +121,8 @@ mod with_database {
         Ok(Reconstructed { mapper_secs, gave_up, ..compared })
     }
 
-    fn bursts_in(folder: &Path) -> Result<Vec<BurstFiles>, FiguresError> {
-        let found = DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts();
-        Ok(found.map_err(burstscope_core::dataset::DatasetError::from)?)
+    fn bursts_in(folder: &Path) -> Result<Vec<BurstFiles>, Error> {
+        DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts()
     }
 
     /// Runs the mapper to its end, or ends it once `monitor` was cancelled. Returns its last line if it gave up:
@@ -133,8 +136,8 @@ mod with_database {
         images: &Path,
         sparse: &Path,
         monitor: &Monitor,
-    ) -> Result<Option<String>, FiguresError> {
-        let because = |reason: String| FiguresError::Colmap { program: program.into(), reason };
+    ) -> Result<Option<String>, Error> {
+        let because = |reason: String| unrun(program, &reason);
         let failed = |error: std::io::Error| because(error.to_string());
         std::fs::create_dir_all(sparse).map_err(failed)?;
         // A file, since a full pipe would block the mapper.
@@ -210,12 +213,12 @@ mod with_database {
         use super::*;
         use std::os::unix::fs::PermissionsExt;
 
-        fn run(script: &str) -> Result<Option<String>, FiguresError> {
+        fn run(script: &str) -> Result<Option<String>, Error> {
             run_with(script, &Monitor::default())
         }
 
         /// The result of a mapper that is this shell script.
-        fn run_with(script: &str, monitor: &Monitor) -> Result<Option<String>, FiguresError> {
+        fn run_with(script: &str, monitor: &Monitor) -> Result<Option<String>, Error> {
             let folder = tempfile::tempdir().expect("a temporary folder");
             let program = folder.path().join("colmap");
             std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).expect("writable");
@@ -234,7 +237,7 @@ mod with_database {
                     monitor.cancel();
                     std::fs::write(&go, "").expect("writable");
                 });
-                assert!(matches!(run_with(&script, &monitor), Err(FiguresError::Cancelled(_))));
+                assert!(run_with(&script, &monitor).is_err_and(|error| error.is_cancelled()));
             });
         }
 

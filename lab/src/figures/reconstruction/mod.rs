@@ -8,7 +8,8 @@ mod study;
 mod tables;
 
 use super::record::Pieces;
-use super::{FigureSize, FiguresError, Made, MakeFigure};
+use super::{FigureSize, Made, MakeFigure};
+use burstscope_core::error::Error;
 use burstscope_core::monitor::Monitor;
 use std::path::{Path, PathBuf};
 use study::Study;
@@ -53,7 +54,7 @@ impl ReconstructionFigure {
 }
 
 impl MakeFigure for ReconstructionFigure {
-    fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made, FiguresError> {
+    fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
         let runs = self.study.runs(pieces, self.colmap.as_deref(), monitor)?;
         let missing = self.colmap.is_none().then_some(match cfg!(feature = "colmap") {
             true => "COLMAP took no part, so what needs a reconstruction is missing (–). Install it and run the command again: the rest is kept.",

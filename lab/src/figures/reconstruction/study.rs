@@ -1,12 +1,13 @@
 //! The trajectories, the methods, and their runs.
 
 use super::mapper::{self, How, Matched, Reconstructed, Run};
-use crate::evaluate::{BurstMethod, EvaluateError, MatchStudy, Searches, Shot, motion_name};
+use crate::evaluate::{BurstMethod, MatchStudy, Searches, Shot, motion_name};
+use crate::figures::FigureSize;
 use crate::figures::record::Pieces;
-use crate::figures::{FigureSize, FiguresError};
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
+use burstscope_core::error::Error;
 use burstscope_core::matching::{MatchParams, PairSelection};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -68,7 +69,7 @@ impl Study {
     }
 
     /// The runs: stored ones unchanged, the others made now and stored.
-    pub fn runs(&self, pieces: &Pieces, colmap: Option<&Path>, monitor: &Monitor) -> Result<Vec<Run>, FiguresError> {
+    pub fn runs(&self, pieces: &Pieces, colmap: Option<&Path>, monitor: &Monitor) -> Result<Vec<Run>, Error> {
         let ways: Vec<(Motion, u64)> = [Motion::OneD, Motion::TwoD]
             .into_iter()
             .flat_map(|m| (1..=self.seeds).map(move |seed| (m, seed)))
@@ -150,7 +151,7 @@ impl Study {
     }
 
     /// Finds the features of all bursts by `method` and matches every pair.
-    fn matched(&self, method: BurstMethod, drawn: &Drawn, monitor: &Monitor) -> Result<Matched, FiguresError> {
+    fn matched(&self, method: BurstMethod, drawn: &Drawn, monitor: &Monitor) -> Result<Matched, Error> {
         let study = MatchStudy {
             methods: vec![method],
             has_gold: method == BurstMethod::Gold,
@@ -163,7 +164,7 @@ impl Study {
         };
         let names: Vec<String> = (0..drawn.bursts.len()).map(Trajectory::name).collect();
         let started = Instant::now();
-        let open = |k: usize, shot: Shot| -> Result<Burst, EvaluateError> {
+        let open = |k: usize, shot: Shot| -> Result<Burst, Error> {
             Ok(match shot {
                 Shot::Burst => drawn.bursts[k].clone(),
                 Shot::Gold => Burst::from_planes("gold", vec![drawn.gold[k].clone()]),
@@ -185,7 +186,7 @@ impl Study {
 }
 
 impl Drawn {
-    fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, FiguresError> {
+    fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, Error> {
         let silent = monitor.silent();
         let way = Trajectory::new(params, &silent)?;
         let bursts = (0..params.bursts).map(|k| way.burst(k, &silent)).collect::<Result<_, Cancelled>>()?;
@@ -194,11 +195,7 @@ impl Drawn {
     }
 
     /// The drawn trajectory, which is drawn now if it is not yet.
-    fn of<'a>(
-        drawn: &'a mut Option<Self>,
-        params: &TrajectoryParams,
-        monitor: &Monitor,
-    ) -> Result<&'a Self, FiguresError> {
+    fn of<'a>(drawn: &'a mut Option<Self>, params: &TrajectoryParams, monitor: &Monitor) -> Result<&'a Self, Error> {
         if drawn.is_none() {
             *drawn = Some(Self::new(params, monitor)?);
         }

@@ -18,8 +18,9 @@ pub mod world;
 pub use world::{BurstCamera, Lens, ScenePlane};
 
 use super::noisy::{FrameLevels, NoisyExposure};
-use crate::synth::write::{WriteBurstError, frame_name, io, write_folder, write_frame};
+use crate::synth::write::{frame_name, io, write_folder, write_frame};
 use burstscope_core::burst::Burst;
+use burstscope_core::error::Error;
 use burstscope_core::files::mark::Kind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -27,7 +28,7 @@ use burstscope_core::synth::noise::{Camera, quantisation_step};
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::motions;
 use burstscope_core::synth::truth::NoiseTruth;
-use burstscope_core::synth::{Motion, SynthError, check_common};
+use burstscope_core::synth::{Motion, check_common};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -138,20 +139,20 @@ pub struct Trajectory {
 }
 
 impl TrajectoryParams {
-    fn check(&self) -> Result<(), SynthError> {
+    fn check(&self) -> Result<(), Error> {
         check_common(self.width, self.height, self.frames, self.max_slope, self.read_noise, self.bits)?;
         if !(1..=1000).contains(&self.bursts) {
-            return Err(SynthError::param("bursts", format!("{} bursts", self.bursts), "give 1 to 1000"));
+            return Err(Error::param("bursts", format!("{} bursts", self.bursts), "give 1 to 1000"));
         }
         if !(1..=16).contains(&self.planes) {
-            return Err(SynthError::param("planes", format!("{} planes", self.planes), "give 1 to 16"));
+            return Err(Error::param("planes", format!("{} planes", self.planes), "give 1 to 16"));
         }
         let (name, value) = match self.light {
             Light::Snr(snr) => ("snr", snr),
             Light::Electrons(electrons) => ("electrons", electrons),
         };
         if value.is_nan() || value <= 0.0 {
-            return Err(SynthError::param(name, format!("{value}"), "give a number above 0, or inf for no noise"));
+            return Err(Error::param(name, format!("{value}"), "give a number above 0, or inf for no noise"));
         }
         Ok(())
     }
@@ -199,8 +200,8 @@ impl Trajectory {
     /// Lays out and paints the scene, computes the camera's path and its exposure.
     ///
     /// # Errors
-    /// A parameter that makes no sense, or [`SynthError::Cancelled`].
-    pub fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, SynthError> {
+    /// A parameter that makes no sense, or cancellation.
+    pub fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, Error> {
         params.check()?;
         monitor.report(Stage::Synth, 0.0);
         let lens = Lens { width: params.width, height: params.height, focal_px: FOCAL_SHARE * params.width as f64 };
@@ -368,8 +369,8 @@ const TRUTH_FILE: &str = "trajectory.json";
 /// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
-/// See [`WriteBurstError`]; the folder is then unchanged.
-pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<(), WriteBurstError> {
+/// The folder is a link, holds other files or cannot be written, or cancellation; it is then unchanged.
+pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<(), Error> {
     write_folder(dir, Kind::Trajectory, |fresh| {
         let make = |folder: &Path| std::fs::create_dir(folder).map_err(io(folder));
         let (bursts, gold) = (fresh.join("bursts"), fresh.join("gold"));

@@ -11,9 +11,10 @@
 
 use super::TrajectoryParams;
 use super::leaves::paint_leaves;
+use crate::synth::Motion;
 use crate::synth::paint::{Area, OVERSAMPLING, Sheet};
 use crate::synth::random::Stream;
-use crate::synth::{Motion, SynthError};
+use burstscope_core::error::Error;
 use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::{Plane, memory};
 use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -62,13 +63,13 @@ pub(super) fn stations(params: &TrajectoryParams) -> Vec<(Isometry3<f64>, Vector
 /// The painted planes, large enough for everything that is seen from `stations`.
 ///
 /// # Errors
-/// Sheets that would be too large, or [`SynthError::Cancelled`].
+/// Sheets that would be too large, or cancellation.
 pub(super) fn planes(
     params: &TrajectoryParams,
     lens: &Lens,
     stations: &[(Isometry3<f64>, Vector3<f64>)],
     monitor: &Monitor,
-) -> Result<Vec<ScenePlane>, SynthError> {
+) -> Result<Vec<ScenePlane>, Error> {
     (0..params.planes)
         .map(|index| {
             monitor.check()?;
@@ -88,7 +89,7 @@ pub(super) fn planes(
             let (width, height) = ((right - left).ceil() as usize, (bottom - top).ceil() as usize);
             if (width + 16) * (height + 16) > MAX_SAMPLES / (4 * params.planes) {
                 let problem = format!("{} planes of {width}×{height} pixels take too much memory", params.planes);
-                return Err(SynthError::param("width", problem, "make smaller frames or fewer planes"));
+                return Err(Error::param("width", problem, "make smaller frames or fewer planes"));
             }
             let mut sheet = Sheet::new(width, height, 4, 4);
             let coarsest = (0.1 * lens.width.min(lens.height) as f64).max(2.0 * FINEST_LEAF);
@@ -118,7 +119,7 @@ impl Frame {
         lens: &Lens,
         stations: &[(Isometry3<f64>, Vector3<f64>)],
         margin: f64,
-    ) -> Result<[f64; 4], SynthError> {
+    ) -> Result<[f64; 4], Error> {
         let mut seen = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let normal = self.right.cross(&self.down);
         let (width, height) = (lens.width as f64, lens.height as f64);
@@ -129,7 +130,7 @@ impl Frame {
                 let depth = normal.dot(&(self.centre.coords - camera.translation.vector)) / along;
                 if !(depth.is_finite() && depth > 0.0) {
                     let problem = "a camera looks past a plane of the scene";
-                    return Err(SynthError::param("bursts", problem, "make fewer bursts"));
+                    return Err(Error::param("bursts", problem, "make fewer bursts"));
                 }
                 let from_centre = camera.translation.vector + depth * direction - self.centre.coords;
                 let p = from_centre.dot(&self.right) / self.right.norm_squared();

@@ -6,9 +6,9 @@ use crate::app::project::Model;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use crate::burst::OpenError;
 use crate::dataset::DatasetSource;
 use crate::engine::{Ended, Engine};
+use crate::error::Error;
 use crate::inspect::words::counted;
 use crate::requests::{BurstSource, DatasetAnswer, DatasetRequest, JobError, OpenDataset};
 #[cfg(feature = "colmap")]
@@ -258,7 +258,7 @@ impl Model {
         }
         if let [first, rest @ ..] = &open.strays[..] {
             let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
-            let stray = OpenError::stray(first);
+            let stray = Error::stray(first);
             self.messages.error("Open dataset", format!("{stray}{more}"));
         }
         let mut dataset = Dataset::new(open);

@@ -17,8 +17,9 @@ use crate::app::project::filter::Order;
 use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
-use crate::detector::{DetectorParams, Method, ParamError, SearchParams, SlopeGrid};
+use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::{Engine, Wanted};
+use crate::error::Error;
 use crate::matching::MatchParams;
 use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
 
@@ -36,7 +37,7 @@ pub enum PairTab {
 pub struct PairState {
     pub tab: PairTab,
     pub params: MatchParams,
-    pub param_error: Option<ParamError>,
+    pub param_error: Option<Error>,
     pub matches: Option<Matches>,
     pub lost: LostFeatures,
     pub look: MatchLook,

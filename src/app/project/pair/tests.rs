@@ -68,7 +68,7 @@ fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
     model.pair.params.ratio = 2.0;
     model.check_pair();
     assert!(!model.needs_matches(), "parameters that make no sense are not tried");
-    assert_eq!(model.pair.param_error.as_ref().map(|e| e.parameter), Some("ratio"));
+    assert_eq!(model.pair.param_error.as_ref().map(|e| e.subject.as_str()), Some("ratio"));
     model.pair.params = MatchParams::default();
     model.check_pair();
     model.params.edge_threshold *= 2.0;

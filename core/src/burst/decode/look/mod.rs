@@ -7,7 +7,7 @@ mod directories;
 
 pub(super) use directories::Directories;
 
-use crate::burst::error::{OpenError, OpenErrorKind};
+use crate::error::{Error, ErrorKind};
 use image::ImageFormat::{Bmp, Jpeg, Png, Pnm, WebP};
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -130,26 +130,26 @@ pub(super) fn is_video(start: &[u8]) -> bool {
         .any(|magic| at(0, magic))
 }
 
-pub(super) fn video(path: &Path) -> OpenError {
+pub(super) fn video(path: &Path) -> Error {
     let quoted = path.display().to_string().replace('\'', r"'\''");
     let remedy = format!("make frames of it first: mkdir frames && ffmpeg -i '{quoted}' frames/frame_%05d.png");
-    OpenError::new(OpenErrorKind::Unsupported, "this is a video", remedy)
+    Error::new(ErrorKind::Unsupported, "this is a video", remedy)
 }
 
 /// Error for a file that begins with `start`, which is no kind that can be decoded.
-pub(super) fn unknown(path: &Path, start: &[u8]) -> OpenError {
+pub(super) fn unknown(path: &Path, start: &[u8]) -> Error {
     // A PNG's signature is made to show a transfer as text, which changes it.
     if start.get(1..4) == Some(b"PNG") || start.get(12..16) == Some(b"IHDR") {
         let reason = "its first bytes are changed, as by a transfer as text or of seven bits";
-        return OpenError::corrupt(path, "PNG", reason);
+        return Error::corrupt(path, "PNG", reason);
     }
     if let Some(named) = Kind::named(path) {
         let kind = named.name();
         let problem =
             format!("this file is named as a {kind} but does not begin like one: it is damaged or of another kind");
-        return OpenError::damaged(path, problem);
+        return Error::damaged(path, problem);
     }
     let extensions = extensions().collect::<Vec<_>>().join(", ");
     let problem = format!("this is not a picture of a kind that can be opened ({extensions})");
-    OpenError::new(OpenErrorKind::Unsupported, problem, "convert it to PNG or TIFF, or remove it").about(path)
+    Error::new(ErrorKind::Unsupported, problem, "convert it to PNG or TIFF, or remove it").about(path)
 }

@@ -4,7 +4,9 @@
 //! nor time.
 
 use super::{SparseImage, SparsePoint, world_from_camera};
-use crate::evaluate::poses::PoseError;
+use crate::evaluate::poses::{corrupt, unread};
+use burstscope_core::error::Error;
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -21,29 +23,29 @@ const POINT_BYTES: u64 = 8 + 3 * 8 + 3 + 8 + 8;
 const TRACK_BYTES: u64 = 8;
 const LONGEST_NAME: usize = 4096;
 
-pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, PoseError> {
+pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, Error> {
     let (file, bytes) = open(path)?;
     images(file, bytes, path)
 }
 
-pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
+pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, Error> {
     let (file, bytes) = open(path)?;
     points(file, bytes, path)
 }
 
-fn open(path: &Path) -> Result<(BufReader<File>, u64), PoseError> {
-    let file = File::open(path).map_err(|e| PoseError::read(path, &e))?;
-    let bytes = file.metadata().map_err(|e| PoseError::read(path, &e))?.len();
+fn open(path: &Path) -> Result<(BufReader<File>, u64), Error> {
+    let file = File::open(path).map_err(|e| unread(path, &e))?;
+    let bytes = file.metadata().map_err(|e| unread(path, &e))?.len();
     Ok((BufReader::with_capacity(1 << 16, file), bytes))
 }
 
 /// The images of a stream of `bytes` bytes.
-pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparseImage>, PoseError> {
-    let mut fields = Fields { stream, left: bytes, path, place: "the number of images".to_owned() };
+pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparseImage>, Error> {
+    let mut fields = Fields { stream, left: bytes, path, place: Place::Count("images") };
     let count = fields.count(IMAGE_BYTES)?;
     let mut images = Vec::new();
     for index in 0..count {
-        fields.place = format!("image {} of {count}", index + 1);
+        fields.place = Place::Entry("image", index + 1, count);
         let id = fields.u32()?;
         let quaternion = fields.floats::<4>()?;
         let translation = fields.floats::<3>()?;
@@ -62,25 +64,18 @@ pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
 }
 
 /// The points of a stream of `bytes` bytes.
-pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
-    let mut fields = Fields { stream, left: bytes, path, place: "the number of points".to_owned() };
+pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparsePoint>, Error> {
+    let mut fields = Fields { stream, left: bytes, path, place: Place::Count("points") };
     let count = fields.count(POINT_BYTES)?;
     let mut points = Vec::new();
     for index in 0..count {
-        // Set only on an error, because there may be millions of points.
-        fields.place = String::new();
-        let point = point(&mut fields);
-        points.push(point.map_err(|error| match error {
-            PoseError::Corrupt { path, problem, .. } => {
-                PoseError::Corrupt { path, place: format!("point {} of {count}", index + 1), problem }
-            }
-            other => other,
-        })?);
+        fields.place = Place::Entry("point", index + 1, count);
+        points.push(point(&mut fields)?);
     }
     Ok(points)
 }
 
-fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint, PoseError> {
+fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint, Error> {
     let _id = fields.u64()?;
     fields.floats::<3>()?;
     fields.bytes::<3>()?;
@@ -99,33 +94,44 @@ struct Fields<'a, R> {
     left: u64,
     path: &'a Path,
     /// Part of the file being read, for messages.
-    place: String,
+    place: Place,
+}
+
+/// A number of things, or one of them, counted from 1, and how many there are.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    Count(&'static str),
+    Entry(&'static str, u64, u64),
 }
 
 impl<R: Read> Fields<'_, R> {
-    fn fail(&self, problem: impl Into<String>) -> PoseError {
-        PoseError::corrupt(self.path, self.place.clone(), problem)
+    fn fail(&self, problem: impl Display) -> Error {
+        let place = match self.place {
+            Place::Count(things) => format!("the number of {things}"),
+            Place::Entry(thing, number, count) => format!("{thing} {number} of {count}"),
+        };
+        corrupt(self.path, &place, problem)
     }
 
-    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], PoseError> {
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Error> {
         let mut bytes = [0; N];
         if self.left < N as u64 {
             return Err(self.fail("the file ends too early; copy it again"));
         }
-        self.stream.read_exact(&mut bytes).map_err(|e| PoseError::read(self.path, &e))?;
+        self.stream.read_exact(&mut bytes).map_err(|e| unread(self.path, &e))?;
         self.left -= N as u64;
         Ok(bytes)
     }
 
-    fn u32(&mut self) -> Result<u32, PoseError> {
+    fn u32(&mut self) -> Result<u32, Error> {
         Ok(u32::from_le_bytes(self.bytes()?))
     }
 
-    fn u64(&mut self) -> Result<u64, PoseError> {
+    fn u64(&mut self) -> Result<u64, Error> {
         Ok(u64::from_le_bytes(self.bytes()?))
     }
 
-    fn floats<const N: usize>(&mut self) -> Result<[f64; N], PoseError> {
+    fn floats<const N: usize>(&mut self) -> Result<[f64; N], Error> {
         let mut values = [0.0; N];
         for value in &mut values {
             *value = f64::from_le_bytes(self.bytes()?);
@@ -134,7 +140,7 @@ impl<R: Read> Fields<'_, R> {
     }
 
     /// A number of entries of at least `entry_bytes` bytes each, which must all fit into the remaining bytes.
-    fn count(&mut self, entry_bytes: u64) -> Result<u64, PoseError> {
+    fn count(&mut self, entry_bytes: u64) -> Result<u64, Error> {
         let count = self.u64()?;
         if count > self.left / entry_bytes {
             return Err(
@@ -145,7 +151,7 @@ impl<R: Read> Fields<'_, R> {
     }
 
     /// Text that ends with a zero byte.
-    fn name(&mut self) -> Result<String, PoseError> {
+    fn name(&mut self) -> Result<String, Error> {
         let mut name = Vec::new();
         loop {
             match self.bytes::<1>()? {

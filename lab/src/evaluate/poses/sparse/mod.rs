@@ -7,7 +7,8 @@
 mod binary;
 mod text;
 
-use super::{Pose, PoseError};
+use super::{Pose, corrupt, no_pose, unread};
+use burstscope_core::error::{Error, ErrorKind};
 use nalgebra::{Isometry3, Quaternion, Translation3};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -106,12 +107,12 @@ pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
 /// most registered images.
 ///
 /// # Errors
-/// [`PoseError`] when there is no model, a file of it cannot be read or is damaged, or no image is registered.
-pub fn read_sparse_model(folder: &Path) -> Result<SparseModel, PoseError> {
+/// There is no model, a file of it cannot be read or is damaged, or no image is registered.
+pub fn read_sparse_model(folder: &Path) -> Result<SparseModel, Error> {
     if let Some(reader) = Format::of(folder) {
         return reader.read(folder);
     }
-    let fail = |e: std::io::Error| PoseError::read(folder, &e);
+    let fail = |e: std::io::Error| unread(folder, &e);
     let entries = std::fs::read_dir(folder).map_err(fail)?.collect::<Result<Vec<_>, _>>().map_err(fail)?;
     let mut folders: Vec<PathBuf> = entries.into_iter().map(|e| e.path()).filter(|p| p.is_dir()).collect();
     folders.sort();
@@ -119,7 +120,7 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel, PoseError> {
     for subfolder in folders {
         if let Some(reader) = Format::of(&subfolder) {
             match reader.read(&subfolder) {
-                Err(PoseError::Empty { .. }) => {}
+                Err(error) if error.kind == ErrorKind::NotFound => {}
                 model => models.push(model?),
             }
         }
@@ -129,7 +130,12 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel, PoseError> {
     let largest = models.into_iter().rev().max_by_key(|m| m.images.len());
     match largest {
         Some(model) => Ok(SparseModel { other_models, ..model }),
-        None => Err(PoseError::NoModel { path: folder.into() }),
+        None => {
+            let problem = "this folder holds no sparse model (images.bin and points3D.bin, or images.txt and \
+                           points3D.txt), nor do its subfolders";
+            let remedy = "name the folder that COLMAP's mapper wrote";
+            Err(Error::new(ErrorKind::NotFound, problem, remedy).about(folder))
+        }
     }
 }
 
@@ -152,7 +158,7 @@ impl Format {
         }
     }
 
-    fn read(self, folder: &Path) -> Result<SparseModel, PoseError> {
+    fn read(self, folder: &Path) -> Result<SparseModel, Error> {
         let (mut images, points) = match self {
             Self::Binary => {
                 (binary::read_images(&folder.join("images.bin"))?, binary::read_points(&folder.join("points3D.bin"))?)
@@ -162,12 +168,12 @@ impl Format {
             }
         };
         if images.is_empty() {
-            return Err(PoseError::Empty { path: folder.into() });
+            return Err(no_pose(folder));
         }
         images.sort_by_key(|i| i.id);
         if let Some(pair) = images.windows(2).find(|pair| pair[0].id == pair[1].id) {
             let problem = format!("there are two images of the id {}", pair[0].id);
-            return Err(PoseError::corrupt(folder, "images", problem));
+            return Err(corrupt(folder, "images", problem));
         }
         Ok(SparseModel { folder: folder.into(), images, points, other_models: 0 })
     }

@@ -1,22 +1,24 @@
 //! Models in text: one line for each entry (two for an image), fields separated by blanks, comments after `#`.
 
 use super::{SparseImage, SparsePoint, world_from_camera};
-use crate::evaluate::poses::PoseError;
+use crate::evaluate::poses::{corrupt, unread};
+use burstscope_core::error::Error;
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::str::FromStr;
 
-pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, PoseError> {
-    images(BufReader::new(File::open(path).map_err(|e| PoseError::read(path, &e))?), path)
+pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, Error> {
+    images(BufReader::new(File::open(path).map_err(|e| unread(path, &e))?), path)
 }
 
-pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
-    points(BufReader::new(File::open(path).map_err(|e| PoseError::read(path, &e))?), path)
+pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, Error> {
+    points(BufReader::new(File::open(path).map_err(|e| unread(path, &e))?), path)
 }
 
 /// Parses images: a line of pose and name, then a line of keypoints, which may be empty.
-pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>, PoseError> {
+pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>, Error> {
     let mut lines = Lines { text, path, number: 0, line: Vec::new() };
     let mut images = Vec::new();
     while let Some(line) = lines.next_entry()? {
@@ -30,7 +32,7 @@ pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>
 }
 
 /// Parses points, one for each line.
-pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>, PoseError> {
+pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>, Error> {
     let mut lines = Lines { text, path, number: 0, line: Vec::new() };
     let mut points = Vec::new();
     while let Some(line) = lines.next_entry()? {
@@ -112,20 +114,20 @@ struct Lines<'a, R> {
 }
 
 impl<R: BufRead> Lines<'_, R> {
-    fn fail(&self, problem: impl Into<String>) -> PoseError {
-        PoseError::corrupt(self.path, format!("line {}", self.number), problem)
+    fn fail(&self, problem: impl Display) -> Error {
+        corrupt(self.path, &format!("line {}", self.number), problem)
     }
 
     /// The next line without blanks at its ends.
-    fn next_line(&mut self) -> Result<Option<String>, PoseError> {
+    fn next_line(&mut self) -> Result<Option<String>, Error> {
         self.line.clear();
-        let bytes = self.text.read_until(b'\n', &mut self.line).map_err(|e| PoseError::read(self.path, &e))?;
+        let bytes = self.text.read_until(b'\n', &mut self.line).map_err(|e| unread(self.path, &e))?;
         self.number += 1;
         Ok((bytes > 0).then(|| String::from_utf8_lossy(&self.line).trim().to_owned()))
     }
 
     /// The next line that is neither empty nor a comment.
-    fn next_entry(&mut self) -> Result<Option<String>, PoseError> {
+    fn next_entry(&mut self) -> Result<Option<String>, Error> {
         loop {
             match self.next_line()? {
                 Some(line) if line.is_empty() || line.starts_with('#') => {}
