@@ -11,7 +11,7 @@ use super::synth::levels_of;
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
-use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Shot, slopes_of};
+use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Searches, Shot, slopes_of};
 use crate::matching::PairSelection;
 use crate::synth::{NoisyExposure, NoisyParams};
 use clap::Args;
@@ -108,10 +108,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let study = MatchStudy {
         methods,
         has_gold,
-        detector,
-        slopes_1d,
-        slopes_2d,
-        direction_deg,
+        searches: Searches { detector, slopes_1d, slopes_2d, direction_deg },
         matching: args.matching.params()?,
         pairs: args.pairs,
     };
@@ -210,7 +207,8 @@ fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
         text +=
             &format!("noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}\n");
     }
-    for (method, slopes) in [(BurstMethod::Buff1d, report.slopes_1d), (BurstMethod::Buff2d, report.slopes_2d)] {
+    let Searches { slopes_1d, slopes_2d, .. } = report.searches;
+    for (method, slopes) in [(BurstMethod::Buff1d, slopes_1d), (BurstMethod::Buff2d, slopes_2d)] {
         if report.methods.iter().any(|row| row.method == method) {
             text += &format!("slopes of {} {} (min:max:count, px/frame)\n", method.label(), grid_text(&slopes));
         }

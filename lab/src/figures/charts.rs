@@ -19,16 +19,23 @@ use std::fmt::Write;
 fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     let small =
         ChartParams { width: 260, height: 200, discs: 9, radius: 3.6..=12.0, max_slope: 2.0, ..ChartParams::default() };
-    let full = ChartStudy::default();
+    let full = ChartStudy { searches: strict(), ..ChartStudy::default() };
     let quick = ChartStudy {
         chart: small,
-        slopes_1d: SlopeGrid::line(-2.0..=2.0, 9),
-        slopes_2d: SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5),
+        searches: Searches {
+            slopes_1d: SlopeGrid::line(-2.0..=2.0, 9),
+            slopes_2d: SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5),
+            ..strict()
+        },
         ..ChartStudy::default()
     };
-    // As on the charts of docs/MEASUREMENTS.md: at most one false feature in a megapixel of noise.
+    ChartStudy { snrs, seeds: size.pick(3, 1), ..size.pick(full, quick) }
+}
+
+/// As on the charts of docs/MEASUREMENTS.md: at most one false feature in a megapixel of noise.
+fn strict() -> Searches {
     let detector = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
-    ChartStudy { snrs, detector, seeds: size.pick(3, 1), ..size.pick(full, quick) }
+    Searches { detector, ..Searches::default() }
 }
 
 /// Discs found against false features, for motion in one dimension and in two.
@@ -139,7 +146,7 @@ pub(super) struct TestTarget {
     /// Signal-to-noise ratio of the bright copy.
     bright_snr: f64,
     methods: Vec<BurstMethod>,
-    detector: DetectorParams,
+    searches: Searches,
     false_fraction: f64,
     /// Columns and rows that are drawn; the numbers are of the whole chart.
     part: (usize, usize),
@@ -152,7 +159,7 @@ impl TestTarget {
             chart: ChartParams { snr: 0.35, ..size.pick(ChartParams::default(), small) },
             bright_snr: 20.0,
             methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(),
-            detector: DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() },
+            searches: strict(),
             false_fraction: 0.1,
             part: size.pick((420, 315), (300, 220)),
         }
@@ -176,19 +183,12 @@ impl MakeFigure for TestTarget {
         let (dark, truth) = synth_chart(&self.chart, &silent)?;
         // The same discs: noise comes from separate random streams.
         let (bright, _) = synth_chart(&ChartParams { snr: self.bright_snr, ..self.chart.clone() }, &silent)?;
-        let study = ChartStudy::default();
-        let searches = Searches {
-            detector: &self.detector,
-            slopes_1d: study.slopes_1d,
-            slopes_2d: study.slopes_2d,
-            direction_deg: None,
-        };
         let mut all: Vec<(FoundOnTarget, Burst)> = Vec::new();
         let jobs = std::iter::once((BurstMethod::SiftFrame, true)).chain(self.methods.iter().map(|&m| (m, false)));
         for (index, (method, is_bright)) in jobs.enumerate() {
             monitor.report(Stage::Evaluate, index as f32 / (self.methods.len() + 1) as f32);
             let burst = if is_bright { &bright } else { &dark };
-            let detection = searches.search(method, burst, &silent)?.detection;
+            let detection = self.searches.search(method, burst, &silent)?.detection;
             let judged = judge(&detection.features, &truth, Ranking::Strength);
             let point = Curve::of(&judged).at_false_fraction(self.false_fraction);
             let has_threshold = point.true_positives > 0;
