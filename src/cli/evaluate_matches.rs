@@ -219,36 +219,24 @@ fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
             text += &format!("  {name}: {}\n", grid_text(slopes));
         }
     }
-    let heads = [
-        "method",
-        "keypoints/image",
-        "putative/image",
-        "inliers/image",
-        "match ratio",
-        "match score",
-        "precision",
-        "pairs verified",
-        "on gold/image",
-    ];
-    text + "\n" + &table(&heads, report.methods.iter().map(cells))
+    let cells = |row: &MatchRow| COLUMNS.map(|(_, cell)| cell(row)).to_vec();
+    text + "\n" + &table(&COLUMNS.map(|(head, _)| head), report.methods.iter().map(cells))
 }
+
+/// Columns of the table: head, and cell of a method.
+const COLUMNS: [(&str, fn(&MatchRow) -> String); 9] = [
+    ("method", |row| row.method.label().to_owned()),
+    ("keypoints/image", |row| format!("{:.1}", row.counts.keypoints_per_image)),
+    ("putative/image", |row| format!("{:.1}", row.counts.putative_per_image)),
+    ("inliers/image", |row| format!("{:.1}", row.counts.inliers_per_image)),
+    ("match ratio", |row| format!("{:.3}", row.counts.match_ratio)),
+    ("match score", |row| format!("{:.3}", row.counts.match_score)),
+    ("precision", |row| or_dash(row.counts.precision, |x| format!("{x:.3}"))),
+    ("pairs verified", |row| row.counts.verified_pairs.to_string()),
+    ("on gold/image", |row| or_dash(row.on_gold_geometry_per_image, |x| format!("{x:.1}"))),
+];
 
 fn grid_text(grid: &SlopeGrid) -> String {
     let turned = if grid.direction_deg == 0.0 { String::new() } else { format!(" turned by {}°", grid.direction_deg) };
     format!("u {} v {}{turned}", grid.u, grid.v)
-}
-
-fn cells(row: &MatchRow) -> Vec<String> {
-    let counts = &row.counts;
-    vec![
-        row.method.label().to_owned(),
-        format!("{:.1}", counts.keypoints_per_image),
-        format!("{:.1}", counts.putative_per_image),
-        format!("{:.1}", counts.inliers_per_image),
-        format!("{:.3}", counts.match_ratio),
-        format!("{:.3}", counts.match_score),
-        or_dash(counts.precision, |x| format!("{x:.3}")),
-        counts.verified_pairs.to_string(),
-        or_dash(row.on_gold_geometry_per_image, |x| format!("{x:.1}")),
-    ]
 }
