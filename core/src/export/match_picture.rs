@@ -57,8 +57,7 @@ pub fn write_match_picture(
             canvas.ring(to, color);
         }
     }
-    let pixels: Vec<u8> = canvas.pixels.concat();
-    write_png(path, Picture::rgb(canvas.width, canvas.height, &pixels))
+    write_png(path, Picture::rgb(canvas.width, canvas.height, canvas.pixels.as_flattened()))
 }
 
 struct Canvas {
@@ -81,11 +80,12 @@ impl Canvas {
         }
     }
 
-    /// Mixes `color` into the pixels of the rectangle around `from` and `to`, by the coverage that `at` gives for a
-    /// pixel's centre.
-    fn mix(&mut self, from: (f64, f64), to: (f64, f64), color: [u8; 3], at: impl Fn(f64, f64) -> f64) {
+    /// Mixes `color` into the pixels of the rectangle around `from` and `to`, wider by `rim` on all sides, by the
+    /// coverage that `at` gives for a pixel's centre.
+    fn mix(&mut self, from: (f64, f64), to: (f64, f64), rim: f64, color: [u8; 3], at: impl Fn(f64, f64) -> f64) {
         let range = |a: f64, b: f64, size: usize| {
-            (a.min(b).floor().max(0.0) as usize).min(size)..(a.max(b).ceil().max(0.0) as usize).min(size)
+            let (first, last) = (a.min(b) - rim, a.max(b) + rim);
+            (first.floor().max(0.0) as usize).min(size)..(last.ceil().max(0.0) as usize).min(size)
         };
         for v in range(from.1, to.1, self.height) {
             for u in range(from.0, to.0, self.width) {
@@ -108,10 +108,7 @@ impl Canvas {
             let place = |k: f64| (from.0 + du * k / pieces, from.1 + dv * k / pieces);
             let (start, end) = (place(piece as f64), place((piece + 1) as f64));
             let (low, high) = (length * piece as f64 / pieces, length * (piece + 1) as f64 / pieces);
-            let rim = HALF_WIDTH_PX + 1.0;
-            let first = (start.0.min(end.0) - rim, start.1.min(end.1) - rim);
-            let last = (start.0.max(end.0) + rim, start.1.max(end.1) + rim);
-            self.mix(first, last, color, |x, y| {
+            self.mix(start, end, HALF_WIDTH_PX + 1.0, color, |x, y| {
                 let along = ((x - from.0) * du + (y - from.1) * dv) / length;
                 if along < low || along >= high || (dashed && along % (DASH_PX.0 + DASH_PX.1) >= DASH_PX.0) {
                     return 0.0;
@@ -123,9 +120,9 @@ impl Canvas {
     }
 
     fn ring(&mut self, centre: (f64, f64), color: [u8; 3]) {
-        let reach = RING_PX + HALF_WIDTH_PX + 1.0;
-        let (first, last) = ((centre.0 - reach, centre.1 - reach), (centre.0 + reach, centre.1 + reach));
-        self.mix(first, last, color, |x, y| HALF_WIDTH_PX + 0.5 - ((x - centre.0).hypot(y - centre.1) - RING_PX).abs());
+        self.mix(centre, centre, RING_PX + HALF_WIDTH_PX + 1.0, color, |x, y| {
+            HALF_WIDTH_PX + 0.5 - ((x - centre.0).hypot(y - centre.1) - RING_PX).abs()
+        });
     }
 }
 

@@ -37,7 +37,7 @@ pub use density::{Cells, IN_A_CELL};
 pub use error::ExportError;
 pub use figure::{
     Colour, ColourBar, Drawing, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect,
-    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, motion_over,
+    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, motion_over, round_length,
     write_drawing_svg,
 };
 pub use format::{

@@ -1,7 +1,7 @@
 //! Figs. 4 to 6: charts of discs. Fig. 4 shows one chart with the features that each method finds on it; Figs. 5 and
 //! 6 are curves over many charts, measured and drawn by [`crate::evaluate`].
 
-use super::drawing::{Panel, RIGHT, WRONG, stretched};
+use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, FiguresError, Made, MakeFigure};
 use crate::evaluate::curves::{frames_svg, roc_svg};
@@ -14,7 +14,7 @@ use burstscope_core::export::sheet::{Sheet, stacked};
 use burstscope_core::inspect::score::{Curve, Judged, judge};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
-use std::fmt::Write;
+use burstscope_core::plane::display::Display;
 
 fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     let small =
@@ -72,8 +72,7 @@ fn write_curves(csv: &mut String, motion: &str, report: &ChartReport) {
     for row in &report.rows {
         for method in &row.methods {
             for (count, found) in method.roc.iter().enumerate() {
-                // Writing into a string cannot fail.
-                let _ = writeln!(csv, "{motion},{},{},{count},{found}", row.snr, method.method.name());
+                *csv += &format!("{motion},{},{},{count},{found}\n", row.snr, method.method.name());
             }
         }
     }
@@ -121,10 +120,8 @@ impl MakeFigure for FramesFigure {
                 let error = mean.standard_error.map_or(String::new(), |error| format!("{error:.4}"));
                 format!("{:.4},{error}", mean.mean)
             };
-            // Writing into a string cannot fail.
-            let _ = writeln!(
-                csv,
-                "{},{},{},{},{}",
+            csv += &format!(
+                "{},{},{},{},{}\n",
                 row.frames,
                 method.method.name(),
                 pair(method.true_positives),
@@ -221,8 +218,14 @@ impl TestTarget {
                 let wrong = found.kept.len() - right;
                 let title = format!("{}: {right} of {discs} discs, {wrong} false{mark}", found.label);
                 let at = (GAP + (third + GAP) * column as f64, y);
-                let panel =
-                    Panel::draw_part(&mut sheet, at, third, (frame, [0, 0], self.part), &stretched(frame), &title);
+                let panel = Panel::draw_part(
+                    &mut sheet,
+                    at,
+                    third,
+                    (frame, [0, 0], self.part),
+                    &Display::stretched(frame),
+                    &title,
+                );
                 sheet.clipped(panel.area, |sheet| {
                     for one in &found.kept {
                         let colour = if one.disc.is_some() { RIGHT } else { WRONG };
@@ -252,10 +255,8 @@ fn found_csv(all: &[(&FoundOnTarget, &Burst)]) -> String {
         for one in &found.kept {
             let f = &found.detection.features[one.feature];
             let disc = one.disc.map_or(String::new(), |disc| disc.to_string());
-            // Writing into a string cannot fail.
-            let _ = writeln!(
-                csv,
-                "{},{},{},{},{},{},{},{disc}",
+            csv += &format!(
+                "{},{},{},{},{},{},{},{disc}\n",
                 found.word,
                 f.u,
                 f.v,

@@ -30,7 +30,6 @@ use burstscope_core::synth::truth::NoiseTruth;
 use burstscope_core::synth::{Motion, SynthError, check_common};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// Amount of light.
@@ -406,8 +405,7 @@ fn poses(trajectory: &Trajectory) -> String {
     );
     for (index, camera) in trajectory.cameras.iter().enumerate() {
         let [tx, ty, tz, qx, qy, qz, qw] = camera.tum();
-        // Writing into a string cannot fail.
-        let _ = writeln!(text, "{index} {tx} {ty} {tz} {qx} {qy} {qz} {qw}");
+        text += &format!("{index} {tx} {ty} {tz} {qx} {qy} {qz} {qw}\n");
     }
     text
 }
