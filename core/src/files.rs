@@ -11,7 +11,6 @@ pub mod unfinished;
 use crate::error::{Error, ErrorKind};
 use crate::monitor::Cancelled;
 use serde::Serializer;
-use std::fmt::Write;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -102,8 +101,7 @@ pub fn path_text(path: &Path) -> String {
     for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
         text.push_str(chunk.valid());
         for byte in chunk.invalid() {
-            // Writing into a string cannot fail.
-            let _ = write!(text, "\\x{byte:02X}");
+            text += &format!("\\x{byte:02X}");
         }
     }
     text

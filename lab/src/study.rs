@@ -149,27 +149,23 @@ impl Study {
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or cancellation.
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(StudyReport) + Sync)) -> Result<StudyReport, Error> {
+        fn as_one<R>(
+            one: fn(Box<R>) -> StudyReport,
+            tell: &(dyn Fn(StudyReport) + Sync),
+            run: impl FnOnce(&(dyn Fn(R) + Sync)) -> Result<R, Error>,
+        ) -> Result<StudyReport, Error> {
+            run(&|report| tell(one(Box::new(report)))).map(|report| one(Box::new(report)))
+        }
         match self {
-            Self::Chart(study) => {
-                let wrapped = |report| StudyReport::Chart(Box::new(report));
-                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
-            }
-            Self::Frames(study) => {
-                let wrapped = |report| StudyReport::Frames(Box::new(report));
-                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
-            }
-            Self::Accuracy(study) => {
-                let wrapped = |report| StudyReport::Accuracy(Box::new(report));
-                study.run_telling(monitor, &|report| tell(wrapped(report))).map(wrapped)
-            }
+            Self::Chart(study) => as_one(StudyReport::Chart, tell, |tell| study.run_telling(monitor, tell)),
+            Self::Frames(study) => as_one(StudyReport::Frames, tell, |tell| study.run_telling(monitor, tell)),
+            Self::Accuracy(study) => as_one(StudyReport::Accuracy, tell, |tell| study.run_telling(monitor, tell)),
             Self::BurstFrames(study, BurstsOfStudy { burst, second, truth }) => {
-                let wrapped = |report| StudyReport::BurstFrames(Box::new(report));
-                let tell = |report| tell(wrapped(report));
-                study.run_telling(burst, second.as_deref(), truth.as_deref(), monitor, &tell).map(wrapped)
+                let (second, truth) = (second.as_deref(), truth.as_deref());
+                as_one(StudyReport::BurstFrames, tell, |tell| study.run_telling(burst, second, truth, monitor, tell))
             }
             Self::Recover(study, BurstsOfStudy { burst, .. }) => {
-                let wrapped = |report| StudyReport::Recover(Box::new(report));
-                study.run_telling(burst, monitor, &|report| tell(wrapped(report))).map(wrapped)
+                as_one(StudyReport::Recover, tell, |tell| study.run_telling(burst, monitor, tell))
             }
         }
     }

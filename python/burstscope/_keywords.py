@@ -1200,8 +1200,8 @@ class EvaluatePosesKeywords(TypedDict, total=False):
         The true poses: a trajectory file 'timestamp tx ty tz qx qy qz qw' (an image's name may stand for the
         time), or a sparse model
     associate : ['name', 'time', 'order']
-        What makes two poses belong together: name, time or order [default: names if both sides have them, else
-        times if all fit, else order]
+        Rule that pairs two poses: name, time or order [default: names if both sides have them, else times if
+        all fit, else order]
     max_time_difference : float
         Max difference of the times of a pair, in the files' unit [default: 0.02]
     step : int

@@ -11,7 +11,7 @@ use super::synth::levels_of;
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
-use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Shot, slopes_of};
+use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Searches, Shot, slopes_of};
 use crate::matching::PairSelection;
 use crate::synth::{NoisyExposure, NoisyParams};
 use clap::Args;
@@ -108,10 +108,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let study = MatchStudy {
         methods,
         has_gold,
-        detector,
-        slopes_1d,
-        slopes_2d,
-        direction_deg,
+        searches: Searches { detector, slopes_1d, slopes_2d, direction_deg },
         matching: args.matching.params()?,
         pairs: args.pairs,
     };
@@ -210,7 +207,8 @@ fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
         text +=
             &format!("noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}\n");
     }
-    for (method, slopes) in [(BurstMethod::Buff1d, report.slopes_1d), (BurstMethod::Buff2d, report.slopes_2d)] {
+    let Searches { slopes_1d, slopes_2d, .. } = report.searches;
+    for (method, slopes) in [(BurstMethod::Buff1d, slopes_1d), (BurstMethod::Buff2d, slopes_2d)] {
         if report.methods.iter().any(|row| row.method == method) {
             text += &format!("slopes of {} {} (min:max:count, px/frame)\n", method.label(), grid_text(&slopes));
         }
@@ -221,36 +219,24 @@ fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
             text += &format!("  {name}: {}\n", grid_text(slopes));
         }
     }
-    let heads = [
-        "method",
-        "keypoints/image",
-        "putative/image",
-        "inliers/image",
-        "match ratio",
-        "match score",
-        "precision",
-        "pairs verified",
-        "on gold/image",
-    ];
-    text + "\n" + &table(&heads, report.methods.iter().map(cells))
+    let cells = |row: &MatchRow| COLUMNS.map(|(_, cell)| cell(row)).to_vec();
+    text + "\n" + &table(&COLUMNS.map(|(head, _)| head), report.methods.iter().map(cells))
 }
+
+/// Columns of the table: head, and cell of a method.
+const COLUMNS: [(&str, fn(&MatchRow) -> String); 9] = [
+    ("method", |row| row.method.label().to_owned()),
+    ("keypoints/image", |row| format!("{:.1}", row.counts.keypoints_per_image)),
+    ("putative/image", |row| format!("{:.1}", row.counts.putative_per_image)),
+    ("inliers/image", |row| format!("{:.1}", row.counts.inliers_per_image)),
+    ("match ratio", |row| format!("{:.3}", row.counts.match_ratio)),
+    ("match score", |row| format!("{:.3}", row.counts.match_score)),
+    ("precision", |row| or_dash(row.counts.precision, |x| format!("{x:.3}"))),
+    ("pairs verified", |row| row.counts.verified_pairs.to_string()),
+    ("on gold/image", |row| or_dash(row.on_gold_geometry_per_image, |x| format!("{x:.1}"))),
+];
 
 fn grid_text(grid: &SlopeGrid) -> String {
     let turned = if grid.direction_deg == 0.0 { String::new() } else { format!(" turned by {}°", grid.direction_deg) };
     format!("u {} v {}{turned}", grid.u, grid.v)
-}
-
-fn cells(row: &MatchRow) -> Vec<String> {
-    let counts = &row.counts;
-    vec![
-        row.method.label().to_owned(),
-        format!("{:.1}", counts.keypoints_per_image),
-        format!("{:.1}", counts.putative_per_image),
-        format!("{:.1}", counts.inliers_per_image),
-        format!("{:.3}", counts.match_ratio),
-        format!("{:.3}", counts.match_score),
-        or_dash(counts.precision, |x| format!("{x:.3}")),
-        counts.verified_pairs.to_string(),
-        or_dash(row.on_gold_geometry_per_image, |x| format!("{x:.1}")),
-    ]
 }

@@ -7,7 +7,7 @@ use super::inputs::check_ending;
 use super::search_options::SearchArgs;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
-use crate::evaluate::{BurstMethod, ChartStudy};
+use crate::evaluate::{BurstMethod, ChartStudy, Searches};
 use crate::export::{OutputRules, write_text};
 use crate::files::mark::Kind;
 use std::path::Path;
@@ -63,17 +63,13 @@ pub(super) fn chart_study(
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
     let Searched { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;
-    let (slopes_1d, slopes_2d) = ChartStudy::slopes_for(slopes);
     Ok(ChartStudy {
         chart: charts.params(compared.max_slope),
         snrs,
         first_seed: charts.seed,
         seeds: charts.seeds,
         methods: once_each(&compared.methods),
-        detector,
-        slopes_1d,
-        slopes_2d,
-        direction_deg,
+        searches: Searches { direction_deg, ..Searches::of_charts(detector, slopes) },
         ranking: compared.ranking,
         false_fraction: compared.false_fraction,
     })

@@ -9,7 +9,6 @@ use crate::export::Picture;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
-use crate::plane::statistics::{Region, percentiles};
 use serde::{Deserialize, Serialize};
 
 /// Content of a burst's picture.
@@ -39,13 +38,10 @@ impl BurstPicture {
     }
 
     fn of(plane: &Plane) -> Self {
-        let rgb = to_rgba8(plane, &stretched(plane)).pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        let rgb = to_rgba8(plane, &Display::stretched(plane)).pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
         Self { size: plane.size(), rgb }
     }
 }
-
-/// Percentiles of the pixels that become black and white.
-const BLACK_WHITE_PERCENT: [f32; 2] = [0.1, 99.9];
 
 /// Makes the picture of `burst` from the frames that `params` use.
 ///
@@ -65,14 +61,6 @@ pub fn burst_picture(
     let params = DetectorParams { method, ..params.clone() };
     let (burst, params) = prepare(burst, &params, monitor)?;
     Ok(BurstPicture::of(&burst.frames[params.used_frames(burst.len()).start]))
-}
-
-/// The display range that covers nearly all pixels.
-fn stretched(plane: &Plane) -> Display {
-    match percentiles(plane, &Region::whole(plane), &BLACK_WHITE_PERCENT).as_deref() {
-        Some([black, white]) => Display::default().with_range(*black, *white),
-        _ => Display::default(),
-    }
 }
 
 /// The middle frame of `source`, opened with `options` and reduced by a whole factor so that no side is longer than

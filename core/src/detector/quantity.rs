@@ -324,7 +324,12 @@ impl Quantity {
             Self::Moves => Record {
                 term: Some("field"),
                 width: 120.0,
-                ..named("moves", "Moves", "", "With its surroundings, by itself, or not defined, as along an edge")
+                ..named(
+                    "moves",
+                    "Moves",
+                    "",
+                    "With its surroundings, by itself, or not defined: an edge, which shows no motion along itself, or faint",
+                )
             },
             Self::Coherence => Record {
                 form: Form::Fixed(2),

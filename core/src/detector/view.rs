@@ -147,12 +147,8 @@ pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monit
 /// [`motion_field`]).
 ///
 /// # Errors
-/// [`DetectError::Param`] for parameters that make no sense for the burst.
-pub fn field_view(
-    burst: &Burst,
-    params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<Option<MotionField>, DetectError> {
+/// Parameters that make no sense for the burst.
+pub fn field_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Option<MotionField>, Error> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     Ok(motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?)
 }
@@ -161,7 +157,7 @@ pub fn field_view(
 ///
 /// # Errors
 /// As [`field_view`].
-pub fn in_focus_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Plane>, DetectError> {
+pub fn in_focus_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Plane>, Error> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let field = motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?;
     Ok(field.map(|field| in_focus(&inputs.planes(), &inputs.times, &field)))

@@ -33,12 +33,7 @@ const DASH_PX: (f64, f64) = (7.0, 5.0);
 const BACKGROUND: [u8; 3] = [32, 32, 32];
 
 /// Writes the picture: A on the left, B on the right. Lines with numbers not finite or beyond 10⁶ are left out.
-pub fn write_match_picture(
-    path: &Path,
-    a: Picture<'_>,
-    b: Picture<'_>,
-    lines: &[MatchLine],
-) -> Result<(), Error> {
+pub fn write_match_picture(path: &Path, a: Picture<'_>, b: Picture<'_>, lines: &[MatchLine]) -> Result<(), Error> {
     a.check_size(path)?;
     b.check_size(path)?;
     let right = a.size().0 + PICTURE_GAP_PX;
@@ -56,8 +51,7 @@ pub fn write_match_picture(
             canvas.ring(to, color);
         }
     }
-    let pixels: Vec<u8> = canvas.pixels.concat();
-    write_png(path, Picture::rgb(canvas.width, canvas.height, &pixels))
+    write_png(path, Picture::rgb(canvas.width, canvas.height, canvas.pixels.as_flattened()))
 }
 
 struct Canvas {
@@ -80,10 +74,12 @@ impl Canvas {
         }
     }
 
-    /// Mixes `color` into the pixels of the rectangle of `from` and `to`, by the coverage `at` a pixel's centre.
-    fn mix(&mut self, from: (f64, f64), to: (f64, f64), color: [u8; 3], at: impl Fn(f64, f64) -> f64) {
+    /// Mixes `color` into the pixels of the rectangle around `from` and `to`, wider by `rim` on all sides, by the
+    /// coverage that `at` gives for a pixel's centre.
+    fn mix(&mut self, from: (f64, f64), to: (f64, f64), rim: f64, color: [u8; 3], at: impl Fn(f64, f64) -> f64) {
         let range = |a: f64, b: f64, size: usize| {
-            (a.min(b).floor().max(0.0) as usize).min(size)..(a.max(b).ceil().max(0.0) as usize).min(size)
+            let (first, last) = (a.min(b) - rim, a.max(b) + rim);
+            (first.floor().max(0.0) as usize).min(size)..(last.ceil().max(0.0) as usize).min(size)
         };
         for v in range(from.1, to.1, self.height) {
             for u in range(from.0, to.0, self.width) {
@@ -106,10 +102,7 @@ impl Canvas {
             let place = |k: f64| (from.0 + du * k / pieces, from.1 + dv * k / pieces);
             let (start, end) = (place(piece as f64), place((piece + 1) as f64));
             let (low, high) = (length * piece as f64 / pieces, length * (piece + 1) as f64 / pieces);
-            let rim = HALF_WIDTH_PX + 1.0;
-            let first = (start.0.min(end.0) - rim, start.1.min(end.1) - rim);
-            let last = (start.0.max(end.0) + rim, start.1.max(end.1) + rim);
-            self.mix(first, last, color, |x, y| {
+            self.mix(start, end, HALF_WIDTH_PX + 1.0, color, |x, y| {
                 let along = ((x - from.0) * du + (y - from.1) * dv) / length;
                 if along < low || along >= high || (dashed && along % (DASH_PX.0 + DASH_PX.1) >= DASH_PX.0) {
                     return 0.0;
@@ -121,9 +114,9 @@ impl Canvas {
     }
 
     fn ring(&mut self, centre: (f64, f64), color: [u8; 3]) {
-        let reach = RING_PX + HALF_WIDTH_PX + 1.0;
-        let (first, last) = ((centre.0 - reach, centre.1 - reach), (centre.0 + reach, centre.1 + reach));
-        self.mix(first, last, color, |x, y| HALF_WIDTH_PX + 0.5 - ((x - centre.0).hypot(y - centre.1) - RING_PX).abs());
+        self.mix(centre, centre, RING_PX + HALF_WIDTH_PX + 1.0, color, |x, y| {
+            HALF_WIDTH_PX + 0.5 - ((x - centre.0).hypot(y - centre.1) - RING_PX).abs()
+        });
     }
 }
 

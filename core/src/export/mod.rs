@@ -36,7 +36,7 @@ pub use csv::{
 pub use density::{Cells, IN_A_CELL};
 pub use figure::{
     Colour, ColourBar, Drawing, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect,
-    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, motion_over,
+    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, motion_over, round_length,
     write_drawing_svg,
 };
 pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};

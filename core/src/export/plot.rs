@@ -15,10 +15,20 @@ pub struct Series {
     pub width: f64,
     /// Points, from left to right. Points that are not finite break the line.
     pub points: Vec<SeriesPoint>,
+    /// Place (x, y) of a single larger dot, drawn within the axes.
+    pub dot: Option<(f64, f64)>,
 }
 
-/// Point of a line: x, y, and the lower and upper end of the value's spread, if known.
-pub type SeriesPoint = (f64, f64, Option<[f64; 2]>);
+/// Point of a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeriesPoint {
+    /// Horizontal coordinate.
+    pub x: f64,
+    /// Vertical coordinate.
+    pub y: f64,
+    /// Lower and upper end of the value's spread, if known.
+    pub spread: Option<[f64; 2]>,
+}
 
 /// Axes and the lines over them.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,8 +51,7 @@ pub struct Plot<'a> {
 
 /// Range from 0 to a little above the largest finite value of the points with their spread, or `least` (above 0).
 pub fn range_from_zero(series: &[Series], least: f64) -> (f64, f64) {
-    let tops =
-        series.iter().flat_map(|s| &s.points).flat_map(|&(_, y, spread)| [y, spread.map_or(y, |[_, high]| high)]);
+    let tops = series.iter().flat_map(|s| &s.points).flat_map(|p| [p.y, p.spread.map_or(p.y, |[_, high]| high)]);
     (0.0, 1.06 * tops.filter(|y| y.is_finite()).fold(least, f64::max))
 }
 
@@ -64,11 +73,11 @@ impl Sheet {
         self.clipped(area, |sheet| {
             for series in plot.series {
                 let Series { colour, dashes, width, points, .. } = series;
-                let finite = |&(x, y, _): &SeriesPoint| (x.is_finite() && y.is_finite()).then(|| (x_of(x), y_of(y)));
+                let finite = |p: &SeriesPoint| (p.x.is_finite() && p.y.is_finite()).then(|| (x_of(p.x), y_of(p.y)));
                 let style = format!(
                     r#"stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round""#
                 );
-                for &(x, y, spread) in points {
+                for &SeriesPoint { x, y, spread } in points {
                     let is_finite = |ends: &[f64; 2]| [x, y, ends[0], ends[1]].iter().all(|n| n.is_finite());
                     if let Some([low, high]) = spread.filter(is_finite) {
                         let style = r#"stroke-width="1.2" stroke-opacity="0.75""#;
@@ -86,6 +95,11 @@ impl Sheet {
         let (left, bottom) = ((area.x, area.y), (area.x, area.bottom()));
         self.line(left, bottom, INK, "");
         self.line(bottom, (area.right(), area.bottom()), INK, "");
+        for (series, (x, y)) in plot.series.iter().filter_map(|series| Some((series, series.dot?))) {
+            if x <= plot.range_x.1 && y <= plot.range_y.1 {
+                self.circle((x_of(x), y_of(y)), 3.6, &format!(r#"fill="{}" stroke="white""#, series.colour));
+            }
+        }
     }
 
     /// Draws the lines with their names from `at` in rows of at most `width`; returns the position of the next row.
@@ -110,8 +124,9 @@ impl Sheet {
 mod tests {
     use super::*;
 
-    fn series(points: &[SeriesPoint]) -> Series {
-        Series { label: "a < b".into(), colour: "#000000", dashes: "", width: 2.0, points: points.to_vec() }
+    fn series(points: &[(f64, f64, Option<[f64; 2]>)]) -> Series {
+        let points = points.iter().map(|&(x, y, spread)| SeriesPoint { x, y, spread }).collect();
+        Series { label: "a < b".into(), colour: "#000000", dashes: "", width: 2.0, points, dot: None }
     }
 
     #[test]

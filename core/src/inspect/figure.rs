@@ -10,11 +10,12 @@ use crate::inspect::words::{capitalised, counted, number, sentence, slope_text, 
 use crate::inspect::{Fate, Probe};
 use crate::plane::Plane;
 use crate::plane::display::Display;
-use crate::plane::statistics::{Region, percentiles};
 
 const WIDTH: f64 = 980.0;
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = 500.0;
+/// Percentiles of the values that are black and white.
+const MOST: [f32; 2] = [1.0, 99.0];
 
 /// The figure as an SVG document; `name` is the burst's.
 pub fn probe_svg(probe: &Probe, name: &str) -> String {
@@ -128,8 +129,7 @@ fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let count = shares.frames.len().max(1);
     let side = (area.width / count as f64).min(area.height);
     let values: Vec<f32> = shares.patches.iter().flat_map(|patch| patch.data().iter().copied()).collect();
-    let (low, high) = percentiles_of(&values);
-    let display = Display::default().with_range(low, high);
+    let display = Display::default().over_percentiles(&Plane::from_vec(values.len(), 1, values), MOST);
     for (index, (frame, patch)) in shares.frames.iter().zip(&shares.patches).enumerate() {
         let x = area.x + (index as f64 + 0.5) / count as f64 * area.width - 0.5 * side;
         let place = Area { x: x + 1.0, y: area.y, width: side - 2.0, height: side - 2.0 };
@@ -142,16 +142,9 @@ fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     sheet.text((area.x, area.y + side + 25.0), 11.0, Anchor::Start, &note);
 }
 
-/// The display range of the finite values: all but the outermost percent on each side.
-fn percentiles_of(values: &[f32]) -> (f32, f32) {
-    let row = Plane::from_vec(values.len(), 1, values.to_vec());
-    percentiles(&row, &Region::whole(&row), &[1.0, 99.0]).map_or((0.0, 1.0), |found| (found[0], found[1]))
-}
-
 fn slice(sheet: &mut Sheet, area: Area, probe: &Probe, slice: &Slice) {
     heading(sheet, 13.0, area, "Slice along the motion: one row a frame");
-    let (low, high) = percentiles_of(slice.plane.data());
-    sheet.picture(area, &slice.plane, &Display::default().with_range(low, high));
+    sheet.picture(area, &slice.plane, &Display::default().over_percentiles(&slice.plane, MOST));
     let (columns, rows) = slice.plane.size();
     let x_of = |column: f32| area.x + (f64::from(column) + 0.5) / columns as f64 * area.width;
     let y_of = |row: usize| area.y + (row as f64 + 0.5) / rows as f64 * area.height;

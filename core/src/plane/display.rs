@@ -6,6 +6,7 @@
 //! even steps; diverging ones have an exactly neutral grey at the centre, for values with a sign.
 
 use super::Plane;
+use super::statistics::{Region, percentiles};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +60,20 @@ impl Display {
         } else {
             Self { min, max: max.max(min + smallest(min)), ..self }
         }
+    }
+
+    /// This display from one percentile to another (0 … 100) of the plane's finite values; as it is without any.
+    #[must_use]
+    pub fn over_percentiles(self, plane: &Plane, percents: [f32; 2]) -> Self {
+        match percentiles(plane, &Region::whole(plane), &percents).as_deref() {
+            Some([min, max]) => self.with_range(*min, *max),
+            _ => self,
+        }
+    }
+
+    /// Grey display in which all but the outermost thousandths of the plane's values differ.
+    pub fn stretched(plane: &Plane) -> Self {
+        Self::default().over_percentiles(plane, [0.1, 99.9])
     }
 
     /// This display with all values in their allowed ranges, since a file may hold anything.

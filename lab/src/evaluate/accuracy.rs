@@ -20,7 +20,7 @@
 
 use super::chart::{ChartSummary, LookedChart};
 use super::statistics::{Errors, quantile};
-use super::{check_lists, run_jobs};
+use super::{RatioCharts, Steps, check_lists, run_charts};
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
@@ -28,7 +28,6 @@ use burstscope_core::error::Error;
 use burstscope_core::inspect::score::{Ranking, judge};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
-use std::sync::{Mutex, PoisonError};
 
 /// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's
 /// text.
@@ -89,14 +88,6 @@ pub fn discs_apart(chart: &ChartParams) -> usize {
 }
 
 #[derive(Debug, Clone)]
-struct SearchedChart {
-    /// Index of the ratio.
-    row: usize,
-    seed: u64,
-    found: Vec<FoundDisc>,
-}
-
-#[derive(Debug, Clone)]
 struct FoundDisc {
     disc: FeatureTruth,
     apart: bool,
@@ -123,11 +114,8 @@ impl AccuracyStudy {
         tell: &(dyn Fn(AccuracyReport) + Sync),
     ) -> Result<AccuracyReport, Error> {
         check_lists(&self.snrs, self.seeds)?;
-        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
-        let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..self.snrs.len()).map(move |row| (row, seed))).collect();
-        let so_far = Mutex::new(Vec::with_capacity(jobs.len()));
-        let charts = run_jobs(&jobs, 1, monitor, |&(row, seed), monitor, steps| {
-            let LookedChart { truth, detection, judged, .. } = self.look(self.snrs[row], seed, monitor)?;
+        let discs = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| -> Result<_, Error> {
+            let LookedChart { truth, detection, judged, .. } = self.look(snr, seed, monitor)?;
             let mut found: Vec<FoundDisc> = truth
                 .features
                 .iter()
@@ -139,13 +127,10 @@ impl AccuracyStudy {
                 }
             }
             steps.done();
-            let chart = SearchedChart { row, seed, found };
-            let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
-            so_far.push(chart.clone());
-            tell(self.report(&so_far));
-            Ok(chart)
-        })?;
-        Ok(self.report(&charts))
+            Ok(found)
+        };
+        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
+        run_charts(&self.snrs, seeds, 1, monitor, discs, |charts| self.report(charts), tell)
     }
 
     /// Makes and searches one chart of the study, for a look at a point of a curve.
@@ -164,19 +149,14 @@ impl AccuracyStudy {
         ChartParams { snr, seed, ..self.chart.clone() }
     }
 
-    /// The report of the `charts` searched so far, in any order; ratios without a chart are left out.
-    fn report(&self, charts: &[SearchedChart]) -> AccuracyReport {
-        let row = |(row, &snr): (usize, &f64)| {
-            let mut of_ratio: Vec<&SearchedChart> = charts.iter().filter(|chart| chart.row == row).collect();
-            of_ratio.sort_by_key(|chart| chart.seed);
-            (!of_ratio.is_empty()).then(|| self.row(snr, of_ratio.iter().flat_map(|chart| &chart.found)))
-        };
+    /// The report of the `charts` with their discs.
+    fn report(&self, charts: &[RatioCharts<Vec<FoundDisc>>]) -> AccuracyReport {
         AccuracyReport {
             chart: (&self.chart).into(),
             first_seed: self.first_seed,
             seeds: self.seeds,
             detector: self.detector.clone(),
-            rows: self.snrs.iter().enumerate().filter_map(row).collect(),
+            rows: charts.iter().map(|(snr, charts)| self.row(*snr, charts.iter().flatten())).collect(),
         }
     }
 

@@ -5,18 +5,17 @@
 //! seeds. It is the best that any threshold achieves, and so compares methods independently of their defaults; the
 //! counts *at* their defaults stand beside it.
 
-use super::methods::{BurstMethod, Searches, slopes_of};
+use super::methods::{BurstMethod, Searches};
 use super::statistics::Mean;
-use super::{check_lists, motion_name, run_jobs};
+use super::{RatioCharts, Steps, check_lists, motion_name, run_charts};
 use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
-use burstscope_core::detector::{Detection, DetectorParams, SlopeGrid};
+use burstscope_core::detector::Detection;
 use burstscope_core::error::Error;
 use burstscope_core::inspect::score::{Curve, Judged, Ranking, judge, mean_curve};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
-use std::sync::{Mutex, PoisonError};
 
 /// Methods to be compared, and their charts.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,15 +30,8 @@ pub struct ChartStudy {
     pub seeds: u64,
     /// The methods, each at most once.
     pub methods: Vec<BurstMethod>,
-    /// The detector's parameters, for all methods; method and slopes are set by each of them.
-    pub detector: DetectorParams,
-    /// Slopes of BuFF 1D.
-    pub slopes_1d: SlopeGrid,
-    /// Slopes of BuFF 2D.
-    pub slopes_2d: SlopeGrid,
-    /// Direction in which a method that finds slopes searches them, degrees from +u towards +v; `None`: anywhere in the
-    /// plane.
-    pub direction_deg: Option<f32>,
+    /// Parameters of their searches.
+    pub searches: Searches,
     /// Quantity by which features are ranked.
     pub ranking: Ranking,
     /// Share of false detections at which methods are compared, 0 … 1.
@@ -47,7 +39,7 @@ pub struct ChartStudy {
 }
 
 impl Default for ChartStudy {
-    /// Five charts at each of three ratios in the dark; 13 slopes in 1D and 7×7 in 2D over the chart's ±3 px/frame.
+    /// Five charts at each of three ratios in the dark.
     fn default() -> Self {
         Self {
             chart: ChartParams::default(),
@@ -55,23 +47,11 @@ impl Default for ChartStudy {
             first_seed: 1,
             seeds: 5,
             methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(),
-            detector: DetectorParams::default(),
-            slopes_1d: SlopeGrid::line(-3.0..=3.0, 13),
-            slopes_2d: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7),
-            direction_deg: None,
+            searches: Searches::default(),
             ranking: Ranking::Strength,
             false_fraction: 0.10,
         }
     }
-}
-
-#[derive(Debug, Clone)]
-struct FinishedChart {
-    /// Index of the ratio.
-    row: usize,
-    seed: u64,
-    /// Scores in the study's order of methods.
-    scores: Vec<ChartScore>,
 }
 
 /// One chart with its search, for a look at it.
@@ -88,17 +68,6 @@ pub struct LookedChart {
 }
 
 impl ChartStudy {
-    /// The slopes of BuFF 1D and BuFF 2D for `given` slopes: a line of slopes is BuFF 1D's; a plane is BuFF 2D's, and
-    /// its u axis BuFF 1D's. Slopes that are not given are those of the published study.
-    pub fn slopes_for(given: Option<SlopeGrid>) -> (SlopeGrid, SlopeGrid) {
-        let default = Self::default();
-        match given {
-            Some(plane) if plane.is_plane() => slopes_of(plane),
-            Some(line) => (line, default.slopes_2d),
-            None => (default.slopes_1d, default.slopes_2d),
-        }
-    }
-
     pub(super) fn check(&self) -> Result<(), Error> {
         check_lists(&self.snrs, self.seeds)?;
         if self.methods.is_empty() {
@@ -109,7 +78,8 @@ impl ChartStudy {
             return Err(Error::param("false-fraction", self.false_fraction.to_string(), remedy));
         }
         for &method in &self.methods {
-            self.searches().params(method).validate_for(self.chart.frames, (self.chart.width, self.chart.height))?;
+            let params = self.searches.params(method).detector;
+            params.validate_for(self.chart.frames, (self.chart.width, self.chart.height))?;
         }
         Ok(())
     }
@@ -120,18 +90,7 @@ impl ChartStudy {
             seeds: self.seeds,
             ranking: self.ranking,
             false_fraction: self.false_fraction,
-            detector: self.detector.clone(),
-            slopes_1d: self.slopes_1d,
-            slopes_2d: self.slopes_2d,
-        }
-    }
-
-    fn searches(&self) -> Searches<'_> {
-        Searches {
-            detector: &self.detector,
-            slopes_1d: self.slopes_1d,
-            slopes_2d: self.slopes_2d,
-            direction_deg: self.direction_deg,
+            searches: self.searches.clone(),
         }
     }
 
@@ -151,24 +110,17 @@ impl ChartStudy {
     /// As [`Self::run`].
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(ChartReport) + Sync)) -> Result<ChartReport, Error> {
         self.check()?;
-        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
-        let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..self.snrs.len()).map(move |row| (row, seed))).collect();
-        let so_far = Mutex::new(Vec::with_capacity(jobs.len()));
-        let finished = run_jobs(&jobs, self.methods.len(), monitor, |&(row, seed), monitor, steps| {
-            let (burst, truth) = synth_chart(&self.chart_of(self.snrs[row], seed), monitor)?;
+        let scores = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| {
+            let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
             let score = |&method: &BurstMethod| {
-                let detection = self.searches().search(method, &burst, monitor)?.detection;
+                let detection = self.searches.search(method, &burst, monitor)?.detection;
                 steps.done();
                 Ok(self.score(method, seed, &detection, &truth))
             };
-            let scores = self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, Error>>()?;
-            let chart = FinishedChart { row, seed, scores };
-            let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
-            so_far.push(chart.clone());
-            tell(self.report(&so_far));
-            Ok(chart)
-        })?;
-        Ok(self.report(&finished))
+            self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, Error>>()
+        };
+        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
+        run_charts(&self.snrs, seeds, self.methods.len(), monitor, scores, |charts| self.report(charts), tell)
     }
 
     /// Makes one chart of the study and runs `method` on it, for a look at a point of a curve.
@@ -177,7 +129,7 @@ impl ChartStudy {
     /// As [`Self::run`].
     pub fn look(&self, snr: f64, seed: u64, method: BurstMethod, monitor: &Monitor) -> Result<LookedChart, Error> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
-        let Searched { detection, .. } = self.searches().search(method, &burst, monitor)?;
+        let Searched { detection, .. } = self.searches.search(method, &burst, monitor)?;
         let judged = judge(&detection.features, &truth, self.ranking);
         Ok(LookedChart { burst, truth, detection, judged })
     }
@@ -187,22 +139,15 @@ impl ChartStudy {
         ChartParams { snr, seed, ..self.chart.clone() }
     }
 
-    /// The report of the charts `finished` so far, in any order; ratios without a finished chart are left out.
-    fn report(&self, finished: &[FinishedChart]) -> ChartReport {
-        let row = |(row, &snr): (usize, &f64)| {
-            let mut charts: Vec<&FinishedChart> = finished.iter().filter(|chart| chart.row == row).collect();
-            charts.sort_by_key(|chart| chart.seed);
+    /// The report of the charts with their scores, those in the study's order of methods.
+    fn report(&self, charts: &[RatioCharts<Vec<ChartScore>>]) -> ChartReport {
+        let row = |(snr, charts): &RatioCharts<Vec<ChartScore>>| {
             let method = |(index, &method): (usize, &BurstMethod)| {
-                self.method_report(method, charts.iter().map(|chart| chart.scores[index].clone()).collect())
+                self.method_report(method, charts.iter().map(|scores| scores[index].clone()).collect())
             };
-            let methods = || self.methods.iter().enumerate().map(method).collect();
-            (!charts.is_empty()).then(|| ChartRow { snr, methods: methods() })
+            ChartRow { snr: *snr, methods: self.methods.iter().enumerate().map(method).collect() }
         };
-        ChartReport {
-            chart: (&self.chart).into(),
-            setup: self.setup(),
-            rows: self.snrs.iter().enumerate().filter_map(row).collect(),
-        }
+        ChartReport { chart: (&self.chart).into(), setup: self.setup(), rows: charts.iter().map(row).collect() }
     }
 
     fn score(&self, method: BurstMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {
@@ -264,12 +209,9 @@ pub struct ComparisonSetup {
     pub ranking: Ranking,
     /// Share of false detections at which methods were compared.
     pub false_fraction: f64,
-    /// The detector's parameters; method and slopes were set by each method.
-    pub detector: DetectorParams,
-    /// Slopes of BuFF 1D.
-    pub slopes_1d: SlopeGrid,
-    /// Slopes of BuFF 2D.
-    pub slopes_2d: SlopeGrid,
+    /// Parameters of the methods' searches.
+    #[serde(flatten)]
+    pub searches: Searches,
 }
 
 /// Parameters of the charts of a report.

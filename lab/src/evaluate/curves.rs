@@ -12,8 +12,7 @@ use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use super::methods::BurstMethod;
 use super::statistics::Mean;
 use burstscope_core::export::sheet::{Anchor, Area, BLUE, FAINT, RED, Sheet};
-use burstscope_core::export::{CURVE_COLUMNS, Plot, Series, range_from_zero};
-use std::fmt::Write;
+use burstscope_core::export::{CURVE_COLUMNS, Plot, Series, SeriesPoint, range_from_zero};
 
 /// Colour and dashes of correct results, where curves are not of methods.
 const GOOD: (&str, &str) = (BLUE, "");
@@ -40,38 +39,33 @@ pub struct StudyPlot {
 }
 
 /// One curve of a plot.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StudyCurve {
     /// Method; `None` for the one search of a study of accuracy.
     pub method: Option<BurstMethod>,
-    /// Name of the curve.
-    pub label: String,
-    /// Colour, as `#rrggbb`: that of the method, and otherwise one that no other curve of its plot has.
-    pub colour: &'static str,
-    /// Dashes in a figure, in SVG's form; empty for a solid line.
-    pub dashes: &'static str,
-    /// Points, from left to right.
-    pub points: Vec<StudyCurvePoint>,
-    /// Place (x, y) of a dot: of a ROC curve the default threshold, the mean over the charts.
-    pub dot: Option<(f64, f64)>,
+    /// Value of the report's row that all points belong to, a ratio or a number of frames; `None` where each point has
+    /// a row of its own, whose value is its x.
+    pub row: Option<f64>,
+    /// The line: its colour is that of the method, and otherwise one that no other curve of its plot has; its spread is
+    /// one standard error to both sides of a mean, or a median and 95 %; the dot of a ROC curve is the default
+    /// threshold, the mean over the charts.
+    pub line: Series,
 }
 
-/// One point of a curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StudyCurvePoint {
-    /// Horizontal coordinate.
-    pub x: f64,
-    /// Vertical coordinate.
-    pub y: f64,
-    /// Ends of the spread: one standard error to both sides of a mean, or a median and 95 %.
-    pub spread: Option<[f64; 2]>,
-    /// Value of the report's row that the point belongs to: a ratio, or a number of frames.
-    pub row_value: f64,
-}
+impl StudyCurve {
+    /// A curve of no method, with this colour and these dashes.
+    pub(crate) fn plain(label: &str, (colour, dashes): (&'static str, &'static str), points: Vec<SeriesPoint>) -> Self {
+        let line = Series { label: label.to_owned(), colour, dashes, width: LINE, points, dot: None };
+        Self { method: None, row: None, line }
+    }
 
-impl StudyCurvePoint {
-    fn of_mean(x: f64, mean: Mean) -> Self {
-        Self { x, y: mean.mean, spread: mean.within_error(), row_value: x }
+    fn of(method: BurstMethod, points: Vec<SeriesPoint>) -> Self {
+        Self { method: Some(method), ..Self::plain(method.label(), method.line(), points) }
+    }
+
+    /// Value of the report's row that a point of the curve belongs to.
+    pub fn row_value(&self, point: &SeriesPoint) -> f64 {
+        self.row.unwrap_or(point.x)
     }
 }
 
@@ -116,19 +110,11 @@ pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
 /// The plots of the middle frames of a burst: its features, the confirmed ones among them, and the matches with a
 /// second burst.
 pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
-    let curve = |label: &str, (colour, dashes), value: &dyn Fn(&BurstFramesRow) -> Option<usize>| {
-        let point = |row: &BurstFramesRow| {
-            let x = row.frames as f64;
-            Some(StudyCurvePoint { x, y: value(row)? as f64, spread: None, row_value: x })
-        };
-        let points: Vec<StudyCurvePoint> = report.rows.iter().filter_map(point).collect();
-        (!points.is_empty()).then(|| StudyCurve {
-            label: label.to_owned(),
-            colour,
-            dashes,
-            points,
-            ..Default::default()
-        })
+    let curve = |label: &str, line, value: &dyn Fn(&BurstFramesRow) -> Option<usize>| {
+        let point =
+            |row: &BurstFramesRow| Some(SeriesPoint { x: row.frames as f64, y: value(row)? as f64, spread: None });
+        let points: Vec<SeriesPoint> = report.rows.iter().filter_map(point).collect();
+        (!points.is_empty()).then(|| StudyCurve::plain(label, line, points))
     };
     let plot = |title: String, y_label: &str, curves: [Option<StudyCurve>; 2]| {
         let curves: Vec<StudyCurve> = curves.into_iter().flatten().collect();
@@ -158,9 +144,11 @@ fn roc_plot(methods: &[MethodReport], row_value: f64, title: String, discs: usiz
         // No chart has more false features than this; nothing was measured further right.
         let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
         let points = method.roc.iter().take(measured + 1).enumerate();
-        let point = |(count, &y): (usize, &f64)| StudyCurvePoint { x: count as f64, y, spread: None, row_value };
-        let dot = Some((method.default_false_features.mean, method.default_true_positives.mean));
-        StudyCurve { dot, ..curve_of(method.method, points.map(point).collect()) }
+        let point = |(count, &y): (usize, &f64)| SeriesPoint { x: count as f64, y, spread: None };
+        let mut curve = StudyCurve::of(method.method, points.map(point).collect());
+        curve.row = Some(row_value);
+        curve.line.dot = Some((method.default_false_features.mean, method.default_true_positives.mean));
+        curve
     };
     let (y_label, curves) = (found_label(discs), methods.iter().map(curve).collect());
     StudyPlot { title, x_label: "false features", y_label, curves, ..StudyPlot::default() }
@@ -176,10 +164,13 @@ fn against(
 ) -> StudyPlot {
     let methods = rows.first().map_or(&[][..], |(_, methods)| methods);
     let curve = |(index, method): (usize, &MethodReport)| {
-        let point = |(x, methods): &(f64, &[MethodReport])| StudyCurvePoint::of_mean(*x, number(&methods[index]));
-        let mut points: Vec<StudyCurvePoint> = rows.iter().map(point).collect();
+        let point = |(x, methods): &(f64, &[MethodReport])| {
+            let mean = number(&methods[index]);
+            SeriesPoint { x: *x, y: mean.mean, spread: mean.within_error() }
+        };
+        let mut points: Vec<SeriesPoint> = rows.iter().map(point).collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
-        curve_of(method.method, points)
+        StudyCurve::of(method.method, points)
     };
     let curves = methods.iter().enumerate().map(curve).collect();
     StudyPlot { title, x_label, y_label, marks_points: true, spread: "bars: standard error", curves }
@@ -190,19 +181,17 @@ pub fn accuracy_plots(report: &AccuracyReport) -> Vec<StudyPlot> {
     let plot = |title: &str, y_label: &str, errors: &dyn Fn(&AccuracyRow) -> [f64; 2]| {
         let point = |row: &AccuracyRow| {
             let [median, most] = errors(row);
-            StudyCurvePoint { x: row.snr, y: median, spread: Some([median, most]), row_value: row.snr }
+            SeriesPoint { x: row.snr, y: median, spread: Some([median, most]) }
         };
-        let mut points: Vec<StudyCurvePoint> = report.rows.iter().map(point).collect();
+        let mut points: Vec<SeriesPoint> = report.rows.iter().map(point).collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
-        let (colour, dashes) = GOOD;
-        let curve = StudyCurve { label: "median".to_owned(), colour, dashes, points, ..StudyCurve::default() };
         StudyPlot {
             title: title.to_owned(),
             x_label: SNR,
             y_label: y_label.to_owned(),
             marks_points: true,
             spread: "bars: up to 95 %",
-            curves: vec![curve],
+            curves: vec![StudyCurve::plain("median", GOOD, points)],
         }
     };
     vec![
@@ -212,11 +201,6 @@ pub fn accuracy_plots(report: &AccuracyReport) -> Vec<StudyPlot> {
         }),
         plot("Errors of slope", "distance, px/frame", &|row| row.slope_distance),
     ]
-}
-
-fn curve_of(method: BurstMethod, points: Vec<StudyCurvePoint>) -> StudyCurve {
-    let (colour, dashes) = method.line();
-    StudyCurve { method: Some(method), label: method.label().to_owned(), colour, dashes, points, dot: None }
 }
 
 fn found_label(discs: usize) -> String {
@@ -234,16 +218,14 @@ pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     for (set, plots) in sets {
         for plot in plots {
-            for curve in &plot.curves {
-                for point in &curve.points {
+            for line in plot.curves.iter().map(|curve| &curve.line) {
+                for point in &line.points {
                     let bound = |index: usize| point.spread.map_or_else(String::new, |s| s[index].to_string());
-                    // Writing into a string cannot fail.
-                    let _ = writeln!(
-                        out,
-                        "{},{},{},{},{},{},{}",
+                    out += &format!(
+                        "{},{},{},{},{},{},{}\n",
                         quoted(set),
                         quoted(&plot.title),
-                        quoted(&curve.label),
+                        quoted(&line.label),
                         point.x,
                         point.y,
                         bound(0),
@@ -269,7 +251,7 @@ pub fn roc_svg(report: &ChartReport) -> String {
     let plot = |row: &ChartRow| {
         let title = if row.snr.is_finite() { format!("SNR {}", row.snr) } else { "no noise".to_owned() };
         let mut plot = roc_plot(&row.methods, row.snr, title, discs);
-        plot.curves.extend(share_line(report, row.snr));
+        plot.curves.extend(share_line(report));
         plot
     };
     let plots: Vec<StudyPlot> = report.rows.iter().map(plot).collect();
@@ -280,13 +262,13 @@ pub fn roc_svg(report: &ChartReport) -> String {
 }
 
 /// The line on which the requested share of the detections is false; none for a share of 0 or 1.
-fn share_line(report: &ChartReport, row_value: f64) -> Option<StudyCurve> {
+fn share_line(report: &ChartReport) -> Option<StudyCurve> {
     let share = report.setup.false_fraction;
     let (most_found, most_false) = (report.chart.discs as f64, report.chart.discs.div_ceil(2) as f64);
     let end = most_found.min(most_false * (1.0 - share) / share);
-    let point = |y: f64| StudyCurvePoint { x: y * share / (1.0 - share), y, spread: None, row_value };
+    let point = |y: f64| SeriesPoint { x: y * share / (1.0 - share), y, spread: None };
     let (label, points) = (format!("{} false", percent(share)), vec![point(0.0), point(end)]);
-    (share > 0.0 && share < 1.0).then(|| StudyCurve { label, colour: FAINT, points, ..StudyCurve::default() })
+    (share > 0.0 && share < 1.0).then(|| StudyCurve::plain(&label, (FAINT, ""), points))
 }
 
 /// Discs found and false features over the number of frames as a figure.
@@ -350,7 +332,7 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
         for (column, (plot, series)) in pair.iter().enumerate() {
             let x = LEFT + room * column as f64;
             let area = Area { x, y: below + 18.0, width: room - LEFT - 8.0, height: HEIGHT };
-            let ends = series.iter().flat_map(|s| &s.points).map(|point| point.0).filter(|x| x.is_finite());
+            let ends = series.iter().flat_map(|s| &s.points).map(|point| point.x).filter(|x| x.is_finite());
             let range_x = (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max));
             // Errors may be hundredths.
             let range_y = range_from_zero(series, 1e-6);
@@ -366,12 +348,6 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
                     series,
                 },
             );
-            for (curve, (x, y)) in plot.curves.iter().filter_map(|curve| Some((curve, curve.dot?))) {
-                if x <= range_x.1 && y <= range_y.1 {
-                    let place = (area.x + x / range_x.1 * area.width, area.bottom() - y / range_y.1 * area.height);
-                    sheet.circle(place, 3.6, &format!(r#"fill="{}" stroke="white""#, curve.colour));
-                }
-            }
             let note = format!(r#"fill="{FAINT}""#);
             sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &note, plot.spread);
         }
@@ -380,13 +356,13 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
     sheet.finish(top)
 }
 
-/// The lines of a plot; those of a set after the first, which has a name, are thinner and dotted.
+/// The lines of a plot; those of a set after the first, which has a name, are thinner and dotted, without their dots.
 fn series_of(plot: &StudyPlot, set: Option<&str>) -> Vec<Series> {
-    let line = |curve: &StudyCurve| {
-        let label = set.map_or_else(|| curve.label.clone(), |set| format!("{}, {set}", curve.label));
-        let (dashes, width) = if set.is_some() { ("2 3", 1.4) } else { (curve.dashes, LINE) };
-        let points = curve.points.iter().map(|point| (point.x, point.y, point.spread)).collect();
-        Series { label, colour: curve.colour, dashes, width, points }
+    let line = |StudyCurve { line, .. }: &StudyCurve| match set {
+        None => line.clone(),
+        Some(set) => {
+            Series { label: format!("{}, {set}", line.label), dashes: "2 3", width: 1.4, dot: None, ..line.clone() }
+        }
     };
     plot.curves.iter().map(line).collect()
 }
@@ -415,19 +391,22 @@ mod tests {
         let report = report();
         let [roc, found, false_ones] = &chart_plots(&report, 1)[..] else { panic!("three plots") };
         assert_eq!(roc.title, "ROC at SNR 0.8");
-        assert_eq!(roc.curves[1].points[0].y, report.rows[1].methods[1].roc[0]);
+        assert_eq!(roc.curves[1].line.points[0].y, report.rows[1].methods[1].roc[0]);
         let buff = &found.curves[1];
-        assert_eq!(buff.label, "BuFF 1D");
-        assert_eq!(buff.points.iter().map(|p| (p.x, p.row_value)).collect::<Vec<_>>(), [(0.8, 0.8), (1.5, 1.5)]);
-        assert_eq!(buff.points[1].y, report.rows[0].methods[1].true_positives.mean);
-        assert!(buff.points[1].spread.is_some_and(|[low, high]| low <= buff.points[1].y && high >= buff.points[1].y));
+        let points = &buff.line.points;
+        assert_eq!(buff.line.label, "BuFF 1D");
+        let rows: Vec<_> = points.iter().map(|point| (point.x, buff.row_value(point))).collect();
+        assert_eq!(rows, [(0.8, 0.8), (1.5, 1.5)]);
+        assert_eq!(roc.curves[1].row_value(&roc.curves[1].line.points[0]), 0.8);
+        assert_eq!(points[1].y, report.rows[0].methods[1].true_positives.mean);
+        assert!(points[1].spread.is_some_and(|[low, high]| low <= points[1].y && high >= points[1].y));
         assert_eq!(false_ones.curves.len(), 2);
     }
 
     #[test]
     fn a_table_has_a_row_for_each_point_and_quotes_names() {
         let plots = chart_plots(&report(), 0);
-        let points: usize = plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.points.len()).sum();
+        let points: usize = plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.line.points.len()).sum();
         let csv = curves_csv(&[("gate \"4\", more".to_owned(), plots)]);
         assert_eq!(csv.lines().count(), 1 + points);
         for line in csv.lines().skip(1) {
@@ -439,10 +418,9 @@ mod tests {
 
     /// A plot of one curve, whose bars reach from half to `most` times the value.
     fn plot(method: Option<BurstMethod>, title: &str, most: f64) -> StudyPlot {
-        let point = |x: f64| StudyCurvePoint { x, y: 2.0 * x, spread: Some([x, 2.0 * most * x]), row_value: x };
+        let point = |x: f64| SeriesPoint { x, y: 2.0 * x, spread: Some([x, 2.0 * most * x]) };
         let points = vec![point(1.0), point(2.0)];
-        let label = "a & b".to_owned();
-        let curve = StudyCurve { method, label, colour: "#0072b2", points, ..StudyCurve::default() };
+        let curve = StudyCurve { method, ..StudyCurve::plain("a & b", ("#0072b2", ""), points) };
         StudyPlot {
             title: title.to_owned(),
             x_label: "x",

@@ -129,7 +129,7 @@ impl FramesStudy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::BurstMethod;
+    use super::super::{BurstMethod, Searches};
     use super::*;
     use burstscope_core::detector::SlopeGrid;
     use std::sync::{Arc, Mutex};
@@ -148,7 +148,7 @@ mod tests {
             snrs: vec![0.8],
             seeds: 2,
             methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d],
-            slopes_1d: SlopeGrid::line(-1.0..=1.0, 5),
+            searches: Searches { slopes_1d: SlopeGrid::line(-1.0..=1.0, 5), ..Searches::default() },
             ..ChartStudy::default()
         };
         FramesStudy { charts, frame_counts: vec![6, 2, 6] }

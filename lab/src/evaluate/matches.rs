@@ -12,7 +12,7 @@
 
 use super::methods::{BurstMethod, Searches};
 use burstscope_core::burst::Burst;
-use burstscope_core::detector::{Descriptor, Detection, DetectorParams, SlopeGrid};
+use burstscope_core::detector::{Descriptor, Detection, SlopeGrid};
 use burstscope_core::error::Error;
 use burstscope_core::matching::{
     Geometry, ImageCounts, MatchCounts, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
@@ -38,15 +38,8 @@ pub struct MatchStudy {
     pub methods: Vec<BurstMethod>,
     /// Whether there are sharp images.
     pub has_gold: bool,
-    /// The detector's parameters, for all methods; method and slopes are set by each of them.
-    pub detector: DetectorParams,
-    /// Slopes of BuFF 1D.
-    pub slopes_1d: SlopeGrid,
-    /// Slopes of BuFF 2D.
-    pub slopes_2d: SlopeGrid,
-    /// Direction in which a method that finds slopes searches them, degrees from +u towards +v; `None`: anywhere in the
-    /// plane.
-    pub direction_deg: Option<f32>,
+    /// Parameters of their searches.
+    pub searches: Searches,
     /// Parameters of matching and verification.
     pub matching: MatchParams,
     /// Selection of the pairs of bursts that are matched.
@@ -131,16 +124,14 @@ impl MatchStudy {
                 let found = match method {
                     BurstMethod::Gold => {
                         let sharp = open(k, Shot::Gold)?;
-                        // The requested frames are those of bursts; a sharp image may be the only one.
-                        let detector = if sharp.len() == burst.len() {
-                            self.detector.clone()
-                        } else {
-                            DetectorParams { frames: None, ..self.detector.clone() }
-                        };
-                        let searches = Searches { detector: &detector, ..self.searches() };
+                        let mut searches = self.searches.clone();
+                        if sharp.len() != burst.len() {
+                            // The requested frames are those of bursts; a sharp image may be the only one.
+                            searches.detector.frames = None;
+                        }
                         searches.search(*method, &sharp, &monitor.silent())?
                     }
-                    method => self.searches().search(*method, &burst, &monitor.silent())?,
+                    method => self.searches.search(*method, &burst, &monitor.silent())?,
                 };
                 slopes.push(found.finding.map(|finding| finding.grid));
                 features.push(found.detection.into());
@@ -180,20 +171,9 @@ impl MatchStudy {
             frames,
             size,
             pairs: pairs.clone(),
-            detector: self.detector.clone(),
-            slopes_1d: self.slopes_1d,
-            slopes_2d: self.slopes_2d,
+            searches: self.searches.clone(),
             matching: self.matching.clone(),
         })
-    }
-
-    fn searches(&self) -> Searches<'_> {
-        Searches {
-            detector: &self.detector,
-            slopes_1d: self.slopes_1d,
-            slopes_2d: self.slopes_2d,
-            direction_deg: self.direction_deg,
-        }
     }
 
     /// The number of putative matches within the error limit of `judge`.
@@ -216,12 +196,9 @@ pub struct MatchReport {
     pub size: (usize, usize),
     /// Matched pairs, as indices of bursts.
     pub pairs: Vec<(usize, usize)>,
-    /// The detector's parameters; method and slopes were set by each method.
-    pub detector: DetectorParams,
-    /// Slopes of BuFF 1D.
-    pub slopes_1d: SlopeGrid,
-    /// Slopes of BuFF 2D.
-    pub slopes_2d: SlopeGrid,
+    /// Parameters of the methods' searches.
+    #[serde(flatten)]
+    pub searches: Searches,
     /// Parameters of matching and verification.
     pub matching: MatchParams,
     /// One row for each method.

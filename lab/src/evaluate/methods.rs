@@ -90,29 +90,58 @@ pub fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
 }
 
 /// Parameters of the methods' searches.
-#[derive(Debug, Clone, Copy)]
-pub struct Searches<'a> {
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Searches {
     /// The detector's parameters, for all methods; method and slopes are set by each of them.
-    pub detector: &'a DetectorParams,
+    pub detector: DetectorParams,
     /// Slopes of BuFF 1D.
     pub slopes_1d: SlopeGrid,
     /// Slopes of BuFF 2D.
     pub slopes_2d: SlopeGrid,
     /// Direction in which slopes are found, degrees from +u towards +v; `None`: anywhere in the plane.
+    #[serde(skip)]
     pub direction_deg: Option<f32>,
 }
 
-impl Searches<'_> {
-    /// The detector's parameters for `method`.
-    pub fn params(&self, method: BurstMethod) -> DetectorParams {
-        let (method, slopes) = match method {
-            BurstMethod::SiftFrame | BurstMethod::SiftMean | BurstMethod::Gold => (Method::Sift, self.detector.slopes),
-            BurstMethod::SiftMerge => (Method::Merge, self.detector.slopes),
-            BurstMethod::Buff1d => (Method::Buff, self.slopes_1d),
-            BurstMethod::Buff2d => (Method::Buff, self.slopes_2d),
-            BurstMethod::BuffAuto => (Method::Buff, self.detector.slopes),
+impl Default for Searches {
+    /// 13 slopes in 1D and 7×7 in 2D over the ±3 px/frame of the published charts.
+    fn default() -> Self {
+        Self {
+            detector: DetectorParams::default(),
+            slopes_1d: SlopeGrid::line(-3.0..=3.0, 13),
+            slopes_2d: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7),
+            direction_deg: None,
+        }
+    }
+}
+
+impl Searches {
+    /// The searches of charts with `detector` over `given` slopes: a line of slopes is BuFF 1D's; a plane is BuFF 2D's,
+    /// and its u axis BuFF 1D's. Slopes that are not given are those of the published study.
+    pub fn of_charts(detector: DetectorParams, given: Option<SlopeGrid>) -> Self {
+        let default = Self::default();
+        let (slopes_1d, slopes_2d) = match given {
+            Some(plane) if plane.is_plane() => slopes_of(plane),
+            Some(line) => (line, default.slopes_2d),
+            None => (default.slopes_1d, default.slopes_2d),
         };
-        DetectorParams { method, slopes, ..self.detector.clone() }
+        Self { detector, slopes_1d, slopes_2d, ..default }
+    }
+
+    /// The search parameters of `method`.
+    pub fn params(&self, method: BurstMethod) -> SearchParams {
+        let of_method = |method, slopes| DetectorParams { method, slopes, ..self.detector.clone() };
+        let given = self.detector.slopes;
+        match method {
+            BurstMethod::SiftFrame | BurstMethod::SiftMean | BurstMethod::Gold => of_method(Method::Sift, given).into(),
+            BurstMethod::SiftMerge => of_method(Method::Merge, given).into(),
+            BurstMethod::Buff1d => of_method(Method::Buff, self.slopes_1d).into(),
+            BurstMethod::Buff2d => of_method(Method::Buff, self.slopes_2d).into(),
+            BurstMethod::BuffAuto => SearchParams {
+                detector: of_method(Method::Buff, given),
+                slopes: SlopeChoice::Auto { direction_deg: self.direction_deg },
+            },
+        }
     }
 
     /// Runs `method` on `burst`.
@@ -120,12 +149,7 @@ impl Searches<'_> {
     /// # Errors
     /// Parameters that make no sense, or cancellation.
     pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched, Error> {
-        let detector = self.params(method);
-        let slopes = match method {
-            BurstMethod::BuffAuto => SlopeChoice::Auto { direction_deg: self.direction_deg },
-            _ => SlopeChoice::Given,
-        };
-        let params = SearchParams { detector, slopes };
+        let params = self.params(method);
         if method != BurstMethod::SiftMean {
             return search(burst, &params, monitor);
         }
@@ -175,9 +199,8 @@ mod tests {
         let noise = |method, frames: Option<&str>| {
             let frames = frames.map(|f| f.parse().expect("a range"));
             let detector = DetectorParams { frames, ..DetectorParams::default() };
-            let line = SlopeGrid::line(-1.0..=1.0, 3);
-            let searches = Searches { detector: &detector, slopes_1d: line, slopes_2d: line, direction_deg: None };
-            let found = searches.search(method, &burst, &Monitor::default()).expect("searched");
+            let found = Searches { detector, ..Searches::default() };
+            let found = found.search(method, &burst, &Monitor::default()).expect("searched");
             f64::from(found.detection.frame_noise)
         };
         let one = noise(BurstMethod::SiftFrame, None);

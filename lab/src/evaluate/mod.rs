@@ -44,7 +44,10 @@ use crate::synth::Motion;
 use burstscope_core::error::Error;
 use burstscope_core::monitor::{Monitor, Stage};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Name of a motion, as on the command line.
 pub fn motion_name(motion: Motion) -> &'static str {
@@ -106,10 +109,48 @@ fn run_jobs<J: Sync, R: Send>(
     Ok(results)
 }
 
+/// A ratio and the results of its finished charts, in the order of their seeds.
+type RatioCharts<C> = (f64, Vec<C>);
+
+/// Runs `f`, which has `steps` steps, on every ratio and seed; the answer is the `report` of the results. Calls `tell`
+/// with the report so far whenever a chart is finished, from any thread, one call at a time. Charts of one seed at all
+/// ratios come before those of the next, so that every point of a curve exists early and then improves; a report leaves
+/// out ratios without a finished chart.
+///
+/// # Errors
+/// As [`run_jobs`].
+fn run_charts<C: Clone + Send, R>(
+    snrs: &[f64],
+    seeds: Range<u64>,
+    steps: usize,
+    monitor: &Monitor,
+    f: impl Fn(f64, u64, &Monitor, &Steps<'_>) -> Result<C, Error> + Sync,
+    report: impl Fn(&[RatioCharts<C>]) -> R + Sync,
+    tell: &(dyn Fn(R) + Sync),
+) -> Result<R, Error> {
+    let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..snrs.len()).map(move |row| (row, seed))).collect();
+    let report_of = |finished: &BTreeMap<(usize, u64), C>| {
+        let of_ratio = |(row, &snr): (usize, &f64)| {
+            let charts: Vec<C> = finished.range((row, 0)..=(row, u64::MAX)).map(|(_, chart)| chart.clone()).collect();
+            (!charts.is_empty()).then_some((snr, charts))
+        };
+        report(&snrs.iter().enumerate().filter_map(of_ratio).collect::<Vec<_>>())
+    };
+    let finished = Mutex::new(BTreeMap::new());
+    run_jobs(&jobs, steps, monitor, |&(row, seed), monitor, steps| {
+        let chart = f(snrs[row], seed, monitor, steps)?;
+        let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+        finished.insert((row, seed), chart);
+        tell(report_of(&finished));
+        Ok(())
+    })?;
+    Ok(report_of(&finished.into_inner().unwrap_or_else(PoisonError::into_inner)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::{Arc, Mutex};
+    use std::sync::Arc;
 
     #[test]
     fn results_are_in_order_and_progress_ends_at_one() {

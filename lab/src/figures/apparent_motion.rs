@@ -17,7 +17,6 @@ use burstscope_core::matching::{Geometry, MatchParams, match_detections};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::display::Display;
-use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;
 const GAP: f64 = 14.0;
@@ -179,10 +178,8 @@ fn write_csv(csv: &mut String, motion: &str, tracks: &[Track]) {
         let t0 = (track.places.len() as f64 - 1.0) / 2.0;
         for (t, [u, v]) in track.places.iter().enumerate() {
             let line = [0, 1].map(|axis| track.place[axis] + (t as f64 - t0) * track.slope[axis]);
-            // Writing into a string cannot fail.
-            let _ = writeln!(
-                csv,
-                "{motion},{index},{t},{u:.3},{v:.3},{:.3},{:.3},{:.4},{:.4},{:.4}",
+            *csv += &format!(
+                "{motion},{index},{t},{u:.3},{v:.3},{:.3},{:.3},{:.4},{:.4},{:.4}\n",
                 line[0], line[1], track.slope[0], track.slope[1], track.deviation_px
             );
         }

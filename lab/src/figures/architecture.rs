@@ -1,6 +1,6 @@
 //! Fig. 3: the steps from frames to features, with pictures of the detector's own intermediate results.
 
-use super::drawing::{Panel, stretched};
+use super::drawing::Panel;
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::synth::demo_burst;
@@ -13,7 +13,6 @@ use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::display::Display;
 use burstscope_core::plane::sample::bilinear;
-use std::fmt::Write;
 
 const WIDTH: f64 = 1240.0;
 /// Width of a small picture on the sheet, and distance of the columns.
@@ -82,7 +81,7 @@ impl MakeFigure for Architecture {
         };
         let frames = [0, burst.len() / 2, burst.len() - 1];
         heading(&mut sheet, 0, "frames", &format!("{} of them, each dark", burst.len()));
-        let range = stretched(&burst.frames[frames[1]]);
+        let range = Display::stretched(&burst.frames[frames[1]]);
         self.column(&mut sheet, column(0), frames.map(|t| (format!("t = {t}"), burst.frames[t].clone(), range)));
         heading(&mut sheet, 1, "motion stack", &format!("shift and mean, {} slopes", grid.len()));
         let mut stacks = Vec::new();
@@ -91,7 +90,7 @@ impl MakeFigure for Architecture {
             let plane = stack_view(&burst, &self.detector, slope, &silent)?;
             stacks.push((format!("λ = {} px/frame", short(f64::from(slope.u))), std::sync::Arc::new(plane)));
         }
-        let range = stretched(&stacks[1].1);
+        let range = Display::stretched(&stacks[1].1);
         self.column(&mut sheet, column(1), stacks.into_iter().map(|(text, plane)| (text, plane, range)));
         heading(&mut sheet, 2, "differences of Gaussians", "over octaves and levels");
         let nearest = slope_of(subject.slope_index);
@@ -107,8 +106,14 @@ impl MakeFigure for Architecture {
         draw_response(&mut sheet, column(3) + 44.0, &response, &subject);
         heading(&mut sheet, 4, "features", "place, scale, orientation, motion");
         let stack = stack_view(&burst, &self.detector, nearest, &silent)?;
-        let panel =
-            Panel::draw(&mut sheet, (column(4), TOP + 16.0), WIDTH - column(4) - 16.0, &stack, &stretched(&stack), "");
+        let panel = Panel::draw(
+            &mut sheet,
+            (column(4), TOP + 16.0),
+            WIDTH - column(4) - 16.0,
+            &stack,
+            &Display::stretched(&stack),
+            "",
+        );
         let half = (burst.len() as f64 - 1.0) / 2.0;
         sheet.clipped(panel.area, |sheet| {
             for feature in detection.features.iter().take(120) {
@@ -185,8 +190,7 @@ impl Response {
         let mut csv = String::from("slope_u,octave,level,response\n");
         for (row, (octave, level)) in self.scales.iter().enumerate() {
             for (column, slope) in self.slopes.iter().enumerate() {
-                // Writing into a string cannot fail.
-                let _ = writeln!(csv, "{slope},{octave},{level},{}", self.values.at(column, row));
+                csv += &format!("{slope},{octave},{level},{}\n", self.values.at(column, row));
             }
         }
         csv

@@ -1,7 +1,7 @@
 //! Figs. 4 to 6: charts of discs. Fig. 4 shows one chart with the features that each method finds on it; Figs. 5 and
 //! 6 are curves over many charts, measured and drawn by [`crate::evaluate`].
 
-use super::drawing::{Panel, RIGHT, WRONG, stretched};
+use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::curves::{frames_svg, roc_svg};
@@ -15,21 +15,28 @@ use burstscope_core::export::sheet::{Sheet, stacked};
 use burstscope_core::inspect::score::{Curve, Judged, judge};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
-use std::fmt::Write;
+use burstscope_core::plane::display::Display;
 
 fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     let small =
         ChartParams { width: 260, height: 200, discs: 9, radius: 3.6..=12.0, max_slope: 2.0, ..ChartParams::default() };
-    let full = ChartStudy::default();
+    let full = ChartStudy { searches: strict(), ..ChartStudy::default() };
     let quick = ChartStudy {
         chart: small,
-        slopes_1d: SlopeGrid::line(-2.0..=2.0, 9),
-        slopes_2d: SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5),
+        searches: Searches {
+            slopes_1d: SlopeGrid::line(-2.0..=2.0, 9),
+            slopes_2d: SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5),
+            ..strict()
+        },
         ..ChartStudy::default()
     };
-    // As on the charts of docs/MEASUREMENTS.md: at most one false feature in a megapixel of noise.
+    ChartStudy { snrs, seeds: size.pick(3, 1), ..size.pick(full, quick) }
+}
+
+/// As on the charts of docs/MEASUREMENTS.md: at most one false feature in a megapixel of noise.
+fn strict() -> Searches {
     let detector = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
-    ChartStudy { snrs, detector, seeds: size.pick(3, 1), ..size.pick(full, quick) }
+    Searches { detector, ..Searches::default() }
 }
 
 /// Discs found against false features, for motion in one dimension and in two.
@@ -66,8 +73,7 @@ fn write_curves(csv: &mut String, motion: &str, report: &ChartReport) {
     for row in &report.rows {
         for method in &row.methods {
             for (count, found) in method.roc.iter().enumerate() {
-                // Writing into a string cannot fail.
-                let _ = writeln!(csv, "{motion},{},{},{count},{found}", row.snr, method.method.name());
+                *csv += &format!("{motion},{},{},{count},{found}\n", row.snr, method.method.name());
             }
         }
     }
@@ -115,10 +121,8 @@ impl MakeFigure for FramesFigure {
                 let error = mean.standard_error.map_or(String::new(), |error| format!("{error:.4}"));
                 format!("{:.4},{error}", mean.mean)
             };
-            // Writing into a string cannot fail.
-            let _ = writeln!(
-                csv,
-                "{},{},{},{},{}",
+            csv += &format!(
+                "{},{},{},{},{}\n",
                 row.frames,
                 method.method.name(),
                 pair(method.true_positives),
@@ -140,7 +144,7 @@ pub(super) struct TestTarget {
     /// Signal-to-noise ratio of the bright copy.
     bright_snr: f64,
     methods: Vec<BurstMethod>,
-    detector: DetectorParams,
+    searches: Searches,
     false_fraction: f64,
     /// Columns and rows that are drawn; the numbers are of the whole chart.
     part: (usize, usize),
@@ -153,7 +157,7 @@ impl TestTarget {
             chart: ChartParams { snr: 0.35, ..size.pick(ChartParams::default(), small) },
             bright_snr: 20.0,
             methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(),
-            detector: DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() },
+            searches: strict(),
             false_fraction: 0.1,
             part: size.pick((420, 315), (300, 220)),
         }
@@ -177,19 +181,12 @@ impl MakeFigure for TestTarget {
         let (dark, truth) = synth_chart(&self.chart, &silent)?;
         // The same discs: noise comes from separate random streams.
         let (bright, _) = synth_chart(&ChartParams { snr: self.bright_snr, ..self.chart.clone() }, &silent)?;
-        let study = ChartStudy::default();
-        let searches = Searches {
-            detector: &self.detector,
-            slopes_1d: study.slopes_1d,
-            slopes_2d: study.slopes_2d,
-            direction_deg: None,
-        };
         let mut all: Vec<(FoundOnTarget, Burst)> = Vec::new();
         let jobs = std::iter::once((BurstMethod::SiftFrame, true)).chain(self.methods.iter().map(|&m| (m, false)));
         for (index, (method, is_bright)) in jobs.enumerate() {
             monitor.report(Stage::Evaluate, index as f32 / (self.methods.len() + 1) as f32);
             let burst = if is_bright { &bright } else { &dark };
-            let detection = searches.search(method, burst, &silent)?.detection;
+            let detection = self.searches.search(method, burst, &silent)?.detection;
             let judged = judge(&detection.features, &truth, Ranking::Strength);
             let point = Curve::of(&judged).at_false_fraction(self.false_fraction);
             let has_threshold = point.true_positives > 0;
@@ -222,8 +219,14 @@ impl TestTarget {
                 let wrong = found.kept.len() - right;
                 let title = format!("{}: {right} of {discs} discs, {wrong} false{mark}", found.label);
                 let at = (GAP + (third + GAP) * column as f64, y);
-                let panel =
-                    Panel::draw_part(&mut sheet, at, third, (frame, [0, 0], self.part), &stretched(frame), &title);
+                let panel = Panel::draw_part(
+                    &mut sheet,
+                    at,
+                    third,
+                    (frame, [0, 0], self.part),
+                    &Display::stretched(frame),
+                    &title,
+                );
                 sheet.clipped(panel.area, |sheet| {
                     for one in &found.kept {
                         let colour = if one.disc.is_some() { RIGHT } else { WRONG };
@@ -253,10 +256,8 @@ fn found_csv(all: &[(&FoundOnTarget, &Burst)]) -> String {
         for one in &found.kept {
             let f = &found.detection.features[one.feature];
             let disc = one.disc.map_or(String::new(), |disc| disc.to_string());
-            // Writing into a string cannot fail.
-            let _ = writeln!(
-                csv,
-                "{},{},{},{},{},{},{},{disc}",
+            csv += &format!(
+                "{},{},{},{},{},{},{},{disc}\n",
                 found.word,
                 f.u,
                 f.v,

@@ -4,8 +4,6 @@ use burstscope_core::detector::Feature;
 use burstscope_core::export::sheet::{Anchor, Area, GRID, INK, Sheet};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::display::Display;
-use burstscope_core::plane::statistics::{Region, percentiles};
-use std::fmt::Write;
 
 pub(super) const RIGHT: &str = "#4fa3ff";
 pub(super) const WRONG: &str = "#ff8c1a";
@@ -69,14 +67,6 @@ impl Panel {
     }
 }
 
-/// The display range that covers nearly all pixels.
-pub(super) fn stretched(plane: &Plane) -> Display {
-    match percentiles(plane, &Region::whole(plane), &[0.1, 99.9]).as_deref() {
-        Some([black, white]) => Display::default().with_range(*black, *white),
-        _ => Display::default(),
-    }
-}
-
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cell {
     /// Words.
@@ -127,8 +117,7 @@ impl Table {
                 Cell::Number(x, _) => x.to_string(),
                 Cell::Missing => String::new(),
             });
-            // Writing into a string cannot fail.
-            let _ = writeln!(csv, "{}", cells.collect::<Vec<_>>().join(","));
+            csv += &format!("{}\n", cells.collect::<Vec<_>>().join(","));
         }
         csv
     }

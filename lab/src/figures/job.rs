@@ -8,7 +8,6 @@ use burstscope_core::files::lock::FolderLock;
 use burstscope_core::files::mark::{Checksum, Kind, sealed};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
-use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -180,23 +179,20 @@ fn page(records: &[KeptFigure], size: FigureSize) -> String {
             "Made with --quick: the material is so small that these pictures show what there is, not how good it is."
         }
     };
-    // Writing into a string cannot fail.
-    let _ = writeln!(
-        html,
+    html += &format!(
         "<p>A. Ravendran, M. Bryson, D. G. Dansereau: “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”, \
-         arXiv 2209.09470. {about} Burstscope {}.</p>",
+         arXiv 2209.09470. {about} Burstscope {}.</p>\n",
         env!("CARGO_PKG_VERSION")
     );
     for record in records {
         let (name, title) = (record.figure.name(), Escaped(record.figure.title()));
-        let _ = writeln!(html, "<h2 id=\"{name}\">{title}</h2>\n<p>{}</p>", Escaped(record.figure.caption()));
-        let _ = writeln!(html, "<p><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{title}\"></a></p>");
+        html += &format!("<h2 id=\"{name}\">{title}</h2>\n<p>{}</p>\n", Escaped(record.figure.caption()));
+        html += &format!("<p><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{title}\"></a></p>\n");
         for note in &record.notes {
-            let _ = writeln!(html, "<p class=\"note\">{}</p>", Escaped(note));
+            html += &format!("<p class=\"note\">{}</p>\n", Escaped(note));
         }
-        let _ = writeln!(
-            html,
-            "<p class=\"note\"><a href=\"{name}.csv\">{name}.csv</a>: the numbers. Made in {:.0} s.</p>",
+        html += &format!(
+            "<p class=\"note\"><a href=\"{name}.csv\">{name}.csv</a>: the numbers. Made in {:.0} s.</p>\n",
             record.seconds.max(1.0)
         );
     }

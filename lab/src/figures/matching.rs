@@ -1,6 +1,6 @@
 //! Fig. 1: two neighbouring bursts of a dark scene, matched by SIFT on one frame and by burst features.
 
-use super::drawing::{Panel, RIGHT, WRONG, stretched};
+use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use burstscope_core::burst::Burst;
@@ -15,7 +15,6 @@ use burstscope_core::plane::display::Display;
 
 use crate::synth::trajectory::world::nearest_point;
 use crate::synth::{Light, Trajectory, TrajectoryParams};
-use std::fmt::Write;
 
 /// Largest distance of a right match from the true position of its scene point, pixels.
 const RIGHT_PX: f64 = 4.0;
@@ -119,10 +118,8 @@ fn csv(all: &[Matched]) -> String {
     for matched in all {
         for ([au, av], [bu, bv], error, inlier) in &matched.matches {
             let error_px = if error.is_finite() { format!("{error:.3}") } else { String::new() };
-            // Writing into a string cannot fail.
-            let _ = writeln!(
-                csv,
-                "{},{au:.3},{av:.3},{bu:.3},{bv:.3},{error_px},{},{}",
+            csv += &format!(
+                "{},{au:.3},{av:.3},{bu:.3},{bv:.3},{error_px},{},{}\n",
                 matched.word,
                 u8::from(*error <= RIGHT_PX),
                 u8::from(*inlier)
@@ -141,7 +138,7 @@ fn draw(bursts: &[Burst; 2], gold: &Plane, all: [&Matched; 2], found: [&Detectio
     let top = 30.0;
     let seen = Panel::draw(&mut sheet, (x(0), top), third, gold, &Display::default(), "the scene in good light");
     let title = format!("one frame in the dark (SNR {snr:.2}, stretched)");
-    Panel::draw(&mut sheet, (x(1), top), third, &frames[0], &stretched(&frames[0]), &title);
+    Panel::draw(&mut sheet, (x(1), top), third, &frames[0], &Display::stretched(&frames[0]), &title);
     let title = "SIFT (orange), BuFF (blue): 150 strongest";
     let both = Panel::draw(&mut sheet, (x(2), top), third, gold, &Display { max: 1.6, ..Display::default() }, title);
     sheet.clipped(both.area, |sheet| {
@@ -164,7 +161,7 @@ fn draw(bursts: &[Burst; 2], gold: &Plane, all: [&Matched; 2], found: [&Detectio
             let at = (GAP + (half + GAP) * side as f64, y);
             let title = if side == 0 { title.as_str() } else { "" };
             // Dimmed, so that lines stand out.
-            let Display { min, max, .. } = stretched(&frames[side]);
+            let Display { min, max, .. } = Display::stretched(&frames[side]);
             let dim = Display::default().with_range(min, max + 0.8 * (max - min));
             Panel::draw(&mut sheet, at, half, &frames[side], &dim, title)
         });

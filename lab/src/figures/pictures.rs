@@ -1,7 +1,7 @@
 //! Figs. 7 and 9: pictures of single bursts. Fig. 7 shows a view in good light, without noise, and in the dark; Fig.
 //! 9 aliasing and low contrast, on two of the program's examples.
 
-use super::drawing::{Panel, RIGHT, WRONG, stretched};
+use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD, disc_place};
@@ -16,7 +16,6 @@ use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::display::Display;
 use burstscope_core::plane::statistics::{Region, summary};
-use std::fmt::Write;
 
 const WIDTH: f64 = 900.0;
 const GAP: f64 = 16.0;
@@ -45,8 +44,7 @@ impl MakeFigure for Failures {
 }
 
 fn write_feature(csv: &mut String, case: &str, f: &Feature, is: &str) {
-    // Writing into a string cannot fail.
-    let _ = writeln!(csv, "{case},{},{},{},{},{},{},{is}", f.u, f.v, f.sigma, f.slope.u, f.response, f.snr);
+    *csv += &format!("{case},{},{},{},{},{},{},{is}\n", f.u, f.v, f.sigma, f.slope.u, f.response, f.snr);
 }
 
 /// Width of each of two pictures side by side, pixels.
@@ -62,10 +60,10 @@ fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f6
     let wrong = Slope::new(ALIASING_SLOPE - GARLAND_PERIOD, 0.0);
     let frame = &burst.frames[burst.len() / 2];
     let title = "(a) one frame: small lamps every 8 px, larger ones apart";
-    Panel::draw(sheet, (GAP, 34.0), half(), frame, &stretched(frame), title);
+    Panel::draw(sheet, (GAP, 34.0), half(), frame, &Display::stretched(frame), title);
     let stack = stack_view(&burst, &params, wrong, &silent)?;
     let title = format!("the motion stack at −{:.0} px/frame: nothing moves so", wrong.u.abs());
-    let panel = Panel::draw(sheet, (2.0 * GAP + half(), 34.0), half(), &stack, &stretched(&stack), &title);
+    let panel = Panel::draw(sheet, (2.0 * GAP + half(), 34.0), half(), &stack, &Display::stretched(&stack), &title);
     let is_false = |f: &&Feature| (f.slope.u - wrong.u).abs() < 0.5;
     sheet.clipped(panel.area, |sheet| {
         detection.features.iter().filter(is_false).for_each(|f| panel.feature(sheet, f, WRONG));
@@ -90,10 +88,10 @@ fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) 
     let detection = detect(&burst, &params, &silent)?;
     let frame = &burst.frames[burst.len() / 2];
     let title = "(b) one frame: nine discs, each fainter than the one before";
-    Panel::draw(sheet, (GAP, y), half(), frame, &stretched(frame), title);
+    Panel::draw(sheet, (GAP, y), half(), frame, &Display::stretched(frame), title);
     let stack = stack_view(&burst, &params, Slope::new(1.0, 0.0), &silent)?;
     let title = "the motion stack at their slope, and what is found";
-    let panel = Panel::draw(sheet, (2.0 * GAP + half(), y), half(), &stack, &stretched(&stack), title);
+    let panel = Panel::draw(sheet, (2.0 * GAP + half(), y), half(), &stack, &Display::stretched(&stack), title);
     let mut found = 0;
     for index in 0..DISCS {
         let [u, v] = disc_place(index);
@@ -150,10 +148,10 @@ impl MakeFigure for Light {
         let mut csv = String::from("picture,electrons_at_white,snr,mean,standard_deviation,min,max\n");
         let half = (WIDTH - 3.0 * GAP) / 2.0;
         let rows: [(&str, &str, &Plane, Display, Option<&Trajectory>); 4] = [
-            ("bright", "a frame in good light", &lit, stretched(&lit), Some(&bright)),
+            ("bright", "a frame in good light", &lit, Display::stretched(&lit), Some(&bright)),
             ("gold", "the gold standard: no noise", &gold, Display::default(), None),
             ("dark", "a frame in the dark, as it is recorded", &frame, Display::default(), Some(&dark)),
-            ("dark-stretched", "the same, stretched", &frame, stretched(&frame), Some(&dark)),
+            ("dark-stretched", "the same, stretched", &frame, Display::stretched(&frame), Some(&dark)),
         ];
         let mut end = 0.0;
         let mut y = 34.0;
@@ -173,10 +171,8 @@ impl MakeFigure for Light {
             sheet.text((at.0, end + 16.0), 12.0, Anchor::Start, &light);
             let known = |value: fn(&Trajectory) -> f64| way.map_or(String::new(), |way| format!("{:.4}", value(way)));
             let (min, max) = range.unwrap_or_default();
-            // Writing into a string cannot fail.
-            let _ = writeln!(
-                csv,
-                "{word},{},{},{:.6},{:.6},{min:.6},{max:.6}",
+            csv += &format!(
+                "{word},{},{},{:.6},{:.6},{min:.6},{max:.6}\n",
                 known(|way| way.electrons),
                 known(|way| way.snr),
                 levels.mean(),

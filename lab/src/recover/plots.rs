@@ -2,7 +2,8 @@
 
 use super::report::{LevelShare, RecoverReport};
 use super::{Planted, Varied};
-use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot, curves_svg};
+use crate::evaluate::curves::{StudyCurve, StudyPlot, curves_svg};
+use burstscope_core::export::SeriesPoint;
 use burstscope_core::export::sheet::{Anchor, Area, BLUE, GREEN, INK, RED, Sheet, stacked};
 use burstscope_core::plane::display::{ColourMap, Display};
 
@@ -31,25 +32,15 @@ impl Varied {
 pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
     let plot = |varied: Varied| {
         let shares = report.shares_over(varied);
-        let curve = |label: &str, (colour, dashes), point: &dyn Fn(&LevelShare) -> StudyCurvePoint| StudyCurve {
-            label: label.to_owned(),
-            colour,
-            dashes,
-            points: shares.iter().map(point).collect(),
-            ..StudyCurve::default()
+        let curve = |label: &str, line, point: &dyn Fn(&LevelShare) -> SeriesPoint| {
+            StudyCurve::plain(label, line, shares.iter().map(point).collect())
         };
-        let found = |share: &LevelShare| StudyCurvePoint {
+        let found = |share: &LevelShare| SeriesPoint {
             x: share.level,
             y: 100.0 * share.share(),
             spread: Some(share.interval.map(|end| 100.0 * end)),
-            row_value: share.level,
         };
-        let expected = |share: &LevelShare| StudyCurvePoint {
-            x: share.level,
-            y: 100.0 * share.expected,
-            spread: None,
-            row_value: share.level,
-        };
+        let expected = |share: &LevelShare| SeriesPoint { x: share.level, y: 100.0 * share.expected, spread: None };
         let mut curves =
             vec![curve("found", (BLUE, ""), &found), curve("expected of noise and gate", (RED, "7 4"), &expected)];
         if varied == Varied::Snr && report.half.is_some() {
@@ -64,7 +55,7 @@ pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
             curves,
         }
     };
-    Varied::ALL.into_iter().map(plot).filter(|plot| !plot.curves[0].points.is_empty()).collect()
+    Varied::ALL.into_iter().map(plot).filter(|plot| !plot.curves[0].line.points.is_empty()).collect()
 }
 
 fn fitted_curve(report: &RecoverReport) -> StudyCurve {
@@ -72,10 +63,9 @@ fn fitted_curve(report: &RecoverReport) -> StudyCurve {
     let (first, last) = (snrs.first().copied().unwrap_or(0.1), snrs.last().copied().unwrap_or(1.0));
     let point = |i: usize| {
         let x = first * (last / first).powf(i as f64 / (CURVE_POINTS - 1) as f64);
-        StudyCurvePoint { x, y: 100.0 * report.curve.share(x), spread: None, row_value: x }
+        SeriesPoint { x, y: 100.0 * report.curve.share(x), spread: None }
     };
-    let points = (0..CURVE_POINTS).map(point).collect();
-    StudyCurve { label: "fitted".to_owned(), colour: GREEN, dashes: "2 3", points, ..StudyCurve::default() }
+    StudyCurve::plain("fitted", (GREEN, "2 3"), (0..CURVE_POINTS).map(point).collect())
 }
 
 /// The report as an SVG figure: its curves, and the map with the things on it.

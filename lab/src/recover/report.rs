@@ -10,7 +10,6 @@ use burstscope_core::export::PLANTED_COLUMNS;
 use burstscope_core::inspect::words::{counted, number};
 use burstscope_core::plane::Plane;
 use serde::Serialize;
-use std::fmt::Write;
 use std::sync::Arc;
 
 /// Report of a study, complete or partial.
@@ -420,10 +419,8 @@ pub fn planted_csv(planted: &[Planted]) -> String {
             .found
             .map_or_else(|| "0,,,".to_owned(), |found| format!("1,{},{},{}", found.slope.u, found.slope.v, found.snr));
         let t = &one.truth;
-        // Writing into a string cannot fail.
-        let _ = writeln!(
-            out,
-            "{},{},{varied},{:.3},{:.3},{},{},{},{},{},{:.6},{},{},{found},{},\"{}\"",
+        out += &format!(
+            "{},{},{varied},{:.3},{:.3},{},{},{},{},{},{:.6},{},{},{found},{},\"{}\"\n",
             one.seed,
             t.id,
             t.u,

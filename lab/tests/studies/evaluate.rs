@@ -4,7 +4,9 @@ use burstscope_core::synth::{ChartParams, Motion};
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid};
 use burstscope_lab::evaluate::curves::{burst_frames_svg, frames_svg, roc_svg};
 use burstscope_lab::evaluate::pure_noise::NoiseLevel;
-use burstscope_lab::evaluate::{BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, FramesStudy, NoiseStudy};
+use burstscope_lab::evaluate::{
+    BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, FramesStudy, NoiseStudy, Searches,
+};
 
 /// A chart a sixth of the published one, with slopes up to ±2 px/frame.
 fn small_study() -> ChartStudy {
@@ -20,8 +22,11 @@ fn small_study() -> ChartStudy {
         snrs: vec![0.6],
         seeds: 2,
         first_seed: 11,
-        slopes_1d: SlopeGrid::line(-2.0..=2.0, 9),
-        slopes_2d: SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5),
+        searches: Searches {
+            slopes_1d: SlopeGrid::line(-2.0..=2.0, 9),
+            slopes_2d: SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5),
+            ..Searches::default()
+        },
         ..ChartStudy::default()
     }
 }
@@ -85,9 +90,8 @@ fn the_report_does_not_depend_on_the_threads() {
 #[test]
 fn without_the_gate_the_study_sees_below_it() {
     let with = |gate: &str| {
-        let noise_gate = gate.parse().expect("a gate");
-        let detector = DetectorParams { noise_gate, ..DetectorParams::default() };
-        let study = ChartStudy { detector, seeds: 1, methods: vec![BurstMethod::Buff1d], ..small_study() };
+        let mut study = ChartStudy { seeds: 1, methods: vec![BurstMethod::Buff1d], ..small_study() };
+        study.searches.detector.noise_gate = gate.parse().expect("a gate");
         study.run(&Monitor::default()).expect("a report").rows[0].methods[0].default_false_features.mean
     };
     assert!(with("3.5") > with("auto") + 5.0);

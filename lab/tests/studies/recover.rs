@@ -5,7 +5,7 @@ use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAx
 use burstscope_core::monitor::Monitor;
 use burstscope_core::synth::{ChartParams, Truth, synth_chart};
 use burstscope_core::{Burst, Plane};
-use burstscope_lab::evaluate::{BurstMethod, ChartStudy};
+use burstscope_lab::evaluate::{BurstMethod, ChartStudy, Searches};
 use burstscope_lab::recover::plots::{recover_plots, recover_svg};
 use burstscope_lab::recover::report::planted_csv;
 use burstscope_lab::recover::{Contrast, RecoverReport, RecoverStudy, Shape, Varied};
@@ -71,8 +71,7 @@ fn planted_discs_are_found_as_those_of_a_chart() {
         snrs: vec![0.27],
         seeds: 12,
         methods: vec![BurstMethod::Buff1d],
-        detector: search(grid).detector,
-        slopes_1d: grid,
+        searches: Searches::of_charts(search(grid).detector, Some(grid)),
         ..ChartStudy::default()
     };
     let counted = study.run(&Monitor::default()).expect("a report");

@@ -4,9 +4,10 @@
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::instead_ui;
-use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories, round_length};
+use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
+use crate::export::round_length;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 /// Maximum distance of the pointer from a camera, in points.
@@ -163,7 +164,8 @@ fn frame_ui(
     }
     // The scale bar takes up to a quarter of the width.
     let points_per_unit = scene.scale * f64::from(ui_from_plane.scale());
-    let length = round_length(0.25 * f64::from(rect.width()) / points_per_unit);
+    let longest = 0.25 * f64::from(rect.width()) / points_per_unit;
+    let length = if longest.is_normal() { round_length(longest) } else { 1.0 };
     let width = (length * points_per_unit) as f32;
     let from = rect.left_bottom() + vec2(12.0, -14.0);
     painter.line_segment([from, from + vec2(width, 0.0)], Stroke::new(2.0, ui.visuals().text_color()));

@@ -7,7 +7,7 @@ use crate::app::project::workspace::Workspace;
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::evaluate::frames::FRAME_COUNTS;
-use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, FramesStudy};
+use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, FramesStudy, Searches};
 use crate::recover::{Planted, RecoverReport, RecoverStudy};
 use crate::requests::{BurstSource, JobError, StudyRequest};
 use crate::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, StudyReport};
@@ -353,7 +353,6 @@ impl Lab {
     }
 
     fn charts(&self, search: &SearchParams, given: Option<SlopeGrid>) -> Result<ChartStudy, String> {
-        let (slopes_1d, slopes_2d) = ChartStudy::slopes_for(given);
         let slopes = given.unwrap_or(DetectorParams::default().slopes);
         let chosen = |method: &BurstMethod| self.methods.contains(method);
         let methods: Vec<BurstMethod> = BurstMethod::ALL.into_iter().filter(chosen).collect();
@@ -366,9 +365,7 @@ impl Lab {
             first_seed: self.first_seed,
             seeds: self.seeds,
             methods,
-            detector: DetectorParams { slopes, ..search.detector.clone() },
-            slopes_1d,
-            slopes_2d,
+            searches: Searches::of_charts(DetectorParams { slopes, ..search.detector.clone() }, given),
             ..ChartStudy::default()
         })
     }
@@ -396,7 +393,7 @@ mod tests {
         assert_eq!(study, Study::Chart(Box::default()));
         let given = SearchParams { slopes: SlopeChoice::Given, ..SearchParams::default() };
         let Study::Chart(study) = lab.study(&given, None).expect("sound") else { panic!("a study of charts") };
-        assert_eq!(study.slopes_1d, given.detector.slopes);
+        assert_eq!(study.searches.slopes_1d, given.detector.slopes);
     }
 
     #[test]

@@ -5,7 +5,6 @@
 use crate::detector::params::Bounds;
 use crate::error::Error;
 use crate::plane::display::{ColourMap, Display};
-use crate::plane::statistics::{Region, percentiles};
 use crate::requests::Picture;
 pub use crate::requests::RangeClass;
 use serde::{Deserialize, Serialize};
@@ -77,10 +76,8 @@ impl Ranges {
         if self.fixed_mut(class).is_none_or(|fixed| *fixed) {
             return;
         }
-        if let Some(range) = percentiles(&picture.drawn, &Region::whole(&picture.drawn), &[0.1, 99.9]) {
-            let display = self.display_mut(class);
-            *display = display.with_range(range[0], range[1]);
-        }
+        let display = self.display_mut(class);
+        *display = display.over_percentiles(&picture.drawn, [0.1, 99.9]);
     }
 
     /// `None` for a class whose range is known beforehand.

@@ -1,6 +1,7 @@
 //! Methods that are compared: the same detector on different inputs made from a burst.
 
-use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
+use crate::detector::{DetectorParams, SlopeAxis, SlopeGrid};
+use crate::evaluate::{BurstMethod, Searches};
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -19,21 +20,25 @@ const USUAL: (f32, usize) = (3.0, 7);
 impl Contender {
     pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
 
-    pub fn index(self) -> usize {
-        Self::ALL.iter().position(|m| *m == self).unwrap_or(0)
-    }
-
     pub fn is_buff(self) -> bool {
         matches!(self, Self::Buff1d | Self::Buff2d)
     }
 
+    fn of_studies(self) -> BurstMethod {
+        match self {
+            Self::Sift => BurstMethod::SiftFrame,
+            Self::Merge => BurstMethod::SiftMerge,
+            Self::Buff1d => BurstMethod::Buff1d,
+            Self::Buff2d => BurstMethod::Buff2d,
+            Self::Gold => BurstMethod::Gold,
+        }
+    }
+
     pub fn label(self) -> &'static str {
         match self {
-            Self::Sift => "SIFT, one frame",
             Self::Merge => "SIFT, merged",
-            Self::Buff1d => "BuFF 1D",
-            Self::Buff2d => "BuFF 2D",
             Self::Gold => "Gold standard",
+            method => method.of_studies().label(),
         }
     }
 
@@ -49,30 +54,22 @@ impl Contender {
 
     /// Everything but the method and, for BuFF, the shape of the grid of slopes stays.
     pub fn params(self, edited: &DetectorParams) -> DetectorParams {
-        let mut params = edited.clone();
-        let grid = edited.slopes;
-        let usual = SlopeAxis::new(-USUAL.0..=USUAL.0, USUAL.1);
-        match self {
-            Self::Sift => params.method = Method::Sift,
-            Self::Merge => params.method = Method::Merge,
-            Self::Gold => {
-                params.method = Method::Sift;
-                params.frames = None;
-            }
-            Self::Buff1d => {
-                params.method = Method::Buff;
-                if grid.is_plane() {
-                    params.slopes.v = SlopeAxis::ZERO;
-                } else if grid.len() <= 1 {
-                    params.slopes = SlopeGrid { u: usual, v: SlopeAxis::ZERO, ..grid };
-                }
-            }
-            Self::Buff2d => {
-                params.method = Method::Buff;
-                params.slopes = plane_of(grid);
-            }
+        let (slopes_1d, slopes_2d) = (line_of(edited.slopes), plane_of(edited.slopes));
+        let searches = Searches { detector: edited.clone(), slopes_1d, slopes_2d, direction_deg: None };
+        let mut params = searches.params(self.of_studies()).detector;
+        if self == Self::Gold {
+            params.frames = None;
         }
         params
+    }
+}
+
+/// A single slope gets the usual range.
+fn line_of(grid: SlopeGrid) -> SlopeGrid {
+    match grid {
+        plane if plane.is_plane() => SlopeGrid { v: SlopeAxis::ZERO, ..plane },
+        line if line.len() > 1 => line,
+        one => SlopeGrid { u: SlopeAxis::new(-USUAL.0..=USUAL.0, USUAL.1), v: SlopeAxis::ZERO, ..one },
     }
 }
 
@@ -96,6 +93,7 @@ pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::Method;
 
     #[test]
     fn each_method_takes_the_edited_parameters_in_its_own_way() {
@@ -112,7 +110,6 @@ mod tests {
         assert_eq!(Contender::Sift.params(&sift), sift);
         assert_eq!(Contender::Buff1d.params(&sift).peak_threshold, 0.01);
         for method in Contender::ALL {
-            assert_eq!(Contender::ALL[method.index()], method);
             assert!(!method.help().is_empty());
             assert_eq!(method.params(&plane).validate(), Ok(()));
         }

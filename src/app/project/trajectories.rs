@@ -205,15 +205,6 @@ impl PlaneScene {
     }
 }
 
-/// The largest of 1, 2 or 5 times a power of ten that is not longer than `longest`.
-pub fn round_length(longest: f64) -> f64 {
-    if !(longest.is_finite() && longest > 0.0) {
-        return 1.0;
-    }
-    let power = 10f64.powf(longest.log10().floor());
-    [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|&l| l <= longest).unwrap_or(power)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -263,13 +254,6 @@ mod tests {
             let scene = PlaneScene::of(&ComparedPoses { truth, ..ComparedPoses::default() }, Projection::Principal);
             assert!(scene.size.0 >= 300 && scene.size.1 >= 300, "{:?}", scene.size);
             assert!(scene.truth.iter().all(|s| s.pos.is_finite()));
-        }
-    }
-
-    #[test]
-    fn scale_bars_have_round_lengths() {
-        for (longest, length) in [(1.0, 1.0), (7.3, 5.0), (0.29, 0.2), (1999.0, 1000.0), (0.0, 1.0)] {
-            assert!((round_length(longest) - length).abs() < 1e-12, "{longest}");
         }
     }
 }

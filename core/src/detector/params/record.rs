@@ -4,6 +4,7 @@
 //! the page of reference are made from a [`Param`].
 
 use super::{Distinct, FrameRange, NoiseGate, SlopeAxis, Word};
+use crate::error::Error;
 use std::fmt;
 use std::ops::{Bound, Deref, RangeBounds, RangeInclusive};
 

@@ -5,6 +5,7 @@
 //! [`crate::detector::slopes::resolve`] then converts the one into the other, burst by burst, before the detection.
 
 use super::{DetectorParams, Field, Param, Slope, SlopeGrid, doc};
+use crate::error::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::{Table, Value};
 

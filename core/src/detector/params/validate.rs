@@ -1,18 +1,7 @@
 //! Validation of parameters, alone and for a burst; each error gives a remedy.
 
 use super::{DetectorParams, MAX_SLOPES, MIN_OCTAVE_SIDE, Method, Param, doc};
-
-/// A parameter, or a combination of parameters, that makes no sense: the reason and a remedy.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{parameter}: {problem}; {remedy}")]
-pub struct ParamError {
-    /// `ParamDoc::name` of the parameter to change.
-    pub parameter: &'static str,
-    /// The fault.
-    pub problem: String,
-    /// A remedy.
-    pub remedy: String,
-}
+use crate::error::Error;
 
 impl DetectorParams {
     /// Checks the parameters alone, without a burst.

@@ -41,8 +41,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], options: &FigureOptions) -> Drawing {
     }
     let size = [width.max(1.0), (top - gap).max(1.0)];
     let titles: Vec<&str> = rows.iter().flatten().filter_map(|panel| panel.title.as_deref()).collect();
-    let paper = FigureShape::Fill { rect: FigureRect { min: [0.0, 0.0], size }, color: [255; 3] };
-    shapes.insert(0, paper);
+    shapes.insert(0, FigureShape::Fill { rect: FigureRect { min: [0.0, 0.0], size }, color: [255; 3] });
     Drawing { size, shapes, title: titles.join("; ") }
 }
 
@@ -117,10 +116,7 @@ impl Style {
 
     fn mark(&self, panel: &FigurePanel, mark: &FigureMark, rect: FigureRect, out: &mut Vec<FigureShape>) {
         let drawable = |n: &f32| n.abs() < 1e9;
-        let place = |at: [f32; 2]| {
-            let figure = |i: usize| rect.min[i] + (at[i] - panel.origin_image[i]) * self.scale;
-            [figure(0), figure(1)]
-        };
+        let place = |at: [f32; 2]| [0, 1].map(|i| rect.min[i] + (at[i] - panel.origin_image[i]) * self.scale);
         let numbers = [mark.centre[0], mark.centre[1], mark.radius, mark.orientation.unwrap_or(0.0)];
         if !(numbers.iter().all(drawable) && mark.radius >= 0.0) {
             return;
@@ -152,7 +148,7 @@ impl Style {
     }
 
     fn scale_bar(&self, rect: FigureRect, out: &mut Vec<FigureShape>) {
-        let length_px = round_length(0.2 * rect.size[0] / self.scale);
+        let length_px = round_length(f64::from(0.2 * rect.size[0] / self.scale).max(1.0)) as f32;
         let length = length_px * self.scale;
         let right = rect.min[0] + rect.size[0] - 0.7 * self.font;
         let y = rect.min[1] + rect.size[1] - 0.7 * self.font;
@@ -207,9 +203,9 @@ impl Style {
     }
 }
 
-/// The largest of 1, 2, 5, 10, 20, 50, … that is at most `max`.
-fn round_length(max: f32) -> f32 {
-    let power = 10f32.powf(max.max(1.0).log10().floor());
+/// The largest of 1, 2 or 5 times a power of ten that is at most `max`, which is finite and above 0.
+pub fn round_length(max: f64) -> f64 {
+    let power = 10f64.powf(max.log10().floor());
     [5.0, 2.0, 1.0].into_iter().map(|step| step * power).find(|length| *length <= max).unwrap_or(power)
 }
 
@@ -233,8 +229,8 @@ pub(super) mod tests {
 
     #[test]
     fn scale_bars_have_round_lengths_and_letters_go_on() {
-        let lengths = [96.0, 100.0, 49.0, 3.0, 0.2].map(round_length);
-        assert_eq!(lengths, [50.0, 100.0, 20.0, 2.0, 1.0]);
+        let lengths = [1999.0, 100.0, 49.0, 3.0, 1.0, 0.29].map(round_length);
+        assert_eq!(lengths, [1000.0, 100.0, 20.0, 2.0, 1.0, 0.2]);
         assert_eq!([0, 1, 25, 26, 27].map(letter), ["(a)", "(b)", "(z)", "(aa)", "(ab)"]);
     }
 

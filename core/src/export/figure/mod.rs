@@ -12,7 +12,7 @@ mod links;
 mod svg;
 
 pub use curve::{FigureCurve, curve_height, draw_curve};
-pub use layout::lay_out;
+pub use layout::{lay_out, round_length};
 pub use links::{FigureLink, draw_links};
 pub use svg::write_drawing_svg;
 

@@ -18,8 +18,8 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct PoseStudy {
-    /// What makes two poses belong together: name, time or order [default: names if both sides have them, else times if
-    /// all fit, else order].
+    /// Rule that pairs two poses: name, time or order [default: names if both sides have them, else times if all fit,
+    /// else order].
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "RULE", value_parser = words::<Association>(&["name", "time", "order"]))

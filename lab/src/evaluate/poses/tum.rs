@@ -119,7 +119,7 @@ mod tests {
             let error = parse(&format!("0 0 0 0 0 0 0 1\n{line}\n")).expect_err(line).to_string();
             assert!(error.contains("line 2") && error.contains(words), "{error}");
         }
-        assert_eq!(parse("# nothing\n"), Err(no_pose(Path::new(NAME))));
+        assert_eq!(parse("# nothing\n"), Err(no_pose(Path::new("truth.txt"))));
         let error = read_tum(Path::new("/nowhere/truth.txt")).expect_err("absent").to_string();
         assert!(error.contains("no such file"), "{error}");
     }

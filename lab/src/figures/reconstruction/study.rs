@@ -6,7 +6,6 @@ use crate::figures::FigureSize;
 use crate::figures::record::Pieces;
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use burstscope_core::burst::Burst;
-use burstscope_core::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
 use burstscope_core::error::Error;
 use burstscope_core::matching::{MatchParams, PairSelection};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
@@ -21,12 +20,8 @@ pub(super) struct Study {
     pub way: TrajectoryParams,
     /// Number of trajectories of each motion, with seeds from 1.
     pub seeds: u64,
-    /// The detector's parameters, for all methods.
-    pub detector: DetectorParams,
-    /// Slopes of BuFF 1D.
-    pub slopes_1d: SlopeGrid,
-    /// Slopes of BuFF 2D.
-    pub slopes_2d: SlopeGrid,
+    /// Parameters of the methods' searches.
+    pub searches: Searches,
     /// Parameters of matching.
     pub matching: MatchParams,
 }
@@ -46,9 +41,7 @@ impl Study {
         Self {
             way: size.pick(full, quick),
             seeds: size.pick(2, 1),
-            detector: DetectorParams::default(),
-            slopes_1d: SlopeGrid::line(-3.0..=3.0, 13),
-            slopes_2d: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7),
+            searches: Searches::default(),
             // As the paper matches.
             matching: MatchParams { guided: false, ..MatchParams::default() },
         }
@@ -137,17 +130,8 @@ impl Study {
 
     /// The search and matching parameters of a method.
     fn how(&self, method: BurstMethod) -> How {
-        let searches = Searches {
-            detector: &self.detector,
-            slopes_1d: self.slopes_1d,
-            slopes_2d: self.slopes_2d,
-            direction_deg: None,
-        };
-        let search = match method {
-            BurstMethod::BuffAuto => SearchParams { detector: self.detector.clone(), slopes: SlopeChoice::AUTO },
-            method => searches.params(method).into(),
-        };
-        How { is_gold: method == BurstMethod::Gold, search, matching: self.matching.clone() }
+        let (search, matching) = (self.searches.params(method), self.matching.clone());
+        How { is_gold: method == BurstMethod::Gold, search, matching }
     }
 
     /// Finds the features of all bursts by `method` and matches every pair.
@@ -155,10 +139,7 @@ impl Study {
         let study = MatchStudy {
             methods: vec![method],
             has_gold: method == BurstMethod::Gold,
-            detector: self.detector.clone(),
-            slopes_1d: self.slopes_1d,
-            slopes_2d: self.slopes_2d,
-            direction_deg: None,
+            searches: self.searches.clone(),
             matching: self.matching.clone(),
             pairs: PairSelection::default(),
         };

@@ -1,7 +1,7 @@
 //! The study as Tables 1 to 3, means over the trajectories of each motion, and as Fig. 8: the cameras' positions,
 //! true and estimated, for the first trajectory of each motion.
 
-use super::mapper::{Reconstructed, Run};
+use super::mapper::{Matched, Reconstructed, Run};
 use super::study::Study;
 use crate::evaluate::curves::LINE;
 use crate::evaluate::poses::Projection;
@@ -11,7 +11,6 @@ use crate::figures::drawing::{Cell, Table};
 use crate::synth::{Light, Motion};
 use burstscope_core::export::sheet::{Anchor, Area, Sheet};
 use burstscope_core::export::{Plot, Series, SeriesPoint};
-use std::fmt::Write;
 
 /// Minimum number of images with a pose of a reconstruction that converged.
 const MIN_REGISTERED: usize = 3;
@@ -40,10 +39,6 @@ fn of_model(group: &Group<'_>, value: impl Fn(&Reconstructed, &Run) -> Option<f6
     mean(group, |run| run.reconstructed.as_ref().and_then(|model| value(model, run)))
 }
 
-fn names(group: &Group<'_>) -> [Cell; 2] {
-    [motion_name(group[0].motion).to_uppercase(), group[0].method.label().to_owned()].map(Cell::Text)
-}
-
 /// Description of the trajectories, as a sentence.
 fn material(study: &Study) -> String {
     let way = &study.way;
@@ -62,7 +57,22 @@ fn material(study: &Study) -> String {
     )
 }
 
-fn made(table: Table) -> Made {
+/// Column of numbers: the lines of its head, its name in CSV, its decimals, and its value for a group.
+type Column<'a> = ([&'static str; 2], &'static str, usize, &'a dyn Fn(&Group<'_>) -> Option<f64>);
+
+fn made(title: &str, columns: &[Column<'_>], groups: &[Group<'_>], notes: Vec<String>) -> Made {
+    let row = |group: &Group<'_>| {
+        let names = [motion_name(group[0].motion).to_uppercase(), group[0].method.label().to_owned()];
+        let number = |(_, _, decimals, value): &Column<'_>| Cell::of(value(group), *decimals);
+        names.map(Cell::Text).into_iter().chain(columns.iter().map(number)).collect()
+    };
+    let names = [(["motion", ""], "motion"), (["method", ""], "method")];
+    let table = Table {
+        title: title.to_owned(),
+        columns: names.into_iter().chain(columns.iter().map(|(head, name, ..)| (*head, *name))).collect(),
+        rows: groups.iter().map(row).collect(),
+        notes,
+    };
     Made { svg: table.svg(), csv: table.csv(), notes: table.notes }
 }
 
@@ -83,102 +93,56 @@ pub(super) fn without_model<'a>(runs: &'a [Run]) -> Option<String> {
 
 /// Table 1.
 pub(super) fn matching(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
-    let row = |group: &Group<'_>| {
-        let matched = |value: fn(&super::mapper::Matched) -> f64| mean(group, |run| Some(value(&run.matched)));
-        let [motion, method] = names(group);
-        vec![
-            motion,
-            method,
-            Cell::of(of_model(group, |m, _| Some(f64::from(u8::from(m.registered >= MIN_REGISTERED)))), 2),
-            Cell::of(of_model(group, |m, run| Some(100.0 * m.registered as f64 / run.bursts as f64)), 0),
-            Cell::of(matched(|m| m.keypoints), 0),
-            Cell::of(matched(|m| m.putative), 1),
-            Cell::of(matched(|m| m.inliers), 1),
-            Cell::of(matched(|m| m.match_ratio), 3),
-            Cell::of(matched(|m| m.match_score), 3),
-            Cell::of(mean(group, |run| run.matched.precision), 3),
-            Cell::of(of_model(group, |m, _| m.points_per_image), 1),
-        ]
-    };
-    made(Table {
-        title: "Matching and reconstruction of dark bursts".into(),
-        columns: vec![
-            (["motion", ""], "motion"),
-            (["method", ""], "method"),
-            (["conver-", "gence"], "convergence_rate"),
-            (["images", "pass, %"], "images_pass_percent"),
-            (["keypoints", "/image"], "keypoints_per_image"),
-            (["putative", "/image"], "putative_per_image"),
-            (["inliers", "/image"], "inliers_per_image"),
-            (["match", "ratio"], "match_ratio"),
-            (["match", "score"], "match_score"),
-            (["precision", ""], "precision"),
-            (["3D points", "/image"], "points_per_image"),
-        ],
-        rows: groups(runs).iter().map(row).collect(),
-        notes: notes(study, runs, missing),
-    })
+    let converged = |m: &Reconstructed, _: &Run| Some(f64::from(u8::from(m.registered >= MIN_REGISTERED)));
+    let passed = |m: &Reconstructed, run: &Run| Some(100.0 * m.registered as f64 / run.bursts as f64);
+    let matched = |value: fn(&Matched) -> Option<f64>| move |g: &Group<'_>| mean(g, |run| value(&run.matched));
+    let columns: [Column<'_>; 9] = [
+        (["conver-", "gence"], "convergence_rate", 2, &|g| of_model(g, converged)),
+        (["images", "pass, %"], "images_pass_percent", 0, &|g| of_model(g, passed)),
+        (["keypoints", "/image"], "keypoints_per_image", 0, &matched(|m| Some(m.keypoints))),
+        (["putative", "/image"], "putative_per_image", 1, &matched(|m| Some(m.putative))),
+        (["inliers", "/image"], "inliers_per_image", 1, &matched(|m| Some(m.inliers))),
+        (["match", "ratio"], "match_ratio", 3, &matched(|m| Some(m.match_ratio))),
+        (["match", "score"], "match_score", 3, &matched(|m| Some(m.match_score))),
+        (["precision", ""], "precision", 3, &matched(|m| m.precision)),
+        (["3D points", "/image"], "points_per_image", 1, &|g| of_model(g, |m, _| m.points_per_image)),
+    ];
+    made("Matching and reconstruction of dark bursts", &columns, &groups(runs), notes(study, runs, missing))
 }
 
 /// Table 2.
 pub(super) fn poses(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
-    let row = |group: &Group<'_>| {
-        let [motion, method] = names(group);
-        let error = |errors: fn(&Reconstructed) -> Option<[f64; 2]>, part: usize, factor: f64| {
-            of_model(group, |m, _| errors(m).map(|e| factor * e[part]))
-        };
-        vec![
-            motion,
-            method,
-            Cell::of(error(|m| m.absolute, 0, 100.0), 2),
-            Cell::of(error(|m| m.absolute, 1, 1.0), 3),
-            Cell::of(error(|m| m.relative, 0, 100.0), 2),
-            Cell::of(error(|m| m.relative, 1, 1.0), 3),
-        ]
+    let error = |errors: fn(&Reconstructed) -> Option<[f64; 2]>, part: usize, factor: f64| {
+        move |g: &Group<'_>| of_model(g, |m, _| errors(m).map(|e| factor * e[part]))
     };
-    made(Table {
-        title: "Mean errors of the camera poses against the true ones".into(),
-        columns: vec![
-            (["motion", ""], "motion"),
-            (["method", ""], "method"),
-            (["absolute", "place, cm"], "absolute_translation_cm"),
-            (["absolute", "rotation, °"], "absolute_rotation_deg"),
-            (["relative", "place, cm"], "relative_translation_cm"),
-            (["relative", "rotation, °"], "relative_rotation_deg"),
-        ],
-        rows: groups(runs).iter().map(row).collect(),
-        notes: notes(study, runs, missing),
-    })
+    let columns: [Column<'_>; 4] = [
+        (["absolute", "place, cm"], "absolute_translation_cm", 2, &error(|m| m.absolute, 0, 100.0)),
+        (["absolute", "rotation, °"], "absolute_rotation_deg", 3, &error(|m| m.absolute, 1, 1.0)),
+        (["relative", "place, cm"], "relative_translation_cm", 2, &error(|m| m.relative, 0, 100.0)),
+        (["relative", "rotation, °"], "relative_rotation_deg", 3, &error(|m| m.relative, 1, 1.0)),
+    ];
+    let title = "Mean errors of the camera poses against the true ones";
+    made(title, &columns, &groups(runs), notes(study, runs, missing))
 }
 
 /// Table 3.
 pub(super) fn time(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
-    let row = |group: &Group<'_>| {
-        let [motion, method] = names(group);
-        let features = mean(group, |run| Some(run.matched.seconds));
-        let mapper = of_model(group, |m, _| Some(m.mapper_secs));
-        let whole = features.zip(mapper).map(|(a, b)| a + b);
-        vec![motion, method, Cell::of(features, 2), Cell::of(mapper, 2), Cell::of(whole, 2)]
-    };
-    let is_timed = |group: &&Group<'_>| group[0].method != BurstMethod::Gold;
+    let features = |g: &Group<'_>| mean(g, |run| Some(run.matched.seconds));
+    let mapper = |g: &Group<'_>| of_model(g, |m, _| Some(m.mapper_secs));
+    let columns: [Column<'_>; 3] = [
+        (["features and", "matches"], "features_and_matches_secs", 2, &features),
+        (["COLMAP's", "mapper"], "mapper_secs", 2, &mapper),
+        (["together", ""], "together_secs", 2, &|g| Some(features(g)? + mapper(g)?)),
+    ];
+    let mut groups = groups(runs);
+    groups.retain(|group| group[0].method != BurstMethod::Gold);
     let mut notes = notes(study, runs, missing);
     let threads = rayon::current_num_threads();
     notes.push(format!(
         "Seconds for one trajectory with {}, finding and matching features from frames in memory; times of a machine that does other things too are longer.",
         if threads == 1 { "one thread".to_owned() } else { format!("{threads} threads") }
     ));
-    made(Table {
-        title: "Time for one trajectory, seconds".into(),
-        columns: vec![
-            (["motion", ""], "motion"),
-            (["method", ""], "method"),
-            (["features and", "matches"], "features_and_matches_secs"),
-            (["COLMAP's", "mapper"], "mapper_secs"),
-            (["together", ""], "together_secs"),
-        ],
-        rows: groups(runs).iter().filter(is_timed).map(row).collect(),
-        notes,
-    })
+    made("Time for one trajectory, seconds", &columns, &groups, notes)
 }
 
 const WIDTH: f64 = 960.0;
@@ -225,7 +189,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
         let drawn = |centre: &Centre| {
             let ([x, y], [true_x, true_y]) = (project(centre), places[centre.0]);
             let factor = f64::from(factor);
-            (true_x + factor * (x - true_x), true_y + factor * (y - true_y), None)
+            SeriesPoint { x: true_x + factor * (x - true_x), y: true_y + factor * (y - true_y), spread: None }
         };
         let series = |label: &str, (colour, dashes), centres: &[Centre]| Series {
             label: label.to_owned(),
@@ -233,6 +197,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
             dashes,
             width: LINE,
             points: centres.iter().map(drawn).collect(),
+            dot: None,
         };
         let mut all = vec![series("true places", ("#24292f", ""), &numbered)];
         for (method, centres) in &estimates {
@@ -289,8 +254,7 @@ fn enlargement(places: &[[f64; 2]], estimates: impl Iterator<Item = (usize, [f64
 
 fn write_centres(csv: &mut String, motion: Motion, method: &str, centres: &[Centre]) {
     for (index, [x, y, z]) in centres {
-        // Writing into a string cannot fail.
-        let _ = writeln!(csv, "{},{method},{index},{x:.6},{y:.6},{z:.6}", motion_name(motion));
+        *csv += &format!("{},{method},{index},{x:.6},{y:.6},{z:.6}\n", motion_name(motion));
     }
 }
 
@@ -300,7 +264,7 @@ fn ranges(all: &[Series], width_over_height: f64) -> ((f64, f64), (f64, f64)) {
         let values = all.iter().flat_map(|series| &series.points).map(value);
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     };
-    let (x, y) = (range(|p| p.0), range(|p| p.1));
+    let (x, y) = (range(|p| p.x), range(|p| p.y));
     let half = (0.55 * (x.1 - x.0)).max(0.55 * (y.1 - y.0) * width_over_height).max(1e-3);
     let around = |range: (f64, f64), half: f64| (0.5 * (range.0 + range.1) - half, 0.5 * (range.0 + range.1) + half);
     (around(x, half), around(y, half / width_over_height))
@@ -308,7 +272,6 @@ fn ranges(all: &[Series], width_over_height: f64) -> ((f64, f64), (f64, f64)) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mapper::{Matched, Reconstructed};
     use super::*;
     use crate::evaluate::BurstMethod;
     use crate::figures::FigureSize;
@@ -392,8 +355,8 @@ mod tests {
 
     #[test]
     fn both_axes_have_one_scale_and_hold_all_points() {
-        let points = vec![(0.0, 0.0, None), (4.0, 1.0, None)];
-        let series = Series { label: "a".into(), colour: "#000000", dashes: "", width: 1.0, points };
+        let points = [(0.0, 0.0), (4.0, 1.0)].map(|(x, y)| SeriesPoint { x, y, spread: None }).to_vec();
+        let series = Series { label: "a".into(), colour: "#000000", dashes: "", width: 1.0, points, dot: None };
         let (x, y) = ranges(&[series], 2.0);
         assert!(((x.1 - x.0) / (y.1 - y.0) - 2.0).abs() < 1e-12);
         assert!(x.0 < 0.0 && x.1 > 4.0 && y.0 < 0.0 && y.1 > 1.0);

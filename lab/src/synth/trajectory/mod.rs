@@ -31,7 +31,6 @@ use burstscope_core::synth::truth::NoiseTruth;
 use burstscope_core::synth::{Motion, check_common};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// Amount of light.
@@ -407,8 +406,7 @@ fn poses(trajectory: &Trajectory) -> String {
     );
     for (index, camera) in trajectory.cameras.iter().enumerate() {
         let [tx, ty, tz, qx, qy, qz, qw] = camera.tum();
-        // Writing into a string cannot fail.
-        let _ = writeln!(text, "{index} {tx} {ty} {tz} {qx} {qy} {qz} {qw}");
+        text += &format!("{index} {tx} {ty} {tz} {qx} {qy} {qz} {qw}\n");
     }
     text
 }

@@ -1,7 +1,6 @@
 //! Chart behind a point of a curve: the mean of its frames, with the found and missed discs and the false features.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::histogram::PERCENTILES;
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
 use crate::app::project::Model;
@@ -9,7 +8,6 @@ use crate::app::project::lab::{Lab, LabSet};
 use crate::inspect::score::Judged;
 use crate::inspect::words::number;
 use crate::plane::display::Display;
-use crate::plane::statistics::{Region, percentiles};
 use crate::study::{ShownChart, StudyPoint};
 use egui::{Color32, ComboBox, Pos2, Sense, Stroke, Ui, vec2};
 
@@ -58,11 +56,11 @@ fn choice_ui(ui: &mut Ui, lab: &mut Lab) {
     let mut points: Vec<(StudyPoint, String)> = Vec::new();
     for plot in result.report.plots(usize::MAX) {
         for curve in &plot.curves {
-            for point in &curve.points {
-                let of = StudyPoint { row_value: point.row_value, method: curve.method };
+            for point in &curve.line.points {
+                let of = StudyPoint { row_value: curve.row_value(point), method: curve.method };
                 if points.iter().all(|(there, _)| *there != of) {
                     let method = curve.method.map_or_else(String::new, |method| format!("{}, ", method.label()));
-                    points.push((of, format!("{method}{}", result.report.row_label(point.row_value))));
+                    points.push((of, format!("{method}{}", result.report.row_label(of.row_value))));
                 }
             }
         }
@@ -113,8 +111,7 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut 
     let (width, height) = shown.mean.size();
     let scale = ui.available_width() / width as f32;
     let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::hover());
-    let range = percentiles(&shown.mean, &Region::whole(&shown.mean), &PERCENTILES);
-    let display = range.map_or_else(Display::default, |r| Display::default().with_range(r[0], r[1]));
+    let display = Display::stretched(&shown.mean);
     texture.draw(ui, rect, ("lab chart", &shown.mean), display, || (*shown.mean).clone());
     let pos_ui = |u: f32, v: f32| rect.min + scale * vec2(u + 0.5, v + 0.5);
     let painter = ui.painter().with_clip_rect(rect);

@@ -3,7 +3,8 @@
 use super::curve_colour;
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::project::lab::{Lab, LabResult, LabSet};
-use crate::evaluate::curves::{StudyCurve, StudyCurvePoint, StudyPlot};
+use crate::evaluate::curves::{StudyCurve, StudyPlot};
+use crate::export::SeriesPoint;
 use crate::inspect::words::number;
 use crate::study::StudyPoint;
 use egui::{Color32, Label, Pos2, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
@@ -85,7 +86,7 @@ fn legend_ui(ui: &mut Ui, plots: &[(String, StudyPlot, Vec<Drawn>)], hidden: &mu
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         for one in plots.iter().flat_map(|(.., curves)| curves).filter(|one| shown.insert(&one.name)) {
-            let (is_hidden, colour) = (hidden.contains(&one.name), curve_colour(ui, one.curve.colour));
+            let (is_hidden, colour) = (hidden.contains(&one.name), curve_colour(ui, one.curve.line.colour));
             let colour = if is_hidden { colour.gamma_multiply(0.3) } else { colour };
             let (rect, _) = ui.allocate_exact_size(vec2(20.0, 12.0), Sense::hover());
             let ends = [rect.left_center(), rect.right_center()];
@@ -139,8 +140,8 @@ fn merged(
         for plot in result.report.plots(row.unwrap_or(usize::MAX)) {
             let drawn = plot.curves.iter().map(|curve| {
                 let name = match name {
-                    Some(name) => format!("{}  {name}", curve.label),
-                    None => curve.label.clone(),
+                    Some(name) => format!("{}  {name}", curve.line.label),
+                    None => curve.line.label.clone(),
                 };
                 Drawn { set: *set, name, curve: curve.clone() }
             });
@@ -178,7 +179,7 @@ fn plot_ui(
         .x_axis_label(plot.x_label)
         .y_axis_label(plot.y_label.as_str())
         .label_formatter(|_| None);
-    let colours: Vec<Color32> = curves.iter().map(|one| curve_colour(ui, one.curve.colour)).collect();
+    let colours: Vec<Color32> = curves.iter().map(|one| curve_colour(ui, one.curve.line.colour)).collect();
     let drawn = widget.show(ui, |area| {
         for (one, &colour) in curves.iter().zip(&colours) {
             draw_curve(area, one, plot.marks_points, colour, selected);
@@ -186,11 +187,11 @@ fn plot_ui(
     });
     named(&drawn.response, Role::Image, format!("Plot: {title}, {} curves", curves.len()));
     let pos = drawn.response.hover_pos()?;
-    let at = |point: &StudyCurvePoint| drawn.transform.position_from_point(&PlotPoint::new(point.x, point.y));
+    let at = |point: &SeriesPoint| drawn.transform.position_from_point(&PlotPoint::new(point.x, point.y));
     let (one, point) = nearest(curves, pos, at)?;
     let clicked = drawn.response.clicked();
     drawn.response.on_hover_text_at_pointer(point_text(plot, one, point));
-    Some((one.set, StudyPoint { row_value: point.row_value, method: one.curve.method }, clicked))
+    Some((one.set, StudyPoint { row_value: one.curve.row_value(point), method: one.curve.method }, clicked))
 }
 
 fn draw_curve(
@@ -200,7 +201,7 @@ fn draw_curve(
     colour: Color32,
     selected: Option<(LabSet, StudyPoint)>,
 ) {
-    let points = &one.curve.points;
+    let points = &one.curve.line.points;
     let line: PlotPoints<'_> = points.iter().map(|point| [point.x, point.y]).collect();
     let style = match one.set {
         LabSet::Current => LineStyle::Solid,
@@ -212,7 +213,7 @@ fn draw_curve(
             let bar = PlotPoints::from(vec![[point.x, low], [point.x, high]]);
             area.line(Line::new("", bar).color(colour).width(1.0));
         }
-        let of_point = StudyPoint { row_value: point.row_value, method: one.curve.method };
+        let of_point = StudyPoint { row_value: one.curve.row_value(point), method: one.curve.method };
         if marks_points {
             let is_selected = selected == Some((one.set, of_point));
             let radius = if is_selected { 5.0 } else { 2.8 };
@@ -222,18 +223,14 @@ fn draw_curve(
 }
 
 /// Point nearest to the pointer within reach; `at` maps a point to the window.
-fn nearest(
-    curves: &[Drawn],
-    pos_ui: Pos2,
-    at: impl Fn(&StudyCurvePoint) -> Pos2,
-) -> Option<(&Drawn, &StudyCurvePoint)> {
-    let points = curves.iter().flat_map(|one| one.curve.points.iter().map(move |point| (one, point)));
+fn nearest(curves: &[Drawn], pos_ui: Pos2, at: impl Fn(&SeriesPoint) -> Pos2) -> Option<(&Drawn, &SeriesPoint)> {
+    let points = curves.iter().flat_map(|one| one.curve.line.points.iter().map(move |point| (one, point)));
     let near = points.map(|(one, point)| (at(point).distance(pos_ui), one, point));
     let nearest = near.filter(|(distance, ..)| *distance < REACH_UI).min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map(|(_, one, point)| (one, point))
 }
 
-fn point_text(plot: &StudyPlot, one: &Drawn, point: &StudyCurvePoint) -> String {
+fn point_text(plot: &StudyPlot, one: &Drawn, point: &SeriesPoint) -> String {
     let value = |y: f64| number(y as f32, 2);
     let spread = point.spread.map_or_else(String::new, |[low, high]| format!(" ({} to {})", value(low), value(high)));
     format!("{}\n{}: {}\n{}: {}{spread}", one.name, plot.x_label, value(point.x), plot.y_label, value(point.y))
@@ -275,8 +272,8 @@ mod tests {
         for (title, plot, curves) in &plots {
             assert_eq!((title, curves.len()), (&plot.title, 2 * plot.curves.len()));
             let (own, theirs) = curves.split_at(plot.curves.len());
-            assert!(own.iter().all(|one| one.set == LabSet::Current && one.name == one.curve.label));
-            assert!(theirs.iter().all(|one| one.name == format!("{}  before", one.curve.label)));
+            assert!(own.iter().all(|one| one.set == LabSet::Current && one.name == one.curve.line.label));
+            assert!(theirs.iter().all(|one| one.name == format!("{}  before", one.curve.line.label)));
         }
         // Without a row there is no ROC.
         assert_eq!(merged(&sets, None).len(), plots.len() - 1);

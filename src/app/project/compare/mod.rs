@@ -17,6 +17,7 @@ use crate::requests::{
     OpenRequest, Running,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -46,15 +47,15 @@ pub struct Compare {
     asked: Option<CompareJob>,
     pub opening_gold: Sides<Wanted<OpenRequest>>,
     arranged: Vec<Contender>,
-    found: [[Option<MethodFound>; 2]; 5],
-    matches: [Option<Matches>; 5],
+    found: HashMap<(Contender, Side), MethodFound>,
+    matches: HashMap<Contender, Matches>,
     failed: Vec<(CompareJob, String)>,
 }
 
 impl Compare {
     /// May be of older parameters or bursts; [`Model::method_found`] answers only what is current.
     fn found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
-        self.found[method.index()][side as usize].as_ref()
+        self.found.get(&(method, side))
     }
 
     pub fn running(&self) -> Option<(Contender, Running)> {
@@ -66,17 +67,17 @@ impl Compare {
     }
 
     pub fn all_found_mut(&mut self) -> impl Iterator<Item = &mut MethodFound> {
-        self.found.iter_mut().flatten().flatten()
+        self.found.values_mut()
     }
 
     pub fn take_found(&mut self, method: Contender, side: Side, found: MethodFound) {
         self.failed.retain(|(job, _)| job.method != method);
-        self.found[method.index()][side as usize] = Some(found);
+        self.found.insert((method, side), found);
     }
 
     pub fn take_matches(&mut self, method: Contender, matches: Matches) {
         self.failed.retain(|(job, _)| job.method != method);
-        self.matches[method.index()] = Some(matches);
+        self.matches.insert(method, matches);
     }
 
     pub fn take_failure(&mut self, job: CompareJob, why: String) {
@@ -170,7 +171,7 @@ impl Model {
 
     pub fn method_matches(&self, method: Contender) -> Option<&Matches> {
         let wanted = self.wanted_method_matches(method)?;
-        self.compare.matches[method.index()].as_ref().filter(|matches| matches.request == wanted)
+        self.compare.matches.get(&method).filter(|matches| matches.request == wanted)
     }
 
     fn wanted_method_matches(&self, method: Contender) -> Option<MatchRequest> {
