@@ -396,6 +396,7 @@ mod tests {
     use super::*;
     use crate::synth::random::Stream;
     use crate::synth::{ChartParams, synth_chart};
+    use std::path::PathBuf;
 
     fn chart() -> (Burst, Truth) {
         let chart =

@@ -1,6 +1,7 @@
 use super::*;
 use crate::detector::Descriptor;
 use crate::error::{Error, ErrorKind};
+use crate::monitor::Cancelled;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use proptest::prelude::*;
 use rusqlite::Connection;
