@@ -83,8 +83,17 @@ pub struct StackArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
     /// The slope, pixels per frame to the right and down.
-    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope)]
-    pub slope: Slope,
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope,
+        required_unless_present_any = ["field", "in_focus"])]
+    pub slope: Option<Slope>,
+    /// In place of a stack the field of motion: the motion of every place and its uncertainty. As TIFF, on the image's
+    /// pixels, three samples: motion to the right, down, and its standard deviation, pixels per frame. As FILE.npz, on
+    /// the field's cells: motion, covariance, known, layer, layers, cell_px.
+    #[arg(long, conflicts_with_all = ["slope", "octave", "combine"])]
+    pub field: bool,
+    /// All in focus: the mean of the frames with each place shifted by its own motion.
+    #[arg(long, conflicts_with_all = ["slope", "octave", "combine", "field"])]
+    pub in_focus: bool,
     /// Octave of the DoG response.
     #[arg(long, value_name = "O", allow_hyphen_values = true, requires = "level")]
     pub octave: Option<i32>,
@@ -95,7 +104,7 @@ pub struct StackArgs {
     /// or mean-minus-median, which shows what is in some frames only.
     #[arg(long, value_name = "HOW", value_parser = words::<Combine>(COMBINES), default_value = "mean", conflicts_with = "octave")]
     pub combine: Combine,
-    /// The TIFF file to write.
+    /// The TIFF file to write; with --field also FILE.npz.
     #[arg(long, short, value_name = "FILE.tiff")]
     pub out: PathBuf,
     #[command(flatten)]

@@ -1,5 +1,5 @@
-//! Images of a burst as 32-bit float TIFF: `stack` writes the motion-stack image at a slope or its DoG response,
-//! `merge` the merged frames.
+//! Images of a burst as 32-bit float TIFF: `stack` writes the motion-stack image at a slope, its DoG response, all in
+//! focus, or the field of motion; `merge` the merged frames.
 
 use super::args::{MergeArgs, StackArgs};
 use super::console::Console;
@@ -8,31 +8,85 @@ use super::inputs::{OneBurst, check_ending, open_options, resolve_one};
 use crate::SlopeGrid;
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
+use crate::detector::field::NO_FIELD;
 use crate::detector::noise::frame_noise;
-use crate::detector::view::{combined_view, dog_view};
-use crate::detector::{DetectorParams, Method};
-use crate::export::write_tiff;
+use crate::detector::slopes::resolve;
+use crate::detector::view::{combined_view, dog_view, field_view, in_focus_view};
+use crate::detector::{DetectorParams, Method, MotionLayer};
+use crate::export::{OutputRules, write_field_npz, write_field_tiff, write_tiff};
 use crate::files::path_text;
 use crate::monitor::Stage;
+use crate::plane::Plane;
 use serde_json::json;
 
 pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
+    let Some(slope) = args.slope else { return run_field(args) };
     let mut params = args.run.search.params()?.detector;
     // Only this slope is computed, so only this slope is checked.
-    params.slopes = SlopeGrid::single(args.slope);
+    params.slopes = SlopeGrid::single(slope);
     check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
     let OneBurst { console, input, options, rules } =
         args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
     let (burst, params) = prepare(&burst, &params, &console.monitor)?;
     let image = match (args.octave, args.level) {
-        (Some(octave), Some(level)) => dog_view(&burst, &params, args.slope, octave, level, &console.monitor)?,
-        _ => combined_view(&burst, &params, args.slope, args.combine, &console.monitor)?,
+        (Some(octave), Some(level)) => dog_view(&burst, &params, slope, octave, level, &console.monitor)?,
+        _ => combined_view(&burst, &params, slope, args.combine, &console.monitor)?,
     };
+    let what = if args.octave.is_some() { "DoG response" } else { "motion-stack image" };
+    let what = format!("{what} at slope ({}, {})", slope.u, slope.v);
+    let more = json!({"slope": slope, "combine": args.combine, "octave": args.octave, "level": args.level});
+    write_image(args, &console, &rules, &image, &what, more)
+}
+
+/// Writes what has a slope of its own at each place: the field of motion, or all in focus.
+fn run_field(args: &StackArgs) -> Result<(), Failure> {
+    let endings: &[&str] = if args.field { &["tif", "tiff", "npz"] } else { &["tif", "tiff"] };
+    check_ending(&args.out, endings, NO_TIFF)?;
+    let params = args.run.search.params()?;
+    let OneBurst { console, input, options, rules } =
+        args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
+    let burst = input.open(&options, &console.monitor)?;
+    let (params, _) = resolve(&burst, &params, &console.monitor)?;
+    let no_field = || Failure::usage(format!("{}: {NO_FIELD}", burst.name));
+    if !args.field {
+        let image = in_focus_view(&burst, &params, &console.monitor)?.ok_or_else(no_field)?;
+        return write_image(args, &console, &rules, &image, "all in focus", json!({"in_focus": true}));
+    }
+    let field = field_view(&burst, &params, &console.monitor)?.ok_or_else(no_field)?;
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     rules.check(&args.out)?;
-    write_tiff(&args.out, &image)?;
+    match args.out.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("npz") => write_field_npz(&args.out, &field)?,
+        _ => write_field_tiff(&args.out, &field, burst.size())?,
+    }
+    let known = field.motions.iter().filter(|motion| field.is_known(motion)).count();
+    let share = known as f32 / field.motions.len().max(1) as f32;
+    let mut said = format!("field of motion: known in {:.0} % of the picture; layers\n", 100.0 * share);
+    for (number, MotionLayer { slope, spread, share }) in (1..).zip(&field.layers) {
+        let (u, v) = (slope.u, slope.v);
+        said += &format!("  {number:2}  ({u:+.2}, {v:+.2}) ± {spread:.2} px/frame  {:3.0} %\n", 100.0 * share);
+    }
+    console.say(&format!("{said}wrote {}\n", args.out.display()))?;
+    let document = json!({"file": path_text(&args.out), "cell_px": field.cell_px, "columns": field.size.0,
+        "rows": field.size.1, "known_share": share, "layers": field.layers});
+    console.say_document("stack", &document)
+}
+
+/// Writes an image and says what it is; `more` is about it in the document.
+fn write_image(
+    args: &StackArgs,
+    console: &Console,
+    rules: &OutputRules,
+    image: &Plane,
+    what: &str,
+    mut more: serde_json::Value,
+) -> Result<(), Failure> {
+    console.monitor.check()?;
+    console.monitor.report(Stage::Write, 0.0);
+    rules.check(&args.out)?;
+    write_tiff(&args.out, image)?;
     let (mut low, mut high, mut sum) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f64);
     for &x in image.data() {
         (low, high) = (low.min(x), high.max(x));
@@ -40,28 +94,14 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     }
     let mean = sum / image.data().len() as f64;
     let (width, height) = image.size();
-    console.say(&format!(
-        "{} at slope ({}, {}): {width}×{height}, values {low:.5} to {high:.5}, mean {mean:.5}\nwrote {}\n",
-        if args.octave.is_some() { "DoG response" } else { "motion-stack image" },
-        args.slope.u,
-        args.slope.v,
-        args.out.display()
-    ))?;
-    console.say_document(
-        "stack",
-        &json!({
-            "file": path_text(&args.out),
-            "slope": args.slope,
-            "combine": args.combine,
-            "octave": args.octave,
-            "level": args.level,
-            "width": width,
-            "height": height,
-            "min": low,
-            "max": high,
-            "mean": mean,
-        }),
-    )
+    let numbers = format!("{width}×{height}, values {low:.5} to {high:.5}, mean {mean:.5}");
+    console.say(&format!("{what}: {numbers}\nwrote {}\n", args.out.display()))?;
+    let file = json!({"file": path_text(&args.out), "width": width, "height": height, "min": low, "max": high,
+        "mean": mean});
+    if let (Some(more), serde_json::Value::Object(file)) = (more.as_object_mut(), file) {
+        more.extend(file);
+    }
+    console.say_document("stack", &more)
 }
 
 const NO_TIFF: &str = "--out: float values are written as TIFF; name the file .tiff";

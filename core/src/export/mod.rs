@@ -42,9 +42,9 @@ pub use figure::{
 pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};
 pub use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
-pub use npz::write_npz;
+pub use npz::{write_field_npz, write_npz};
 pub use outputs::{OpenedFiles, OutputRules, Overwrite, is_ours};
 pub use plot::{Plot, Series, SeriesPoint, range_from_zero};
 pub use png::{Picture, write_png};
 pub use svg::Escaped;
-pub use tiff::write_tiff;
+pub use tiff::{write_field_tiff, write_tiff};

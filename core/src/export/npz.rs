@@ -1,14 +1,41 @@
-//! Features and descriptors as numpy's `.npz`: `features` `[N, 16]` float32 in the CSV's columns, `descriptors` `[N,
+//! Features with their descriptors, and fields of motion, as numpy's `.npz`. Features: `features` `[N, 16]` float32 in the CSV's columns, `descriptors` `[N,
 //! 128]` uint8 in UBC order.
 
 use super::atomic::write_marked;
-use crate::detector::{Descriptor, Feature, Quantity};
+use crate::detector::{Descriptor, Feature, Motion, MotionField, Quantity};
 use crate::error::Error;
 use crate::files::mark::Kind;
-use ndarray::ArrayView2;
+use ndarray::{Array2, Array3, ArrayView2};
 use ndarray_npy::NpzWriter;
 use std::io;
 use std::path::Path;
+
+/// Writes a field of motion, a value for each cell of `cell_px`² pixels: `motion` `[rows, columns, 2]` float32 to the
+/// right and down and `covariance` `[rows, columns, 3]` (of u, of u with v, of v), pixels per frame; `known` and `layer`
+/// `[rows, columns]` uint8; `layers` `[n, 4]` float32, the motions of the layers, their spreads and shares.
+pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<(), Error> {
+    let (columns, rows) = field.size;
+    let floats = |last: usize, of: &dyn Fn(&Motion) -> Vec<f32>| {
+        let values = field.motions.iter().flat_map(of).collect();
+        Array3::from_shape_vec((rows, columns, last), values).expect("a value for each cell")
+    };
+    let bytes = |values: Vec<u8>| Array2::from_shape_vec((rows, columns), values).expect("a value for each cell");
+    let layers = field.layers.iter().flat_map(|layer| [layer.slope.u, layer.slope.v, layer.spread, layer.share]);
+    let layers = Array2::from_shape_vec((field.layers.len(), 4), layers.collect()).expect("four numbers a layer");
+    let known = field.motions.iter().map(|motion| u8::from(field.is_known(motion))).collect();
+    write_marked(path, Kind::Features, |out| {
+        let mut npz = NpzWriter::new(out);
+        let motion = floats(2, &|motion| vec![motion.slope.u, motion.slope.v]);
+        npz.add_array("motion", &motion).map_err(io::Error::other)?;
+        npz.add_array("covariance", &floats(3, &|motion| motion.covariance.to_vec())).map_err(io::Error::other)?;
+        npz.add_array("known", &bytes(known)).map_err(io::Error::other)?;
+        npz.add_array("layer", &bytes(field.layer.clone())).map_err(io::Error::other)?;
+        npz.add_array("layers", &layers).map_err(io::Error::other)?;
+        npz.add_array("cell_px", &ndarray::arr0(field.cell_px as f32)).map_err(io::Error::other)?;
+        npz.finish().map_err(io::Error::other)?;
+        Ok(())
+    })
+}
 
 /// Writes features and descriptors, one for each feature (it panics if the numbers differ); also without any.
 pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), Error> {

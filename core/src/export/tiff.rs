@@ -1,13 +1,17 @@
 //! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy.
 
 use super::atomic::write_whole;
+use crate::detector::MotionField;
 use crate::error::Error;
 use crate::files::mark::{Checksum, Kind, Mark, SOFTWARE};
 use crate::plane::Plane;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 use tiff::TiffResult;
-use tiff::encoder::{TiffEncoder, TiffKind, colortype::Gray32Float};
+use tiff::encoder::{
+    TiffEncoder, TiffKind,
+    colortype::{ColorType, Gray32Float, RGB32Float},
+};
 use tiff::tags::Tag;
 
 /// Maximum size of a plain TIFF's values, because its offsets end at 4 GiB; larger planes become BigTIFF.
@@ -15,16 +19,34 @@ const MAX_PLAIN_BYTES: usize = 0xf000_0000;
 
 /// Writes the plane's values unchanged.
 pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), Error> {
-    let (width, height) = plane.size();
+    write_samples::<Gray32Float>(path, plane.size(), plane.data())
+}
+
+/// Writes a field of motion on the pixels of an image of `size` (columns, rows), three samples a pixel: motion to the
+/// right and down, and its standard deviation along the least certain direction, pixels per frame.
+pub fn write_field_tiff(path: &Path, field: &MotionField, size: (usize, usize)) -> Result<(), Error> {
+    let at = |place: usize| {
+        let motion = field.at((place % size.0) as f32, (place / size.0) as f32);
+        [motion.slope.u, motion.slope.v, motion.ellipse().0[0]]
+    };
+    let samples: Vec<f32> = (0..size.0 * size.1).flat_map(at).collect();
+    write_samples::<RGB32Float>(path, size, &samples)
+}
+
+fn write_samples<C: ColorType<Inner = f32>>(
+    path: &Path,
+    (width, height): (usize, usize),
+    samples: &[f32],
+) -> Result<(), Error> {
     let unfit = || Error::unfit(path, (width, height), "TIFF");
     let columns = u32::try_from(width).ok().filter(|w| *w > 0).ok_or_else(unfit)?;
     let rows = u32::try_from(height).ok().filter(|h| *h > 0).ok_or_else(unfit)?;
     write_whole(path, |out| {
         let size = (columns, rows);
-        let written = if size_of_val(plane.data()) > MAX_PLAIN_BYTES {
-            TiffEncoder::new_big(out).and_then(|encoder| write_page(encoder, size, plane))
+        let written = if size_of_val(samples) > MAX_PLAIN_BYTES {
+            TiffEncoder::new_big(out).and_then(|encoder| write_page::<C, _>(encoder, size, samples))
         } else {
-            TiffEncoder::new(out).and_then(|encoder| write_page(encoder, size, plane))
+            TiffEncoder::new(out).and_then(|encoder| write_page::<C, _>(encoder, size, samples))
         };
         written.map_err(|e| match e {
             tiff::TiffError::IoError(e) => e,
@@ -34,13 +56,13 @@ pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), Error> {
 }
 
 /// Writes the page, the program's name and the mark, which claims the samples as they are in the file.
-fn write_page<K: TiffKind>(
+fn write_page<C: ColorType<Inner = f32>, K: TiffKind>(
     mut encoder: TiffEncoder<impl Write + Seek, K>,
     (columns, rows): (u32, u32),
-    plane: &Plane,
+    samples: &[f32],
 ) -> TiffResult<()> {
-    let mut page = encoder.new_image::<Gray32Float>(columns, rows)?;
-    let mark = Mark::new(Kind::Picture, Checksum::of(bytemuck::cast_slice(plane.data())));
+    let mut page = encoder.new_image::<C>(columns, rows)?;
+    let mark = Mark::new(Kind::Picture, Checksum::of(bytemuck::cast_slice(samples)));
     page.encoder().write_tag(Tag::Software, format!("{SOFTWARE} {}", mark.text()).as_str())?;
-    page.write_data(plane.data())
+    page.write_data(samples)
 }

@@ -50,7 +50,7 @@ pub enum Kind {
     Drawing,
     /// HTML.
     Page,
-    /// Features in NumPy's archive.
+    /// Features, or a field of motion, in NumPy's archive.
     Features,
     /// Case.
     Case,

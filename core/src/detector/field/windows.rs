@@ -33,6 +33,11 @@ const OFFSET_SMEAR_PX: f32 = 1.2;
 /// smear of this many pixels.
 const FLOOR_SMEAR_PX: f32 = 0.3;
 
+/// Standard deviation of the window in which changes of the motion are looked at, cells.
+const CHANGE_WINDOW_CELLS: f64 = 8.0;
+/// Cells by which a border between motions is placed wrongly: where the motion changes, it is as uncertain as it changes
+/// over so many.
+const CHANGE_CELLS: f32 = 1.0;
 /// Standard deviation of the second difference of evidence between steps that noise alone gives, as a part of the root
 /// of twice the evidence: the noise of stacks a step apart is nearly the same.
 const CHANCE: f32 = 0.2;
@@ -47,7 +52,9 @@ pub(super) fn motions(evidence: &Evidence, monitor: &Monitor) -> Result<(Vec<Mot
         }
     }
     let cell_px = evidence.cell_px as f32;
-    Ok(cells.iter().map(|cell| (sweep.motion(cell), cell.window_cells * cell_px)).unzip())
+    let changes = sweep.changes(&cells, monitor)?;
+    let told = |(cell, change): (&Cell, &f32)| (sweep.motion(cell, *change), cell.window_cells * cell_px);
+    Ok(cells.iter().zip(changes.data()).map(told).unzip())
 }
 
 /// Decision on one cell.
@@ -177,12 +184,26 @@ impl Sweep<'_> {
         OFFSET_SMEAR_PX / self.evidence.last_frame / step.max(f32::MIN_POSITIVE)
     }
 
-    /// The motion of a cell in pixels per frame.
-    fn motion(&self, cell: &Cell) -> Motion {
+    /// Mean square of the change of the motion from cell to cell, around each cell, (px/frame)².
+    fn changes(&self, cells: &[Cell], monitor: &Monitor) -> Result<Plane, Cancelled> {
+        let (width, height) = self.evidence.size;
+        let step = self.step_px_per_frame();
+        let square = |one: &Cell, other: &Cell| -> f32 {
+            (0..2).map(|axis| (step[axis] * (one.at[axis] - other.at[axis])).powi(2)).sum()
+        };
+        let change = Plane::from_fn(width, height, |i, j| {
+            let at = |i: usize, j: usize| &cells[j * width + i];
+            square(at(i, j), at((i + 1).min(width - 1), j)) + square(at(i, j), at(i, (j + 1).min(height - 1)))
+        });
+        smoothed(&change, CHANGE_WINDOW_CELLS, monitor)
+    }
+
+    /// The motion of a cell in pixels per frame; `change` is the mean square of its change around it.
+    fn motion(&self, cell: &Cell, change: f32) -> Motion {
         let grid = &self.evidence.grid;
         let slope: Slope = grid.at(cell.at[0], cell.at[1]);
         let step = self.step_px_per_frame();
-        let floor = (FLOOR_SMEAR_PX / self.evidence.last_frame).powi(2);
+        let floor = (FLOOR_SMEAR_PX / self.evidence.last_frame).powi(2) + CHANGE_CELLS * CHANGE_CELLS * change;
         // Where nothing is known it is somewhere in the swept range.
         let range = [grid.u, grid.v].map(|axis| 12f32.sqrt() / axis.count as f32);
         let (rotation, values) = eigen(cell.information);
