@@ -15,7 +15,8 @@ use std::path::PathBuf;
 /// The search runs on the burst, and on copies whose frames are in orders unlike their own, with the noise, the gates
 /// and the slopes of the burst. Nothing moves in a copy as it did, so what is found there is false: noise, and what the
 /// frames show one by one. The answer is the number found in a copy for each found in the burst, for the features from
-/// an SNR on. Features that hardly move are found in copies too, whether true or not; the answer says how many they are.
+/// an SNR on. It tends to be too high, and may exceed 1: in a copy no true feature stands where a false one would be.
+/// Features that hardly move are found in copies too, whether true or not; where they are many, the answer says so.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = DECOYS_HELP)]
 pub struct DecoysArgs {
@@ -33,7 +34,7 @@ Examples:
   burstscope decoys night/ --slopes-u -3:3:13 --copies 10 --json
 
 JSON (--json), beside version, params, name, inputs, width, height and slope_grid:
-  \"decoys\": {\"frames\", \"copies\", \"seed\", \"still\" (features that move by less than their size over the burst),
+  \"decoys\": {\"frames\", \"copies\", \"seed\", \"still\" (features whose places in the frames spread by less than their size),
     \"rates\": [{\"snr\" (smallest of the features counted, 0 for all), \"found\", \"in_copies\": [count], \"rate\" or null, \"error\" or null}]}
   rate is the mean of in_copies over found; error is its standard error.";
 

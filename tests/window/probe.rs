@@ -337,7 +337,7 @@ fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
     assert_eq!(*shown, decoys(&cache.trail, &DecoyStudy::default(), &Monitor::default()).unwrap());
     assert!(shown.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.sentence())));
     // Other parameters are another search, whose decoys nobody asked for.
-    window.app_mut().model.params.octaves = 2;
+    window.app_mut().model.params.slopes = SlopeGrid::line(-2.0..=2.0, 9);
     window.settle();
     assert!(window.app().model.stale().is_some() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");

@@ -2,8 +2,9 @@
 //!
 //! In a copy nothing moves as it did, while noise, clutter and each single frame stay, and so do the noise model, the
 //! gates and the slopes. The features of a copy are therefore false ones as this burst gives them, and their number over
-//! that of the features found here is the part of these that proves nothing. A feature that stays within its own size
-//! over the burst is in every copy too, whether true or not: of such features decoys say nothing.
+//! that of the features found here is the part of these that proves nothing. It tends to be too high, and may exceed 1:
+//! in a copy no true feature stands where a false one would be. A feature that stays within its own size over the burst
+//! is in every copy too, whether true or not: of such features decoys say nothing.
 
 use super::words::{counted, number};
 use crate::detector::{DetectError, Feature, Method, ParamError, SearchParams, Trail};
@@ -105,7 +106,8 @@ pub struct DecoyReport {
     pub copies: usize,
     /// Seed of their orders.
     pub seed: u64,
-    /// Number of features that move by less than their σ from the first frame to the last.
+    /// Number of features whose places in the frames have a standard deviation along the motion below their σ: in
+    /// another order they are blobs of nearly the same size.
     pub still: usize,
     /// The rates, for [`SNRS`].
     pub rates: Vec<FalseRate>,
@@ -145,12 +147,13 @@ pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<De
     }
     let all = searched.split_off(study.copies).pop();
     let here = all.as_ref().unwrap_or(&trail.detection().features);
-    let moved_px = |feature: &Feature| feature.slope.magnitude() * (frame_count as f32 - 1.0);
+    let frames = frame_count as f32;
+    let spread_px = |feature: &Feature| feature.slope.magnitude() * ((frames * frames - 1.0) / 12.0).sqrt();
     Ok(DecoyReport {
         frames: kept.len(),
         copies: study.copies,
         seed: study.seed,
-        still: here.iter().filter(|feature| moved_px(feature) < feature.sigma).count(),
+        still: here.iter().filter(|feature| spread_px(feature) < feature.sigma).count(),
         rates: SNRS.iter().map(|&snr| FalseRate::of(snr, here, &searched)).collect(),
     })
 }
@@ -203,7 +206,7 @@ impl DecoyReport {
         let found = self.rates.first().map_or(0, |all| all.found);
         if self.all_still() {
             return Some(
-                "decoys say nothing here: no feature leaves its own size over the burst, so the order of frames changes nothing"
+                "decoys say nothing here: no feature leaves its own size over the burst, so the order of frames changes little"
                     .to_owned(),
             );
         }
