@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn what_is_found_in_noise_alone_is_found_in_copies_as_often() {
-        let cache = cache(&burst(8, 0, Slope::default()), line(3.5));
+        let cache = cache(&burst(8, 0, Slope::default()), line(1.5));
         let all = report(&cache, DecoyStudy { copies: 5, seed: 1 }).rates.swap_remove(0);
         let (rate, error) = (all.rate.expect("found"), all.error.expect("found"));
         assert!(all.found > 100 && error < 0.12, "{all:?}");
@@ -275,11 +275,12 @@ mod tests {
     }
 
     #[test]
-    fn what_moves_clearly_is_not_found_in_copies() {
+    fn what_moves_clearly_is_rarely_found_in_copies_as_strong() {
         let cache = cache(&burst(10, 12, Slope::new(2.0, 0.0)), line(5.0));
         let report = report(&cache, DecoyStudy::default());
         let strong = report.rates.iter().rfind(|one| one.found >= 5).expect("blobs");
-        assert!(strong.snr >= 10.0 && strong.rate < Some(0.1), "{report:?}");
+        assert!(strong.snr >= 10.0 && strong.rate < Some(0.4), "{report:?}");
+        assert!(report.rates[0].rate > Some(0.6), "the ghosts of single frames are weak: {report:?}");
         assert!(report.sentence().contains("found there for each found here at SNR 8"), "{}", report.sentence());
     }
 
