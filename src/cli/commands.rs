@@ -5,6 +5,7 @@ use super::args::{CalibrationArgs, DetectArgs, MergeArgs, SequenceArgs, StackArg
 use super::case::CaseArgs;
 #[cfg(feature = "colmap")]
 use super::colmap::ColmapArgs;
+use super::decoys::DecoysArgs;
 use super::evaluate_args::EvaluateArgs;
 use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
@@ -81,6 +82,8 @@ pub enum Command {
     Probe(ProbeArgs),
     /// Say what the search as it is set would find: things planted in the burst, and counted.
     Recover(RecoverArgs),
+    /// Say which part of the features is false: found as often when the frames are in other orders.
+    Decoys(DecoysArgs),
     /// Write a sweep over slope, scale or frames as an animation.
     #[cfg(feature = "app")]
     Film(FilmArgs),

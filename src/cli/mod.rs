@@ -12,6 +12,7 @@ mod choices;
 pub mod colmap;
 pub mod commands;
 mod console;
+pub mod decoys;
 mod detect;
 mod evaluate;
 pub mod evaluate_args;
@@ -125,6 +126,7 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Merge(args)) => stack::run_merge(args),
         Some(Command::Probe(args)) => probe::run(args),
         Some(Command::Recover(args)) => recover::run(args),
+        Some(Command::Decoys(args)) => decoys::run(args),
         #[cfg(feature = "app")]
         Some(Command::Film(args)) => film::run(args),
         Some(Command::Case(args)) => case::run(args),

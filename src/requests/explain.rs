@@ -1,5 +1,5 @@
-//! Explanations of a detection: the spectrum of slopes and the survey of candidates, the losses of features whose truth
-//! is known, and the fate of single places and candidates.
+//! Explanations of a detection: the spectrum of slopes, the survey of candidates and the false rate by decoys, the losses
+//! of features whose truth is known, and the fate of single places and candidates.
 
 use super::detect::MatchRequest;
 use super::error::JobError;
@@ -8,6 +8,7 @@ use super::request::{Kept, Request, Urgency, Work};
 use super::trail::{DetectionSource, trail_and_rest};
 use crate::detector::{ParamChange, Test};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions, survey};
+use crate::inspect::decoys::{DecoyReport, DecoyStudy, decoys};
 use crate::inspect::price::{Price, price_at_once};
 use crate::inspect::probe::Wanted;
 use crate::inspect::spectrum::{Spectrum, spectrum};
@@ -22,6 +23,7 @@ use std::sync::Arc;
 pub enum ExplainQuestion {
     Slopes,
     Candidates(SurveyOptions),
+    Decoys(DecoyStudy),
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +43,7 @@ impl Request for ExplainRequest {
             ExplainQuestion::Candidates(options) => {
                 Explanation::Candidates(Arc::new(survey(&cache.trail, &options, &monitor)?))
             }
+            ExplainQuestion::Decoys(study) => Explanation::Decoys(Arc::new(decoys(&cache.trail, &study, &monitor)?)),
         };
         Ok(Explained { request: self, explanation })
     }
@@ -50,6 +53,7 @@ impl Request for ExplainRequest {
 pub enum Explanation {
     Slopes(Arc<Spectrum>),
     Candidates(Arc<Survey>),
+    Decoys(Arc<DecoyReport>),
 }
 
 #[derive(Debug, Clone)]

@@ -1,4 +1,4 @@
-//! `probe` and `slopes`.
+//! `probe`, `slopes` and `decoys`.
 
 use super::support::{names, run_badly, run_well};
 use serde_json::Value;
@@ -132,6 +132,29 @@ fn slopes_sees_a_garland_repeat_itself_and_draws_it() {
 }
 
 #[test]
+fn decoys_says_how_much_is_found_in_other_orders_too() {
+    let home = tempfile::tempdir().expect("a folder");
+    let line = ["decoys", "demo-crossing", "--slopes-u", "-2:2:5", "--copies", "2"];
+    let found = json(home.path(), &[&line[..], &["--json"]].concat());
+    assert_eq!((&found["command"], &found["decoys"]["copies"]), (&Value::from("decoys"), &Value::from(2)));
+    let rates = found["decoys"]["rates"].as_array().expect("rates");
+    assert!(rates.len() > 5 && rates[0]["found"].as_u64() > Some(10), "{rates:?}");
+    for one in rates.iter().filter(|one| one["found"].as_u64() > Some(0)) {
+        let counts = one["in_copies"].as_array().expect("counts");
+        let mean = counts.iter().filter_map(Value::as_f64).sum::<f64>() / counts.len() as f64;
+        let rate = mean / one["found"].as_f64().expect("a count");
+        assert!(counts.len() == 2 && (one["rate"].as_f64().expect("a rate") - rate).abs() < 1e-9, "{one}");
+    }
+    // The text has the same numbers, and another number of threads finds the same.
+    let text = run_well(home.path(), &[&line[..], &["--threads", "1"]].concat());
+    let (rate, error) = (rates[0]["rate"].as_f64().expect("a rate"), rates[0]["error"].as_f64().expect("an error"));
+    assert!(text.contains("2 copies in other orders (seed 1)"), "{text}");
+    assert!(text.contains(&format!("{rate:.2} ± {error:.2}")), "{text}");
+    let other = json(home.path(), &[&line[..], &["--seed", "2", "--json"]].concat());
+    assert_ne!(other["decoys"]["rates"], found["decoys"]["rates"]);
+}
+
+#[test]
 fn wrong_use_says_what_would_be_right() {
     let home = tempfile::tempdir().expect("a folder");
     for (arguments, code, words) in [
@@ -144,6 +167,11 @@ fn wrong_use_says_what_would_be_right() {
         (vec!["slopes", "demo", "--plot", "x"], 2, "name the file .svg"),
         (vec!["slopes", "demo", "demo-later"], 2, "takes one burst"),
         (vec!["slopes", "gone"], 1, "gone"),
+        (vec!["decoys", "demo", "--copies", "0"], 2, "--copies: 0; give 1 to 100"),
+        (vec!["decoys", "demo", "--frames", "0..3"], 2, "--frames: 3 frames taking part; decoys are"),
+        (vec!["decoys", "demo", "--frames", "2..6", "--copies", "4"], 2, "give at most 3"),
+        (vec!["decoys", "demo", "--method", "merge"], 2, "which takes 4 or more of them, and a method that"),
+        (vec!["decoys", "demo", "demo-later"], 2, "takes one burst"),
     ] {
         let error = run_badly(home.path(), &arguments, code);
         assert!(error.contains(words), "{arguments:?}: {error}");

@@ -11,8 +11,9 @@ use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::project::side::Side;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
-use burstscope::detector::{DetectorParams, Slope, SlopeGrid, Test};
+use burstscope::detector::{DetectorParams, FrameRange, Slope, SlopeGrid, Test};
 use burstscope::inspect::candidates::{SurveyOptions, survey};
+use burstscope::inspect::decoys::{DecoyStudy, decoys};
 use burstscope::inspect::probe::Wanted;
 use burstscope::inspect::words::{counted_from_one, number};
 use burstscope::inspect::{ProbeCache, ProbeOptions, probe};
@@ -313,11 +314,54 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     assert!(window.app().model.survey().is_none() && !window.shows("candidates: on an edge"));
 }
 
-/// Clicks a row of the tally, which may have to be scrolled to.
 fn switch(window: &mut Window, test: Test) {
-    window.harness.get_by_role_and_label(Role::Button, test.reason()).click_accesskit();
+    press(window, test.reason());
+}
+
+/// Clicks a row or button of the tally, which may have to be scrolled to.
+fn press(window: &mut Window, label: &str) {
+    window.harness.get_by_role_and_label(Role::Button, label).click_accesskit();
     window.harness.run_steps(2);
     window.settle();
+}
+
+#[test]
+fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    assert!(window.app().model.decoys().is_none() && !window.shows("Decoys: "), "nobody asked for them");
+    press(&mut window, "False rate…");
+    let shown = window.app().model.decoys().expect("they were asked for").clone();
+    let burst = &window.app().model.slots.a.burst.as_ref().unwrap().burst;
+    let cache = ProbeCache::new(burst, &window.app().model.asked(), &Monitor::default()).unwrap();
+    assert_eq!(*shown, decoys(&cache.trail, &DecoyStudy::default(), &Monitor::default()).unwrap());
+    assert!(shown.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.sentence())));
+    // Other parameters are another search, whose decoys nobody asked for.
+    window.app_mut().model.params.slopes = SlopeGrid::line(-2.0..=2.0, 9);
+    window.settle();
+    assert!(window.app().model.stale().is_some() && !window.shows("Decoys: "));
+    press(&mut window, "False rate…");
+    assert!(window.app().model.decoys().is_none(), "there is nothing to compare with");
+    window.run_action("detect");
+    window.settle();
+    assert!(window.app().model.decoys().is_none() && !window.shows("Decoys: "));
+    press(&mut window, "False rate…");
+    assert_ne!(*window.app().model.decoys().expect("they were asked for"), shown);
+}
+
+#[test]
+fn a_burst_too_short_for_decoys_says_why_each_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(folder.path());
+    window.app_mut().model.params.frames = Some(FrameRange { start: 0, end: 3 });
+    window.run_action("detect");
+    window.settle();
+    for _ in 0..2 {
+        press(&mut window, "False rate…");
+        let errors = window.app().model.messages.errors();
+        assert!(errors.iter().any(|error| format!("{error:?}").contains("4 or more")), "{errors:?}");
+        assert!(window.app().model.decoys().is_none());
+    }
 }
 
 #[test]

@@ -17,7 +17,7 @@ use std::ops::Range;
 pub struct FrameTimes {
     /// Number of frames, N; t0 is their middle.
     pub frame_count: usize,
-    /// Indices of those that take part, in increasing order.
+    /// Indices of those that take part, in increasing order unless they were [reordered](Self::reordered).
     pub kept: Vec<usize>,
 }
 
@@ -39,6 +39,17 @@ impl FrameTimes {
         let mean = |of: &dyn Fn(f32) -> f32| times.iter().map(|&t| of(t)).sum::<f32>() / times.len().max(1) as f32;
         let middle = mean(&|t| t);
         mean(&|t| (t - middle) * (t - middle)).sqrt()
+    }
+
+    /// Times of the same frames when the one at place i among them takes that of the one at place `order[i]`.
+    ///
+    /// # Panics
+    /// If `order` is no permutation of their places.
+    pub fn reordered(&self, order: &[usize]) -> Self {
+        let mut places = order.to_vec();
+        places.sort_unstable();
+        assert!(places.into_iter().eq(0..self.kept.len()), "{order:?} is no order of {} frames", self.kept.len());
+        Self { kept: order.iter().map(|&place| self.kept[place]).collect(), ..*self }
     }
 
     /// Selects the offsets of the frames that take part from those of all frames.

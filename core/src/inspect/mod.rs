@@ -2,11 +2,13 @@
 //!
 //! What happened at this place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the
 //! candidates ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
-//! ([`unmatched`])? Which true discs were missed ([`truth`])? Nothing is decided here: a verdict about a sample is the
-//! search's own ([`crate::detector::Trail`]). Where one setting would help, an explanation ends with it.
+//! ([`unmatched`])? Which true discs were missed ([`truth`])? How much of all this would be found if nothing moved as it
+//! does ([`decoys`])? Nothing is decided here: a verdict about a sample is the search's own
+//! ([`crate::detector::Trail`]). Where one setting would help, an explanation ends with it.
 
 pub mod candidates;
 pub mod changes;
+pub mod decoys;
 pub mod fate;
 pub mod figure;
 pub mod outlook;

@@ -1,10 +1,11 @@
 //! Explanations as text, for commands and messages.
 
+use super::decoys::DecoyReport;
 use super::fate::{Outcome, TestReport};
 use super::shares::Shares;
 use super::spectrum::{SlopeBar, Spectrum};
 use super::suspicion::Kind;
-use super::words::{counted, number, slope_text, snr_text, value_text};
+use super::words::{counted, number, sentence, slope_text, snr_text, value_text};
 use super::{Fate, Probe};
 use crate::detector::Test;
 use std::fmt::Write;
@@ -192,6 +193,32 @@ const SLOPES_LISTED: usize = 25;
 /// The spectrum as text; ends with an empty line. `name` is the burst's.
 pub fn spectrum_text(spectrum: &Spectrum, name: &str) -> String {
     written(|text| write_spectrum(text, spectrum, name))
+}
+
+/// False rates by strength as text; ends with an empty line. `name` is the burst's.
+pub fn decoys_text(report: &DecoyReport, name: &str) -> String {
+    written(|text| write_decoys(text, report, name))
+}
+
+fn write_decoys(out: &mut String, report: &DecoyReport, name: &str) -> std::fmt::Result {
+    let copies = match report.copies {
+        1 => "1 copy".to_owned(),
+        copies => format!("{copies} copies"),
+    };
+    writeln!(out, "{name}: {} frames, {copies} in other orders (seed {})", report.frames, report.seed)?;
+    writeln!(out, "  SNR from  found here  in a copy  there for each here")?;
+    for rate in &report.rates {
+        let from = if rate.snr > 0.0 { number(rate.snr, 1) } else { "any".to_owned() };
+        let ratio = match (rate.rate, rate.error) {
+            (Some(rate), Some(error)) => format!("{rate:.2} ± {error:.2}"),
+            _ => "–".to_owned(),
+        };
+        writeln!(out, "  {from:>8} {:>11} {:>10.1}  {ratio:>18}", rate.found, rate.mean_in_copies())?;
+    }
+    match report.doubt() {
+        Some(doubt) => writeln!(out, "  {}\n", sentence(&doubt)),
+        None => writeln!(out),
+    }
 }
 
 fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt::Result {

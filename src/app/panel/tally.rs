@@ -5,18 +5,19 @@ use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
-use crate::app::panel::widgets::{instead_ui, label_ui, named, tip_ui};
+use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::view::signed_slope;
 use crate::detector::advice::grouped;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::candidates::{CandidateMark, Survey};
+use crate::inspect::decoys::DecoyStudy;
 use crate::inspect::probe::Wanted;
-use crate::inspect::words::capitalised;
+use crate::inspect::words::{capitalised, sentence};
 use crate::plane::display::ColourMap;
 use crate::requests::ProbeQuestion;
-use egui::{Align2, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use std::sync::Arc;
 
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
@@ -69,10 +70,38 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         let kept = survey.as_ref().map(|survey| survey.kept);
         let row = Row { name: "Kept: keypoints", samples: tally.kept, candidates: kept, bar: Some((most, true)) };
         line_ui(ui, &row, None);
+        decoys_ui(ui, model);
         crate::app::panel::noise::warnings_ui(ui, &found);
         ui.add_space(4.0);
         crate::app::panel::status::advice_ui(ui, model, queue);
     });
+}
+
+const DECOYS_HELP: &str = "Searches copies whose frames are in other orders, with the noise of the burst: nothing moves there as it did, so the features found there are false. The line gives their number for each feature found here, from an SNR on";
+
+/// Draws the burst's own false rate, or a button that asks for it: it takes a search for each copy.
+fn decoys_ui(ui: &mut Ui, model: &mut Model) {
+    if let Some(report) = model.decoys() {
+        let tip = report.doubt().map_or_else(String::new, |doubt| format!("\n\n{}", sentence(&doubt)));
+        let text = with_whole_numbers(&format!("Decoys: {}", report.sentence()));
+        ui.add(Label::new(text).wrap()).on_hover_text(format!("{DECOYS_HELP}.{tip}"));
+        return;
+    }
+    let Some(found) = &model.slots.a.found else { return };
+    let asked = &model.explained.asked_decoys;
+    if asked.is_pending() {
+        let progress = asked.running().map_or_else(|| "waiting".to_owned(), |running| progress_text(&running));
+        ui.weak(format!("Decoys: {progress}")).on_hover_text(DECOYS_HELP);
+        return;
+    }
+    let copies = DecoyStudy::default().copies;
+    let secs = (copies as f32 * found.search_secs).ceil();
+    let tip = format!("{DECOYS_HELP}.\n\nIt takes {copies} searches, about {secs:.0} s, in the background");
+    let is_current = model.stale().is_none() && model.takes_advice(Side::A);
+    let button = ui.add_enabled(is_current, Button::new("False rate…")).on_hover_text(tip);
+    if button.on_disabled_hover_text("The parameters changed: press Detect first").clicked() {
+        model.want_decoys();
+    }
 }
 
 /// Width of the tests' names, points.

@@ -14,7 +14,7 @@ impl Model {
         let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.against.wanted as _);
         let gold: [&dyn Want; 2] = compare.opening_gold.both().map(|gold| gold as _);
         let coherences: [&dyn Want; 2] = coherence.wanted.both().map(|wanted| wanted as _);
-        let others: [&dyn Want; 15] = [
+        let others: [&dyn Want; 16] = [
             &self.wanted_patch,
             &self.figures,
             &pair.matching,
@@ -24,6 +24,7 @@ impl Model {
             &compare.wanted,
             &explained.asked_slopes,
             &explained.asked_candidates,
+            &explained.asked_decoys,
             &probe.wanted_trail,
             &probe.wanted_answer,
             &datasets.wanted,
@@ -56,6 +57,7 @@ impl Model {
             })
             && self.missing_slopes().is_none_or(|missing| self.explained.asked_slopes.has_failed(&missing))
             && self.missing_candidates().is_none_or(|missing| self.explained.asked_candidates.has_failed(&missing))
+            && self.missing_decoys().is_none_or(|missing| self.explained.asked_decoys.has_failed(&missing))
     }
 
     #[must_use]

@@ -12,6 +12,7 @@ use crate::detector::{Detection, DetectorParams, Method, ParamChange, SlopeChoic
 use crate::engine::{Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
+use crate::inspect::decoys::{DecoyReport, DecoyStudy};
 use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
 use crate::inspect::verdict::Judged;
 use crate::inspect::words::{capitalised, counted_from_one};
@@ -27,6 +28,9 @@ pub(in crate::app) const SHORT_SECS: f32 = 5.0;
 pub struct ExplainedState {
     slopes: Option<(ExplainRequest, Arc<Spectrum>)>,
     candidates: Option<(ExplainRequest, Arc<Survey>)>,
+    decoys: Option<(ExplainRequest, Arc<DecoyReport>)>,
+    /// The decoys that were asked for; of no use once another detection is on show.
+    wanted_decoys: Option<ExplainRequest>,
     pub shown_test: Option<Test>,
     /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
     pub pointed: Option<usize>,
@@ -35,6 +39,7 @@ pub struct ExplainedState {
     pub slopes_wanted: bool,
     pub asked_slopes: Wanted<ExplainRequest>,
     pub asked_candidates: Wanted<ExplainRequest>,
+    pub asked_decoys: Wanted<ExplainRequest>,
 }
 
 impl ExplainedState {
@@ -42,6 +47,7 @@ impl ExplainedState {
         let Explained { request, explanation } = explained;
         match explanation {
             Explanation::Slopes(spectrum) => self.slopes = Some((request, spectrum)),
+            Explanation::Decoys(report) => self.decoys = Some((request, report)),
             Explanation::Candidates(survey) => {
                 self.candidates = Some((request, survey));
                 (self.selected, self.pointed) = (None, None);
@@ -66,16 +72,42 @@ impl Model {
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
+    /// Unlike the others they go on while another workspace is open.
+    pub fn missing_decoys(&self) -> Option<ExplainRequest> {
+        let is_current = self.stale().is_none() && !self.slots.a.detecting.is_pending();
+        let wanted = self.explained.wanted_decoys.clone().filter(|_| is_current && self.decoys().is_none());
+        wanted.filter(|wanted| self.decoys_request().as_ref() == Some(wanted))
+    }
+
+    fn decoys_request(&self) -> Option<ExplainRequest> {
+        self.explain_request(ExplainQuestion::Decoys(DecoyStudy::default()))
+    }
+
+    /// Of the detection on show; `None` for stale features.
+    pub fn decoys(&self) -> Option<&Arc<DecoyReport>> {
+        let (request, report) = self.explained.decoys.as_ref()?;
+        (self.stale().is_none() && *request == self.decoys_request()?).then_some(report)
+    }
+
+    /// Also after they failed or were cancelled.
+    pub fn want_decoys(&mut self) {
+        self.explained.asked_decoys.forget();
+        self.explained.wanted_decoys = self.decoys_request();
+    }
+
     pub(in crate::app) fn take_explanations(&mut self) {
         let slopes = answers(&mut self.explained.asked_slopes, "Explanation", &mut self.messages);
         let candidates = answers(&mut self.explained.asked_candidates, "Explanation", &mut self.messages);
-        slopes.into_iter().chain(candidates).for_each(|explained| self.explained.take(explained));
+        let decoys = answers(&mut self.explained.asked_decoys, "Decoys", &mut self.messages);
+        slopes.into_iter().chain(candidates).chain(decoys).for_each(|explained| self.explained.take(explained));
     }
 
     pub(in crate::app) fn ask_for_explanations(&mut self, engine: &Engine) {
         let (slopes, candidates) = (self.missing_slopes(), self.missing_candidates());
+        let decoys = self.missing_decoys();
         self.explained.asked_slopes.want(engine, slopes);
         self.explained.asked_candidates.want(engine, candidates);
+        self.explained.asked_decoys.want(engine, decoys);
     }
 
     /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.

@@ -17,12 +17,12 @@ pub use outcome::follows;
 pub use trail::Trail;
 
 use super::feature::{Detection, Keypoint, StageTimes, Tally};
-use super::memory::{self, Account, OF_PROCESS, Wanted};
+use super::memory::{self, Account, OF_PROCESS, Plan, Wanted};
 use super::params::{DescribeSlope, DetectorParams};
 use crate::burst::Burst;
 use crate::detector::along::Along;
 use crate::detector::describe::{self, Described, Describing};
-use crate::detector::field::motion_field;
+use crate::detector::field::{MotionField, motion_field};
 use crate::detector::pipeline::choice::{Choice, Chooser};
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, sigma_d};
 use crate::detector::search::SEARCH_PART;
@@ -42,9 +42,12 @@ pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) 
 
 /// Finds the features of a burst and keeps the data that explains them.
 pub(crate) fn search_with_trail(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Trail, Error> {
-    // Trails that are kept already have their part of the budget.
-    let budget = memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()));
-    Ok(search_all(burst, params, &OF_PROCESS, budget, true, monitor)?.ready())
+    Ok(search_all(burst, params, &OF_PROCESS, budget_beside_kept(), true, monitor)?.ready())
+}
+
+/// Memory of a search while trails are kept, which already have their part of the budget; bytes.
+fn budget_beside_kept() -> Option<u64> {
+    memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()))
 }
 
 /// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. If the trail `keeps`
@@ -64,18 +67,30 @@ fn search_all(
     plan.run(|| {
         let inputs = Inputs::new(burst, params, monitor)?;
         let field = motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?.map(Arc::new);
-        let mut times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
-        let search = Search::new(&inputs, monitor);
-        let mut tally = Tally::default();
-        let started = Instant::now();
-        let searched = search.octaves(&inputs.octaves(), &plan.search, &mut tally)?;
-        times.search_secs = started.elapsed().as_secs_f32();
-        let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps, field);
-        let passing = outcome.all();
-        let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
-        drop(search);
-        Ok(Trail::new(inputs, Arc::new(outcome), passing, choice, detection))
+        let noise_secs = started.elapsed().as_secs_f32();
+        search_inputs(inputs, field, &plan, keeps, StageTimes { noise_secs, ..StageTimes::default() }, monitor)
     })
+}
+
+/// Detects in frames whose noise is known. `times` are those of the steps before.
+fn search_inputs(
+    inputs: Inputs,
+    field: Option<Arc<MotionField>>,
+    plan: &Plan,
+    keeps: bool,
+    mut times: StageTimes,
+    monitor: &Monitor,
+) -> Result<Trail, Error> {
+    let search = Search::new(&inputs, monitor);
+    let mut tally = Tally::default();
+    let started = Instant::now();
+    let searched = search.octaves(&inputs.octaves(), &plan.search, &mut tally)?;
+    times.search_secs = started.elapsed().as_secs_f32();
+    let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps, field);
+    let passing = outcome.all();
+    let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
+    drop(search);
+    Ok(Trail::new(inputs, Arc::new(outcome), passing, choice, detection))
 }
 
 /// Chooses the features among the `passing` keypoints of a search. `times` are those of the steps before.
@@ -132,6 +147,21 @@ impl Trail {
         let mut judged = Self::new(inputs, self.outcome.clone(), passing, choice, detection).ready();
         judged.search_secs = self.search_secs;
         Ok(Some(judged))
+    }
+
+    /// The same search of the same frames in another order: the frame at place i among those that took part gets the
+    /// time of that at place `order[i]`. Noise model, gates and slopes stay, and all features are kept. No field of motion.
+    ///
+    /// # Panics
+    /// If `order` is no permutation of the places of the frames that took part.
+    pub fn reordered(&self, order: &[usize], monitor: &Monitor) -> Result<Detection, Error> {
+        let mut inputs = self.inputs.clone();
+        inputs.params.max_features = 0;
+        inputs.times = inputs.times.reordered(order);
+        let params = inputs.params.clone();
+        let wanted = Wanted { params: &params, frames: inputs.times.frame_count, size: inputs.size_image };
+        let (plan, _share) = OF_PROCESS.plan(wanted, budget_beside_kept())?;
+        plan.run(|| Ok(search_inputs(inputs, None, &plan, false, StageTimes::default(), monitor)?.detection))
     }
 }
 

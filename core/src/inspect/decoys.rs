@@ -1,0 +1,377 @@
+//! False rate of a search, from decoys: copies of the burst whose frames are in another order.
+//!
+//! In a copy nothing moves as it did, while noise, clutter and each single frame stay, and so do the noise model, the
+//! gates and the slopes. The features of a copy are therefore false ones as this burst gives them, and their number over
+//! that of the features found here is the part of these that proves nothing. It tends to be too high, and may exceed 1:
+//! in a copy no true feature stands where a false one would be. A feature that stays within its own size over the burst
+//! is in every copy too, whether true or not: of such features decoys say nothing.
+
+use super::words::{counted, number};
+use crate::detector::{Feature, Method, SearchParams, Trail};
+use crate::error::Error;
+use crate::monitor::Monitor;
+use crate::synth::random::Stream;
+use serde::Serialize;
+
+/// Copies with which a search is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct DecoyStudy {
+    /// Number of copies, whose frames are in other orders.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().copies))]
+    pub copies: usize,
+    /// Seed of the orders: the same seed gives the same ones on every machine.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SEED", default_value_t = Self::default().seed))]
+    pub seed: u64,
+}
+
+impl Default for DecoyStudy {
+    fn default() -> Self {
+        Self { copies: 3, seed: 1 }
+    }
+}
+
+/// Smallest SNRs of the features that are counted; 0 for all.
+pub const SNRS: [f32; 8] = [0.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
+/// SNR at which a sentence tells the rate of faint features.
+const FAINT: f32 = 8.0;
+/// Number of features from which a sentence tells the rate of the strongest.
+const ENOUGH: usize = 10;
+const MAX_COPIES: usize = 100;
+/// Largest correlation, of either sign, of a copy's order with the frames' own.
+const MAX_CORRELATION: f64 = 0.2;
+/// Orders that are drawn at most: each order of six frames comes up many times.
+const MAX_DRAWN: usize = 20_000;
+/// Share of still features above which the rate is doubted.
+const MANY_STILL: f64 = 0.2;
+
+impl DecoyStudy {
+    /// Checks, before a search by `params` of `frames` frames, that there are as many copies.
+    ///
+    /// # Errors
+    /// As [`decoys`].
+    pub fn check(&self, params: &SearchParams, frames: usize) -> Result<(), Error> {
+        let is_one = params.detector.method == Method::Merge;
+        self.orders(if is_one { 1 } else { params.detector.used_frames(frames).len() }).map(|_| ())
+    }
+
+    /// Orders of `frames` frames, no two of them alike or each other's reverse, all nearly unrelated to time.
+    fn orders(&self, frames: usize) -> Result<Vec<Vec<usize>>, Error> {
+        let error = |parameter: &str, problem: String, remedy: String| Error::param(parameter, problem, remedy);
+        if !(1..=MAX_COPIES).contains(&self.copies) {
+            return Err(error("copies", self.copies.to_string(), format!("give 1 to {MAX_COPIES}")));
+        }
+        let mut stream = Stream::new(self.seed, 0);
+        let mut orders: Vec<Vec<usize>> = Vec::new();
+        for _ in 0..MAX_DRAWN {
+            let mut order: Vec<usize> = (0..frames).collect();
+            (1..frames).rev().for_each(|last| order.swap(last, stream.below(last + 1)));
+            let is_known = |known: &Vec<usize>| known.iter().eq(&order) || known.iter().rev().eq(&order);
+            if correlation_with_time(&order).abs() <= MAX_CORRELATION && !orders.iter().any(is_known) {
+                orders.push(order);
+            }
+            if orders.len() == self.copies {
+                return Ok(orders);
+            }
+        }
+        Err(match orders.len() {
+            0 => error(
+                "frames",
+                format!("{} taking part", counted(frames, "frame")),
+                "decoys are the frames in other orders, which takes 4 or more of them, and a method that reads them one by one"
+                    .to_owned(),
+            ),
+            most => error(
+                "copies",
+                format!("{}; {frames} frames have only {most} orders unlike their own", self.copies),
+                format!("give at most {most}"),
+            ),
+        })
+    }
+}
+
+/// Pearson's correlation of the times that an order gives with the frames' own, −1 … 1; NaN for a single frame.
+fn correlation_with_time(order: &[usize]) -> f64 {
+    let middle = 0.5 * (order.len() as f64 - 1.0);
+    let from_middle = |place: usize| place as f64 - middle;
+    let products = order.iter().enumerate().map(|(i, &place)| from_middle(i) * from_middle(place));
+    products.sum::<f64>() / (0..order.len()).map(|i| from_middle(i).powi(2)).sum::<f64>()
+}
+
+/// False rates of a search.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DecoyReport {
+    /// Number of frames that took part.
+    pub frames: usize,
+    /// Number of copies that were searched.
+    pub copies: usize,
+    /// Seed of their orders.
+    pub seed: u64,
+    /// Number of features whose places in the frames have a standard deviation along the motion below their σ: in
+    /// another order they are blobs of nearly the same size.
+    pub still: usize,
+    /// The rates, for [`SNRS`].
+    pub rates: Vec<FalseRate>,
+}
+
+/// False rate of the features from one SNR on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FalseRate {
+    /// Smallest SNR of the features that are counted; 0 for all.
+    pub snr: f32,
+    /// Number of features found in the burst.
+    pub found: usize,
+    /// Number of features found in each copy.
+    pub in_copies: Vec<usize>,
+    /// Mean number found in a copy over the number found in the burst; `None` where that is 0.
+    pub rate: Option<f64>,
+    /// Standard error of the rate, from the larger of counting and the scatter of the copies.
+    pub error: Option<f64>,
+}
+
+/// Searches copies of the burst of `trail` for the features of its detection. All features count, beyond the maximum
+/// number too, which would cut those of burst and copies alike.
+///
+/// # Errors
+/// A number of copies that is out of range or that so few frames do not have, and cancellation.
+pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<DecoyReport, Error> {
+    let (_, kept, frame_count) = trail.frames();
+    let mut orders = study.orders(kept.len())?;
+    if trail.params().max_features > 0 {
+        orders.push((0..kept.len()).collect());
+    }
+    let mut searched = Vec::with_capacity(orders.len());
+    for (number, order) in orders.iter().enumerate() {
+        let share = 1.0 / orders.len() as f32;
+        searched.push(trail.reordered(order, &monitor.part(number as f32 * share, share))?.features);
+    }
+    let all = searched.split_off(study.copies).pop();
+    let here = all.as_ref().unwrap_or(&trail.detection().features);
+    let frames = frame_count as f32;
+    let spread_px = |feature: &Feature| feature.slope.magnitude() * ((frames * frames - 1.0) / 12.0).sqrt();
+    Ok(DecoyReport {
+        frames: kept.len(),
+        copies: study.copies,
+        seed: study.seed,
+        still: here.iter().filter(|feature| spread_px(feature) < feature.sigma).count(),
+        rates: SNRS.iter().map(|&snr| FalseRate::of(snr, here, &searched)).collect(),
+    })
+}
+
+impl FalseRate {
+    fn of(snr: f32, here: &[Feature], copies: &[Vec<Feature>]) -> Self {
+        let count = |features: &[Feature]| features.iter().filter(|feature| feature.snr >= snr).count();
+        let found = count(here);
+        let in_copies = copies.iter().map(|features| count(features)).collect();
+        let mut counted = Self { snr, found, in_copies, rate: None, error: None };
+        if found > 0 {
+            let (copies, mean, here) = (copies.len() as f64, counted.mean_in_copies(), found as f64);
+            let squares = counted.in_copies.iter().map(|&count| (count as f64 - mean).powi(2)).sum::<f64>();
+            let scatter = if copies > 1.0 { squares / (copies - 1.0) } else { 0.0 };
+            // Where nothing was found, one more would have been no surprise.
+            let variance = mean.max(scatter).max(1.0 / copies) / copies;
+            let rate = mean / here;
+            (counted.rate, counted.error) = (Some(rate), Some((variance + rate * rate * here).sqrt() / here));
+        }
+        counted
+    }
+
+    /// Mean number of features found in a copy.
+    pub fn mean_in_copies(&self) -> f64 {
+        self.in_copies.iter().sum::<usize>() as f64 / self.in_copies.len().max(1) as f64
+    }
+}
+
+impl DecoyReport {
+    /// Rates of faint and of strong features, a clause; where there is no rate, the reason.
+    pub fn sentence(&self) -> String {
+        let told: Vec<(&FalseRate, f64)> = self.rates.iter().filter_map(|one| Some((one, one.rate?))).collect();
+        let Some(weakest) = told.first() else { return "nothing is found here, so there is no rate".to_owned() };
+        if let Some(doubt) = self.doubt().filter(|_| self.all_still()) {
+            return doubt;
+        }
+        let (faint, rate) = told.iter().find(|(one, _)| one.snr == FAINT).unwrap_or(weakest);
+        let mut sentence = format!("{rate:.2} found there for each found here");
+        if faint.snr > 0.0 {
+            sentence += &format!(" at SNR {}", number(faint.snr, 1));
+        }
+        match told.iter().rfind(|(one, _)| one.found >= ENOUGH && one.snr > faint.snr) {
+            Some((strong, rate)) => sentence + &format!(", {rate:.2} at {}", number(strong.snr, 1)),
+            None => sentence,
+        }
+    }
+
+    /// Reason to doubt the rates, a clause: features that hardly move, which every copy has too.
+    pub fn doubt(&self) -> Option<String> {
+        let found = self.rates.first().map_or(0, |all| all.found);
+        if self.all_still() {
+            return Some(
+                "decoys say nothing here: no feature leaves its own size over the burst, so the order of frames changes little"
+                    .to_owned(),
+            );
+        }
+        (self.still as f64 > MANY_STILL * found as f64).then(|| {
+            format!(
+                "{} of {found} stay within their own size over the burst; copies have these too, true or not, so the rates are too high",
+                counted(self.still, "feature")
+            )
+        })
+    }
+
+    fn all_still(&self) -> bool {
+        self.rates.first().is_some_and(|all| all.found > 0 && self.still == all.found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::burst::Burst;
+    use crate::detector::{DetectorParams, NoiseGate, Slope, SlopeGrid};
+    use crate::inspect::ProbeCache;
+    use crate::plane::Plane;
+
+    const SIZE: (usize, usize) = (160, 120);
+
+    /// Frames of noise, with blobs that all move by `slope`.
+    fn burst(frames: usize, blobs: usize, slope: Slope) -> Burst {
+        let mut places = Stream::new(5, 99);
+        let places: Vec<(f32, f32)> =
+            (0..blobs).map(|_| (places.within(20.0, 140.0) as f32, places.within(20.0, 100.0) as f32)).collect();
+        let frame = |t: usize| {
+            let mut noise = Stream::new(5, t as u64);
+            let dt = t as f32 - 0.5 * (frames as f32 - 1.0);
+            Plane::from_fn(SIZE.0, SIZE.1, |x, y| {
+                let light = |&(u, v): &(f32, f32)| {
+                    let (du, dv) = (x as f32 - u - dt * slope.u, y as f32 - v - dt * slope.v);
+                    0.1 * (-(du * du + dv * dv) / (2.0 * 2.5 * 2.5)).exp()
+                };
+                0.3 + 0.02 * noise.normal() as f32 + places.iter().map(light).sum::<f32>()
+            })
+        };
+        Burst::from_planes("decoys", (0..frames).map(frame).collect())
+    }
+
+    fn cache(burst: &Burst, params: DetectorParams) -> ProbeCache {
+        ProbeCache::new(burst, &params.into(), &Monitor::default()).expect("valid")
+    }
+
+    fn line(gate: f32) -> DetectorParams {
+        let slopes = SlopeGrid::line(-3.0..=3.0, 13);
+        DetectorParams { slopes, noise_gate: NoiseGate::Factor(gate), ..DetectorParams::default() }
+    }
+
+    fn report(cache: &ProbeCache, study: DecoyStudy) -> DecoyReport {
+        decoys(&cache.trail, &study, &Monitor::default()).expect("enough frames")
+    }
+
+    #[test]
+    fn what_is_found_in_noise_alone_is_found_in_copies_as_often() {
+        let cache = cache(&burst(8, 0, Slope::default()), line(1.5));
+        let all = report(&cache, DecoyStudy { copies: 5, seed: 1 }).rates.swap_remove(0);
+        let (rate, error) = (all.rate.expect("found"), all.error.expect("found"));
+        assert!(all.found > 100 && error < 0.12, "{all:?}");
+        assert!((rate - 1.0).abs() < 3.0 * error, "{all:?}");
+    }
+
+    #[test]
+    fn what_moves_clearly_is_rarely_found_in_copies_as_strong() {
+        let cache = cache(&burst(10, 12, Slope::new(2.0, 0.0)), line(5.0));
+        let report = report(&cache, DecoyStudy::default());
+        let strong = report.rates.iter().rfind(|one| one.found >= 5).expect("blobs");
+        assert!(strong.snr >= 10.0 && strong.rate < Some(0.4), "{report:?}");
+        assert!(report.rates[0].rate > Some(0.6), "the ghosts of single frames are weak: {report:?}");
+        assert!(report.sentence().contains("found there for each found here at SNR 8"), "{}", report.sentence());
+    }
+
+    #[test]
+    fn the_own_order_finds_what_was_found_and_a_maximum_number_hides_no_decoy() {
+        let burst = burst(6, 6, Slope::new(1.0, 0.0));
+        let (all, few) = (cache(&burst, line(3.5)), cache(&burst, DetectorParams { max_features: 5, ..line(3.5) }));
+        let own: Vec<usize> = (0..6).collect();
+        let again = all.trail.reordered(&own, &Monitor::default()).expect("valid");
+        assert_eq!(again.features, all.detection().features);
+        assert_eq!((again.tally, again.noise), (all.detection().tally, all.detection().noise.clone()));
+        assert_eq!(few.detection().features.len(), 5);
+        assert_eq!(report(&few, DecoyStudy::default()), report(&all, DecoyStudy::default()));
+    }
+
+    #[test]
+    fn one_seed_gives_one_result_on_any_number_of_threads() {
+        let cache = cache(&burst(6, 6, Slope::new(1.5, 0.0)), line(3.5));
+        let on = |threads: usize, seed: u64| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| report(&cache, DecoyStudy { copies: 2, seed }))
+        };
+        let one = on(1, 7);
+        assert_eq!(one, on(3, 7));
+        assert_ne!(one, on(3, 8), "another seed is another order");
+    }
+
+    #[test]
+    fn without_motion_all_copies_are_alike_and_the_report_says_that_they_tell_nothing() {
+        let slopes = SlopeGrid::single(Slope::default());
+        let cache = cache(&burst(5, 8, Slope::default()), DetectorParams { slopes, ..line(3.5) });
+        let report = report(&cache, DecoyStudy::default());
+        assert!(report.rates[0].found > 8, "{report:?}");
+        for one in &report.rates {
+            assert_eq!(one.rate, (one.found > 0).then_some(1.0), "{one:?}");
+        }
+        assert!(report.sentence().starts_with("decoys say nothing here"), "{}", report.sentence());
+    }
+
+    #[test]
+    fn orders_are_unlike_time_and_each_other() {
+        for (frames, copies) in [(4, 3), (5, 19), (10, 100), (60, 20)] {
+            let orders = DecoyStudy { copies, seed: 3 }.orders(frames).expect("enough");
+            assert_eq!(orders.len(), copies);
+            for (number, order) in orders.iter().enumerate() {
+                let correlation = correlation_with_time(order);
+                assert!(correlation.abs() <= MAX_CORRELATION, "{order:?}: {correlation}");
+                let is_same = |other: &Vec<usize>| order.iter().eq(other) || order.iter().rev().eq(other);
+                assert!(!orders[..number].iter().any(is_same), "{order:?} twice");
+            }
+        }
+        let refused = |frames: usize, copies: usize| {
+            DecoyStudy { copies, seed: 1 }.orders(frames).expect_err("too few").to_string()
+        };
+        for (text, words) in [
+            (refused(3, 1), ["frames", "3 frames", "4 or more"]),
+            (refused(1, 3), ["frames", "1 frame ", "4 or more"]),
+            (refused(4, 4), ["copies", "only 3", "at most 3"]),
+            (refused(10, 0), ["copies", "0", "1 to 100"]),
+            (refused(10, 101), ["copies", "101", "1 to 100"]),
+        ] {
+            assert!(words.iter().all(|word| text.contains(word)), "{text}");
+        }
+    }
+
+    #[test]
+    fn it_ends_when_it_is_cancelled() {
+        let cache = cache(&burst(5, 0, Slope::default()), line(5.0));
+        let monitor = Monitor::default();
+        monitor.cancel();
+        let ended = decoys(&cache.trail, &DecoyStudy::default(), &monitor);
+        assert!(ended.as_ref().is_err_and(Error::is_cancelled), "{ended:?}");
+    }
+
+    #[test]
+    fn still_features_put_the_rates_in_doubt() {
+        let rate = |snr, found: usize, rate: f64| FalseRate {
+            snr,
+            found,
+            in_copies: vec![(rate * found as f64) as usize],
+            rate: (found > 0).then_some(rate),
+            error: (found > 0).then_some(0.1),
+        };
+        let rates = vec![rate(0.0, 100, 0.9), rate(8.0, 50, 0.79), rate(30.0, 10, 0.13)];
+        let report = DecoyReport { frames: 10, copies: 1, seed: 1, still: 10, rates };
+        assert_eq!(report.sentence(), "0.79 found there for each found here at SNR 8, 0.13 at 30");
+        assert_eq!(report.doubt(), None);
+        let doubted = DecoyReport { still: 30, ..report.clone() };
+        assert!(doubted.doubt().expect("many").starts_with("30 features of 100 stay within"), "{doubted:?}");
+        assert_eq!(doubted.sentence(), report.sentence());
+        let none = DecoyReport { still: 0, rates: vec![rate(0.0, 0, 0.0)], ..report };
+        assert_eq!((none.sentence().as_str(), none.doubt()), ("nothing is found here, so there is no rate", None));
+    }
+}

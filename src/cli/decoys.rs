@@ -1,0 +1,65 @@
+//! `decoys` reports how much of a search's features it finds as well when the frames are in other orders.
+
+use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
+use super::failure::Failure;
+use super::inputs::OneBurst;
+use crate::inspect::ProbeCache;
+use crate::inspect::decoys::{DecoyStudy, decoys};
+use crate::inspect::report::decoys_text;
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Say which part of the features is false: found as often when the frames are in other orders.
+///
+/// The search runs on the burst, and on copies whose frames are in orders unlike their own, with the noise, the gates
+/// and the slopes of the burst. Nothing moves in a copy as it did, so what is found there is false: noise, and what the
+/// frames show one by one. The answer is the number found in a copy for each found in the burst, for the features from
+/// an SNR on. It tends to be too high, and may exceed 1: in a copy no true feature stands where a false one would be.
+/// Features that hardly move are found in copies too, whether true or not; where they are many, the answer says so.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = DECOYS_HELP)]
+pub struct DecoysArgs {
+    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    pub inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub study: DecoyStudy,
+    #[command(flatten)]
+    pub run: BurstSearchArgs,
+}
+
+const DECOYS_HELP: &str = "\
+Examples:
+  burstscope decoys night/
+  burstscope decoys night/ --slopes-u -3:3:13 --copies 10 --json
+
+JSON (--json), beside version, params, name, inputs, width, height and slope_grid:
+  \"decoys\": {\"frames\", \"copies\", \"seed\", \"still\" (features whose places in the frames spread by less than their size),
+    \"rates\": [{\"snr\" (smallest of the features counted, 0 for all), \"found\", \"in_copies\": [count], \"rate\" or null, \"error\" or null}]}
+  rate is the mean of in_copies over found; error is its standard error.";
+
+pub(super) fn run(args: &DecoysArgs) -> Result<(), Failure> {
+    let params = args.run.search.params()?;
+    let OneBurst { console, input, options, .. } =
+        args.run.begin("decoys", &args.inputs, OverwriteArgs::default(), &[])?;
+    let burst = input.open_to_search(&options, &params, &console.monitor.silent())?;
+    // Checked before the long search.
+    args.study.check(&params, burst.len())?;
+    let of_burst = 1.0 / (args.study.copies + 1) as f32;
+    let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, of_burst))?;
+    let report = decoys(&cache.trail, &args.study, &console.monitor.part(of_burst, 1.0 - of_burst))?;
+    console.monitor.check()?;
+    console.say(&decoys_text(&report, &input.name))?;
+    console.say_document(
+        "decoys",
+        &json!({
+            "params": params,
+            "name": input.name,
+            "inputs": input.path_texts(),
+            "width": burst.size().0,
+            "height": burst.size().1,
+            "slope_grid": cache.params().used_slopes(),
+            "decoys": report,
+        }),
+    )
+}
