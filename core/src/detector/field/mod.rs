@@ -17,7 +17,6 @@ mod layers;
 mod tests;
 mod windows;
 
-use crate::detector::feature::Feature;
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
@@ -126,14 +125,6 @@ impl MotionField {
         let numbered = (1u8..).zip(self.layers.iter().map(apart));
         let nearest = numbered.min_by(|(_, a), (_, b)| a.total_cmp(b));
         nearest.filter(|(_, apart)| *apart < OTHER_SIGMAS).map_or(0, |(number, _)| number)
-    }
-
-    /// Says in `feature` how its place moves, and which layer it moves with.
-    pub(super) fn tell(&self, feature: &mut Feature) {
-        let motion = self.at(feature.u, feature.v);
-        feature.field = motion.slope;
-        feature.field_sigma = if self.is_known(&motion) { motion.ellipse().0[0] } else { f32::INFINITY };
-        feature.layer = self.layer_of((feature.u, feature.v), feature.slope, feature.slope_sigma).into();
     }
 
     /// Certainty of a motion of this field, from 1 for an exact one to 0 for an unknown one.

@@ -170,7 +170,13 @@ impl Chooser<'_> {
             one.feature.slope_sigma = (CHOSEN[usize::from(grid.is_plane())] * by_noise).min(least_known);
             one.feature.field_sigma = f32::INFINITY;
             if let Some(field) = &self.outcome.field {
-                field.tell(&mut one.feature);
+                let Feature { u, v, slope, slope_sigma, .. } = one.feature;
+                let motion = field.at(u, v);
+                one.feature.field = motion.slope;
+                if field.is_known(&motion) {
+                    one.feature.field_sigma = motion.ellipse().0[0];
+                }
+                one.feature.layer = field.layer_of((u, v), slope, slope_sigma).into();
             }
             Ok(())
         })
