@@ -9,9 +9,11 @@ pub mod candidates;
 pub mod changes;
 pub mod fate;
 pub mod figure;
+mod order;
 pub mod outlook;
 pub mod price;
 pub mod probe;
+pub mod reason;
 pub mod remedy;
 pub mod report;
 pub mod response;
@@ -30,7 +32,8 @@ pub mod words;
 
 pub use fate::{Fate, Outcome, TestReport};
 pub use outlook::Outlook;
-pub use probe::{Probe, ProbeError, ProbeOptions, Subject, probe};
+pub use probe::{PlaceMotion, Probe, ProbeError, ProbeOptions, Subject, probe};
+pub use reason::{Reason, ReasonKind};
 
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;
