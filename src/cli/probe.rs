@@ -199,8 +199,8 @@ JSON (--json), beside version, params, name and inputs:
 /// through the tests of the search again: what it has, what is asked for, what beat it, the first test that it fails
 /// and the later ones, and the one option that would keep it. Candidates that move as the place does, at the slope at
 /// which it responds most, come first. Said of the place itself are a thing too small for the smallest scale, with the
-/// option that finds it, and a feature that was found at another slope. What each frame answers along the motion says whether it
-/// is one thing that moves or a ghost of another.
+/// option that finds it, and a feature that was found at another slope. What each frame answers along the motion says
+/// whether it is one thing that moves or a ghost of another.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("place").required(true).args(["at", "feature"])), after_long_help = PROBE_HELP)]
 pub struct ProbeArgs {

@@ -31,8 +31,9 @@ pub mod verdict;
 pub mod words;
 
 pub use fate::{Fate, Outcome, TestReport};
+pub use order::PlaceMotion;
 pub use outlook::Outlook;
-pub use probe::{PlaceMotion, Probe, ProbeError, ProbeOptions, Subject, probe};
+pub use probe::{Probe, ProbeError, ProbeOptions, Subject, probe};
 pub use reason::{Reason, ReasonKind};
 
 use crate::burst::Burst;

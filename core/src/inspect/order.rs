@@ -3,6 +3,7 @@
 use super::Fate;
 use super::score::motion_limit;
 use crate::detector::{Slope, Trail};
+use serde::Serialize;
 
 /// Distance from the place, input pixels, within which candidates count as equally near: a click is no more exact.
 pub const AT_PLACE_PX: f32 = 3.0;
@@ -12,6 +13,15 @@ pub(super) const LARGE_PX: f32 = 8.0;
 const SAME_SCALE: f32 = 1.3;
 /// Ratio of two scales within which they may be of one blob.
 const LIKE_SCALE: f32 = 2.5;
+
+/// Motion of a place, known apart from the search.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PlaceMotion {
+    /// Its slope, px/frame.
+    pub slope: Slope,
+    /// Standard deviation of that slope in each direction, px/frame.
+    pub sigma: f32,
+}
 
 /// Place, scale and slopes near which candidates come first.
 #[derive(Debug, Clone)]

@@ -3,7 +3,7 @@
 use super::ProbeCache;
 use super::candidates::open_candidates;
 use super::fate::Fate;
-pub use super::order::AT_PLACE_PX;
+pub use super::order::{AT_PLACE_PX, PlaceMotion};
 use super::order::{Nearness, is_like_scale, is_same_motion, strength};
 use super::outlook::{Outlook, outlook};
 use super::reason::{Clear, Peak, Reason, ReasonKind, at_another_slope, at_slope, clearest, ghost, peaks, too_small};
@@ -78,15 +78,6 @@ pub enum Wanted {
     },
     /// A candidate near the place, by its sample; as [`Wanted::Best`] where there is none.
     Candidate(Sample),
-}
-
-/// Motion of a place, known apart from the search.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PlaceMotion {
-    /// Its slope, px/frame.
-    pub slope: Slope,
-    /// Standard deviation of that slope in each direction, px/frame.
-    pub sigma: f32,
 }
 
 /// Options of a probe.

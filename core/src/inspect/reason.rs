@@ -46,6 +46,12 @@ pub struct Reason {
     pub change: Option<ParamChange>,
 }
 
+impl Reason {
+    fn new(kind: ReasonKind, slope: Slope, sentence: String) -> Self {
+        Self { kind, slope, sentence, sigma_and_snr: None, feature: None, change: None }
+    }
+}
+
 /// Extremum of D in space at its own slope and level, near a place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Peak {
@@ -162,18 +168,11 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
         let rises = format!("the response still rises towards scales below σ {smallest} px");
         format!("too small for the smallest scale: at slope {} {rises}", slope_text(slope))
     };
-    let without = |slope: Slope, sentence: String| Reason {
-        kind: ReasonKind::TooSmall,
-        slope,
-        sentence,
-        sigma_and_snr: None,
-        feature: None,
-        change: None,
-    };
     if first <= FINEST_OCTAVE {
         let reaches = clear.snr >= trail.detection().noise_gate_factor;
-        return Ok(reaches.then(|| without(clear.slope, rises(clear.slope))));
+        return Ok(reaches.then(|| Reason::new(ReasonKind::TooSmall, clear.slope, rises(clear.slope))));
     }
+    let next = number((first - 1) as f32, 0);
     let Some(peak) = climbed(trail, clear, first - 1, monitor)?.filter(|peak| peak.height > clear.peak.value.abs())
     else {
         return Ok(None);
@@ -183,22 +182,20 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
         return Ok(None);
     }
     if peak.level < 0 {
-        return Ok(Some(without(
-            peak.slope,
-            format!("{}, and beyond a first octave of {}", rises(peak.slope), first - 1),
-        )));
+        let sentence = format!("{}, and beyond a first octave of {next}", rises(peak.slope));
+        return Ok(Some(Reason::new(ReasonKind::TooSmall, peak.slope, sentence)));
     }
     let sigma = trail.space().sigma_image(first - 1, f64::from(peak.level)) as f32;
     let times = number(time_factor(params, &changed, trail.size_image()), 0);
     let sentence = format!(
-        "{}; first octave {} finds it (σ {} px, {} σ of its noise), and the search of as many slopes then takes about {times} times as long",
+        "{}; first octave {next} finds it (σ {} px, {} σ of its noise), and the search of as many slopes then takes about {times} times as long",
         rises(peak.slope),
-        number((first - 1) as f32, 0),
         number(sigma, 1),
         number(peak.snr, 1)
     );
     let change = Some(ParamChange::new(doc::FIRST_OCTAVE, first - 1));
-    Ok(Some(Reason { sigma_and_snr: Some((sigma, peak.snr)), change, ..without(peak.slope, sentence) }))
+    let reason = Reason::new(ReasonKind::TooSmall, peak.slope, sentence);
+    Ok(Some(Reason { sigma_and_snr: Some((sigma, peak.snr)), change, ..reason }))
 }
 
 /// The finest octave that can be searched.
@@ -259,15 +256,10 @@ pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate
         let feature = *fate.features.first()?;
         let other = own.filter(|own| !is_same_motion(trail, fate.slope, *own, fate.sigma));
         let most =
-            other.map_or_else(String::new, |own| format!(", while the place itself moves by {}", slope_text(own)));
-        Some(Reason {
-            kind: ReasonKind::AtAnotherSlope,
-            slope: fate.slope,
-            sentence: format!("found at another slope: feature {feature} at slope {}{most}", slope_text(fate.slope)),
-            sigma_and_snr: None,
-            feature: Some(feature),
-            change: None,
-        })
+            other.map_or_else(String::new, |own| format!(", while the place's own motion is {}", slope_text(own)));
+        let sentence = format!("found at another slope: feature {feature} at slope {}{most}", slope_text(fate.slope));
+        let reason = Reason::new(ReasonKind::AtAnotherSlope, fate.slope, sentence);
+        Some(Reason { feature: Some(feature), ..reason })
     };
     kept().filter_map(reason).take(MOST_OTHERS).collect()
 }
@@ -279,14 +271,8 @@ const MOST_OTHERS: usize = 2;
 pub(super) fn ghost(trail: &Trail, fate: &Fate, monitor: &Monitor) -> Result<Option<Reason>, Cancelled> {
     let frames = trail.frame_responses((fate.octave, fate.level), fate.pos_image, fate.would_move, monitor)?;
     let is_ghost = !fate.is_kept() && evenness_of(&frames).shape == Shape::Bump;
-    Ok(is_ghost.then(|| Reason {
-        kind: ReasonKind::Ghost,
-        slope: fate.would_move,
-        sentence: "no setting is proposed: only some of the frames respond along its motion, so that it would be kept as a ghost".to_owned(),
-        sigma_and_snr: None,
-        feature: None,
-        change: None,
-    }))
+    let sentence = "no setting is proposed: only some of the frames respond along its motion, as for a ghost";
+    Ok(is_ghost.then(|| Reason::new(ReasonKind::Ghost, fate.would_move, sentence.to_owned())))
 }
 
 /// Index of the grid's slope nearest to `slope`, and the strongest of the `peaks` there, or of those around it.

@@ -1,7 +1,7 @@
 //! The response at one place over slope and scale, finer than the grid: D in units of its noise, with its sign. It is
 //! computed from the frames ([`Trail::point_response`]), and equals the search's up to interpolation.
 
-use super::PlaceMotion;
+use super::order::PlaceMotion;
 use crate::detector::{Slope, SlopeAxis, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;

@@ -326,6 +326,8 @@ mod tests {
             assert!((map.column_of(slope) - column as f32).abs() < 1e-4, "column {column}");
         }
         let (first, next) = (map.columns[0], map.columns[1]);
+        let motion = PlaceMotion { slope: map.columns[3], sigma: 2.0 * (next.u - first.u) };
+        assert!(map.band_of(&motion).into_iter().zip([1.0, 5.0]).all(|(a, b)| (a - b).abs() < 1e-3));
         let outside = map.column_of(Slope::new(first.u - 0.5 * (next.u - first.u), first.v));
         assert!((outside + 0.5).abs() < 1e-4, "{outside}");
     }
