@@ -75,7 +75,8 @@ pub(super) fn peaks(trail: &Trail, around: &Neighbourhood, place: [f32; 2]) -> V
     let mut found = Vec::new();
     for (slope_index, dog) in around.tiles.iter().enumerate() {
         for (&level, y) in levels.iter().flat_map(|level| rows.clone().map(move |y| (level, y))) {
-            for x in columns.clone() {
+            let away = |x: usize| (x as f32 * pixel - place[0]).hypot(y as f32 * pixel - place[1]);
+            for x in columns.clone().filter(|x| away(*x) <= AT_PLACE_PX) {
                 let sample = Sample { octave, level, slope_index, x, y };
                 let value = dog.at(sample.level_index(), x, y);
                 // The strongest of the 3 × 3 samples of a level, but for the middle of the own one.
@@ -151,7 +152,9 @@ pub(super) fn too_small(
         let moves = |peak: &&Peak| is_same_motion(trail, grid.slope(peak.sample.slope_index), slope, sigma);
         let Some(clear) = clearest(trail, peaks.iter().filter(|peak| peak.rises).filter(moves)) else { continue };
         if let Some(reason) = finer(trail, &clear, monitor)?
-            && best.as_ref().is_none_or(|(snr, _)| clear.snr > *snr)
+            && best
+                .as_ref()
+                .is_none_or(|(snr, other)| (reason.change.is_some(), clear.snr) > (other.change.is_some(), *snr))
         {
             best = Some((clear.snr, reason));
         }
@@ -173,10 +176,10 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
         return Ok(reaches.then(|| Reason::new(ReasonKind::TooSmall, clear.slope, rises(clear.slope))));
     }
     let next = number((first - 1) as f32, 0);
-    let Some(peak) = climbed(trail, clear, first - 1, monitor)?.filter(|peak| peak.height > clear.peak.value.abs())
-    else {
+    let peak = climbed(trail, clear, first - 1, monitor)?;
+    if peak.height <= clear.peak.value.abs() {
         return Ok(None);
-    };
+    }
     let changed = DetectorParams { first_octave: first - 1, ..params.clone() };
     if peak.snr < gate_factor(&changed) {
         return Ok(None);
@@ -201,48 +204,64 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
 /// The finest octave that can be searched.
 const FINEST_OCTAVE: i32 = -1;
 
-/// Largest response around a peak in an octave that may not have been searched.
+/// The extremum over place, scale and slope that a peak leads to in an octave that may not have been searched.
 struct Climbed {
     height: f32,
+    /// −1 where it still rises.
     level: i32,
     slope: Slope,
     snr: f32,
 }
 
-fn climbed(trail: &Trail, clear: &Clear, octave: i32, monitor: &Monitor) -> Result<Option<Climbed>, Cancelled> {
-    let (grid, pixel, levels) = (trail.params().used_slopes(), octave_pixel(octave), trail.space().levels as i32);
+/// Climbs from scale to scale, downwards as long as |D| rises: noise is larger at small scales, farther away.
+fn climbed(trail: &Trail, clear: &Clear, octave: i32, monitor: &Monitor) -> Result<Climbed, Cancelled> {
+    let (grid, pixel, levels) = (trail.params().used_slopes(), octave_pixel(octave), trail.space().levels);
     let (width, height) = trail.size_image();
-    let at = |[u, v]: [f32; 2], slope: Slope| {
+    // Of all levels from −1 on.
+    let heights = |[u, v]: [f32; 2], slope: Slope| -> Vec<f32> {
         let chosen = covering(trail, [u, v], slope);
-        let values = trail.point_response((octave, -1..levels), ((u, v), slope), &chosen);
-        let heights = (-1..levels).zip(values.into_iter().map(|value| clear.peak.value.signum() * value));
-        heights.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(level, height)| (height, level, [u, v], slope))
+        let values = trail.point_response((octave, -1..levels as i32), ((u, v), slope), &chosen);
+        values.into_iter().map(|value| clear.peak.value.signum() * value).collect()
     };
-    let higher = |a: &(f32, i32, [f32; 2], Slope), b: &(f32, i32, [f32; 2], Slope)| a.0.total_cmp(&b.0);
-    let steps = (1.5 / pixel).ceil() as i32;
+    let steps = (REACH_PX / pixel).ceil() as i32;
     let moved = |x: f32, step: i32, n: usize| (x + step as f32 * pixel).clamp(0.0, n as f32 - 1.0);
     let [u, v] = clear.pos_image;
-    let mut best = None;
-    for row in -steps..=steps {
+    let mut around = Vec::new();
+    for (row, column) in (-steps..=steps).flat_map(|row| (-steps..=steps).map(move |column| (row, column))) {
         monitor.check()?;
-        let in_row = (-steps..=steps).map(|column| [moved(u, column, width), moved(v, row, height)]);
-        best = best.into_iter().chain(in_row.filter_map(|place| at(place, clear.slope))).max_by(higher);
+        let place = [moved(u, column, width), moved(v, row, height)];
+        around.push((place, heights(place, clear.slope)));
     }
-    let Some((_, _, place, _)) = best else { return Ok(None) };
+    let highest = |index: usize, near: [f32; 2], reach_px: f32| {
+        let is_near = |place: &[f32; 2]| (place[0] - near[0]).hypot(place[1] - near[1]) <= reach_px;
+        let there = around.iter().filter(|(place, _)| is_near(place)).map(|(place, heights)| (*place, heights[index]));
+        there.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((near, f32::NEG_INFINITY))
+    };
+    let mut index = levels;
+    let mut top = highest(index, clear.pos_image, REACH_PX);
+    while index > 0 {
+        let below = highest(index - 1, top.0, 1.5 * pixel);
+        if below.1 <= top.1 {
+            break;
+        }
+        (index, top) = (index - 1, below);
+    }
     let (i, j) = grid.position(clear.slope);
-    let halves = |count: usize| if count > 1 { -HALVES..=HALVES } else { 0..=0 };
-    let near = halves(grid.u.count).flat_map(|du| halves(grid.v.count).map(move |dv| (du, dv)));
-    let slopes = near.map(|(du, dv)| grid.at(i + du as f32 * PART, j + dv as f32 * PART));
-    let best = slopes.filter_map(|slope| at(place, slope)).max_by(higher);
-    Ok(best.map(|(height, level, place, slope)| {
-        let snr = height / noise_at(trail, (octave, level.max(0)), place, slope);
-        Climbed { height, level, slope, snr }
-    }))
+    let thirds = |count: usize| if count > 1 { -THIRDS..=THIRDS } else { 0..=0 };
+    let near = thirds(grid.u.count).flat_map(|du| thirds(grid.v.count).map(move |dv| (du, dv)));
+    let slopes = near.map(|(du, dv)| grid.at(i + du as f32 * THIRD, j + dv as f32 * THIRD));
+    let at_slopes = slopes.map(|slope| (slope, heights(top.0, slope)[index]));
+    let (slope, height) = at_slopes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((clear.slope, top.1));
+    let level = index as i32 - 1;
+    let snr = height / noise_at(trail, (octave, level.max(0)), top.0, slope);
+    Ok(Climbed { height, level, slope, snr })
 }
 
+/// Distance, input pixels, from a peak within which the extremum lies.
+const REACH_PX: f32 = 1.5;
 /// Slopes around that of a peak: so many to each side of each axis, a part of the grid's step apart.
-const HALVES: i32 = 3;
-const PART: f32 = 1.0 / 3.0;
+const THIRDS: i32 = 3;
+const THIRD: f32 = 1.0 / 3.0;
 
 /// Features at the place that move by another slope than the first one in order, if none there moves by that.
 pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate], own: Option<Slope>) -> Vec<Reason> {
