@@ -223,6 +223,13 @@ fn climbed(trail: &Trail, clear: &Clear, octave: i32, monitor: &Monitor) -> Resu
         let values = trail.point_response((octave, -1..levels as i32), ((u, v), slope), &chosen);
         values.into_iter().map(|value| clear.peak.value.signum() * value).collect()
     };
+    // Its slope first: beside it a small thing is smeared, and noise outdoes it.
+    let (i, j) = grid.position(clear.slope);
+    let thirds = |count: usize| if count > 1 { -THIRDS..=THIRDS } else { 0..=0 };
+    let near = thirds(grid.u.count).flat_map(|du| thirds(grid.v.count).map(move |dv| (du, dv)));
+    let slopes = near.map(|(du, dv)| grid.at(i + du as f32 * THIRD, j + dv as f32 * THIRD));
+    let at_slopes = slopes.map(|slope| (slope, heights(clear.pos_image, slope)[levels]));
+    let slope = at_slopes.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(clear.slope, |(slope, _)| slope);
     let steps = (REACH_PX / pixel).ceil() as i32;
     let moved = |x: f32, step: i32, n: usize| (x + step as f32 * pixel).clamp(0.0, n as f32 - 1.0);
     let [u, v] = clear.pos_image;
@@ -230,7 +237,7 @@ fn climbed(trail: &Trail, clear: &Clear, octave: i32, monitor: &Monitor) -> Resu
     for (row, column) in (-steps..=steps).flat_map(|row| (-steps..=steps).map(move |column| (row, column))) {
         monitor.check()?;
         let place = [moved(u, column, width), moved(v, row, height)];
-        around.push((place, heights(place, clear.slope)));
+        around.push((place, heights(place, slope)));
     }
     let highest = |index: usize, near: [f32; 2], reach_px: f32| {
         let is_near = |place: &[f32; 2]| (place[0] - near[0]).hypot(place[1] - near[1]) <= reach_px;
@@ -246,15 +253,9 @@ fn climbed(trail: &Trail, clear: &Clear, octave: i32, monitor: &Monitor) -> Resu
         }
         (index, top) = (index - 1, below);
     }
-    let (i, j) = grid.position(clear.slope);
-    let thirds = |count: usize| if count > 1 { -THIRDS..=THIRDS } else { 0..=0 };
-    let near = thirds(grid.u.count).flat_map(|du| thirds(grid.v.count).map(move |dv| (du, dv)));
-    let slopes = near.map(|(du, dv)| grid.at(i + du as f32 * THIRD, j + dv as f32 * THIRD));
-    let at_slopes = slopes.map(|slope| (slope, heights(top.0, slope)[index]));
-    let (slope, height) = at_slopes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((clear.slope, top.1));
     let level = index as i32 - 1;
-    let snr = height / noise_at(trail, (octave, level.max(0)), top.0, slope);
-    Ok(Climbed { height, level, slope, snr })
+    let snr = top.1 / noise_at(trail, (octave, level.max(0)), top.0, slope);
+    Ok(Climbed { height: top.1, level, slope, snr })
 }
 
 /// Distance, input pixels, from a peak within which the extremum lies.
