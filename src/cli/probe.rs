@@ -183,8 +183,10 @@ JSON (--json), beside version, params, name and inputs:
 ///
 /// Every candidate near the place (a sample that stands out in place and scale at its own slope, however weak) is put
 /// through the tests of the search again: what it has, what is asked for, what beat it, the first test that it fails
-/// and the later ones, and the one option that would keep it. What each frame answers along the motion says whether it
-/// is one thing that moves or a ghost of another.
+/// and the later ones, and the one option that would keep it. Candidates that move as the place does, at the slope at
+/// which it responds most, come first. Said of the place itself are a thing too small for the smallest scale, with the
+/// option that finds it, and a feature that was found at another slope. What each frame answers along the motion says
+/// whether it is one thing that moves or a ghost of another.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("place").required(true).args(["at", "feature"])), after_long_help = PROBE_HELP)]
 pub struct ProbeArgs {
@@ -218,7 +220,9 @@ Examples:
 
 JSON (--json), beside version, params, name, inputs and what was searched:
   \"probe\": {\"pos_image\", \"summary\", \"samples\",
-    \"fates\": [{\"octave\", \"level\", \"slope_index\", \"sample\": [x, y], \"pos_image\", \"sigma\", \"slope\": {\"u\", \"v\"}, \"value\", \"snr\", \"sigma_d\",
+    \"reasons\": [{\"kind\": too-small, at-another-slope or ghost, \"slope\", \"sentence\", \"sigma_and_snr\": [sigma, snr] or null, \"feature\": index or null, \"change\" or null}],
+    \"motion\": {\"slope\", \"sigma\"} or null, \"own_slope\": {\"u\", \"v\"} or null,
+    \"fates\": [{\"octave\", \"level\", \"slope_index\", \"sample\": [x, y], \"pos_image\", \"sigma\", \"slope\": {\"u\", \"v\"}, \"edge\": {\"direction\", \"along_motion\"} or null, \"value\", \"snr\", \"sigma_d\",
       \"tests\": [{\"test\", \"outcome\": passes, fails, not-asked or unknown, \"value\", \"limit\", \"side\": at-least or at-most, \"unit\", \"rival\"}],
       \"first_failed\": test or null, \"features\": [index], \"verdict\", \"remedy\": {\"sentence\", \"change\": {\"parameter\", \"value\"}, \"then_fails\"}}],
     \"subject\", \"response\": {\"scales\", \"slopes\", \"snr\": [row], \"gate\", \"plane\"}, \"shares\": {\"frames\", \"coherence\", \"shape\", \"meaning\"},

@@ -6,7 +6,7 @@ use super::error::JobError;
 use super::open::BurstId;
 use super::request::{Kept, Request, Urgency, Work};
 use super::trail::{DetectionSource, trail_and_rest};
-use crate::detector::{ParamChange, Test};
+use crate::detector::{ParamChange, Slope, Test};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions, survey};
 use crate::inspect::decoys::{DecoyReport, DecoyStudy, decoys};
 use crate::inspect::price::{Price, price_at_once};
@@ -147,6 +147,8 @@ pub struct ProbeRequest {
     pub question: ProbeQuestion,
     /// Scale σ near which candidates come first, input pixels; `None` for all scales alike.
     pub near_sigma: Option<f32>,
+    /// Slope by which candidates at the place come first, px/frame; `None` for a picture of no slope.
+    pub in_view: Option<Slope>,
 }
 
 impl Request for ProbeRequest {
@@ -166,7 +168,8 @@ impl Request for ProbeRequest {
                 (mark.pos_image, Wanted::Candidate(mark.sample))
             }
         };
-        let options = ProbeOptions { wanted, near_sigma: self.near_sigma, ..ProbeOptions::default() };
+        let (near_sigma, in_view) = (self.near_sigma, self.in_view);
+        let options = ProbeOptions { wanted, near_sigma, in_view, ..ProbeOptions::default() };
         let probe = probe(cache, place, &options, monitor)?;
         let fate = probe.subject_fate();
         let remedy = fate.and_then(|fate| fate.remedy.as_ref()).map(|remedy| &remedy.change);

@@ -126,10 +126,15 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     assert_eq!(cache.detection().features, detection.features, "the truth is held against the features on show");
     let shown = model.shown_comparison(Side::A).expect("a comparison");
     assert_eq!(shown.with, With::Truth);
-    let counts = [Kind::Same, Kind::Theirs, Kind::Repeated, Kind::Ours].map(|kind| shown.count(kind));
+    let kinds = [Kind::Same, Kind::Theirs, Kind::Repeated, Kind::Ours, Kind::WrongMotion];
+    let counts = kinds.map(|kind| shown.count(kind));
     let sizes = [expected.found.len(), expected.missed.len(), expected.repeated.len(), expected.elsewhere.len()];
-    assert_eq!(counts, sizes);
-    assert!(counts[0] > 0 && counts[1] > 0, "{counts:?}");
+    assert_eq!(counts[..4], sizes);
+    assert_eq!(counts[4], expected.at_wrong_motion.len());
+    assert!(counts[0] > 0 && counts[1] > 0 && counts[4] > 0, "{counts:?}");
+    assert!(window.shows(" at a wrong motion, "));
+    let mut otherwise = shown.rows.iter().filter(|row| row.kind == Kind::WrongMotion);
+    assert!(otherwise.all(|row| row.note.starts_with("slope ") && row.note.contains(" instead of ")));
     // The truth of a scene lists only some of its features.
     assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
     assert!(!shown.is_whole_truth && !window.app().model.slots.a.against.shows(Kind::Ours));

@@ -16,7 +16,7 @@ use burstscope::inspect::candidates::{SurveyOptions, survey};
 use burstscope::inspect::decoys::{DecoyStudy, decoys};
 use burstscope::inspect::probe::Wanted;
 use burstscope::inspect::words::{counted_from_one, number};
-use burstscope::inspect::{ProbeCache, ProbeOptions, probe};
+use burstscope::inspect::{ProbeCache, ProbeOptions, ReasonKind, probe};
 use burstscope::requests::{BurstSource, Probed};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
@@ -143,7 +143,8 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         // The answer is that of the library for this burst.
         let burst = &model.burst_of(side).unwrap().burst;
         let cache = ProbeCache::new(burst, &model.asked_of(side), &Monitor::default()).unwrap();
-        let options = ProbeOptions { wanted: Wanted::Best, ..ProbeOptions::default() };
+        let in_view = answer.request.in_view;
+        let options = ProbeOptions { wanted: Wanted::Best, in_view, ..ProbeOptions::default() };
         assert_eq!(answer.probe.fates, probe(&cache, place, &options, &Monitor::default()).unwrap().fates);
         let title = format!("Place ({}, {}) of {}", number(place[0], 1), number(place[1], 1), side.name());
         assert!(window.shows(&title) && window.shows(&counted_from_one(&answer.probe.summary)), "{title}");
@@ -194,6 +195,64 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     window.app_mut().model.params.edge_threshold = 5.0;
     window.harness.run_steps(2);
     assert!(window.app().model.probe_is_stale() && window.shows("Stale: found with other parameters"));
+}
+
+#[test]
+fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_found_at_another_slope() {
+    let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
+    window.app_mut().model.look.overlay = FeaturesShown::None;
+    let probe = |window: &mut Window, u: f32, v: f32| {
+        let pos = window.app().ui_from_image(pos2(u, v)).unwrap();
+        window.shift_click_at(pos);
+        window.settle();
+    };
+    // A star that was kept at slopes with which it does not move: a button goes to what was found.
+    probe(&mut window, 238.0, 36.0);
+    let reasons = answer(&window).probe.reasons.clone();
+    let other = reasons.iter().find(|reason| reason.kind == ReasonKind::AtAnotherSlope).expect("it was found");
+    assert!(window.shows(&counted_from_one(&other.sentence)["found ".len()..]), "{}", other.sentence);
+    assert!(!window.shows("It is shown under All"), "no features are shown at all");
+    window.app_mut().model.look.overlay = FeaturesShown::ThisSlope;
+    window.harness.run_steps(2);
+    assert!(window.shows("It is shown under All, not under This slope."));
+    let feature = other.feature.expect("a feature");
+    window.click(&format!("Go to feature {}", feature + 1));
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!((model.selected, model.cursor().slope), (Some(feature), model.features()[feature].slope));
+    // A star that is too small: the setting that finds it is a click away.
+    window.app_mut().model.look.overlay = FeaturesShown::None;
+    window.run_action("fit picture");
+    window.settle();
+    probe(&mut window, 159.9, 23.6);
+    let small = answer(&window).probe.reasons.iter().find(|r| r.kind == ReasonKind::TooSmall).expect("it is").clone();
+    assert!(window.shows("oo small for the smallest scale") && window.shows("first octave −1 finds it"));
+    window.click(&format!("Apply {}", small.change.expect("a setting").label()));
+    window.settle();
+    assert_eq!(window.app().model.params.first_octave, -1);
+    let fate = answer(&window).probe.subject_fate().expect("it was found").clone();
+    assert!(fate.is_kept() && (fate.slope.u - 0.95).abs() < 0.35 && fate.sigma < 1.7, "{fate:?}");
+}
+
+#[test]
+fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
+    let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
+    window.app_mut().model.look.overlay = FeaturesShown::All;
+    window.settle();
+    // Of so many features at one zoom some are dots; one of the weakest is asked about.
+    let count = window.app().model.features().len();
+    let dot = (0..count).rev().find(|&index| {
+        let feature = window.app().model.features()[index];
+        window.app_mut().model.probe_place(Side::A, [feature.u, feature.v]);
+        window.settle();
+        !window.app().model.probe.as_dots.is_empty()
+    });
+    assert!(dot.is_some(), "{count} features, none a dot");
+    let shown = window.app().model.probe.as_dots[0];
+    assert!(window.shows(&format!("Feature {} was found here, but is drawn as a dot", shown + 1)));
+    window.app_mut().model.probe.clear();
+    window.settle();
+    assert!(!window.shows("drawn as a dot"));
 }
 
 #[test]

@@ -140,12 +140,6 @@ impl Quantity {
         Self::Sigma,
         Self::SlopeU,
         Self::SlopeV,
-        Self::SlopeSigma,
-        Self::FieldU,
-        Self::FieldV,
-        Self::FieldSigma,
-        Self::Layer,
-        Self::Moves,
         Self::Depth,
         Self::Snr,
         Self::Coherence,
@@ -155,6 +149,12 @@ impl Quantity {
         Self::Octave,
         Self::Level,
         Self::AtSlopeLimit,
+        Self::SlopeSigma,
+        Self::FieldU,
+        Self::FieldV,
+        Self::FieldSigma,
+        Self::Layer,
+        Self::Moves,
     ];
 
     /// The columns of files, in order. Positions and scale are in input pixels; orientation in radians; slopes in

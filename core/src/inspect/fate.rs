@@ -147,6 +147,15 @@ pub struct Remedy {
     pub then_fails: Option<Test>,
 }
 
+/// Edge on which a candidate lies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OnEdge {
+    /// Direction (u, v) of the edge, of length 1.
+    pub direction: [f32; 2],
+    /// Whether it runs along the candidate's motion, or along the searched line of slopes: all slopes show it alike.
+    pub along_motion: bool,
+}
+
 /// The fate of one candidate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fate {
@@ -164,6 +173,11 @@ pub struct Fate {
     pub sigma: f32,
     /// Slope, px/frame: the refined one of a feature, otherwise the grid's.
     pub slope: Slope,
+    /// Slope, px/frame, that it would have as a keypoint: between those of the grid where the fit converged.
+    #[serde(skip)]
+    pub would_move: Slope,
+    /// The edge that it lies on, where the fit did not converge or the candidate fails the test of edges.
+    pub edge: Option<OnEdge>,
     /// D at the sample.
     pub value: f32,
     /// |D| over its noise there; infinite without noise.

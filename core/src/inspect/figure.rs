@@ -73,6 +73,11 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     } else {
         sheet.text((area.x + 0.5 * area.width, area.bottom() + 16.0), 11.0, Anchor::Middle, "a single slope");
     }
+    if let Some(motion) = &probe.motion {
+        let [from, to] = map.band_of(motion).map(|column| x_of(column.into()).clamp(area.x, area.right()));
+        let band = Area { x: from, width: to - from, ..area };
+        sheet.rectangle(band, &format!(r#"fill="{GREEN}" fill-opacity="0.25" stroke="{GREEN}""#));
+    }
     // Outline of the cells whose response reaches the gate.
     for ends in outline(&map.snr, map.gate) {
         let [from, to] = ends.map(|(column, row)| (x_of(column.into()), y_of(row.into())));
@@ -90,8 +95,9 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
         let (radius, width, dashes) = if fate.is_kept() { (6.0, 2.0, "") } else { (3.5, 0.7, dashed) };
         sheet.circle(place, radius, &format!(r#"fill="none" stroke="{INK}" stroke-width="{width}"{dashes}"#));
     }
+    let motion = if probe.motion.is_some() { "; band: the place's own motion" } else { "" };
     let legend = format!(
-        "rings: kept (bold) and other candidates; line: the gate, {} σ; dashes: the range searched",
+        "rings: kept (bold) and other candidates; line: the gate, {} σ; dashes: the range searched{motion}",
         number(map.gate, 2)
     );
     sheet.text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &legend);

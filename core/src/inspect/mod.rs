@@ -11,9 +11,11 @@ pub mod changes;
 pub mod decoys;
 pub mod fate;
 pub mod figure;
+mod order;
 pub mod outlook;
 pub mod price;
 pub mod probe;
+pub mod reason;
 pub mod remedy;
 pub mod report;
 pub mod response;
@@ -31,8 +33,10 @@ pub mod verdict;
 pub mod words;
 
 pub use fate::{Fate, Outcome, TestReport};
+pub use order::PlaceMotion;
 pub use outlook::Outlook;
 pub use probe::{Probe, ProbeOptions, Subject, probe};
+pub use reason::{Reason, ReasonKind};
 
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;

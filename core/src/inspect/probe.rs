@@ -3,8 +3,11 @@
 use super::ProbeCache;
 use super::candidates::open_candidates;
 use super::fate::Fate;
+pub use super::order::{AT_PLACE_PX, PlaceMotion};
+use super::order::{Nearness, is_like_scale, is_same_motion, strength};
 use super::outlook::{Outlook, outlook};
-use super::remedy::duplicate_remedy;
+use super::reason::{Clear, Peak, Reason, ReasonKind, at_another_slope, at_slope, clearest, ghost, peaks, too_small};
+use super::remedy::{duplicate_remedy, nearest_slope};
 use super::response::{ResponseMap, response_map};
 use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Suspicion, suspicions};
@@ -21,8 +24,8 @@ use serde::Serialize;
 /// Subject that the probe examines more closely.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Wanted {
-    /// The first candidate of the list that lies within [`AT_PLACE_PX`] of the place; without one the place itself, at
-    /// the slope and scale of the list's first candidate.
+    /// The first candidate of the list that lies within [`AT_PLACE_PX`] of the place. The place itself, at the slope
+    /// looked at or its own motion, where it responds there and no candidate tells why; and where there is none.
     #[default]
     Best,
     /// A feature of the detection, by its index.
@@ -49,13 +52,26 @@ pub struct ProbeOptions {
     pub wanted: Wanted,
     /// Scale σ near which candidates come first, input pixels. For [`Wanted::Feature`] without one, the feature's.
     pub near_sigma: Option<f32>,
+    /// Slope that is looked at, px/frame: candidates at the place that move by it come first. For
+    /// [`Wanted::Feature`] without one, the feature's.
+    pub in_view: Option<Slope>,
+    /// Motion of the place: candidates that move by it come next. Without one, the slope at which the place responds
+    /// most.
+    pub motion: Option<PlaceMotion>,
     /// Pixels to each side in the slices.
     pub slice_half_px: usize,
 }
 
 impl Default for ProbeOptions {
     fn default() -> Self {
-        Self { reach_sigmas: 2.0, wanted: Wanted::Best, near_sigma: None, slice_half_px: 60 }
+        Self {
+            reach_sigmas: 2.0,
+            wanted: Wanted::Best,
+            near_sigma: None,
+            in_view: None,
+            motion: None,
+            slice_half_px: 60,
+        }
     }
 }
 
@@ -81,8 +97,9 @@ pub struct Subject {
 pub struct Probe {
     /// Place, input pixels.
     pub pos_image: [f32; 2],
-    /// Fates of the candidates near it, nearest in place and given scale first; of those at the place ([`AT_PLACE_PX`])
-    /// kept ones come first, then those with the largest SNR. Larger blobs that reach over the place come last.
+    /// Fates of the candidates near it. Those at the place ([`AT_PLACE_PX`]) come first: at the slope in view, then at
+    /// the place's own motion, then others. Of these, and farther away, those nearest in place and given scale come
+    /// first, then kept ones, then those with the largest SNR. Larger blobs that reach over the place come last.
     pub fates: Vec<Fate>,
     /// Number of fates before the larger blobs.
     #[serde(skip)]
@@ -91,6 +108,13 @@ pub struct Probe {
     pub samples: usize,
     /// Subject that is examined more closely.
     pub subject: Subject,
+    /// Reasons of the place that no single candidate tells.
+    pub reasons: Vec<Reason>,
+    /// Motion of the place as given.
+    pub motion: Option<PlaceMotion>,
+    /// Slope of that motion; without one that at which the place responds most, px/frame. `None` where no response is
+    /// clear.
+    pub own_slope: Option<Slope>,
     /// Response over slope and scale.
     pub response: ResponseMap,
     /// Response of each frame along the subject's motion.
@@ -125,65 +149,6 @@ impl Probe {
     }
 }
 
-/// Distance from the place, input pixels, within which candidates count as equally near: a click is no more exact.
-pub const AT_PLACE_PX: f32 = 3.0;
-/// Distance and σ, input pixels, above which a candidate beside the place is a larger blob.
-const LARGE_PX: f32 = 8.0;
-/// Ratio of two scales within which they count as the same.
-const SAME_SCALE: f32 = 1.3;
-
-#[derive(Debug, Clone, Copy)]
-struct Nearness {
-    place: [f32; 2],
-    sigma: Option<f32>,
-}
-
-impl Nearness {
-    fn distance(&self, fate: &Fate) -> f32 {
-        (fate.pos_image[0] - self.place[0]).hypot(fate.pos_image[1] - self.place[1])
-    }
-
-    fn is_here(&self, fate: &Fate) -> bool {
-        self.distance(fate) <= AT_PLACE_PX
-    }
-
-    /// The larger of the candidate's scale and the given one over the smaller; 1 without a given one.
-    fn scale_ratio(&self, fate: &Fate) -> f32 {
-        self.sigma.map_or(1.0, |sigma| (fate.sigma / sigma).max(sigma / fate.sigma))
-    }
-
-    fn is_larger(&self, fate: &Fate) -> bool {
-        let own_scale = self.sigma.filter(|_| self.scale_ratio(fate) <= SAME_SCALE);
-        match own_scale {
-            _ if self.is_here(fate) => false,
-            Some(sigma) => self.distance(fate) > sigma.max(LARGE_PX),
-            None => self.distance(fate) > LARGE_PX || fate.sigma > LARGE_PX,
-        }
-    }
-
-    /// Distance in place and scale together, at least 1.
-    fn apart(&self, fate: &Fate) -> f32 {
-        (self.distance(fate) / AT_PLACE_PX).max(1.0) * (self.scale_ratio(fate) / SAME_SCALE).max(1.0)
-    }
-
-    /// Sorts candidates as [`Probe::fates`]; returns the number of those before the larger blobs.
-    fn sort(&self, fates: &mut [Fate]) -> usize {
-        fates.sort_by(|a, b| {
-            let apart = |fate: &Fate| self.apart(fate);
-            (self.is_larger(a).cmp(&self.is_larger(b)))
-                .then(apart(a).total_cmp(&apart(b)))
-                .then(b.is_kept().cmp(&a.is_kept()))
-                .then(strength(b).total_cmp(&strength(a)))
-        });
-        fates.partition_point(|fate| !self.is_larger(fate))
-    }
-}
-
-/// Strength of a candidate among others: its SNR, or |D| in a burst without noise.
-fn strength(fate: &Fate) -> f32 {
-    if fate.snr.is_finite() { fate.snr } else { fate.value.abs() }
-}
-
 /// Checks that `place` (u, v) lies in a picture of `size` (columns, rows), whose outer pixels reach half a pixel
 /// beyond their centres.
 pub fn check_place(place: [f32; 2], size: (usize, usize)) -> Result<(), Error> {
@@ -200,30 +165,38 @@ pub fn outside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Error {
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
 pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monitor: &Monitor) -> Result<Probe, Error> {
     let trail = &cache.trail;
-    let nearness = match options.wanted {
-        Wanted::Feature(index) => {
-            let features = &trail.detection().features;
-            let feature = features.get(index).ok_or_else(|| {
-                let problem = format!("there is no feature {index}: the detection has {}", features.len());
-                Error::param("feature", problem, "")
-            })?;
-            Nearness { place: [feature.u, feature.v], sigma: options.near_sigma.or(Some(feature.sigma)) }
-        }
-        _ => Nearness { place, sigma: options.near_sigma },
-    };
+    let mut nearness = Nearness { place, sigma: options.near_sigma, slopes: options.in_view.into_iter().collect() };
+    if let Wanted::Feature(index) = options.wanted {
+        let features = &trail.detection().features;
+        let feature = features.get(index).ok_or_else(|| {
+            let problem = format!("there is no feature {index}: the detection has {}", features.len());
+            Error::param("feature", problem, "")
+        })?;
+        nearness.place = [feature.u, feature.v];
+        nearness.sigma = options.near_sigma.or(Some(feature.sigma));
+        nearness.slopes = vec![options.in_view.unwrap_or(feature.slope)];
+    }
     let place = nearness.place;
     check_place(place, trail.size_image())?;
-    let (mut fates, mut samples) = (Vec::new(), 0);
-    for octave in trail.octaves() {
-        samples += candidates_near(trail, place, octave, options.reach_sigmas, monitor, &mut fates)?;
-    }
+    let Near { mut fates, samples, peaks } = near(trail, place, options.reach_sigmas, monitor)?;
     if let Wanted::Feature(index) = options.wanted {
         add_feature(trail, index, monitor, &mut fates)?;
     }
-    let near = nearness.sort(&mut fates);
-    let subject = subject(trail, &nearness, &fates, options.wanted)?;
-    if let Some(fate) = subject.fate.map(|index| &mut fates[index]).filter(|fate| fate.remedy.is_none()) {
-        fate.remedy = duplicate_remedy(trail, fate);
+    let motion = options.motion.or_else(|| motion_of(trail, place));
+    let own_slope = motion.map(|motion| motion.slope);
+    let own_slope = own_slope.or_else(|| clearest(trail, peaks.iter()).map(|clear| clear.slope));
+    nearness.slopes.extend(own_slope);
+    let near = nearness.sort(trail, &mut fates);
+    let subject = subject(trail, &nearness, (&fates, &peaks), options.wanted)?;
+    let mut reasons = reasons(trail, &nearness, (&fates, &peaks), own_slope, monitor)?;
+    if let Some(fate) = subject.fate.map(|index| &mut fates[index]) {
+        fate.remedy = fate.remedy.take().or_else(|| duplicate_remedy(trail, fate));
+        if fate.remedy.is_some()
+            && let Some(reason) = ghost(trail, fate, monitor)?
+        {
+            fate.remedy = None;
+            reasons.push(reason);
+        }
     }
     let grid = trail.params().used_slopes();
     let scale = (subject.octave, subject.level);
@@ -233,18 +206,22 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
         Some(index) => suspicions(trail, &fates[index], &shares.evenness, monitor)?,
         None => Vec::new(),
     };
-    let outlook = subject.fate.and_then(|index| outlook(trail, &fates[index]));
+    let is_no_ghost = reasons.iter().all(|reason| reason.kind != ReasonKind::Ghost);
+    let outlook = subject.fate.filter(|_| is_no_ghost).and_then(|index| outlook(trail, &fates[index]));
     let is_feature = subject.fate.is_some_and(|index| !fates[index].features.is_empty());
     let judged = is_feature.then(|| Judged::of(&shares.evenness, &suspicions));
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
-    let summary = summary_of(&nearness, &fates, near, &response);
+    let summary = summary_of(&nearness, (&fates, near), &reasons, &response);
     Ok(Probe {
         pos_image: place,
         fates,
         near,
         samples,
         subject,
+        reasons,
+        motion,
+        own_slope,
         response,
         shares,
         outlook,
@@ -255,7 +232,37 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     })
 }
 
-fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -> Result<Subject, Error> {
+/// Motion of a place from the field of the search, where it is known.
+fn motion_of(trail: &Trail, [u, v]: [f32; 2]) -> Option<PlaceMotion> {
+    let field = trail.detection().field.as_ref()?;
+    let motion = field.at(u, v);
+    field.is_known(&motion).then(|| PlaceMotion { slope: motion.slope, sigma: motion.ellipse().0[0] })
+}
+
+/// Reasons of the place: of a thing that is too small, unless one like it was kept, and of features at other slopes.
+fn reasons(
+    trail: &Trail,
+    nearness: &Nearness,
+    (fates, peaks): (&[Fate], &[Peak]),
+    own_slope: Option<Slope>,
+    monitor: &Monitor,
+) -> Result<Vec<Reason>, Cancelled> {
+    let small = too_small(trail, peaks, &nearness.slopes, monitor)?;
+    let is_kept = |fate: &Fate| fate.is_kept() && nearness.is_here(fate);
+    let smallest = trail.space().sigma_image(trail.space().first_octave, 0.0) as f32;
+    let is_it = |small: &Reason, fate: &Fate| {
+        is_like_scale(fate.sigma, smallest) && is_same_motion(trail, fate.slope, small.slope, smallest)
+    };
+    let small = small.filter(|small| !fates.iter().any(|fate| is_kept(fate) && is_it(small, fate)));
+    Ok(small.into_iter().chain(at_another_slope(trail, nearness, fates, own_slope)).collect())
+}
+
+fn subject(
+    trail: &Trail,
+    nearness: &Nearness,
+    (fates, peaks): (&[Fate], &[Peak]),
+    wanted: Wanted,
+) -> Result<Subject, Error> {
     let (grid, place) = (trail.params().used_slopes(), nearness.place);
     if let Wanted::Scale { octave, level, slope_index } = wanted {
         let levels = 0..trail.space().levels as i32;
@@ -267,21 +274,47 @@ fn subject(trail: &Trail, nearness: &Nearness, fates: &[Fate], wanted: Wanted) -
         let fate = fates.iter().position(|f| (f.octave, f.level, f.slope_index) == (octave, level, slope_index));
         return Ok(Subject { fate, pos_image: place, slope: grid.slope(slope_index), slope_index, octave, level });
     }
+    let of_fate = |index: usize| {
+        let &Fate { octave, level, slope_index, pos_image, slope, .. } = &fates[index];
+        Subject { fate: Some(index), pos_image, slope, slope_index, octave, level }
+    };
     let chosen = match wanted {
         Wanted::Candidate(sample) => fates.iter().position(|fate| fate.of_sample() == sample),
         Wanted::Feature(feature) => fates.iter().position(|fate| fate.features.contains(&feature)),
         _ => None,
     };
-    let index = chosen.or_else(|| fates.iter().position(|fate| nearness.is_here(fate)));
-    if let Some(&Fate { octave, level, slope_index, pos_image, slope, .. }) = fates.get(index.unwrap_or(0)) {
-        let (pos_image, slope) = if index.is_some() { (pos_image, slope) } else { (place, grid.slope(slope_index)) };
-        return Ok(Subject { fate: index, pos_image, slope, slope_index, octave, level });
+    if let Some(index) = chosen {
+        return Ok(of_fate(index));
+    }
+    for (class, &slope) in nearness.slopes.iter().enumerate() {
+        let is_of_it = |fate: &Fate| nearness.is_here(fate) && nearness.class(trail, fate) == class;
+        let candidate = fates.iter().position(is_of_it);
+        let clear = at_slope(trail, nearness, peaks, slope);
+        let tells =
+            |fate: &Fate| fate.is_kept() || clear.is_none_or(|(_, clear)| strength(fate) >= TELLING_PART * clear.snr);
+        match (candidate.filter(|index| tells(&fates[*index])), clear) {
+            (Some(index), _) => return Ok(of_fate(index)),
+            (None, Some((slope_index, Clear { peak, pos_image, .. }))) => {
+                let Sample { octave, level, .. } = peak.sample;
+                return Ok(Subject { fate: None, pos_image, slope, slope_index, octave, level });
+            }
+            (None, None) => {}
+        }
+    }
+    if let Some(index) = fates.iter().position(|fate| nearness.is_here(fate)) {
+        return Ok(of_fate(index));
     }
     let speed = |index: usize| grid.slope(index).magnitude();
-    let slope_index = (0..grid.len()).min_by(|&a, &b| speed(a).total_cmp(&speed(b))).unwrap_or(0);
-    let (octave, slope) = (trail.octaves().start, grid.slope(slope_index));
-    Ok(Subject { fate: None, pos_image: place, slope, slope_index, octave, level: 0 })
+    let slowest = || (0..grid.len()).min_by(|&a, &b| speed(a).total_cmp(&speed(b))).unwrap_or(0);
+    let looked_at = nearness.slopes.first().copied();
+    let slope_index = looked_at.map_or_else(slowest, |slope| nearest_slope(&grid, slope));
+    let (octave, level) = fates.first().map_or((trail.octaves().start, 0), |fate| (fate.octave, fate.level));
+    let slope = looked_at.unwrap_or_else(|| grid.slope(slope_index));
+    Ok(Subject { fate: None, pos_image: place, slope, slope_index, octave, level })
 }
+
+/// Share of the strongest response at its slope from which a candidate that was not kept tells of it.
+const TELLING_PART: f32 = 0.5;
 
 /// The fates of all candidates within `reach_sigmas` of their σ of a place (u, v), input pixels: those that came
 /// farthest first, then the strongest.
@@ -291,26 +324,46 @@ pub fn fates_near(
     reach_sigmas: f32,
     monitor: &Monitor,
 ) -> Result<Vec<Fate>, Cancelled> {
-    let mut fates = Vec::new();
-    for octave in trail.octaves() {
-        candidates_near(trail, place, octave, reach_sigmas, monitor, &mut fates)?;
-    }
+    Ok(sorted_by_stage(near(trail, place, reach_sigmas, monitor)?.fates))
+}
+
+/// Sorts fates as [`fates_near`].
+pub(super) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
     fates.sort_by(|a, b| {
         let stage = |fate: &Fate| fate.first_failed.map_or(Test::ALL.len(), |test| test as usize);
         stage(b).cmp(&stage(a)).then(strength(b).total_cmp(&strength(a)))
     });
-    Ok(fates)
+    fates
 }
 
-/// Returns the number of samples examined.
-fn candidates_near(
+/// Samples near a place.
+#[derive(Debug, Default)]
+pub(super) struct Near {
+    /// Candidates.
+    pub fates: Vec<Fate>,
+    /// Number of samples examined.
+    pub samples: usize,
+    /// Extrema in space at the place.
+    pub peaks: Vec<Peak>,
+}
+
+/// Examines the samples within `reach_sigmas` of their σ of a place (u, v), input pixels.
+pub(super) fn near(trail: &Trail, place: [f32; 2], reach_sigmas: f32, monitor: &Monitor) -> Result<Near, Cancelled> {
+    let mut out = Near::default();
+    for octave in trail.octaves() {
+        add_octave(trail, place, octave, reach_sigmas, monitor, &mut out)?;
+    }
+    Ok(out)
+}
+
+fn add_octave(
     trail: &Trail,
     place: [f32; 2],
     octave: i32,
     reach_sigmas: f32,
     monitor: &Monitor,
-    out: &mut Vec<Fate>,
-) -> Result<usize, Cancelled> {
+    out: &mut Near,
+) -> Result<(), Cancelled> {
     let (size, pixel, levels) = (trail.octave_size(octave), octave_pixel(octave), trail.space().levels);
     let reach = |level: i32| (reach_sigmas * trail.space().sigma_octave(f64::from(level)) as f32).max(2.0);
     let widest = reach(levels as i32 - 1).ceil() as usize;
@@ -324,8 +377,10 @@ fn candidates_near(
         du.hypot(dv) <= reach(sample.level)
     });
     let judged = trail.judge(&around, &samples);
-    out.extend(samples.iter().zip(judged).filter_map(|(sample, j)| Some(fate(trail, &around, sample, &j?))));
-    Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
+    out.fates.extend(samples.iter().zip(judged).filter_map(|(sample, j)| Some(fate(trail, &around, sample, &j?))));
+    out.samples += region.columns.len() * region.rows.len() * levels * around.tiles.len();
+    out.peaks.extend(peaks(trail, &around, place));
+    Ok(())
 }
 
 fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<Fate>) -> Result<(), Cancelled> {
@@ -352,9 +407,23 @@ pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Opti
     }))
 }
 
-fn summary_of(nearness: &Nearness, fates: &[Fate], near: usize, response: &ResponseMap) -> String {
+fn summary_of(
+    nearness: &Nearness,
+    (fates, near): (&[Fate], usize),
+    reasons: &[Reason],
+    response: &ResponseMap,
+) -> String {
     let here: Vec<&Fate> = fates.iter().filter(|fate| nearness.is_here(fate)).collect();
     let kept = here.iter().filter(|f| f.is_kept()).count();
+    if let Some(small) = reasons.iter().find(|reason| reason.kind == ReasonKind::TooSmall) {
+        let others = match kept {
+            0 => String::new(),
+            1 => "; one candidate here was kept, another thing or at another slope".to_owned(),
+            n => format!("; {n} candidates here were kept, other things or at other slopes"),
+        };
+        let slope = slope_text(small.slope);
+        return format!("What moves by {slope} here is too small for the scales that are searched{others}.");
+    }
     if kept > 0 {
         let also = match fates[..near].iter().filter(|f| f.first_failed == Some(Test::Duplicate)).count() {
             0 => String::new(),
@@ -457,17 +526,23 @@ mod tests {
         let place = [81.0, 80.5];
         let probe = at(&cache, place, ProbeOptions::default());
         let one = |du: f32, sigma| Fate { pos_image: [place[0] + du, place[1]], sigma, ..probe.fates[0].clone() };
-        let nearness = Nearness { place, sigma: None };
+        let (nearness, trail) = (Nearness { place, sigma: None, slopes: Vec::new() }, &cache.trail);
         let mut fates = [one(30.0, 20.0), one(5.0, 12.0), one(7.0, 4.0), one(4.0, 2.0)];
-        assert_eq!(nearness.sort(&mut fates), 2);
+        assert_eq!(nearness.sort(trail, &mut fates), 2);
         assert_eq!(fates.each_ref().map(|fate| fate.sigma), [2.0, 4.0, 12.0, 20.0]);
-        let summary = |fates: &[Fate], near| summary_of(&nearness, fates, near, &probe.response);
+        let summary = |fates: &[Fate], near| summary_of(&nearness, (fates, near), &[], &probe.response);
         let text = summary(&fates, 2);
         let nothing = "No candidate lies within 3 px of this place";
         assert!(text.starts_with(&format!("{nothing}. The nearest is 4 px away, with σ 2 px: below")), "{text}");
         assert_eq!(summary(&fates[2..], 0), format!("{nothing}; 2 larger blobs reach over it."));
         assert!(summary(&[one(1.0, 2.0)], 1).starts_with("Nothing was kept here. The candidate here has SNR"));
-        let subject = subject(&cache.trail, &nearness, &fates, Wanted::Best).expect("valid");
-        assert_eq!((subject.fate, subject.pos_image, subject.level), (None, place, fates[0].level));
+        // The place is examined at the slope that is looked at, not at that of another place's candidate.
+        let slope = Slope::new(-0.8, 0.0);
+        let looked_at = Nearness { slopes: vec![slope], ..nearness.clone() };
+        for (nearness, slope) in [(nearness, Slope::default()), (looked_at, slope)] {
+            let subject = subject(trail, &nearness, (&fates, &[]), Wanted::Best).expect("valid");
+            assert_eq!((subject.fate, subject.pos_image, subject.level), (None, place, fates[0].level));
+            assert_eq!(subject.slope, slope);
+        }
     }
 }

@@ -3,7 +3,7 @@
 //! A remedy changes the limit of the first failed test just so far that the candidate passes it. Some verdicts have
 //! none: a sample that a neighbour beats is no extremum with any setting.
 
-use super::fate::{Fate, Remedy, Rival, Side, apart_sigmas};
+use super::fate::{Fate, OnEdge, Remedy, Rival, Side, apart_sigmas};
 use super::words::{filled, number, rounded_down, rounded_up};
 use crate::detector::params::{Word, doc};
 use crate::detector::pipeline::FIRST_PEAK_PART;
@@ -13,9 +13,9 @@ use crate::detector::{
 
 /// Margin by which a limit is changed further: the search computes in single precision.
 const EASE: f64 = 1e-4;
-/// Smallest radius of distinct keypoints that is proposed, and smallest ratio of scales.
-const MIN_RADIUS: f64 = 0.05;
-const MIN_RATIO: f64 = 1.02;
+/// Smallest part of the radius of distinct keypoints, and of its ratio of scales beyond 1, that is proposed: nearer
+/// ones are the same thing, and would be kept many times.
+const LEAST_PART: f64 = 0.5;
 
 pub(super) fn explained(trail: &Trail, judgement: &Judgement, fate: Fate) -> Fate {
     let verdict = verdict(trail, &fate);
@@ -43,7 +43,12 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
         };
     };
     let (report, record) = (fate.report(test), test.record());
-    filled(report.unless_boundless(record.verdict), |word| match (word, report.rival) {
+    let edge = match fate.edge {
+        Some(OnEdge { along_motion: true, .. }) => ": an edge along its motion, which looks alike at every slope",
+        Some(_) if test == Test::Refinement => ": it lies on an edge",
+        _ => "",
+    };
+    let verdict = filled(report.unless_boundless(record.verdict), |word| match (word, report.rival) {
         ("threshold", _) => record.parameter.map_or_else(String::new, |parameter| parameter.text(trail.params())),
         ("where", Some(Rival { pos_image: [u, v], .. })) => {
             match (u - fate.pos_image[0]).hypot(v - fate.pos_image[1]) {
@@ -54,7 +59,8 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
         ("cause", Some(rival)) if rises_past_the_rim(trail, fate, rival.slope) => "the motion lies beyond".to_owned(),
         ("cause", _) => "the same blob".to_owned(),
         _ => report.word(word),
-    })
+    });
+    verdict + edge
 }
 
 fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
@@ -110,8 +116,8 @@ fn remedied(test: Test, change: ParamChange, was: &str) -> (String, ParamChange)
     (sentence, change)
 }
 
-/// The smallest change that keeps a keypoint beside the stronger one on its blob; `None` for one that is no duplicate.
-/// It takes a while: the nearby keypoints are compared again.
+/// The smallest change that keeps a keypoint beside the stronger one on its blob; `None` for one that is no duplicate,
+/// and where it would keep almost all duplicates. It takes a while: the nearby keypoints are compared again.
 pub fn duplicate_remedy(trail: &Trail, fate: &Fate) -> Option<Remedy> {
     let index = fate.keypoint.filter(|_| fate.first_failed == Some(Test::Duplicate))?;
     let (sentence, change) = distinct_change(trail, index)?;
@@ -126,16 +132,13 @@ fn distinct_change(trail: &Trail, index: usize) -> Option<(String, ParamChange)>
     let (a, b) = (stronger.in_image().2, own.in_image().2);
     let ratio = f64::from(a.max(b) / a.min(b));
     let (closer, less) = (rounded_down((1.0 - EASE) * distance, 2), rounded_down((1.0 - EASE) * ratio, 3));
+    let (part_closer, part_less) = (closer / f64::from(radius), (less - 1.0) / f64::from(params.distinct_scale - 1.0));
     // The smaller change first; whether it has the effect depends on the nearby keypoints.
-    let by_radius = (closer >= MIN_RADIUS && trail.would_stay(index, closer as f32, params.distinct_scale))
-        .then(|| (closer / f64::from(radius), ParamChange::new(doc::DISTINCT, closer), radius.to_string()));
-    let by_ratio = (less > MIN_RATIO && trail.would_stay(index, radius, less as f32)).then(|| {
-        let part = (less - 1.0) / f64::from(params.distinct_scale - 1.0);
-        (part, ParamChange::new(doc::DISTINCT_SCALE, less), params.distinct_scale.to_string())
-    });
-    let smaller = by_radius.into_iter().chain(by_ratio).max_by(|a, b| a.0.total_cmp(&b.0));
-    let (_, change, was) =
-        smaller.unwrap_or_else(|| (0.0, ParamChange::new(doc::DISTINCT, Distinct::Off), radius.to_string()));
+    let by_radius = (part_closer >= LEAST_PART && trail.would_stay(index, closer as f32, params.distinct_scale))
+        .then(|| (part_closer, ParamChange::new(doc::DISTINCT, closer), radius.to_string()));
+    let by_ratio = (part_less >= LEAST_PART && trail.would_stay(index, radius, less as f32))
+        .then(|| (part_less, ParamChange::new(doc::DISTINCT_SCALE, less), params.distinct_scale.to_string()));
+    let (_, change, was) = by_radius.into_iter().chain(by_ratio).max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(remedied(Test::Duplicate, change, &was))
 }
 

@@ -28,6 +28,12 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     let [u, v] = probe.pos_image;
     writeln!(out, "{name} at ({}, {})", number(u, 1), number(v, 1))?;
     writeln!(out, "  {}", probe.summary)?;
+    for reason in &probe.reasons {
+        writeln!(out, "  {}", sentence(&reason.sentence))?;
+        if let Some(change) = &reason.change {
+            writeln!(out, "    try {}", change.option())?;
+        }
+    }
     if let Some(fate) = probe.subject_fate() {
         writeln!(out)?;
         write_fate(out, fate)?;

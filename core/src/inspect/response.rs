@@ -1,6 +1,7 @@
 //! The response at one place over slope and scale, finer than the grid: D in units of its noise, with its sign. It is
 //! computed from the frames ([`Trail::point_response`]), and equals the search's up to interpolation.
 
+use super::order::PlaceMotion;
 use crate::detector::{Slope, SlopeAxis, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -122,6 +123,16 @@ impl ResponseMap {
         let on = self.columns[nearest];
         let more = if length > 0.0 { ((slope.u - on.u) * du + (slope.v - on.v) * dv) / length } else { 0.0 };
         self.slopes.column_of(self.slopes.values[nearest] + more)
+    }
+
+    /// The columns, fractions between them, one standard deviation to each side of a motion.
+    pub fn band_of(&self, motion: &PlaceMotion) -> [f32; 2] {
+        let at = self.column_of(motion.slope);
+        let part = match self.slopes.values[..] {
+            [first, second, ..] => motion.sigma / (second - first).abs(),
+            _ => 0.0,
+        };
+        [at - part, at + part]
     }
 
     /// The strongest response: (column, row, value).

@@ -73,6 +73,15 @@ pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> b
     distance <= REACH_IN_RADII * disc.radius + REACH_PIXELS && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
 }
 
+/// Largest difference, pixels per frame, of a feature's slope from a disc's that counts as the same motion.
+pub const MOTION_PX: f32 = 0.35;
+
+/// Largest difference of slopes, pixels per frame, that counts as the same motion for a blob of scale `sigma` (pixels)
+/// in a burst of `frames` frames: [`MOTION_PX`], or that by which the burst smears it over one σ, if this is more.
+pub fn motion_limit(sigma: f32, frames: usize) -> f32 {
+    MOTION_PX.max(sigma / frames.saturating_sub(1).max(1) as f32)
+}
+
 /// Judgement of a feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judged {

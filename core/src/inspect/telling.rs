@@ -1,14 +1,15 @@
 //! The fate of a sample: the value and the limit of each test, and the rival. The verdict is the search's own
 //! ([`crate::detector::Judgement`]); this only says what it compared.
 
-use super::fate::{Fate, Outcome, Rival, TestReport, apart_sigmas};
+use super::fate::{Fate, OnEdge, Outcome, Rival, TestReport, apart_sigmas};
+use super::shares::{direction_of, directions};
 use crate::detector::feature::Keypoint;
 use crate::detector::pipeline::{FIRST_PEAK_PART, compared_slopes};
 use crate::detector::refine::{Limits, MAX_OFFSET};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::extrema::scale_ease;
 use crate::detector::search::{ascends, first_gate_part};
-use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, SlopeExtrema, SlopeNeighbours, Test, Trail};
+use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, Slope, SlopeExtrema, SlopeNeighbours, Test, Trail};
 
 /// The fate of a judged sample; `around` holds it.
 pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &Judgement) -> Fate {
@@ -28,6 +29,8 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
     let features: Vec<usize> =
         keypoint.into_iter().flat_map(|k| trail.ranks_of(k)).filter(|r| *r < found.len()).collect();
     let refined = features.first().map(|&index| found[index]);
+    let slope = refined.map_or_else(|| grid.slope(sample.slope_index), |f| f.slope);
+    let asks_for_edge = matches!(first_failed, Some(Test::Refinement | Test::Edge));
     let fate = Fate {
         octave: sample.octave,
         level: sample.level,
@@ -35,7 +38,9 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
         sample: [sample.x, sample.y],
         pos_image: refined.map_or([u, v], |f| [f.u, f.v]),
         sigma: refined.map_or(sigma, |f| f.sigma),
-        slope: refined.map_or_else(|| grid.slope(sample.slope_index), |f| f.slope),
+        slope,
+        would_move: judgement.would_be.filter(|_| refined.is_none()).map_or(slope, |keypoint| keypoint.slope),
+        edge: if asks_for_edge { telling.edge(slope) } else { None },
         value: judgement.value,
         snr: over(judgement.value.abs(), judgement.sigma_d),
         sigma_d: judgement.sigma_d,
@@ -222,6 +227,29 @@ impl<'a> Telling<'a> {
         TestReport { rival, ..TestReport::new(Test::Duplicate, outcome, distance, radius) }
     }
 
+    /// The edge at the sample: where one principal curvature of D is that much larger than the other, or they differ in
+    /// sign. It runs in the direction of the smaller one.
+    fn edge(&self, slope: Slope) -> Option<OnEdge> {
+        let (&Sample { x, y, slope_index, .. }, level) = (self.sample, self.sample.level_index());
+        let at = |u: usize, v: usize| self.around.tiles[slope_index].at(level, u, v);
+        let twice = 2.0 * at(x, y);
+        let (uu, vv) = (at(x + 1, y) + at(x - 1, y) - twice, at(x, y + 1) + at(x, y - 1) - twice);
+        let uv = 0.25 * (at(x + 1, y + 1) + at(x - 1, y - 1) - at(x + 1, y - 1) - at(x - 1, y + 1));
+        let (mean, half) = (0.5 * (uu + vv), 0.5 * (uu - vv).hypot(2.0 * uv));
+        let (large, small) = (mean.abs() + half, mean.abs() - half);
+        if small > 0.0 && large < EDGE_RATIO * small {
+            return None;
+        }
+        // Angle of the axis of the larger curvature; the edge is at right angles to it.
+        let steepest = 0.5 * (2.0 * uv * mean.signum()).atan2((uu - vv) * mean.signum());
+        let direction = [-steepest.sin(), steepest.cos()];
+        let grid = self.trail.params().used_slopes();
+        let is_along = |[u, v]: [f32; 2]| (u * direction[0] + v * direction[1]).abs() > ALONG;
+        let line = directions(&grid).filter(|_| !grid.is_plane()).any(is_along);
+        let motion = slope.magnitude() > 0.0 && is_along(direction_of(slope));
+        Some(OnEdge { direction, along_motion: line || motion })
+    }
+
     fn is_cut(&self) -> bool {
         self.keypoint.is_some_and(|keypoint| self.trail.is_cut(keypoint))
     }
@@ -240,6 +268,11 @@ impl<'a> Telling<'a> {
         TestReport::new(Test::MaxFeatures, outcome, value, (max > 0).then_some(max as f64))
     }
 }
+
+/// Ratio of principal curvatures from which a candidate that fails lies on an edge.
+const EDGE_RATIO: f32 = 5.0;
+/// Cosine of the largest angle, 30°, between an edge and a motion along it.
+const ALONG: f32 = 0.866;
 
 struct Strongest {
     slope_index: usize,

@@ -1,13 +1,17 @@
 //! The features of a burst compared with its truth by the rule of [`crate::inspect::score`], with the reason of each
-//! miss.
+//! miss. A disc of which all features move otherwise than it does ([`motion_limit`]) is not found, but found at a wrong
+//! motion.
 
-use super::probe::fates_near;
+use super::order::is_same_motion;
+use super::probe::{Near, near, sorted_by_stage};
+use super::reason::too_small;
 use super::{Fate, ProbeCache};
 use crate::burst::Burst;
+use crate::detector::{Feature, Slope};
 use crate::error::{Error, ErrorKind};
 use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
-use crate::inspect::score::{Ranking, finds, is_of_disc, judge};
+use crate::inspect::score::{Ranking, finds, is_of_disc, judge, motion_limit};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
 use serde::Serialize;
@@ -80,8 +84,10 @@ pub struct Miss {
 /// Comparison of features with the truth.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct AgainstTruth {
-    /// (feature, disc) for each disc found.
+    /// (feature, disc) for each disc found: the strongest feature on it that moves as it does.
     pub found: Vec<(usize, usize)>,
+    /// (feature, disc) for each disc that only features of another motion lie on: the strongest of them.
+    pub at_wrong_motion: Vec<(usize, usize)>,
     /// Discs that were not found.
     pub missed: Vec<Miss>,
     /// Features on a disc that a stronger one already found.
@@ -100,11 +106,13 @@ impl AgainstTruth {
 
     /// The counts as a sentence.
     pub fn summary(&self) -> String {
+        let discs = [self.found.len(), self.at_wrong_motion.len(), self.missed.len()];
         format!(
-            "{} of {} found; {} missed, {} repeated, {} {}",
-            self.found.len(),
-            self.found.len() + self.missed.len(),
-            self.missed.len(),
+            "{} of {} found; {} at a wrong motion, {} missed, {} repeated, {} {}",
+            discs[0],
+            discs.iter().sum::<usize>(),
+            discs[1],
+            discs[2],
             self.repeated.len(),
             self.elsewhere.len(),
             self.name_of_elsewhere().to_lowercase()
@@ -115,23 +123,46 @@ impl AgainstTruth {
 /// Compares the features with `truth`.
 pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Result<AgainstTruth, Cancelled> {
     let features = &cache.detection().features;
-    let judged = judge(features, truth, Ranking::Strength);
+    // Those of one keypoint count once.
+    let mut rest: Vec<usize> = judge(features, truth, Ranking::Strength).iter().map(|judged| judged.feature).collect();
     let mut out = AgainstTruth { is_whole_truth: truth.kind == TruthKind::Chart, ..AgainstTruth::default() };
-    for one in &judged {
-        match one.disc {
-            Some(disc) => out.found.push((one.feature, disc)),
-            None if truth.features.iter().any(|disc| finds(&features[one.feature], disc)) => {
-                out.repeated.push(one.feature);
-            }
-            None => out.elsewhere.push(one.feature),
-        }
+    let mut free = vec![true; truth.features.len()];
+    for by_motion in [true, false] {
+        rest.retain(|&index| {
+            let feature = &features[index];
+            let distance = |disc: usize| {
+                let disc = &truth.features[disc];
+                (f64::from(feature.u) - disc.u).hypot(f64::from(feature.v) - disc.v)
+            };
+            let finds = |disc: &usize| {
+                let disc = &truth.features[*disc];
+                finds(feature, disc) && (!by_motion || moves_as(feature, disc, truth.frames))
+            };
+            let discs = (0..free.len()).filter(|disc| free[*disc]).filter(finds);
+            let Some(disc) = discs.min_by(|a, b| distance(*a).total_cmp(&distance(*b))) else { return true };
+            free[disc] = false;
+            if by_motion { &mut out.found } else { &mut out.at_wrong_motion }.push((index, disc));
+            false
+        });
     }
-    let is_found: std::collections::HashSet<usize> = out.found.iter().map(|(_, disc)| *disc).collect();
-    for (index, disc) in truth.features.iter().enumerate().filter(|(index, _)| !is_found.contains(index)) {
+    let lies_on_one = |index: &usize| truth.features.iter().any(|disc| finds(&features[*index], disc));
+    (out.repeated, out.elsewhere) = rest.into_iter().partition(lies_on_one);
+    for (index, disc) in truth.features.iter().enumerate().filter(|(index, _)| free[*index]) {
         monitor.check()?;
         out.missed.push(miss(cache, index, disc, monitor)?);
     }
     Ok(out)
+}
+
+fn slope_of(disc: &FeatureTruth) -> Slope {
+    Slope::new(disc.slope_u as f32, disc.slope_v as f32)
+}
+
+/// Whether `feature` moves as `disc` does, in a burst of `frames` frames.
+fn moves_as(feature: &Feature, disc: &FeatureTruth, frames: usize) -> bool {
+    let slope = slope_of(disc);
+    let apart = (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v);
+    apart <= motion_limit(disc.sigma as f32, frames)
 }
 
 /// Reason why no feature found `disc`, the truth's number `index`.
@@ -142,13 +173,21 @@ pub fn miss(cache: &ProbeCache, index: usize, disc: &FeatureTruth, monitor: &Mon
         return Ok(Miss { disc: index, fate: None, why: "it lies outside the picture at mid-burst".to_owned() });
     }
     let place = [disc.u as f32, disc.v as f32];
-    let fates = fates_near(&cache.trail, place, REACH_SIGMAS, monitor)?;
+    let (trail, slope) = (&cache.trail, slope_of(disc));
+    let Near { fates, peaks, .. } = near(trail, place, REACH_SIGMAS, monitor)?;
     // A candidate would find it with its position, its size, and its sign (a bright disc is a negative extremum).
     let would_find =
-        |fate: &&Fate| is_of_disc(fate.pos_image, fate.sigma, disc) && (fate.value < 0.0) == (disc.contrast_sign > 0);
-    let best = fates.into_iter().find(|fate| would_find(&fate));
+        |fate: &Fate| is_of_disc(fate.pos_image, fate.sigma, disc) && (fate.value < 0.0) == (disc.contrast_sign > 0);
+    let fates: Vec<Fate> = sorted_by_stage(fates.into_iter().filter(would_find).collect());
+    let moves = |fate: &&Fate| is_same_motion(trail, fate.slope, slope, disc.sigma as f32);
+    let own = fates.iter().find(moves);
+    let outdoes = |snr: f32| own.is_none_or(|fate| !fate.is_kept() && snr > fate.snr);
+    let small = too_small(trail, &peaks, &[slope], monitor)?;
+    let small = small.filter(|reason| reason.sigma_and_snr.is_some_and(|(_, snr)| outdoes(snr)));
+    let best = own.or(fates.first()).cloned();
     let nothing = || "no candidate of its size stands out there at any slope".to_owned();
-    let why = best.as_ref().map_or_else(nothing, |fate| fate.verdict.clone());
+    let why = small.map(|reason| reason.sentence);
+    let why = why.unwrap_or_else(|| best.as_ref().map_or_else(nothing, |fate| fate.verdict.clone()));
     Ok(Miss { disc: index, fate: best, why })
 }
 

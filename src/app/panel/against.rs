@@ -21,6 +21,7 @@ use egui_extras::{Column, TableBuilder};
 pub fn colour(with: With, kind: Kind) -> Color32 {
     match (with, kind) {
         (_, Kind::Theirs) => Color32::from_rgb(0xff, 0x6b, 0xb5),
+        (_, Kind::WrongMotion) => Color32::from_rgb(0x4d, 0xd0, 0xe1),
         (With::Truth, Kind::Ours) => Color32::from_rgb(0xff, 0x8a, 0x3d),
         (_, Kind::Ours) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
         (_, Kind::Moved) => Color32::from_rgb(0xff, 0xd2, 0x4a),

@@ -127,6 +127,10 @@ pub fn features_ui(
     has_legend: bool,
 ) {
     state.drawn_of = None;
+    let is_probed = id == model.probed_pane_id();
+    if is_probed {
+        model.probe.as_dots.clear();
+    }
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
     let Some(pane) = model.panes.get(id) else { return };
     let (side, is_of_burst) = (pane.side, matches!(model.workspace, Workspace::Inspect | Workspace::Pair));
@@ -146,6 +150,10 @@ pub fn features_ui(
     let can_be_pointed_at = on_top || layer.method.is_some();
     let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
     let mut in_full = layer.in_full(output);
+    if is_probed && layer.method.is_none() {
+        let here = model.probe.features_here();
+        model.probe.as_dots = here.into_iter().filter(|feature| in_full.dots.contains(feature)).collect();
+    }
     let pointed = pointer.and_then(|pos| layer.at(output, &in_full, pos));
     if pointer.is_some() {
         layer.hovered = pointed;

@@ -2,7 +2,7 @@
 //!
 //! One place of one burst is probed at a time. Swapping the sides takes the probe along with its burst.
 
-use crate::app::pane::Pane;
+use crate::app::pane::{Pane, PaneId};
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::Side;
@@ -10,8 +10,9 @@ use crate::app::project::workspace::Workspace;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
 use crate::engine::{Engine, Wanted};
+use crate::inspect::Fate;
 use crate::inspect::price::time_factor;
-use crate::inspect::probe::Wanted as Subject;
+use crate::inspect::probe::{AT_PLACE_PX, Wanted as Subject};
 use crate::inspect::remedy::nearest_slope;
 use crate::inspect::words::capitalised;
 use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
@@ -34,6 +35,10 @@ pub struct ProbeModel {
     pub question: Option<ProbeQuestion>,
     /// Scale σ near which candidates come first, input pixels: that of the DoG in view; `None` for all alike.
     pub near_sigma: Option<f32>,
+    /// Slope by which candidates come first: that of the picture in view; `None` for a picture of no slope.
+    pub in_view: Option<Slope>,
+    /// Features at the place that the pane of the probed burst drew as dots in the last pass.
+    pub as_dots: Vec<usize>,
     pub traced: Option<Traced>,
     pub answer: Option<Probed>,
     pub problem: Option<String>,
@@ -77,7 +82,17 @@ impl ProbeModel {
     }
 
     pub fn wanted(&self) -> Option<ProbeRequest> {
-        Some(ProbeRequest { traced: self.traced.clone()?, question: self.question?, near_sigma: self.near_sigma })
+        let &Self { near_sigma, in_view, .. } = self;
+        Some(ProbeRequest { traced: self.traced.clone()?, question: self.question?, near_sigma, in_view })
+    }
+
+    /// Features of the answer that lie at its place.
+    pub fn features_here(&self) -> Vec<usize> {
+        let Some(probe) = self.answer.as_ref().map(|answer| &answer.probe) else { return Vec::new() };
+        let away =
+            |fate: &&Fate| (fate.pos_image[0] - probe.pos_image[0]).hypot(fate.pos_image[1] - probe.pos_image[1]);
+        let here = probe.near_fates().iter().filter(|fate| away(fate) <= AT_PLACE_PX);
+        here.filter_map(|fate| fate.features.first().copied()).collect()
     }
 
     pub fn saved(&self, side: Side) -> Option<SavedProbe> {
@@ -202,12 +217,13 @@ impl Model {
         self.open_probe();
     }
 
-    /// A question about a feature has its own scale.
+    /// A question about a feature has its own scale and slope.
     fn set_question(&mut self, side: Side, question: ProbeQuestion) {
         self.probe.turn_to(side);
         self.probe.question = Some(question);
         let has_scale = matches!(question, ProbeQuestion::At { wanted: Subject::Feature(_), .. });
         self.probe.near_sigma = if has_scale { None } else { self.sigma_in_view() };
+        self.probe.in_view = if has_scale { None } else { self.slope_in_view() };
     }
 
     /// Scale σ of the DoG that the pane of the probed burst shows, input pixels; `None` for other content.
@@ -215,6 +231,13 @@ impl Model {
         let (pane, params) = (self.probed_pane(), &self.slots[self.probe.side].usable_params);
         let space = ScaleSpace::of(params);
         pane.shows(ViewKind::Dog).then(|| space.sigma_image(pane.cursor.octave, f64::from(pane.cursor.level)) as f32)
+    }
+
+    /// The slope of the picture that the pane of the probed burst shows; `None` for other content.
+    fn slope_in_view(&self) -> Option<Slope> {
+        let pane = self.probed_pane();
+        let is_of_slope = pane.shown().is_some_and(|kind| kind.about().of_slope);
+        is_of_slope.then_some(pane.cursor.slope)
     }
 
     pub fn untraced(&self) -> Option<DetectionSource> {
@@ -259,10 +282,13 @@ impl Model {
         self.probe.side == Side::A || self.workspace == Workspace::Pair
     }
 
+    pub fn probed_pane_id(&self) -> PaneId {
+        let side = self.probe.side;
+        if self.focused().side == side { self.focus() } else { self.pane_for(side) }
+    }
+
     pub fn probed_pane(&self) -> &Pane {
-        let (focused, side) = (self.focused(), self.probe.side);
-        let other = || self.panes.get(self.pane_for(side)).unwrap_or_else(|| self.panes.of(side));
-        if focused.side == side { focused } else { other() }
+        self.panes.get(self.probed_pane_id()).unwrap_or_else(|| self.panes.of(self.probe.side))
     }
 
     pub(in crate::app) fn clear_probe_of(&mut self, side: Side) {
@@ -380,8 +406,16 @@ mod tests {
         assert!(!bench.model.probe.is_current(), "another scale is another question");
         bench.settle();
         assert!(bench.model.probe.is_current());
+        let pane = bench.model.panes.of_mut(Side::A);
+        (pane.cursor.slope, pane.cursor.kind) = (Slope::new(0.25, 0.0), ViewKind::Stack);
+        bench.model.probe_place(Side::A, place);
+        assert_eq!(bench.model.probe.in_view, Some(Slope::new(0.25, 0.0)), "the slope in view comes first");
+        bench.model.panes.of_mut(Side::A).show(ViewKind::Frame);
+        bench.model.probe_place(Side::A, place);
+        assert_eq!(bench.model.probe.in_view, None, "a frame has no slope");
         bench.model.probe_feature(Side::A, 0);
-        assert_eq!(bench.model.probe.near_sigma, None, "a feature has its own scale");
+        let own = (bench.model.probe.near_sigma, bench.model.probe.in_view);
+        assert_eq!(own, (None, None), "a feature has its own scale and slope");
     }
 
     #[test]
@@ -467,7 +501,8 @@ mod tests {
             let answer = model.probe.answer.as_ref().expect("there");
             let cache = &answer.request.traced.cache;
             assert_eq!(cache.detection().features, model.found_of(side).expect("found").detection.features);
-            let expected = probe(cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside");
+            let options = ProbeOptions { in_view: answer.request.in_view, ..ProbeOptions::default() };
+            let expected = probe(cache, place, &options, &Monitor::default()).expect("inside");
             assert_eq!(answer.probe.fates, expected.fates);
             assert!(model.untraced().is_none() && !model.probe_is_stale() && model.probe_is_here());
         }

@@ -273,7 +273,7 @@ impl FoundFeatures {
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
         let Detected { asked, params, searched, search_secs, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());
-        let judgement = judgement(&detection, &params, finding.as_ref(), burst.burst.len());
+        let judgement = judgement(&detection, &params, finding.as_ref(), &burst.burst);
         Self { asked, params, searched, search_secs, finding, detection, elapsed, advice, judgement }
     }
 }

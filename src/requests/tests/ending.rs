@@ -48,7 +48,12 @@ fn what_was_cancelled_before_it_began_has_no_answer() {
 }
 
 fn probe(burst: BurstId, cache: Arc<ProbeCache>) -> ProbeRequest {
-    ProbeRequest { traced: Traced { burst, cache }, question: ProbeQuestion::Strongest, near_sigma: None }
+    ProbeRequest {
+        traced: Traced { burst, cache },
+        question: ProbeQuestion::Strongest,
+        near_sigma: None,
+        in_view: None,
+    }
 }
 
 /// A monitor that is cancelled at the first report of `at` or more, and what is reported after that.

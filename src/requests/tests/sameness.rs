@@ -85,7 +85,7 @@ fn features_found_anew_are_others_and_so_is_a_trail() {
     let made = || NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
     let ask = |cache: &Arc<ProbeCache>, near_sigma| {
         let traced = Traced { burst: open().id, cache: cache.clone() };
-        ProbeRequest { traced, question: ProbeQuestion::Strongest, near_sigma }
+        ProbeRequest { traced, question: ProbeQuestion::Strongest, near_sigma, in_view: None }
     };
     let cache = made();
     assert!(ask(&cache, None) == ask(&cache, None));

@@ -4,7 +4,7 @@
 use super::judgement::Judging;
 use super::{Alias, Spectrum, coverage_share};
 use crate::detector::params::doc;
-use crate::detector::{FrameRange, ParamChange, Slope, SlopeAxis, SlopeVerdict};
+use crate::detector::{ParamChange, Slope, SlopeAxis, SlopeVerdict};
 use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number, slope_text};
 use serde::Serialize;
@@ -45,14 +45,20 @@ pub struct SlopeAdvice {
 }
 
 pub(super) fn advice(cache: &ProbeCache, spectrum: &Spectrum) -> Vec<SlopeAdvice> {
-    let judging = Judging::new(cache.detection(), cache.params(), Some(&spectrum.finding), &spectrum.evidence);
+    let judging = Judging::new(
+        cache.detection(),
+        cache.params(),
+        Some(&spectrum.finding),
+        &spectrum.evidence,
+        cache.burst.size(),
+    );
     let Some(judging) = judging else { return Vec::new() };
     let telling = Telling { cache, spectrum, judging };
     let judged = spectrum.judgement.as_ref().and_then(|judgement| judgement.advice.clone());
-    // Missing slopes come before superfluous ones.
+    // Missing slopes come before superfluous ones, and those of frames that do not move straight after these.
     let is_superfluous = judged.as_ref().is_some_and(|one| one.subject == Subject::Cost);
     let (missing, superfluous) = if is_superfluous { (None, judged) } else { (judged, None) };
-    let all = [telling.frames(), missing, telling.coverage(), telling.aliases(), superfluous];
+    let all = [missing, telling.coverage(), telling.aliases(), superfluous];
     all.into_iter().flatten().collect()
 }
 
@@ -64,8 +70,6 @@ struct Telling<'a> {
 
 /// Minimum share of the picture that all frames should show at the typical slope of the evidence.
 const COVERED: f32 = 0.7;
-/// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
-const STRAIGHT_PX: f32 = 1.4;
 const ALIAS_PLACES: usize = 2;
 
 impl Telling<'_> {
@@ -115,44 +119,6 @@ impl Telling<'_> {
         })
     }
 
-    fn frames(&self) -> Option<SlopeAdvice> {
-        let finding = &self.spectrum.finding;
-        let frames = self.spectrum.frames;
-        let (left, why) = match finding.verdict {
-            SlopeVerdict::NotStraight => {
-                // The deviation of a bent motion grows with the square of the time.
-                let off = finding.deviation_px.filter(|off| *off > STRAIGHT_PX)?;
-                let px = number(off, 1);
-                let why = match finding.warnings[..] {
-                    [] => format!("the motion is not straight: it deviates from a uniform one by up to {px} px"),
-                    _ => finding.irregularities(),
-                };
-                ((frames as f32 * (STRAIGHT_PX / off).sqrt()) as usize, why)
-            }
-            SlopeVerdict::Film => {
-                let (width, height) = self.cache.burst.size();
-                let (part, px) = (finding.moved_px / width.min(height) as f32, number(finding.moved_px, 0));
-                let why = format!("the picture moves by {px} px over the frames, more than a third of it");
-                ((frames as f32 * 0.25 / part.max(0.25)) as usize, why)
-            }
-            _ => return None,
-        };
-        let left = left.clamp(2, frames);
-        let fewer = frames - left;
-        (fewer > 0).then(|| SlopeAdvice {
-            subject: Subject::Frames,
-            number: fewer as f64,
-            sentence: format!("{why}; {fewer} of the {frames} frames add nothing but blur"),
-            changes: vec![self.middle_frames(left)],
-        })
-    }
-
-    fn middle_frames(&self, count: usize) -> ParamChange {
-        let used = self.cache.detection().frames_used.clone();
-        let start = used.start + (used.len() - count.min(used.len())) / 2;
-        ParamChange::new(doc::FRAMES, FrameRange { start, end: start + count.min(used.len()) })
-    }
-
     fn coverage(&self) -> Option<SlopeAdvice> {
         let size = self.cache.burst.size();
         let frames = self.spectrum.frames;
@@ -180,7 +146,7 @@ impl Telling<'_> {
             subject: Subject::Coverage,
             number: f64::from(share),
             sentence,
-            changes: vec![self.middle_frames(enough)],
+            changes: vec![self.judging.middle_frames(enough)],
         })
     }
 }

@@ -3,13 +3,15 @@
 //! (`limit`) only where the frames show nothing clear.
 
 use super::{SlopeAdvice, Subject};
+use crate::burst::Burst;
 use crate::detector::advice::grouped;
 use crate::detector::limit::response_loss;
 use crate::detector::params::doc;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::slopes::{SlopeEvidence, axis_through, slopes_needed};
 use crate::detector::{
-    Detection, DetectorParams, Feature, Method, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict,
+    Detection, DetectorParams, Feature, FrameRange, Method, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid,
+    SlopeVerdict,
 };
 use crate::inspect::words::{counted, number};
 use serde::Serialize;
@@ -30,6 +32,10 @@ const AT_LIMIT: f64 = 0.08;
 /// Part of those that must lie at one end of an axis for the axis to be widened there.
 const OF_THOSE: f64 = 0.25;
 const ENOUGH_FEATURES: usize = 10;
+/// Part of the known field of motion beyond an end of the range from which a wider one is advised.
+const FIELD_BEYOND: f32 = 0.02;
+/// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
+const STRAIGHT_PX: f32 = 1.4;
 
 /// Judgement of the slopes of a search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -40,16 +46,16 @@ pub struct SlopeJudgement {
     pub advice: Option<SlopeAdvice>,
 }
 
-/// Judges the slopes with which `detection` was made from a burst of `frame_count` frames; `finding` is what the frames
-/// show, if that was examined. `None` for a method without slopes and for a single frame.
+/// Judges the slopes with which `detection` was made from `burst`; `finding` is what the frames show, if that was
+/// examined. They fit only where the motion is straight and, by the field of motion, inside. `None` for a method without slopes and for a single frame.
 pub fn judgement(
     detection: &Detection,
     params: &DetectorParams,
     finding: Option<&SlopeFinding>,
-    frame_count: usize,
+    burst: &Burst,
 ) -> Option<SlopeJudgement> {
-    let evidence = finding.map(|finding| finding.confirmed(params, frame_count)).unwrap_or_default();
-    Judging::new(detection, params, finding, &evidence).map(|judging| judging.judgement())
+    let evidence = finding.map(|finding| finding.confirmed(params, burst.len())).unwrap_or_default();
+    Judging::new(detection, params, finding, &evidence, burst.size()).map(|judging| judging.judgement())
 }
 
 pub(super) struct Judging<'a> {
@@ -62,6 +68,8 @@ pub(super) struct Judging<'a> {
     pub frames: usize,
     /// σ of the finest features, px.
     sigma: f32,
+    /// Columns and rows of the picture.
+    size: (usize, usize),
 }
 
 impl<'a> Judging<'a> {
@@ -71,12 +79,14 @@ impl<'a> Judging<'a> {
         params: &'a DetectorParams,
         finding: Option<&'a SlopeFinding>,
         evidence: &'a [SlopeEvidence],
+        size: (usize, usize),
     ) -> Option<Self> {
         let frames = detection.frames_used.len();
         let space = ScaleSpace::of(params);
         let sigma = space.sigma_image(space.first_octave, 0.0) as f32;
         let has_slopes = params.method == Method::Buff && frames > 1;
-        has_slopes.then_some(Self { detection, params, finding, evidence, grid: params.used_slopes(), frames, sigma })
+        let grid = params.used_slopes();
+        has_slopes.then_some(Self { detection, params, finding, evidence, grid, frames, sigma, size })
     }
 
     pub fn judgement(&self) -> SlopeJudgement {
@@ -110,12 +120,16 @@ impl<'a> Judging<'a> {
         if is_still && self.grid.len() > 1 {
             return Some(self.still());
         }
+        if let Some(fewer) = self.frames() {
+            return Some(fewer);
+        }
         if found.is_some_and(|(grid, _)| grid == self.grid) {
-            return None;
+            return self.range_of_field();
         }
         self.direction()
             .or_else(|| self.range())
             .or_else(|| self.range_by_features())
+            .or_else(|| self.range_of_field())
             .or_else(|| self.step())
             .or_else(|| self.cost())
     }
@@ -164,6 +178,45 @@ impl<'a> Judging<'a> {
             sentence: format!("nothing moves, so one slope, 0, is enough: {} were searched", counted(slopes, "slope")),
             changes: self.changes_to(SlopeGrid { direction_deg: self.grid.direction_deg, ..one }),
         }
+    }
+
+    /// Fewer frames, where the motion is not straight or carries the picture away.
+    fn frames(&self) -> Option<SlopeAdvice> {
+        let finding = self.finding?;
+        let frames = self.frames;
+        let (left, why) = match finding.verdict {
+            SlopeVerdict::NotStraight => {
+                // The deviation of a bent motion grows with the square of the time.
+                let off = finding.deviation_px.filter(|off| *off > STRAIGHT_PX)?;
+                let px = number(off, 1);
+                let why = match finding.warnings[..] {
+                    [] => format!("the motion is not straight: it deviates from a uniform one by up to {px} px"),
+                    _ => finding.irregularities(),
+                };
+                ((frames as f32 * (STRAIGHT_PX / off).sqrt()) as usize, why)
+            }
+            SlopeVerdict::Film => {
+                let (width, height) = self.size;
+                let (part, px) = (finding.moved_px / width.min(height) as f32, number(finding.moved_px, 0));
+                let why = format!("the picture moves by {px} px over the frames, more than a third of it");
+                ((frames as f32 * 0.25 / part.max(0.25)) as usize, why)
+            }
+            _ => return None,
+        };
+        let left = left.clamp(2, frames);
+        let fewer = frames - left;
+        (fewer > 0).then(|| SlopeAdvice {
+            subject: Subject::Frames,
+            number: fewer as f64,
+            sentence: format!("{why}; {fewer} of the {frames} frames add nothing but blur"),
+            changes: vec![self.middle_frames(left)],
+        })
+    }
+
+    pub fn middle_frames(&self, count: usize) -> ParamChange {
+        let used = self.detection.frames_used.clone();
+        let start = used.start + (used.len() - count.min(used.len())) / 2;
+        ParamChange::new(doc::FRAMES, FrameRange { start, end: start + count.min(used.len()) })
     }
 
     fn direction(&self) -> Option<SlopeAdvice> {
@@ -255,6 +308,41 @@ impl<'a> Judging<'a> {
                 format!("moves beyond {range}: it reaches from {} to {}", number(min, 2), number(max, 2))
             }
         }
+    }
+
+    /// Where a part of the picture moves, by its field, beyond the slopes that the frames show most clearly.
+    fn range_of_field(&self) -> Option<SlopeAdvice> {
+        let field = self.detection.field.as_ref()?;
+        let known: Vec<Slope> =
+            field.motions.iter().filter(|motion| field.is_known(motion)).map(|motion| motion.slope).collect();
+        let unit = SlopeAxis { min: 0.0, max: 1.0, count: 2 };
+        let along = |slope: Slope, second: bool| {
+            let (a, b) = SlopeGrid { u: unit, v: unit, direction_deg: self.grid.direction_deg }.position(slope);
+            if second { b } else { a }
+        };
+        let mut wanted = self.grid;
+        let mut share = 0.0;
+        for (second, axis) in self.axes() {
+            let margin = 0.5 * axis.step();
+            let part = |is_beyond: &dyn Fn(f32) -> bool| {
+                known.iter().filter(|slope| is_beyond(along(**slope, second))).count() as f32
+                    / known.len().max(1) as f32
+            };
+            let [below, above] = [part(&|x| x < axis.min - margin), part(&|x| x > axis.max + margin)];
+            let more = |part: f32| if part > FIELD_BEYOND { 2 } else { 0 };
+            let wider = axis.with_more(more(below), more(above));
+            *(if second { &mut wanted.v } else { &mut wanted.u }) = wider;
+            share = f32::max(share, below.max(above));
+        }
+        (wanted != self.grid).then(|| SlopeAdvice {
+            subject: Subject::Range,
+            number: f64::from(share),
+            sentence: format!(
+                "{:.0} % of the picture moves beyond the searched slopes by its field of motion",
+                100.0 * share
+            ),
+            changes: self.changes_to(wanted),
+        })
     }
 
     /// Where the frames show nothing clear.

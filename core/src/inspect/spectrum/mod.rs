@@ -103,7 +103,8 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
     let detection = trail.detection();
     let bars = bars(cache, &grid, &evidence);
     let aliases = aliases(cache, &evidence, &finding.evidence, monitor)?;
-    let judgement = judgement::Judging::new(detection, params, Some(&finding), &evidence).map(|j| j.judgement());
+    let judgement = judgement::Judging::new(detection, params, Some(&finding), &evidence, cache.burst.size())
+        .map(|j| j.judgement());
     let spectrum = Spectrum {
         grid,
         bars,

@@ -224,15 +224,20 @@ fn found_missed_repeated_and_false_add_up_and_each_miss_has_a_reason() {
     let params = DetectorParams { noise_gate: NoiseGate::Factor(7.0), distinct: Distinct::Off, ..params() };
     let cache = cache(&burst, &params);
     let against = against_truth(&cache, &truth, &Monitor::default()).expect("not cancelled");
-    let AgainstTruth { found, missed, repeated, elsewhere, is_whole_truth } = &against;
-    assert_eq!(found.len() + missed.len(), truth.features.len());
+    let AgainstTruth { found, at_wrong_motion, missed, repeated, elsewhere, is_whole_truth } = &against;
+    assert_eq!(found.len() + at_wrong_motion.len() + missed.len(), truth.features.len());
     assert!(!found.is_empty() && !missed.is_empty() && !repeated.is_empty(), "{}", against.summary());
-    let mut all: Vec<usize> =
-        found.iter().map(|f| f.0).chain(repeated.iter().copied()).chain(elsewhere.iter().copied()).collect();
+    let mut all: Vec<usize> = found
+        .iter()
+        .chain(at_wrong_motion)
+        .map(|f| f.0)
+        .chain(repeated.iter().copied())
+        .chain(elsewhere.iter().copied())
+        .collect();
     let count = all.len();
     all.sort_unstable();
     all.dedup();
-    assert_eq!(all.len(), count, "each feature is one of the three");
+    assert_eq!(all.len(), count, "each feature is one of the four");
     assert!(*is_whole_truth && against.summary().ends_with(&format!("{} false", elsewhere.len())));
     let gated = missed.iter().filter(|m| m.fate.as_ref().is_some_and(|f| f.first_failed == Some(Test::NoiseGate)));
     // In coarse octaves the candidate that is told may be a sample at the level beside that of a disc's peak, which its

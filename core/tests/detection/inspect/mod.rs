@@ -4,5 +4,6 @@
 mod ghosts;
 mod law;
 mod limit;
+mod places;
 mod probing;
 mod slopes;

@@ -1,13 +1,12 @@
 //! Candidates near the place: the tests that they fail, and the one setting that would keep the selected one.
 
-use super::apply_ui;
+use super::{apply_ui, go_to_ui};
 use crate::app::actions::Queue;
 use crate::app::panel::widgets::{named, weak_ui};
 use crate::app::project::Model;
-use crate::app::project::pair::Side;
 use crate::app::style;
 use crate::detector::Test;
-use crate::inspect::fate::{Outcome, Rival, TestReport};
+use crate::inspect::fate::{Outcome, TestReport};
 use crate::inspect::probe::Wanted;
 use crate::inspect::words::{counted_from_one, number, sentence, slope_text, snr_text, value_text};
 use crate::inspect::{Fate, Outlook, Probe};
@@ -99,7 +98,8 @@ fn heading_ui(ui: &mut Ui) {
     }
     response.on_hover_text(
         "Samples that are extrema in place and scale at their own slope, however weak; away: px from the place\n\
-         The nearest come first; of those within 3 px the kept ones, then those with the largest SNR",
+         Those within 3 px come first: at the slope in view, then at the place's own motion, then others, and of \
+         these the kept ones, then those with the largest SNR; farther away the nearest come first",
     );
 }
 
@@ -160,33 +160,13 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outl
         label.on_hover_text("What would have to change in the world, from the noise of the burst");
     }
     if let Some(rival) = fate.first_failed.and_then(|test| fate.report(test).rival) {
-        rival_ui(ui, model, &rival);
+        go_to_ui(ui, model, rival.feature, (rival.pos_image, rival.slope));
     }
     ui.add_space(2.0);
     // A test that is off and has no number tells nothing.
     let telling = |report: &&TestReport| report.outcome != Outcome::NotAsked || report.value.is_some();
     for report in fate.tests.iter().filter(telling) {
         test_ui(ui, report, fate.first_failed == Some(report.test));
-    }
-}
-
-fn rival_ui(ui: &mut Ui, model: &mut Model, rival: &Rival) {
-    let label =
-        rival.feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {}", index + 1));
-    let [u, v] = rival.pos_image;
-    let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(rival.slope));
-    if ui.button(label).on_hover_text(tip).clicked() {
-        let side = model.probe.side;
-        if rival.feature.is_some() && side == Side::A {
-            model.selected = rival.feature;
-        }
-        model.focus_on_side(side);
-        let pane = model.focused_mut();
-        pane.cursor.slope = rival.slope;
-        pane.show_slope();
-        let (before, zoom) = (pane.view, pane.view.points_per_pixel().max(1.0));
-        pane.view.look_at(egui::pos2(u, v), zoom);
-        model.panes.follow_view(model.focus(), &before);
     }
 }
 

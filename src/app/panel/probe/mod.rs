@@ -11,13 +11,16 @@ use crate::app::panel::widgets::{named, paint, progress_ui, section_ui, warning_
 use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::explained::verdict_words;
+use crate::app::project::look::FeaturesShown;
+use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::style;
 use crate::app::view::signed;
-use crate::detector::ParamChange;
+use crate::detector::{ParamChange, Slope};
+use crate::inspect::ReasonKind;
 use crate::inspect::suspicion::{Kind, Suspicion};
 use crate::inspect::verdict::{Judged, Verdict};
-use crate::inspect::words::{counted_from_one, number, sentence};
+use crate::inspect::words::{counted_from_one, number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::Probed;
@@ -81,6 +84,7 @@ fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut 
             .on_hover_text("At mid-burst, pixels; the centre of the first pixel is (0, 0)");
         stale_ui(ui, model, queue);
         ui.add(Label::new(counted_from_one(&answer.probe.summary)).wrap());
+        reasons_ui(ui, model, &answer, queue);
         ui.add_space(4.0);
         suspicions_ui(ui, model, &answer, queue);
         section_ui(ui, "Candidates here", |ui| fates::fates_ui(ui, model, &answer, queue));
@@ -130,6 +134,61 @@ fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 queue.push(ActionId::Detect);
             }
         });
+    }
+}
+
+/// Reasons that no single candidate tells, each with what can be done about it.
+fn reasons_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
+    for reason in &answer.probe.reasons {
+        let help = match reason.kind {
+            ReasonKind::TooSmall => "Measured at this place, at the slope named, beyond the scales that are searched",
+            ReasonKind::AtAnotherSlope => "Switch the features shown to All to see those of other slopes, or go there",
+            ReasonKind::Ghost => "A blob with another motion crosses here: see the responses of the frames below",
+        };
+        ui.add(Label::new(sentence(&counted_from_one(&reason.sentence))).wrap()).on_hover_text(help);
+        ui.horizontal_wrapped(|ui| {
+            if let Some(change) = &reason.change {
+                apply_ui(ui, model, change, queue);
+            }
+            if let Some(feature) = reason.feature {
+                go_to_feature_ui(ui, model, answer, feature);
+            }
+        });
+        if reason.kind == ReasonKind::AtAnotherSlope && model.look.overlay == FeaturesShown::ThisSlope {
+            weak_ui(ui, "It is shown under All, not under This slope.");
+        }
+    }
+    for feature in model.probe.as_dots.clone() {
+        let text =
+            format!("Feature {} was found here, but is drawn as a dot: stronger ones take the room.", feature + 1);
+        ui.add(Label::new(text).wrap()).on_hover_text("Zoom in, or select it, to see it in full");
+        go_to_feature_ui(ui, model, answer, feature);
+    }
+}
+
+fn go_to_feature_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, feature: usize) {
+    if let Some(found) = answer.request.traced.cache.detection().features.get(feature) {
+        go_to_ui(ui, model, Some(feature), ([found.u, found.v], found.slope));
+    }
+}
+
+/// Draws a button that shows a place at a slope, and selects the feature there if there is one.
+fn go_to_ui(ui: &mut Ui, model: &mut Model, feature: Option<usize>, ([u, v], slope): ([f32; 2], Slope)) {
+    let label =
+        feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {}", index + 1));
+    let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(slope));
+    if ui.button(label).on_hover_text(tip).clicked() {
+        let side = model.probe.side;
+        if feature.is_some() && side == Side::A {
+            model.selected = feature;
+        }
+        model.focus_on_side(side);
+        let pane = model.focused_mut();
+        pane.cursor.slope = slope;
+        pane.show_slope();
+        let (before, zoom) = (pane.view, pane.view.points_per_pixel().max(1.0));
+        pane.view.look_at(egui::pos2(u, v), zoom);
+        model.panes.follow_view(model.focus(), &before);
     }
 }
 

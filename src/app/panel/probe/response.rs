@@ -6,10 +6,10 @@ use crate::app::panel::widgets::named;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::detector::Slope;
-use crate::inspect::Fate;
 use crate::inspect::probe::Wanted;
 use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane, outline};
 use crate::inspect::words::{number, slope_text};
+use crate::inspect::{Fate, PlaceMotion};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::Probed;
@@ -37,7 +37,8 @@ pub(super) fn response_ui(
     } else {
         format!("D in σ of its noise, each scale with its own range; lines: gate {} σ", number(map.gate, 2))
     };
-    let legend = format!("{unit}; dashes: range searched; rings: candidates, bold: kept");
+    let motion = if answer.probe.motion.is_some() { "; band: the place's own motion, ± its error" } else { "" };
+    let legend = format!("{unit}; dashes: range searched; rings: candidates, bold: kept{motion}");
     ui.add(egui::Label::new(RichText::new(legend).small().weak()).wrap());
 }
 
@@ -50,6 +51,10 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     grid_below(ui, &area, &map.slopes, if map.along_v { "slope v, px/frame" } else { "slope, px/frame" });
     rims(&painter, &area, &map.slopes, false);
     contour(&painter, &area, &map.snr, map.gate);
+    if let Some(motion) = &answer.probe.motion {
+        let [from, to] = map.band_of(motion).map(|column| area.pos(column, 0.0).x);
+        band(&painter, Rect::from_x_y_ranges(from..=to, area.rect.y_range()));
+    }
     let cell = response.hover_pos().and_then(|pos| area.cell(pos));
     let subject = map.row_of(answer.probe.subject.octave, answer.probe.subject.level).unwrap_or(0);
     let row = cell.map_or(subject, |(_, row)| row);
@@ -104,6 +109,13 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     rims(&painter, &area, &plane.u, false);
     rims(&painter, &area, &plane.v, true);
     contour(&painter, &area, &plane.snr, gate);
+    if let Some(PlaceMotion { slope, sigma }) = answer.probe.motion {
+        let at = |u: f32, v: f32| area.pos(plane.u.column_of(u), plane.v.column_of(v));
+        let (middle, end) = (at(slope.u, slope.v), at(slope.u + sigma, slope.v + sigma));
+        let radius = (end - middle).max(egui::Vec2::splat(LEAST_BAND));
+        painter.add(egui::Shape::ellipse_filled(middle, radius, MOTION_FILL));
+        painter.add(egui::Shape::ellipse_stroke(middle, radius, MOTION_LINE));
+    }
     let tick = Stroke::new(1.0, ui.visuals().weak_text_color());
     let each = plane.v.grid.len().div_ceil((height / 16.0) as usize).max(1);
     for &v in plane.v.grid.iter().step_by(each) {
@@ -255,6 +267,17 @@ fn contour(painter: &Painter, area: &Area, plane: &Plane, gate: f32) {
     }
 }
 
+/// Colours and least half width, points, of the mark of the place's own motion.
+const MOTION_LINE: Stroke = Stroke { width: 1.5, color: Color32::from_rgb(0, 110, 60) };
+const MOTION_FILL: Color32 = Color32::from_rgba_premultiplied(0, 40, 20, 60);
+const LEAST_BAND: f32 = 2.0;
+
+fn band(painter: &Painter, rect: Rect) {
+    let rect = rect.expand2(vec2((LEAST_BAND - 0.5 * rect.width()).max(0.0), 0.0));
+    painter.rect_filled(rect, 0.0, MOTION_FILL);
+    painter.vline(rect.center().x, rect.y_range(), MOTION_LINE);
+}
+
 /// Draws a candidate; kept and selected ones are larger.
 fn ring(painter: &Painter, at: Pos2, kept: bool, selected: bool) {
     let radius = if kept || selected { 5.5 } else { 2.5 };
@@ -303,6 +326,8 @@ mod tests {
             assert!((map.column_of(slope) - column as f32).abs() < 1e-4, "column {column}");
         }
         let (first, next) = (map.columns[0], map.columns[1]);
+        let motion = PlaceMotion { slope: map.columns[3], sigma: 2.0 * (next.u - first.u) };
+        assert!(map.band_of(&motion).into_iter().zip([1.0, 5.0]).all(|(a, b)| (a - b).abs() < 1e-3));
         let outside = map.column_of(Slope::new(first.u - 0.5 * (next.u - first.u), first.v));
         assert!((outside + 0.5).abs() < 1e-4, "{outside}");
     }

@@ -40,7 +40,7 @@ impl With {
             Self::Pinned => "Gained, lost and moved features against the pinned result",
             Self::File => "Features of a file: in both, only theirs, only ours. Open them from the Features menu",
             Self::Truth => {
-                "Known truth: found, missed, repeated and false features. Synthetic bursts and the demo have one; that of a scene is partial, so features elsewhere may be right"
+                "Known truth: found, missed, repeated and false features, and those at a wrong motion: more than 0.35 px/frame off, or than smears it by its σ. Synthetic bursts and the demo have one; that of a scene is partial, so features elsewhere may be right"
             }
         }
     }

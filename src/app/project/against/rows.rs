@@ -5,6 +5,7 @@ use crate::detector::{Detection, Feature, Sample, Slope};
 use crate::inspect::changes::{Changes, Spot};
 use crate::inspect::probe::Wanted;
 use crate::inspect::truth::AgainstTruth;
+use crate::inspect::words::slope_text;
 use crate::requests::{Against, ProbeQuestion};
 use crate::synth::Truth;
 
@@ -12,6 +13,8 @@ use crate::synth::Truth;
 pub enum Kind {
     /// Theirs alone: lost, only in the file, missed.
     Theirs,
+    /// Ours, on an object that moves otherwise.
+    WrongMotion,
     /// Ours alone: gained, not in the file, false or elsewhere.
     Ours,
     /// In both, but not at the same place, scale and slope.
@@ -26,7 +29,7 @@ impl Kind {
     pub fn of(with: With) -> &'static [Self] {
         match with {
             With::Pinned | With::File => &[Self::Theirs, Self::Ours, Self::Moved, Self::Same],
-            With::Truth => &[Self::Theirs, Self::Ours, Self::Repeated, Self::Same],
+            With::Truth => &[Self::Theirs, Self::WrongMotion, Self::Ours, Self::Repeated, Self::Same],
         }
     }
 
@@ -39,6 +42,7 @@ impl Kind {
             (With::Truth, Self::Theirs) => "Missed",
             (With::Truth, Self::Ours) => "Elsewhere",
             (_, Self::Moved) => "Moved",
+            (_, Self::WrongMotion) => "Wrong motion",
             (_, Self::Repeated) => "Repeated",
             (With::Pinned, Self::Same) => "As before",
             (With::File, Self::Same) => "Both",
@@ -135,9 +139,15 @@ fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) ->
         let off = (f64::from(f.u) - disc.u).hypot(f64::from(f.v) - disc.v);
         Row { note: format!("{off:.2} px off"), ..ours(Kind::Same, index, f) }
     });
+    let otherwise = against.at_wrong_motion.iter().map(|&(index, disc)| {
+        let (f, disc) = (&features[index], &truth.features[disc]);
+        let true_slope = Slope::new(disc.slope_u as f32, disc.slope_v as f32);
+        let note = format!("slope {} instead of {}", slope_text(f.slope), slope_text(true_slope));
+        Row { note, ..ours(Kind::WrongMotion, index, f) }
+    });
     let repeated = against.repeated.iter().map(|&index| ours(Kind::Repeated, index, &features[index]));
     let wrong = against.elsewhere.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
-    missed.chain(wrong).chain(repeated).chain(found).collect()
+    missed.chain(otherwise).chain(wrong).chain(repeated).chain(found).collect()
 }
 
 #[cfg(test)]
