@@ -52,9 +52,12 @@ pub(super) fn motions(evidence: &Evidence, monitor: &Monitor) -> Result<(Vec<Mot
         }
     }
     let cell_px = evidence.cell_px as f32;
-    let changes = sweep.changes(&cells, monitor)?;
-    let told = |(cell, change): (&Cell, &f32)| (sweep.motion(cell, *change), cell.window_cells * cell_px);
-    Ok(cells.iter().zip(changes.data()).map(told).unzip())
+    let changes = [sweep.changes(0, &cells, monitor)?, sweep.changes(1, &cells, monitor)?];
+    let told = |(place, cell): (usize, &Cell)| {
+        let change = [&changes[0], &changes[1]].map(|change| change.data()[place]);
+        (sweep.motion(cell, change), cell.window_cells * cell_px)
+    };
+    Ok(cells.iter().enumerate().map(told).unzip())
 }
 
 /// Decision on one cell.
@@ -184,13 +187,11 @@ impl Sweep<'_> {
         OFFSET_SMEAR_PX / self.evidence.last_frame / step.max(f32::MIN_POSITIVE)
     }
 
-    /// Mean square of the change of the motion from cell to cell, around each cell, (px/frame)².
-    fn changes(&self, cells: &[Cell], monitor: &Monitor) -> Result<Plane, Cancelled> {
+    /// Mean square of the change of the motion along an axis of the grid from cell to cell, around each, (px/frame)².
+    fn changes(&self, axis: usize, cells: &[Cell], monitor: &Monitor) -> Result<Plane, Cancelled> {
         let (width, height) = self.evidence.size;
-        let step = self.step_px_per_frame();
-        let square = |one: &Cell, other: &Cell| -> f32 {
-            (0..2).map(|axis| (step[axis] * (one.at[axis] - other.at[axis])).powi(2)).sum()
-        };
+        let step = self.step_px_per_frame()[axis];
+        let square = |one: &Cell, other: &Cell| (step * (one.at[axis] - other.at[axis])).powi(2);
         let change = Plane::from_fn(width, height, |i, j| {
             let at = |i: usize, j: usize| &cells[j * width + i];
             square(at(i, j), at((i + 1).min(width - 1), j)) + square(at(i, j), at(i, (j + 1).min(height - 1)))
@@ -198,12 +199,12 @@ impl Sweep<'_> {
         smoothed(&change, CHANGE_WINDOW_CELLS, monitor)
     }
 
-    /// The motion of a cell in pixels per frame; `change` is the mean square of its change around it.
-    fn motion(&self, cell: &Cell, change: f32) -> Motion {
+    /// The motion of a cell in pixels per frame; `change` is the mean square of its change around it along both axes.
+    fn motion(&self, cell: &Cell, change: [f32; 2]) -> Motion {
         let grid = &self.evidence.grid;
         let slope: Slope = grid.at(cell.at[0], cell.at[1]);
         let step = self.step_px_per_frame();
-        let floor = (FLOOR_SMEAR_PX / self.evidence.last_frame).powi(2) + CHANGE_CELLS * CHANGE_CELLS * change;
+        let floor = (FLOOR_SMEAR_PX / self.evidence.last_frame).powi(2);
         // Where nothing is known it is somewhere in the swept range.
         let range = [grid.u, grid.v].map(|axis| 12f32.sqrt() / axis.count as f32);
         let (rotation, values) = eigen(cell.information);
@@ -215,6 +216,7 @@ impl Sweep<'_> {
         let scaled = [uu * step[0] * step[0], uv * step[0] * step[1], vv * step[1] * step[1]];
         let (sin, cos) = grid.direction_deg.to_radians().sin_cos();
         let [a, b, c] = scaled;
+        let [a, c] = [a + CHANGE_CELLS * CHANGE_CELLS * change[0], c + CHANGE_CELLS * CHANGE_CELLS * change[1]];
         let covariance = [
             a * cos * cos - 2.0 * b * sin * cos + c * sin * sin,
             (a - c) * sin * cos + b * (cos * cos - sin * sin),

@@ -150,7 +150,8 @@ impl Trail {
     }
 
     /// The same search of the same frames in another order: the frame at place i among those that took part gets the
-    /// time of that at place `order[i]`. Noise model, gates and slopes stay, and all features are kept. No field of motion.
+    /// time of that at place `order[i]`. Noise model, gates, slopes and the field of motion stay, and all features are
+    /// kept.
     ///
     /// # Panics
     /// If `order` is no permutation of the places of the frames that took part.
@@ -161,7 +162,10 @@ impl Trail {
         let params = inputs.params.clone();
         let wanted = Wanted { params: &params, frames: inputs.times.frame_count, size: inputs.size_image };
         let (plan, _share) = OF_PROCESS.plan(wanted, budget_beside_kept())?;
-        plan.run(|| Ok(search_inputs(inputs, None, &plan, false, StageTimes::default(), monitor)?.detection))
+        plan.run(|| {
+            Ok(search_inputs(inputs, self.outcome.field.clone(), &plan, false, StageTimes::default(), monitor)?
+                .detection)
+        })
     }
 }
 
