@@ -6,7 +6,7 @@
 //! π), or structure that is ρ times as strong as the noise of S (a share π). It is about 0 for noise, whatever the
 //! slope, and grows as z²/2 for what stands out; a plain square would add the noise of all empty cells to each window.
 
-use super::windows::{enlarged, means};
+use super::cells::{enlarged, means};
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
@@ -14,7 +14,7 @@ use crate::plane::Plane;
 use crate::plane::blur::smoothed;
 use rayon::prelude::*;
 
-/// Band that is looked at: Gaussians of these σ, in cells.
+/// Band that is looked at: Gaussians of these σ, in the finest cells, as all lengths here.
 const BAND_CELLS: [f64; 2] = [1.0, 1.6];
 /// Cells that the noise of one band-passed cell is shared by: the evidence of that many cells is that of one.
 const CORRELATED_CELLS: f32 = 12.0;
@@ -22,16 +22,16 @@ const CORRELATED_CELLS: f32 = 12.0;
 const SHARE: f32 = 0.3;
 /// Power of their structure in S, of that of the noise.
 const POWER: f32 = 16.0;
-/// Largest smear that a step of the sweep leaves between the first and the last frame, cells.
-const STEP_CELLS: f32 = 1.125;
+/// Largest smear that a step of the sweep leaves between the first and the last frame, cells, on a line and in a plane.
+const STEP_CELLS: [f32; 2] = [1.125, 1.5];
 /// Maximum number of slopes of an axis, on a line and in a plane.
 const MAX_STEPS: [usize; 2] = [65, 17];
 /// Standard deviation of the window in which the noise is the same, cells.
 const NOISE_WINDOW_CELLS: f64 = 16.0;
 /// Cells on a side of the squares that its means are taken of.
 const NOISE_CELLS: usize = 4;
-/// Slopes whose residuals are in memory at once.
-const SLOPES_AT_ONCE: usize = 16;
+/// Finest cells on a side of a cell for which evidence is kept. Only the smallest things are as small.
+pub(super) const MERGED_CELLS: usize = 2;
 
 /// Evidence of all cells for all swept slopes.
 pub(super) struct Evidence {
@@ -48,7 +48,7 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
-    /// Sweeps the range of `grid` over `frames`, reduced to cells of `cell_px`.
+    /// Sweeps the range of `grid` over `frames`, reduced to cells of `cell_px`, a multiple of [`MERGED_CELLS`].
     pub fn new(
         frames: &[&Plane],
         times: &FrameTimes,
@@ -56,31 +56,52 @@ impl Evidence {
         grid: &SlopeGrid,
         monitor: &Monitor,
     ) -> Result<Self, Cancelled> {
-        let bands = frames.par_iter().zip(times.from_middle());
-        let bands = bands.map(|(frame, time)| Ok((time, band(frame, cell_px, monitor)?)));
-        let bands: Vec<(f32, Plane)> = bands.collect::<Result<_, _>>()?;
+        let fine_px = cell_px / MERGED_CELLS;
+        let bands = frames.par_iter().map(|frame| band(frame, fine_px, monitor));
+        let bands: Vec<Plane> = bands.collect::<Result<_, _>>()?;
+        let times_cells: Vec<f32> = times.from_middle().iter().map(|time| time / fine_px as f32).collect();
         let grid = swept(grid, times, cell_px);
         let slopes: Vec<Slope> = grid.slopes().collect();
-        let size = bands[0].1.size();
+        let size = bands[0].size();
         // The residual of a wrong slope has the signal in it: the noise is that of the best slope around a place.
-        let mut variance = vec![f32::INFINITY; size.0 * size.1];
+        let mut variance = Plane::zeros(size.0.div_ceil(NOISE_CELLS), size.1.div_ceil(NOISE_CELLS));
+        variance.data_mut().fill(f32::INFINITY);
         let mut nats = Vec::with_capacity(slopes.len());
-        for some in slopes.chunks(SLOPES_AT_ONCE) {
-            let stacks = some.par_iter().map(|&slope| stacked(&bands, slope, cell_px, monitor));
-            for (power, residual) in stacks.collect::<Result<Vec<_>, _>>()? {
-                variance.iter_mut().zip(residual.data()).for_each(|(least, x)| *least = least.min(*x));
+        for same_v in slopes.chunk_by(|a, b| a.v == b.v) {
+            monitor.check()?;
+            let reach = |slope: &Slope| times_cells.iter().map(|time| (slope.u * time).abs()).fold(0.0, f32::max);
+            let margin = same_v.iter().map(reach).fold(0.0, f32::max).ceil() as usize + 3;
+            let v = same_v[0].v;
+            let shifted = bands.par_iter().zip(&times_cells).map(|(band, time)| shifted_down(band, v * time, margin));
+            let shifted: Vec<Plane> = shifted.collect();
+            let stacks = same_v.par_iter().map(|slope| {
+                let shifts: Vec<Shift> = times_cells.iter().map(|time| Shift::new(slope.u * time)).collect();
+                let (power, residual) = stacked(&shifted, &shifts, margin);
+                Ok((power, smoothed(&residual, NOISE_WINDOW_CELLS / NOISE_CELLS as f64, monitor)?))
+            });
+            for (power, residual) in stacks.collect::<Result<Vec<_>, Cancelled>>()? {
+                variance.data_mut().iter_mut().zip(residual.data()).for_each(|(least, x)| *least = least.min(*x));
                 nats.push(power);
             }
         }
-        nats.par_iter_mut().for_each(|power| to_nats(power, &variance));
-        Ok(Self { size, cell_px, grid, last_frame: (times.frame_count - 1) as f32, nats })
+        let variance = enlarged(&variance, NOISE_CELLS, size);
+        let table = nats_table();
+        nats.par_iter_mut().for_each(|power| {
+            to_nats(power, &variance, &table);
+            let mut merged = means(power, MERGED_CELLS);
+            merged.data_mut().iter_mut().for_each(|nats| *nats *= (MERGED_CELLS * MERGED_CELLS) as f32);
+            *power = merged;
+        });
+        let last_frame = (times.frame_count - 1) as f32;
+        Ok(Self { size: nats[0].size(), cell_px, grid, last_frame, nats })
     }
 }
 
 /// The sweep over the range of `grid`, a step wider on each side so that its ends can be peaks, in steps that leave no
 /// more smear than the band can bear.
 pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> SlopeGrid {
-    let step = STEP_CELLS * cell_px as f32 / (times.frame_count.max(2) - 1) as f32;
+    let step = STEP_CELLS[usize::from(grid.is_plane())] * (cell_px / MERGED_CELLS) as f32
+        / (times.frame_count.max(2) - 1) as f32;
     let most = MAX_STEPS[usize::from(grid.is_plane())];
     let axis = |axis: SlopeAxis| {
         if axis.count < 2 {
@@ -107,49 +128,59 @@ fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cance
     Ok(band)
 }
 
-/// S²/N of the sum S of the frames that are shifted by `slope`, and the variance of the frames around their mean,
-/// smoothed. Both are in the power of one frame.
-fn stacked(
-    bands: &[(f32, Plane)],
-    slope: Slope,
-    cell_px: usize,
-    monitor: &Monitor,
-) -> Result<(Plane, Plane), Cancelled> {
-    monitor.check()?;
-    let (width, height) = bands[0].1.size();
-    let count = bands.len() as f32;
-    let [mut sum, mut squares] = [Plane::zeros(width, height), Plane::zeros(width, height)];
-    let mut row = vec![0.0; width];
-    let mut line = Vec::new();
-    for (time, band) in bands {
-        let [shift_u, shift_v] = [slope.u, slope.v].map(|slope| Shift::new(slope * time / cell_px as f32));
-        for v in 0..height {
-            shifted_row(band, v, &shift_u, &shift_v, &mut line, &mut row);
-            // Squares after the shift: interpolation smooths noise, and slope 0 would be favoured without.
-            let sums = sum.row_mut(v).iter_mut().zip(squares.row_mut(v));
-            sums.zip(&row).for_each(|((sum, squares), x)| {
-                *sum += x;
-                *squares += x * x;
-            });
+/// S²/N of the sum S of the frames, which are shifted down already and have a `margin` of columns at both sides, at the
+/// `shifts` to the right; and the variance of the frames around their mean, of squares of [`NOISE_CELLS`]. Both are in
+/// the power of one frame.
+fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) {
+    let (width, height) = (frames[0].width() - 2 * margin, frames[0].height());
+    let count = frames.len() as f32;
+    let mut power = Plane::zeros(width, height);
+    let mut residual = Plane::zeros(width.div_ceil(NOISE_CELLS), height.div_ceil(NOISE_CELLS));
+    let mut squares = vec![0.0f32; width];
+    for v in 0..height {
+        let sum = power.row_mut(v);
+        squares.fill(0.0);
+        for (frame, shift) in frames.iter().zip(shifts) {
+            let first = (margin as i64 + shift.whole - 1) as usize;
+            let from = &frame.row(v)[first..first + width + 3];
+            let [a, b, c, d] = shift.weights;
+            let read = from.windows(4).map(|x| a * x[0] + b * x[1] + c * x[2] + d * x[3]);
+            if v % NOISE_CELLS == 0 {
+                // Squares after the shift: interpolation smooths noise, and slope 0 would be favoured without.
+                sum.iter_mut().zip(&mut squares).zip(read).for_each(|((sum, square), x)| {
+                    *sum += x;
+                    *square += x * x;
+                });
+            } else {
+                sum.iter_mut().zip(read).for_each(|(sum, x)| *sum += x);
+            }
+        }
+        sum.iter_mut().for_each(|sum| *sum *= *sum / count);
+        if v % NOISE_CELLS == 0 {
+            let pairs = squares.chunks(NOISE_CELLS).zip(sum.chunks(NOISE_CELLS));
+            for (out, (squares, power)) in residual.row_mut(v / NOISE_CELLS).iter_mut().zip(pairs) {
+                let around: f32 = squares.iter().zip(power).map(|(square, power)| square - power).sum();
+                *out = around / (squares.len() as f32 * (count - 1.0));
+            }
         }
     }
-    for (sum, square) in sum.data_mut().iter_mut().zip(squares.data_mut()) {
-        *sum *= *sum / count;
-        *square = (*square - *sum) / (count - 1.0);
-    }
-    // A smooth plane is as well blurred where it is small.
-    let few = means(&squares, NOISE_CELLS);
-    let few = smoothed(&few, NOISE_WINDOW_CELLS / NOISE_CELLS as f64, monitor)?;
-    Ok((sum, enlarged(&few, NOISE_CELLS, (width, height))))
+    (power, residual)
+}
+
+/// Evidence of a cell for exponents from 0 in sixteenths. Beyond 60 it grows as the exponent does.
+fn nats_table() -> Vec<f32> {
+    let cost = (1.0 + POWER).sqrt();
+    let nats = |exponent: f32| (1.0 - SHARE + SHARE / cost * exponent.exp()).ln() / CORRELATED_CELLS;
+    (0..=60 * 16 + 1).map(|i| nats(i as f32 / 16.0)).collect()
 }
 
 /// Makes the power of a stack its evidence, with `variance` that of the noise of one frame in each cell.
-fn to_nats(power: &mut Plane, variance: &[f32]) {
-    let (gain, cost) = (0.5 * POWER / (1.0 + POWER), (1.0 + POWER).sqrt());
-    for (power, variance) in power.data_mut().iter_mut().zip(variance) {
-        // Beyond 60 nats the exponential says nothing more, and would overflow.
-        let exponent = (gain * *power / variance.max(f32::MIN_POSITIVE)).min(60.0);
-        *power = (1.0 - SHARE + SHARE / cost * exponent.exp()).ln() / CORRELATED_CELLS;
+fn to_nats(power: &mut Plane, variance: &Plane, table: &[f32]) {
+    let gain = 16.0 * 0.5 * POWER / (1.0 + POWER);
+    for (power, variance) in power.data_mut().iter_mut().zip(variance.data()) {
+        let at = (gain * *power / variance.max(f32::MIN_POSITIVE)).min(f32::MAX);
+        let below = at.clamp(0.0, 60.0 * 16.0) as usize;
+        *power = table[below] + (at - below as f32) * (table[below + 1] - table[below]);
     }
 }
 
@@ -173,25 +204,21 @@ impl Shift {
     }
 }
 
-/// Row `v` of the band at the places (u, v) + shift; beyond the edge the nearest cell is repeated.
-fn shifted_row(band: &Plane, v: usize, shift_u: &Shift, shift_v: &Shift, line: &mut Vec<f32>, out: &mut [f32]) {
+/// The band shifted down by so many cells, with `margin` columns more at both sides; beyond the edge the nearest cell is
+/// repeated.
+fn shifted_down(band: &Plane, cells: f32, margin: usize) -> Plane {
     let (width, height) = band.size();
-    // One column before the first place and two behind the last one are needed.
-    line.clear();
-    line.resize(width + 3, 0.0);
-    let before = shift_u.whole - 1;
-    // Columns of `line` that lie within the band.
-    let start = (-before).clamp(0, width as i64 + 3) as usize;
-    let end = (width as i64 - before).clamp(start as i64, width as i64 + 3) as usize;
-    for (k, &weight) in shift_v.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-        let row = band.row((v as i64 + shift_v.whole + k as i64 - 1).clamp(0, height as i64 - 1) as usize);
-        let inside = &row[(start as i64 + before).clamp(0, width as i64) as usize..];
-        line[..start].iter_mut().for_each(|sum| *sum += weight * row[0]);
-        line[start..end].iter_mut().zip(inside).for_each(|(sum, x)| *sum += weight * x);
-        line[end..].iter_mut().for_each(|sum| *sum += weight * row[width - 1]);
+    let shift = Shift::new(cells);
+    let mut shifted = Plane::zeros(width + 2 * margin, height);
+    for v in 0..height {
+        let out = shifted.row_mut(v);
+        for (k, &weight) in shift.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            let row = band.row((v as i64 + shift.whole + k as i64 - 1).clamp(0, height as i64 - 1) as usize);
+            out[margin..margin + width].iter_mut().zip(row).for_each(|(sum, x)| *sum += weight * x);
+        }
+        let (first, last) = (out[margin], out[margin + width - 1]);
+        out[..margin].fill(first);
+        out[margin + width..].fill(last);
     }
-    let [a, b, c, d] = shift_u.weights;
-    for (out, at) in out.iter_mut().zip(line.windows(4)) {
-        *out = a * at[0] + b * at[1] + c * at[2] + d * at[3];
-    }
+    shifted
 }

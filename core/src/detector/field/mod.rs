@@ -10,6 +10,7 @@
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 
+mod cells;
 mod evidence;
 mod in_focus;
 mod layers;
@@ -21,7 +22,7 @@ use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use evidence::{Evidence, swept};
+use evidence::{Evidence, MERGED_CELLS, swept};
 pub use in_focus::in_focus;
 pub use layers::MotionLayer;
 use serde::Serialize;
@@ -30,10 +31,10 @@ use serde::Serialize;
 pub const NO_FIELD: &str =
     "there is no field of motion: it needs at least 3 frames of 32 × 32 pixels and a range of slopes";
 
-/// Number of cells times slopes above which cells are larger: 160 MB are needed for so many.
+/// Number of cells times slopes above which cells are larger: they take 80 MB.
 const MAX_VALUES: usize = 20_000_000;
 /// Pixels on a side of the smallest cells.
-const CELL_PX: usize = 4;
+const CELL_PX: usize = 8;
 /// Standard deviations by which two motions differ significantly.
 const OTHER_SIGMAS: f32 = 3.0;
 /// Uncertainty of a motion along its least certain direction from which on it is unknown, pixels of smear between the
@@ -144,10 +145,10 @@ impl MotionField {
 }
 
 /// Finds the motion of every place of the burst of `frames` taken at `times`, all of one size, among the slopes of
-/// `grid` and those one step beyond. `None` for a single slope, for fewer than 3 frames, and for images of less than 8
+/// `grid` and those one step beyond. `None` for a single slope, for fewer than 3 frames, and for images of less than 4
 /// cells on a side: they show no motion.
 ///
-/// The same bits for any number of threads. It takes up to 160 MB.
+/// The same bits for any number of threads. It takes up to 100 MB.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -159,9 +160,10 @@ pub fn motion_field(
 ) -> Result<Option<MotionField>, Cancelled> {
     let Some(first) = frames.first() else { return Ok(None) };
     let (width, height) = first.size();
-    let values = |cell_px: &usize| (width / cell_px) * (height / cell_px) * swept(grid, times, *cell_px).len();
-    let cell_px = (CELL_PX..).find(|cell_px| values(cell_px) <= MAX_VALUES).unwrap_or(CELL_PX);
-    if frames.len() < 3 || grid.len() < 2 || width.min(height) < 8 * cell_px {
+    let cells = |cell_px: usize| MERGED_CELLS * MERGED_CELLS * (width / cell_px) * (height / cell_px);
+    let values = |cell_px: &usize| cells(*cell_px) * swept(grid, times, *cell_px).len();
+    let cell_px = (CELL_PX..).step_by(MERGED_CELLS).find(|cell_px| values(cell_px) <= MAX_VALUES).unwrap_or(CELL_PX);
+    if frames.len() < 3 || grid.len() < 2 || width.min(height) < 4 * cell_px {
         return Ok(None);
     }
     let evidence = Evidence::new(frames, times, cell_px, grid, monitor)?;

@@ -105,6 +105,79 @@ fn a_thing_before_a_background_keeps_its_own_motion() {
 }
 
 #[test]
+fn one_motion_is_one_layer_and_two_are_two_with_their_shares() {
+    let of =
+        |scene: &dyn Fn(f32, f32, f32) -> f32| field_of(&frames(0.06, scene), &SlopeGrid::line(-3.0..=3.0, 7)).layers;
+    let (left, right) = (Slope::new(-0.8, 0.0), Slope::new(1.6, 0.0));
+    let one = of(&moving(left, 2));
+    assert!(one.len() == 1 && one[0].share > 0.99 && (one[0].slope.u + 0.8).abs() < 0.1, "{one:?}");
+    let halves = |u: f32, v: f32, t: f32| if v < 112.0 { moving(left, 2)(u, v, t) } else { moving(right, 3)(u, v, t) };
+    // A few cells beside the border show both, and move like neither.
+    let (two, between): (Vec<MotionLayer>, Vec<MotionLayer>) =
+        of(&halves).into_iter().partition(|layer| layer.share > 0.2);
+    assert!(two.len() == 2 && between.iter().all(|layer| layer.share < 0.1), "{two:?} {between:?}");
+    // The fastest first.
+    for (layer, slope) in two.iter().zip([right, left]) {
+        assert!((layer.slope.u - slope.u).abs() < 0.25 && (layer.share - 0.5).abs() < 0.1, "{layer:?} {slope:?}");
+    }
+}
+
+#[test]
+fn a_cropped_burst_has_the_cropped_field() {
+    let scene = moving(Slope::new(1.1, 0.4), 6);
+    let whole = frames(0.05, &scene);
+    let cropped: Vec<Plane> =
+        whole.iter().map(|frame| Plane::from_fn(176, 160, |u, v| frame.at(u + 48, v + 32))).collect();
+    let grid = SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5);
+    let (whole, cropped) = (field_of(&whole, &grid), field_of(&cropped, &grid));
+    for (u, v) in [(40.0, 40.0), (100.0, 80.0), (140.0, 120.0)] {
+        let (a, b) = (whole.at(u + 48.0, v + 32.0), cropped.at(u, v));
+        assert!(a.distance(b.slope, b.ellipse().0[0]) < 2.0, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn motions_lie_as_far_off_as_they_say() {
+    let plane = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
+    let (mut within, mut all) = ([0, 0], 0);
+    for seed in 0..6 {
+        let slope = Slope::new(0.7 * seed as f32 - 1.9, 1.3 - 0.5 * seed as f32);
+        let field = field_of(&frames(0.25, moving(slope, seed)), &plane);
+        for motion in field.motions.iter().filter(|motion| field.is_known(motion)) {
+            let [uu, _, vv] = motion.covariance;
+            for error in [(motion.slope.u - slope.u) / uu.sqrt(), (motion.slope.v - slope.v) / vv.sqrt()] {
+                all += 1;
+                (1..=2).for_each(|sigmas| within[sigmas - 1] += usize::from(error.abs() < sigmas as f32));
+            }
+        }
+    }
+    let [one, two] = within.map(|count| count as f64 / f64::from(all));
+    assert!(all > 2000 && (0.55..0.97).contains(&one) && two > 0.88, "{one:.2} within 1σ, {two:.2} within 2σ of {all}");
+}
+
+#[test]
+fn all_in_focus_is_nearer_to_the_scene_than_any_stack() {
+    let (left, right) = (Slope::new(-1.2, 0.0), Slope::new(1.6, 0.0));
+    let scene = |u: f32, v: f32, t: f32| if v < 112.0 { moving(left, 2)(u, v, t) } else { moving(right, 3)(u, v, t) };
+    let frames = frames(0.03, scene);
+    let planes: Vec<&Plane> = frames.iter().collect();
+    let (field, times) = (field_of(&frames, &SlopeGrid::line(-3.0..=3.0, 7)), FrameTimes::all(FRAMES));
+    let error = |picture: &Plane| {
+        let places = (24..SIZE.1 - 24).flat_map(|v| (24..SIZE.0 - 24).map(move |u| (u, v)));
+        let off = |(u, v): (usize, usize)| picture.at(u, v) - 0.3 - 0.2 * scene(u as f32, v as f32, 0.0);
+        let (sum, squares, count) = places.map(off).fold((0.0, 0.0, 0.0), |(s, q, n), x| (s + x, q + x * x, n + 1.0));
+        (squares / count - (sum / count).powi(2)).sqrt()
+    };
+    let in_focus = error(&in_focus(&planes, &times, &field));
+    for slope in [left, Slope::default(), right] {
+        let still =
+            MotionField { motions: vec![Motion { slope, covariance: [0.0; 3] }; field.motions.len()], ..field.clone() };
+        let stack = error(&super::in_focus(&planes, &times, &still));
+        assert!(in_focus < 0.8 * stack, "{in_focus} in focus, {stack} at {slope:?}");
+    }
+}
+
+#[test]
 fn stripes_say_nothing_along_themselves() {
     let slope = Slope::new(0.0, 1.0);
     let stripes = |_: f32, v: f32, t: f32| texture(0.5, v - t * slope.v, 10.0, 3);
@@ -117,9 +190,11 @@ fn stripes_say_nothing_along_themselves() {
 
 #[test]
 fn noise_has_no_known_motion() {
-    let field = field_of(&frames(0.1, |_, _, _| 0.0), &SlopeGrid::line(-3.0..=3.0, 7));
-    let known = field.motions.iter().filter(|motion| field.is_known(motion)).count();
-    assert!(known * 5 < field.motions.len(), "{known} of {}", field.motions.len());
+    for grid in [SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::plane(-1.0..=1.0, 5, -1.0..=1.0, 5)] {
+        let field = field_of(&frames(0.1, |_, _, _| 0.0), &grid);
+        let known = field.motions.iter().filter(|motion| field.is_known(motion)).count();
+        assert!(known * 20 < field.motions.len(), "{known} of {}", field.motions.len());
+    }
 }
 
 #[test]

@@ -8,18 +8,22 @@
 //! off on average. The offset is held by a prior, as noise would move each cell where it likes.
 
 use super::Motion;
+use super::cells::{enlarged, means};
 use super::evidence::Evidence;
 use crate::detector::params::slope_grid::Slope;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
-use crate::plane::sample::bilinear;
 use rayon::prelude::*;
 
+/// Number of places whose evidence is compared at once: as many as the cache holds.
+const PLACES_AT_ONCE: usize = 2048;
+/// Evidence that a motion needs to be known, nats: the best of all slopes in noise has less.
+const KNOWN_NATS: f32 = 6.0;
 /// Standard deviations of the windows that decide, cells.
-const DECIDING_CELLS: [f64; 4] = [28.0, 14.0, 7.0, 3.5];
+const DECIDING_CELLS: [f64; 4] = [14.0, 7.0, 3.5, 1.75];
 /// Standard deviations of the windows whose offsets refine the motions, cells.
-const REFINING_CELLS: [f64; 3] = [24.0, 16.0, 12.0];
+const REFINING_CELLS: [f64; 3] = [12.0, 8.0, 6.0];
 /// Evidence that a smaller window needs for another slope than the larger one's, nats.
 const OVERRULING_NATS: f32 = 5.0;
 /// Steps of the sweep between two slopes that differ.
@@ -34,10 +38,10 @@ const OFFSET_SMEAR_PX: f32 = 1.2;
 const FLOOR_SMEAR_PX: f32 = 0.3;
 
 /// Standard deviation of the window in which changes of the motion are looked at, cells.
-const CHANGE_WINDOW_CELLS: f64 = 8.0;
+const CHANGE_WINDOW_CELLS: f64 = 4.0;
 /// Cells by which a border between motions is placed wrongly: where the motion changes, it is as uncertain as it changes
 /// over so many.
-const CHANGE_CELLS: f32 = 1.0;
+const CHANGE_CELLS: f32 = 0.5;
 /// Standard deviation of the second difference of evidence between steps that noise alone gives, as a part of the root
 /// of twice the evidence: the noise of stacks a step apart is nearly the same.
 const CHANCE: f32 = 0.2;
@@ -71,6 +75,8 @@ struct Cell {
     information: [f32; 3],
     /// Standard deviation of the window that decided, cells.
     window_cells: f32,
+    /// Evidence in that window, nats.
+    nats: f32,
 }
 
 struct Sweep<'a> {
@@ -86,10 +92,10 @@ impl Sweep<'_> {
         for sigma_cells in DECIDING_CELLS {
             let sums = self.evidence.nats.par_iter().map(|nats| window_sums(nats, sigma_cells, monitor));
             let sums: Vec<Plane> = sums.collect::<Result<_, _>>()?;
+            let most = most(&sums);
             let cell_of = |place: usize| -> Cell {
                 let sum = |index: usize| sums[index].data()[place];
-                let most = |best: usize, index: usize| if sum(index) > sum(best) { index } else { best };
-                let index = (0..sums.len()).reduce(most).unwrap_or_default();
+                let index = most[place] as usize;
                 let own = || self.peak(index, &sum, sigma_cells as f32);
                 let Some(larger) = decided.as_ref().map(|cells| cells[place]) else { return own() };
                 let [(i, j), (k, l)] = [index, larger.index].map(|index| self.evidence.grid.coordinates(index));
@@ -115,7 +121,8 @@ impl Sweep<'_> {
         let (gradient, information) = self.derivatives(&around);
         let offset = offset(gradient, information, PEAK_STEPS);
         let information = certain(information, sum(index));
-        Cell { index, at: [i as f32 + offset[0], j as f32 + offset[1]], information, window_cells }
+        let nats = sum(index);
+        Cell { index, at: [i as f32 + offset[0], j as f32 + offset[1]], information, window_cells, nats }
     }
 
     /// Gradient and information of a function of the offset in steps, by differences of one step.
@@ -209,6 +216,7 @@ impl Sweep<'_> {
         let range = [grid.u, grid.v].map(|axis| 12f32.sqrt() / axis.count as f32);
         let (rotation, values) = eigen(cell.information);
         let known = if self.active == [true; 2] { range[0].max(range[1]) } else { range[usize::from(self.active[1])] };
+        let values = if cell.nats < KNOWN_NATS { [0.0; 2] } else { values };
         let variances = values.map(|nats| 1.0 / (nats.max(0.0) + known * known));
         let [mut uu, uv, mut vv] = turned(rotation, variances);
         (uu, vv) = (if self.active[0] { uu } else { 0.0 }, if self.active[1] { vv } else { 0.0 });
@@ -225,6 +233,25 @@ impl Sweep<'_> {
         let covariance = [covariance[0] + floor, covariance[1], covariance[2] + floor];
         Motion { slope, covariance }
     }
+}
+
+/// Index of the plane with the largest value, of each place; the first of equal ones.
+fn most(planes: &[Plane]) -> Vec<u32> {
+    let count = planes.first().map_or(0, |plane| plane.data().len());
+    let mut most = vec![0u32; count];
+    most.par_chunks_mut(PLACES_AT_ONCE).enumerate().for_each(|(chunk, most)| {
+        let start = chunk * PLACES_AT_ONCE;
+        let mut largest = vec![f32::NEG_INFINITY; most.len()];
+        for (index, plane) in planes.iter().enumerate() {
+            let values = &plane.data()[start..start + most.len()];
+            // Without branches, for the processor's vectors.
+            for ((largest, most), &value) in largest.iter_mut().zip(most.iter_mut()).zip(values) {
+                *most = if value > *largest { index as u32 } else { *most };
+                *largest = if value > *largest { value } else { *largest };
+            }
+        }
+    });
+    most
 }
 
 /// Rotation (cosine, sine) to the principal axes of a symmetric matrix (uu, uv, vv), and its eigenvalues, the larger
@@ -284,23 +311,4 @@ fn summed(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, C
     let wide = smoothed(&wide, sigma_cells, monitor)?;
     let rows = (0..height).flat_map(|v| wide.row(v + margin)[margin..margin + width].iter().copied());
     Ok(Plane::from_vec(width, height, rows.collect()))
-}
-
-/// Means of squares of `by`² cells, and of what is left of them at the right and lower edge.
-pub(super) fn means(plane: &Plane, by: usize) -> Plane {
-    let (width, height) = plane.size();
-    Plane::from_fn(width.div_ceil(by), height.div_ceil(by), |i, j| {
-        let (columns, rows) = (i * by..((i + 1) * by).min(width), j * by..((j + 1) * by).min(height));
-        let count = (columns.len() * rows.len()) as f32;
-        rows.map(|v| plane.row(v)[columns.clone()].iter().sum::<f32>()).sum::<f32>() / count
-    })
-}
-
-/// `few`, which has one value for `by`² cells, on a plane of `size`, linear between.
-pub(super) fn enlarged(few: &Plane, by: usize, size: (usize, usize)) -> Plane {
-    let place = |x: usize| (x as f32 + 0.5) / by as f32 - 0.5;
-    let (last_u, last_v) = ((few.width() - 1) as f32, (few.height() - 1) as f32);
-    Plane::from_fn(size.0, size.1, |u, v| {
-        bilinear(few, place(u).clamp(0.0, last_u), place(v).clamp(0.0, last_v)).unwrap_or_default()
-    })
 }

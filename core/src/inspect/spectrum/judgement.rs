@@ -312,7 +312,8 @@ impl<'a> Judging<'a> {
 
     /// Where a part of the picture moves, by its field, beyond the slopes that the frames show most clearly.
     fn range_of_field(&self) -> Option<SlopeAdvice> {
-        let field = self.detection.field.as_ref()?;
+        // Without clear evidence nothing moves surely.
+        let field = self.detection.field.as_ref().filter(|_| !self.evidence.is_empty())?;
         let known: Vec<Slope> =
             field.motions.iter().filter(|motion| field.is_known(motion)).map(|motion| motion.slope).collect();
         let unit = SlopeAxis { min: 0.0, max: 1.0, count: 2 };
