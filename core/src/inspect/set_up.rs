@@ -117,8 +117,8 @@ impl SetUp {
         (depth.is_finite() && depth > 0.0).then_some(depth)
     }
 
-    /// Depth by [`Self::depth_at`], metres, and its standard deviation, of a still point that moves at `slope` ± `sigma`
-    /// pixels per frame.
+    /// Depth by [`Self::depth_at`], metres, and its standard deviation, of a still point that moves at `slope` with a
+    /// standard deviation of `sigma`, pixels per frame.
     pub fn depth_with_error(&self, slope: Slope, sigma: f32) -> Option<[f64; 2]> {
         let depth = self.depth_at(slope)?;
         let along = self.focal_px * self.speed_m_s / (depth * self.frames_per_second);
