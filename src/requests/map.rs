@@ -14,6 +14,8 @@ pub struct MotionMap {
     pub max_px_per_frame: f32,
     /// Direction and length of the slope as hue and saturation; the brighter the more certain, dark where it is not.
     pub colours: RgbaImage,
+    /// The field of motion, in its picture.
+    pub field: Option<MotionField>,
 }
 
 /// Brightness of the least certain motion, as a fraction of that of the most certain.
@@ -29,11 +31,12 @@ impl MotionMap {
     }
 
     /// The field on the pixels of an image of `size` (columns, rows).
-    pub(super) fn field(field: &MotionField, size: (usize, usize), grid: &SlopeGrid) -> Self {
-        Self::new(size, grid, |x, y| {
+    pub(super) fn field(field: MotionField, size: (usize, usize), grid: &SlopeGrid) -> Self {
+        let map = Self::new(size, grid, |x, y| {
             let motion = field.at(x as f32, y as f32);
             (motion.slope, field.certainty(&motion))
-        })
+        });
+        Self { field: Some(field), ..map }
     }
 
     fn new((width, height): (usize, usize), grid: &SlopeGrid, at: impl Fn(usize, usize) -> (Slope, f32)) -> Self {
@@ -55,7 +58,7 @@ impl MotionMap {
             let [r, g, b] = colour.map(|c: u8| (f32::from(c) * brightness) as u8);
             Rgba([r, g, b, 255])
         });
-        Self { motions, max_px_per_frame, colours }
+        Self { motions, max_px_per_frame, colours, field: None }
     }
 
     /// The motion at a pixel (column, row), and its certainty, 0 … 1.

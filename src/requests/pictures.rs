@@ -53,8 +53,9 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
             let Some(field) = field_view(burst, &request.params, monitor)? else {
                 return Err(JobError::Failed(NO_FIELD.to_owned()));
             };
-            motion = Some(Arc::new(MotionMap::field(&field, burst.size(), &grid)));
-            Arc::new(field.magnitudes(burst.size()))
+            let lengths = Arc::new(field.magnitudes(burst.size()));
+            motion = Some(Arc::new(MotionMap::field(field, burst.size(), &grid)));
+            lengths
         }
         PictureKind::Map { map: ViewKind::InFocus, .. } => {
             let in_focus = in_focus_view(burst, &request.params, monitor)?;

@@ -73,7 +73,8 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     window.click("Explore");
     let model = &window.app().model;
     let slope = model.cursor().slope;
-    let is_here = |f: &&burstscope::Feature| (f.slope.u - slope.u).abs() < 0.1 && (100.0..300.0).contains(&f.u);
+    let moves = |f: &burstscope::Feature| (f.motion().0.u - slope.u).hypot(f.motion().0.v - slope.v) < 0.1;
+    let is_here = |f: &&burstscope::Feature| moves(f) && (100.0..300.0).contains(&f.u);
     let feature = *model.features().iter().find(is_here).expect("a feature of this slope");
     let place = egui::pos2(feature.u, feature.v);
     let before = window.app().ui_from_image(place).expect("drawn");

@@ -36,6 +36,7 @@ mod lost_matches;
 mod maps;
 mod measuring;
 mod methods;
+mod motion;
 mod noise;
 mod opening;
 mod pairs;

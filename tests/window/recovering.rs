@@ -252,7 +252,8 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     window.click("Sort by Depth");
     window.settle();
     let model = &window.app().model;
-    let depth_of = |i: &usize| model.set_up.values.depth_at(model.features()[*i].slope).map(|metres| metres as f32);
+    let depth_of =
+        |i: &usize| model.set_up.values.depth_at(model.features()[*i].motion().0).map(|metres| metres as f32);
     let depths: Vec<Option<f32>> = model.listed.iter().map(depth_of).collect();
     let known = depths.iter().take_while(|depth| depth.is_some()).count();
     assert!(known > 10 && known < depths.len(), "features of both directions: {known} of {}", depths.len());

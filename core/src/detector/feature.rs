@@ -50,7 +50,8 @@ pub struct Feature {
 }
 
 /// Motion of a feature beside that of its surroundings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Moves {
     /// As its surroundings do, as far as its own motion is known.
     WithSurroundings,
@@ -63,6 +64,9 @@ pub enum Moves {
 }
 
 impl Moves {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::WithSurroundings, Self::ByItself, Self::Undefined, Self::Unknown];
+
     /// Words for people.
     pub fn words(self) -> &'static str {
         match self {
@@ -89,6 +93,20 @@ impl Feature {
             _ if apart > BY_ITSELF_SIGMAS * self.slope_sigma.hypot(self.field_sigma) => Moves::ByItself,
             _ => Moves::WithSurroundings,
         }
+    }
+
+    /// Motion to be said of it, and its standard deviation, pixels per frame: its own where it moves by itself or the
+    /// motion of its place is unknown, else that of its place, on which more of the picture decides.
+    pub fn motion(&self) -> (Slope, f32) {
+        match self.moves() {
+            Moves::ByItself | Moves::Unknown => (self.slope, self.slope_sigma),
+            Moves::WithSurroundings | Moves::Undefined => (self.field, self.field_sigma),
+        }
+    }
+
+    /// Motion of its place, from the field; `None` where it is unknown.
+    pub fn known_field(&self) -> Option<Slope> {
+        self.field_sigma.is_finite().then_some(self.field)
     }
 
     /// Strength for ranking: see [`strength`].
@@ -222,6 +240,20 @@ mod tests {
     /// mean of the descriptors' values. Sums, with a tolerance, because processors round the last bit differently.
     const FOUND: (u32, usize, [f64; 6]) =
         (11, 143, [12060.478533, 12795.925066, 549.425511, 116.796307, 89.664412, 34.771088]);
+
+    #[test]
+    fn the_motion_said_is_that_of_the_place_unless_it_moves_otherwise() {
+        let known = Feature { field: Slope::new(2.0, 0.5), field_sigma: 0.05, slope_sigma: 0.2, ..Feature::default() };
+        let of = |u: f32, slope_sigma: f32, field_sigma: f32| {
+            let feature = Feature { slope: Slope::new(u, 0.5), slope_sigma, field_sigma, ..known };
+            (feature.moves(), feature.motion())
+        };
+        let own = Slope::new(-1.0, 0.5);
+        assert_eq!(of(2.3, 0.2, 0.05), (Moves::WithSurroundings, (known.field, 0.05)));
+        assert_eq!(of(-1.0, 0.2, 0.05), (Moves::ByItself, (own, 0.2)));
+        assert_eq!(of(-1.0, 0.9, 0.05), (Moves::Undefined, (known.field, 0.05)), "an edge");
+        assert_eq!(of(-1.0, 0.9, f32::INFINITY), (Moves::Unknown, (own, 0.9)));
+    }
 
     #[test]
     fn other_features_come_with_another_revision() {

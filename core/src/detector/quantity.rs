@@ -289,6 +289,7 @@ impl Quantity {
                 place: Place::Real(|f| &mut f.field.u),
                 form: Form::Signed(2),
                 title: "Field u",
+                unknown: "–",
                 term: Some("field"),
                 colours: Some(BRIGHT),
                 ..named("field_u", "Field u", "px/frame", "Motion of its place to the right, from the field of motion")
@@ -297,6 +298,7 @@ impl Quantity {
                 place: Place::Real(|f| &mut f.field.v),
                 form: Form::Signed(2),
                 title: "Field v",
+                unknown: "–",
                 term: Some("field"),
                 colours: Some(BRIGHT),
                 ..named("field_v", "Field v", "px/frame", "Motion of its place downwards, from the field of motion")
@@ -316,6 +318,7 @@ impl Quantity {
             },
             Self::Layer => Record {
                 place: Place::Whole(|f| &mut f.layer),
+                unknown: "–",
                 term: Some("layer"),
                 width: 36.0,
                 colours: Some(Colours { span: Span::Found(0.0, 1.0), ..BRIGHT }),

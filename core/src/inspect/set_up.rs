@@ -117,6 +117,14 @@ impl SetUp {
         (depth.is_finite() && depth > 0.0).then_some(depth)
     }
 
+    /// Depth by [`Self::depth_at`], metres, and its standard deviation, of a still point that moves at `slope` with a
+    /// standard deviation of `sigma`, pixels per frame.
+    pub fn depth_with_error(&self, slope: Slope, sigma: f32) -> Option<[f64; 2]> {
+        let depth = self.depth_at(slope)?;
+        let along = self.focal_px * self.speed_m_s / (depth * self.frames_per_second);
+        Some([depth, depth * (f64::from(sigma) / along).abs()])
+    }
+
     /// Motion by turning, px/frame to the right.
     fn turning(&self) -> f64 {
         -self.focal_px * self.turn_deg_s.to_radians() / self.frames_per_second
@@ -183,6 +191,14 @@ impl SetUpSlopes {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn the_error_of_a_depth_grows_with_the_depth() {
+        let set_up = SetUp::default();
+        let at = |u: f32| set_up.depth_with_error(Slope::new(u, 0.0), 0.25);
+        // 2.5 px/frame are 8 m: a tenth of the slope is a tenth of the depth.
+        assert_eq!((at(-2.5), at(-5.0), at(1.0)), (Some([8.0, 0.8]), Some([4.0, 0.2]), None));
+    }
 
     proptest! {
         #[test]

@@ -1,8 +1,8 @@
 //! Values of pixels as text: the one under the pointer, for the status bar, and those drawn into large pixels.
 
 use super::{Picture, RectTransform, number};
-use crate::app::view::fixed;
-use crate::detector::Slope;
+use crate::app::view::{fixed, motion_text};
+use crate::detector::{Motion, Slope};
 use crate::plane::display::Display;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2};
 
@@ -20,6 +20,8 @@ pub enum Quantity {
         /// Relative lead over all other slopes, 0 … 1; 0 where no response reaches the gate.
         confidence: f32,
     },
+    /// Motion of the place, from the field; `None` where it is unknown.
+    Field(Option<Motion>),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +65,10 @@ impl Readout {
             Quantity::Value => number(self.value, 4),
             Quantity::Sigma => format!("σ {}", number(self.value, 3)),
             Quantity::FramesShare => format!("{} % of the frames", number(100.0 * self.value, 3)),
+            Quantity::Field(motion) => motion.map_or_else(
+                || "motion unknown".to_owned(),
+                |motion| motion_text(motion.slope, motion.ellipse().0[0], 2),
+            ),
             Quantity::Slope { confidence, .. } if confidence <= 0.0 => {
                 format!("below the gate ({} σ)", number(self.value, 2))
             }

@@ -206,7 +206,7 @@ fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
     let Some(sample) = detection.features.first().copied() else { return Vec::new() };
     let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(0, &feature)), label };
     if scale.by == ColourBy::SlopeDirection {
-        return slope_legend(detection, 12, |slope| rgb(scale.colour(0, &Feature { slope, ..sample })));
+        return slope_legend(detection, 12, |slope| rgb(scale.of_slope(slope)));
     }
     if scale.by == ColourBy::Limit {
         return [(false, "inside the searched slopes"), (true, "at their limit")]

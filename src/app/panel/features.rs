@@ -7,13 +7,14 @@ use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
-use crate::app::project::explained::{coherence_words, verdict_words};
+use crate::app::project::explained::{coherence_words, motion_words, verdict_words};
+use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
-use crate::app::view::{Known, depth_text, signed_slope};
-use crate::detector::{Detection, Feature, Slope, SlopeGrid};
+use crate::app::view::{Known, depth_text, motion_text};
+use crate::detector::{Detection, Feature, Slope};
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
@@ -23,7 +24,7 @@ pub struct FeatureLayer {
     /// Features at their places in the picture where that is a frame: at its time.
     in_frame: Option<Vec<Feature>>,
     pub shown: Vec<bool>,
-    /// For each feature, whether it moves by another slope than [`Self::slope`]; empty without a slope.
+    /// For each feature, whether its motion is another than [`Self::slope`]; empty without a slope.
     elsewhere: Vec<bool>,
     /// Slope by which the picture was shifted; `None` if it was not, or by several, or if features at other slopes are
     /// not to be fainter.
@@ -54,13 +55,9 @@ impl FeatureLayer {
         let is_stale = pane.method.is_none() && !model.features_are_current(pane.side);
         let dt = frames_from_middle(pane.picture.as_ref(), &detection);
         let slope = model.slope_in_picture(id).filter(|_| inspected);
-        let near = near_slope(&detection.slopes);
-        let moves_otherwise = |f: &Feature, slope: Slope| {
-            let (du, dv) = (f.slope.u - slope.u, f.slope.v - slope.v);
-            du * du + dv * dv > near * near
-        };
+        let near = model.filter.near_slope.filter(|_| is_listed).unwrap_or_else(|| near_slope(&detection.slopes));
         let elsewhere = slope.map_or_else(Vec::new, |slope| {
-            detection.features.iter().map(|feature| moves_otherwise(feature, slope)).collect()
+            detection.features.iter().map(|feature| !moves_by(feature, slope, near)).collect()
         });
         let shown = if is_listed { model.listed_flags() } else { vec![true; detection.features.len()] };
         let mut layer = Self {
@@ -178,7 +175,7 @@ pub fn features_ui(
         let name = layer.method.map_or_else(|| format!("#{}", i + 1), |method| method.label().to_owned());
         let judged = model.coherence.of(&layer.detection).and_then(|values| values.get(i));
         let feature = &layer.placed()[i];
-        feature_tip_ui(ui, &name, feature, model.set_up.known(feature.slope, judged));
+        feature_tip_ui(ui, &name, feature, model.set_up.known(feature, judged));
     }
     if has_legend && !layer.placed().is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
@@ -228,20 +225,20 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
     overlay::draw_features(output, layer.placed(), &overlay::OverlayStyle { shown: Some(&full), ..style });
 }
 
-/// Maximum distance in slope of features that belong to the picture, in pixels per frame: slightly more than half-way
-/// to the grid's next slope.
-fn near_slope(grid: &SlopeGrid) -> f32 {
-    (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
-}
-
 fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
     let Known { judged, depth_m } = known;
-    let depth = depth_m.map_or_else(String::new, |_| format!("  depth {} m", depth_text(depth_m)));
+    let depth = depth_m.map_or_else(String::new, |depth| format!("  depth {}", depth_text(depth)));
     let coherence = judged.map_or_else(String::new, |j| format!("\ncoherence {}", coherence_words(j.coherence)));
+    let layer = if f.layer > 0 { format!(", layer {}", f.layer) } else { String::new() };
+    let field = f.known_field().map_or_else(String::new, |field| {
+        let field = motion_text(field, f.field_sigma, 2);
+        format!("\nfield {field}")
+    });
     let text = format!(
-        "{name}  σ {:.2} px\nslope ({}) px/frame{depth}\nresponse {}  SNR {:.1}{coherence}",
+        "{name}  σ {:.2} px{depth}\n{}{layer}\nslope {}{field}\nresponse {}  SNR {:.1}{coherence}",
         f.sigma,
-        signed_slope(f.slope, 2),
+        motion_words(f, judged),
+        motion_text(f.slope, f.slope_sigma, 2),
         signed_number(f.response, 3),
         f.snr
     );
@@ -249,7 +246,7 @@ fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
         ui.label(RichText::new(text).monospace());
         if let Some(judged) = judged {
             ui.set_max_width(TIP_WIDTH);
-            ui.add(Label::new(verdict_words(judged)).wrap());
+            ui.add(Label::new(verdict_words(Some(f), judged)).wrap());
         }
     });
 }
@@ -261,6 +258,12 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
     if scale.by == overlay::ColourBy::Depth {
         return scale.has_unknown().then(|| "Grey: Slopes, Slopes from the set-up gives depths".to_owned());
     }
+    let grey = |why: &str| scale.has_unknown().then(|| format!("Grey: {why}"));
+    match scale.by {
+        overlay::ColourBy::Layer => return grey("in no layer"),
+        overlay::ColourBy::FieldU | overlay::ColourBy::FieldV => return grey("motion of the place unknown"),
+        _ => {}
+    }
     let why = match (model.coherence.of(&layer.detection), model.coherence.failure_of(&layer.detection)) {
         (Some(_), _) => "too noisy to tell".to_owned(),
         (None, Some(why)) => why.to_string(),
@@ -270,7 +273,7 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
             None => "not computed yet".to_owned(),
         },
     };
-    scale.has_unknown().then(|| format!("Grey: {why}"))
+    grey(&why)
 }
 
 fn features_legend_ui(
@@ -293,16 +296,4 @@ fn features_legend_ui(
             ui.label(RichText::new(note).small().weak());
         }
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn features_belong_to_a_picture_half_way_to_the_next_slope() {
-        assert!((near_slope(&SlopeGrid::line(-2.0..=2.0, 5)) - 0.55).abs() < 1e-6);
-        assert!((near_slope(&SlopeGrid::plane(-1.0..=1.0, 5, -2.0..=2.0, 3)) - 1.1).abs() < 1e-6);
-        assert_eq!(near_slope(&SlopeGrid::line(0.0..=0.0, 1)), 0.1, "of a single slope those that are nearly there");
-    }
 }

@@ -67,6 +67,9 @@ impl PictureState {
         if let Some((_, texture)) = &self.colours {
             paint(&output.painter, texture.id(), output.ui_from_image.rect(rect_image));
         }
+        if let Some(field) = &motion.field {
+            overlay::draw_field(output, field, motion.max_px_per_frame);
+        }
     }
 
     /// Colours of the features of `detection`, constant until the next detection or another choice.
@@ -110,6 +113,10 @@ pub(in crate::app) fn readout_of(
         RangeClass::Noise => Quantity::Sigma,
         RangeClass::Share => Quantity::FramesShare,
         RangeClass::Motion => match &picture.motion {
+            Some(motion) if motion.field.is_some() => {
+                let place = (readout.pixel.0 as f32, readout.pixel.1 as f32);
+                Quantity::Field(motion.field.as_ref().and_then(|field| field.known_at(place.0, place.1)))
+            }
             Some(motion) => {
                 let (slope, confidence) = motion.at(readout.pixel);
                 Quantity::Slope { slope, confidence }
@@ -165,7 +172,8 @@ pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &
 }
 
 pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
-    Feature { u: feature.u + dt * feature.slope.u, v: feature.v + dt * feature.slope.v, ..*feature }
+    let (motion, _) = feature.motion();
+    Feature { u: feature.u + dt * motion.u, v: feature.v + dt * motion.v, ..*feature }
 }
 
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {

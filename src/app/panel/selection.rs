@@ -2,12 +2,13 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::signed_number;
+use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
 use crate::app::project::Model;
-use crate::app::project::explained::{coherence_words, verdict_words};
+use crate::app::project::explained::{coherence_words, motion_words, verdict_words};
 use crate::app::project::workspace::Workspace;
-use crate::app::view::{fixed, signed_slope};
-use crate::detector::{Descriptor, Feature};
+use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text};
+use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
 use crate::inspect::verdict::{Judged, Verdict};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
@@ -53,9 +54,12 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
         ui.add_space(4.0);
         let judged = model.judged().and_then(|judged| judged.get(index)).cloned();
         if let Some(judged) = &judged {
-            verdict_ui(ui, judged);
+            verdict_ui(ui, &feature, judged);
         }
-        numbers_ui(ui, index, &feature, judged.map(|judged| coherence_words(judged.coherence)));
+        let found = model.slots.a.found.as_ref();
+        let layers = found.and_then(|found| found.detection.field.as_ref()).map_or(&[][..], |field| &field.layers);
+        let known = model.set_up.known(&feature, judged.as_ref());
+        numbers_ui(ui, index, &feature, known, layers);
         ui.add_space(6.0);
         let descriptor = model.slots.a.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
         if let Some(descriptor) = descriptor {
@@ -67,16 +71,16 @@ pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, 
     });
 }
 
-fn verdict_ui(ui: &mut Ui, judged: &Judged) {
+fn verdict_ui(ui: &mut Ui, feature: &Feature, judged: &Judged) {
     let colour = match judged.verdict {
         Verdict::Real | Verdict::Unclear => ui.visuals().text_color(),
         Verdict::Ghost | Verdict::Alias | Verdict::Duplicate => crate::app::style::warning(ui),
     };
-    ui.add(Label::new(RichText::new(verdict_words(judged)).color(colour)).wrap());
+    ui.add(Label::new(RichText::new(verdict_words(Some(feature), judged)).color(colour)).wrap());
     ui.add_space(4.0);
 }
 
-fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>) {
+fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: &[MotionLayer]) {
     egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
         row("Rank", "By |D|·√SNR, from 1", format!("{}", index + 1));
@@ -93,9 +97,21 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>)
         );
         row(
             "Slope (u, v)",
-            "Apparent motion, refined between the grid's slopes",
-            format!("{} px/frame", signed_slope(f.slope, 3)),
+            "Its own motion, refined between the grid's slopes, ± the standard deviation along its least certain direction",
+            motion_text(f.slope, f.slope_sigma, 2),
         );
+        row(
+            "Field (u, v)",
+            "Motion of its place, from the field of motion, ± the standard deviation along the least certain direction",
+            f.known_field().map_or_else(|| "unknown".to_owned(), |field| motion_text(field, f.field_sigma, 2)),
+        );
+        row("Moves", Quantity::Moves.record().help, motion_words(f, known.judged).to_owned());
+        let layer = usize::try_from(f.layer - 1).ok().and_then(|index| layers.get(index));
+        let layer = layer.map_or_else(|| "none".to_owned(), |layer| layer_text(f.layer, layer));
+        row("Layer", Quantity::Layer.record().help, layer);
+        if let Some(depth) = known.depth_m {
+            row("Depth", "Depth that its motion means by the set-up, ± the standard deviation", depth_text(depth));
+        }
         row("Speed", "Length of the slope", format!("{:.3} px/frame", f.slope.magnitude()));
         row(
             "Response",
@@ -103,11 +119,11 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, coherence: Option<String>)
             format!("{} of full scale", signed_number(f.response, 4)),
         );
         row("SNR", "|response| over the noise in D", format!("{:.1}", f.snr));
-        if let Some(coherence) = coherence {
+        if let Some(judged) = known.judged {
             row(
                 "Coherence",
                 "How well the single frames agree along its motion: 1 if all respond alike, less for a ghost",
-                coherence,
+                coherence_words(judged.coherence),
             );
         }
         row("Octave, level", "Where in the scale space it was found", format!("{}, {}", f.octave, f.level));
@@ -143,10 +159,8 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
             ui.set_width(side);
             let t = model.cursor().frame.min(burst.burst.len() - 1);
             let used = model.slots.a.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
-            // In a frame the feature lies further along its slope, away from the middle of the frames used.
-            let dt = t as f32 - (used.start + used.end - 1) as f32 / 2.0;
-            let (u, v) = (feature.u + dt * feature.slope.u, feature.v + dt * feature.slope.v);
-            let feature = Feature { u, v, ..*feature };
+            // In a frame the feature lies further along its motion, away from the middle of the frames used.
+            let feature = at_time(feature, t as f32 - (used.start + used.end - 1) as f32 / 2.0);
             let view = PatchView { name: "Patch in one frame", feature, turned: false, display };
             view.ui(ui, Some(&burst.burst.frames[t]), &mut state.frame, side);
             ui.label(RichText::new(format!("Frame {t}")).small().weak());

@@ -8,10 +8,10 @@ use crate::app::panel::widgets::{instead_ui, label_ui, named};
 use crate::app::project::Model;
 use crate::app::project::filter::{Interval, Order};
 use crate::app::project::side::Side;
-use crate::app::view::{quantity_text, shown_quantities};
+use crate::app::view::{layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
 use crate::detector::quantity::Record;
-use crate::detector::{Feature, Quantity};
+use crate::detector::{Feature, Moves, Quantity};
 use crate::inspect::verdict::Verdict;
 use egui::{Align, Label, Layout, Response, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
@@ -38,7 +38,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let text = |quantity, index: usize| {
         let feature = &model.features()[index];
         let judged = judged.as_ref().and_then(|judged| judged.get(index));
-        quantity_text(quantity, index, feature, model.set_up.known(feature.slope, judged))
+        quantity_text(quantity, index, feature, model.set_up.known(feature, judged))
     };
     let columns: Vec<Quantity> = shown_quantities(model.set_up.reads_depths).collect();
     let (mut chosen, mut asked) = (None, None);
@@ -235,6 +235,8 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         ranges_ui(ui, model);
         ui.separator();
         verdict_ui(ui, model);
+        moves_ui(ui, model);
+        layers_ui(ui, model);
         ui.checkbox(&mut model.filter.hide_slope_limit, "Hide features at the slope limit")
             .on_hover_text("Their slope is at the end of the searched range, so their true motion may lie beyond it");
         near_slope_ui(ui, model);
@@ -242,9 +244,9 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     });
     let mut near = model.filter.near_slope.is_some();
-    let tip = "Show only features within 0.5 px/frame of the shown slope";
+    let tip = "Show only features that move by the shown slope, as This slope does over the picture";
     if ui.checkbox(&mut near, "At this slope").on_hover_text(tip).changed() {
-        model.filter.near_slope = near.then_some(0.5);
+        model.filter.near_slope = near.then(|| model.near_slope());
     }
     if !model.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
@@ -271,6 +273,36 @@ fn verdict_ui(ui: &mut Ui, model: &mut Model) {
         }
     });
 }
+
+fn moves_ui(ui: &mut Ui, model: &mut Model) {
+    ui.horizontal_wrapped(|ui| {
+        label_ui(ui, "Moves", 70.0).on_hover_text(Quantity::Moves.record().help);
+        for moves in std::iter::once(None).chain(Moves::ALL.map(Some)) {
+            ui.selectable_value(&mut model.filter.moves, moves, moves.map_or("any way", Moves::words));
+        }
+    });
+}
+
+/// Draws a choice of one layer, of all, or of the features of none; nothing without a field.
+fn layers_ui(ui: &mut Ui, model: &mut Model) {
+    let Some(field) = model.slots.a.found.as_ref().and_then(|found| found.detection.field.clone()) else { return };
+    ui.horizontal_top(|ui| {
+        label_ui(ui, "Layer", 70.0).on_hover_text(Quantity::Layer.record().help);
+        let names = field.layers.iter().zip(1..).map(|(layer, number)| (Some(number), layer_text(number, layer)));
+        let ends = [(None, "all layers".to_owned()), (Some(0), "no layer".to_owned())];
+        egui::ScrollArea::vertical().max_height(LAYERS_HEIGHT).show(ui, |ui| {
+            ui.vertical(|ui| {
+                for (layer, name) in ends.into_iter().chain(names) {
+                    let tip = "All features, only those of one layer, or only those that move like none";
+                    ui.selectable_value(&mut model.filter.layer, layer, name).on_hover_text(tip);
+                }
+            });
+        });
+    });
+}
+
+/// Maximum height of the list of layers, points.
+const LAYERS_HEIGHT: f32 = 130.0;
 
 fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
     let finite = values.filter(|x| x.is_finite());
@@ -305,9 +337,9 @@ fn near_slope_ui(ui: &mut Ui, model: &mut Model) {
     let mut near = model.filter.near_slope.is_some();
     ui.horizontal(|ui| {
         if ui.checkbox(&mut near, "Only near the shown slope, within").changed() {
-            model.filter.near_slope = near.then_some(0.5);
+            model.filter.near_slope = near.then(|| model.near_slope());
         }
-        let mut limit = model.filter.near_slope.unwrap_or(0.5);
+        let mut limit = model.filter.near_slope.unwrap_or_else(|| model.near_slope());
         let field = egui::DragValue::new(&mut limit).range(0.0..=100.0).speed(0.01).suffix(" px/frame");
         let response = ui.add_enabled(near, field);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, near, "Distance in slope"));

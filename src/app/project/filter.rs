@@ -1,8 +1,9 @@
 //! Filter and sort order of the features, and the list that results: what the table shows, and steps through it.
 
+use crate::app::project::set_up::SetUpState;
 use crate::app::project::{Model, filter};
-use crate::app::view::{Known, quantity_value};
-use crate::detector::{Feature, Quantity, Slope};
+use crate::app::view::quantity_value;
+use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::{Judged, Verdict};
 use serde::{Deserialize, Serialize};
@@ -36,8 +37,23 @@ pub struct Filter {
     /// Coherence of the frames' responses, 0 … 1. Features without one (too noisy to tell) pass.
     pub coherence: Option<Interval>,
     pub verdict: Option<Verdict>,
-    /// Largest distance of a feature's slope from the slope on show, pixels per frame.
+    /// Number of the motion layer, from 1; 0 for the features of none.
+    pub layer: Option<i32>,
+    pub moves: Option<Moves>,
+    /// Largest distance of a feature's motion from the slope on show, pixels per frame.
     pub near_slope: Option<f32>,
+}
+
+/// Largest distance of the motions that belong to a slope of `grid`, pixels per frame: slightly more than half-way to
+/// the grid's next slope.
+pub fn near_slope(grid: &SlopeGrid) -> f32 {
+    (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
+}
+
+/// Whether the motion of `feature` differs from `slope` by at most `limit`.
+pub fn moves_by(feature: &Feature, slope: Slope, limit: f32) -> bool {
+    let (motion, _) = feature.motion();
+    (motion.u - slope.u).hypot(motion.v - slope.v) <= limit
 }
 
 impl Filter {
@@ -61,14 +77,16 @@ impl Filter {
                     && self.verdict.is_none_or(|verdict| judged.verdict == verdict)
             })
             && !(self.hide_slope_limit && feature.at_slope_limit)
-            && self.near_slope.is_none_or(|limit| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= limit)
+            && self.layer.is_none_or(|layer| feature.layer == layer)
+            && self.moves.is_none_or(|moves| feature.moves() == moves)
+            && self.near_slope.is_none_or(|limit| moves_by(feature, slope, limit))
     }
 }
 
 /// Indices of the features that pass the filter at `slope`, sorted by `order`; `judged` and `set_up` say more of them.
 pub fn listed(
     features: &[Feature],
-    (judged, set_up): (Option<&[Judged]>, Option<&SetUp>),
+    (judged, set_up): (Option<&[Judged]>, &SetUpState),
     filter: &Filter,
     slope: Slope,
     order: Order<Quantity>,
@@ -76,11 +94,11 @@ pub fn listed(
     let of = |index: usize| judged.and_then(|judged| judged.get(index));
     let mut indices: Vec<usize> = (0..features.len()).filter(|&i| filter.passes(&features[i], of(i), slope)).collect();
     indices.sort_by(|&a, &b| {
-        let depth = |index: usize| set_up.and_then(|set_up| set_up.depth_at(features[index].slope));
-        let known = |index: usize| Known { judged: of(index), depth_m: depth(index) };
-        // What is not known is greatest.
-        let value =
-            |index| quantity_value(order.column, index, &features[index], known(index)).unwrap_or(f32::INFINITY);
+        let value = |index: usize| {
+            let known = set_up.known(&features[index], of(index));
+            // What is not known is greatest.
+            quantity_value(order.column, index, &features[index], known).unwrap_or(f32::INFINITY)
+        };
         let by = value(a).total_cmp(&value(b));
         let by = if order.descending { by.reverse() } else { by };
         by.then(a.cmp(&b))
@@ -120,13 +138,18 @@ impl Model {
         if self.listed_for.as_ref() != Some(&now) {
             self.listed = filter::listed(
                 &found.detection.features,
-                (judged.map(|judged| &judged[..]), self.set_up.depths_by()),
+                (judged.map(|judged| &judged[..]), &self.set_up),
                 &self.filter,
                 slope,
                 self.order,
             );
             self.listed_for = Some(now);
         }
+    }
+
+    /// Default of [`Filter::near_slope`]: as for the features over the picture.
+    pub fn near_slope(&self) -> f32 {
+        near_slope(self.slots.a.found.as_ref().map_or(&self.slots.a.usable_params.slopes, |f| &f.detection.slopes))
     }
 
     pub fn listed_flags(&self) -> Vec<bool> {
@@ -176,7 +199,7 @@ impl<C: PartialEq> Order<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::view::quantity_text;
+    use crate::app::view::{Known, quantity_text};
 
     fn feature(u: f32, sigma: f32, slope_u: f32) -> Feature {
         let (slope, response, at_slope_limit) = (Slope::new(slope_u, 0.0), -0.1 * sigma, slope_u.abs() >= 3.0);
@@ -186,30 +209,57 @@ mod tests {
     #[test]
     fn filters_add_up_and_the_order_turns_round() {
         let features = [feature(5.0, 2.0, 1.0), feature(1.0, 4.0, -2.0), feature(3.0, 8.0, 3.0)];
-        let slope = Slope::new(1.0, 0.0);
+        let (slope, alone) = (Slope::new(1.0, 0.0), SetUpState::default());
         let mut filter = Filter::default();
         assert!(filter.is_open());
         let order = Order::default().clicked(Quantity::U);
-        assert_eq!(listed(&features, (None, None), &filter, slope, order), [1, 2, 0]);
-        assert_eq!(listed(&features, (None, None), &filter, slope, order.clicked(Quantity::U)), [0, 2, 1]);
+        assert_eq!(listed(&features, (None, &alone), &filter, slope, order), [1, 2, 0]);
+        assert_eq!(listed(&features, (None, &alone), &filter, slope, order.clicked(Quantity::U)), [0, 2, 1]);
         filter.sigma = Some(Interval { min: 3.0, max: 9.0 });
-        assert_eq!(listed(&features, (None, None), &filter, slope, Order::default()), [1, 2]);
+        assert_eq!(listed(&features, (None, &alone), &filter, slope, Order::default()), [1, 2]);
         filter.hide_slope_limit = true;
-        assert_eq!(listed(&features, (None, None), &filter, slope, Order::default()), [1]);
+        assert_eq!(listed(&features, (None, &alone), &filter, slope, Order::default()), [1]);
         let near = Filter { near_slope: Some(0.5), ..Filter::default() };
-        assert_eq!(listed(&features, (None, None), &near, slope, Order::default()), [0]);
+        assert_eq!(listed(&features, (None, &alone), &near, slope, Order::default()), [0]);
+    }
+
+    #[test]
+    fn features_are_at_a_slope_by_their_motion_and_filtered_by_layer_and_by_how_they_move() {
+        let placed =
+            Feature { field: Slope::new(2.0, 0.0), field_sigma: 0.05, slope_sigma: 0.2, ..feature(5.0, 2.0, 2.2) };
+        let by_itself = Feature { slope: Slope::new(-1.0, 0.0), layer: 0, ..placed };
+        let edge = Feature { slope: Slope::new(0.0, 0.5), slope_sigma: 0.9, ..placed };
+        let unknown = Feature { field_sigma: f32::INFINITY, layer: 2, ..placed };
+        let features = [Feature { layer: 1, ..placed }, by_itself, Feature { layer: 1, ..edge }, unknown];
+        let passing = |filter: Filter| {
+            listed(&features, (None, &SetUpState::default()), &filter, Slope::new(2.0, 0.0), Order::default())
+        };
+        let open = Filter::default();
+        assert_eq!(passing(Filter { near_slope: Some(0.1), ..open }), [0, 2], "an edge moves as its surroundings");
+        assert_eq!([1, 2, 0].map(|n| passing(Filter { layer: Some(n), ..open })), [vec![0, 2], vec![3], vec![1]]);
+        let moving = Moves::ALL.map(|moves| passing(Filter { moves: Some(moves), ..open }));
+        assert_eq!(moving, [[0], [1], [2], [3]]);
+        let text = toml::to_string(&Filter { layer: Some(1), moves: Some(Moves::ByItself), ..open }).expect("text");
+        assert!(text.contains("layer = 1") && text.contains("moves = \"by-itself\""), "{text}");
+    }
+
+    #[test]
+    fn features_belong_to_a_slope_half_way_to_the_next() {
+        assert!((near_slope(&SlopeGrid::line(-2.0..=2.0, 5)) - 0.55).abs() < 1e-6);
+        assert!((near_slope(&SlopeGrid::plane(-1.0..=1.0, 5, -2.0..=2.0, 3)) - 1.1).abs() < 1e-6);
+        assert_eq!(near_slope(&SlopeGrid::line(0.0..=0.0, 1)), 0.1, "of a single slope those that are nearly there");
     }
 
     #[test]
     fn depths_sort_the_features_and_unknown_ones_come_last() {
         let features = [feature(5.0, 2.0, -2.5), feature(1.0, 4.0, 2.0), feature(3.0, 8.0, -20.0)];
         let order = Order::default().clicked(Quantity::Depth);
-        let default = SetUp::default();
-        let sorted = |set_up| listed(&features, (None, set_up), &Filter::default(), Slope::default(), order);
-        assert_eq!(sorted(Some(&default)), [2, 0, 1]);
-        assert_eq!(sorted(None), [0, 1, 2], "without a set-up no depth is known");
-        let known = Known { depth_m: SetUp::default().depth_at(features[0].slope), ..Known::default() };
-        assert_eq!(quantity_text(Quantity::Depth, 0, &features[0], known), "8");
+        let sorted =
+            |set_up: &SetUpState| listed(&features, (None, set_up), &Filter::default(), Slope::default(), order);
+        let read = SetUpState::default().reading_by(Some(SetUp::default()));
+        assert_eq!(sorted(&read), [2, 0, 1]);
+        assert_eq!(sorted(&SetUpState::default()), [0, 1, 2], "without a set-up no depth is known");
+        assert_eq!(quantity_text(Quantity::Depth, 0, &features[0], read.known(&features[0], None)), "8");
     }
 
     #[test]

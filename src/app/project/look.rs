@@ -125,7 +125,9 @@ impl FeaturesShown {
 
     pub fn help(self) -> &'static str {
         match self {
-            Self::ThisSlope => "Features that move by the slope of the picture",
+            Self::ThisSlope => {
+                "Features that move by the slope of the picture, by themselves or with their surroundings"
+            }
             Self::All => "Features of all slopes; those of other slopes are fainter",
             Self::None => "No features",
         }

@@ -4,7 +4,7 @@ use super::panels::Visibility;
 use super::workspace::Workspace;
 use super::{BottomTab, Model};
 use crate::app::view::{ColourBy, Known};
-use crate::detector::Slope;
+use crate::detector::Feature;
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 
@@ -26,8 +26,9 @@ impl SetUpState {
         (self.reads_depths && self.values.check().is_ok()).then_some(&self.values)
     }
 
-    pub fn known<'a>(&self, slope: Slope, judged: Option<&'a Judged>) -> Known<'a> {
-        Known { judged, depth_m: self.depths_by().and_then(|values| values.depth_at(slope)) }
+    pub fn known<'a>(&self, feature: &Feature, judged: Option<&'a Judged>) -> Known<'a> {
+        let (motion, sigma) = feature.motion();
+        Known { judged, depth_m: self.depths_by().and_then(|values| values.depth_with_error(motion, sigma)) }
     }
 }
 
@@ -50,13 +51,17 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::Slope;
 
     #[test]
     fn only_a_sound_set_up_gives_depths() {
         let state = SetUpState::default();
-        assert_eq!(state.known(Slope::new(-2.5, 0.0), None).depth_m, None);
+        let alone = Feature { slope: Slope::new(-2.5, 0.0), slope_sigma: 0.25, ..Feature::default() };
+        assert_eq!(state.known(&alone, None).depth_m, None);
         let read = state.reading_by(Some(SetUp::default()));
-        assert_eq!(read.known(Slope::new(-2.5, 0.0), None).depth_m, Some(8.0));
+        assert_eq!(read.known(&alone, None).depth_m, Some([8.0, 0.8]), "by itself");
+        let edge = Feature { field: Slope::new(-5.0, 0.0), slope_sigma: 1.0, field_sigma: 0.25, ..alone };
+        assert_eq!(read.known(&edge, None).depth_m, Some([4.0, 0.2]), "as its surroundings");
         let odd = SetUp { focal_px: f64::NAN, ..SetUp::default() };
         assert_eq!(state.reading_by(Some(odd)), state);
         let typed = SetUpState { values: SetUp { speed_m_s: -1.0, ..SetUp::default() }, ..read };

@@ -4,6 +4,7 @@
 use crate::app::pane::PaneId;
 use crate::app::project::against::Against;
 use crate::app::project::cursor::Cursor;
+use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model};
 use crate::app::view::{View, fixed};
@@ -383,8 +384,9 @@ impl Model {
         let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };
         let grid = found.detection.slopes;
-        if let Some((index, count)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
-            let slope = grid.slope(index);
+        if let Some((index, _)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
+            let (slope, near) = (grid.slope(index), near_slope(&grid));
+            let count = found.detection.features.iter().filter(|feature| moves_by(feature, slope, near)).count();
             self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);
             let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
             self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame"));

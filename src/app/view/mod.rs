@@ -6,7 +6,7 @@ mod pan_zoom;
 pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
 
 use crate::detector::quantity::{BRIGHT, Colours, Form};
-use crate::detector::{Feature, Quantity, Slope};
+use crate::detector::{Feature, MotionLayer, Quantity, Slope};
 use crate::inspect::verdict::Judged;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +17,9 @@ pub enum ColourBy {
     SlopeDirection,
     SlopeU,
     SlopeV,
+    FieldU,
+    FieldV,
+    Layer,
     Scale,
     /// The DoG value with its sign: bright blobs are negative.
     Response,
@@ -28,9 +31,9 @@ pub enum ColourBy {
 }
 
 impl ColourBy {
-    pub const ALL: [Self; 9] = {
+    pub const ALL: [Self; 12] = {
         use ColourBy::*;
-        [SlopeDirection, SlopeU, SlopeV, Scale, Response, Snr, Limit, Coherence, Depth]
+        [SlopeDirection, SlopeU, SlopeV, FieldU, FieldV, Layer, Scale, Response, Snr, Limit, Coherence, Depth]
     };
 
     /// The choices, in the order of a picker; depths only where slopes are read as depths.
@@ -44,6 +47,9 @@ impl ColourBy {
             Self::SlopeDirection => None,
             Self::SlopeU => Some(Quantity::SlopeU),
             Self::SlopeV => Some(Quantity::SlopeV),
+            Self::FieldU => Some(Quantity::FieldU),
+            Self::FieldV => Some(Quantity::FieldV),
+            Self::Layer => Some(Quantity::Layer),
             Self::Scale => Some(Quantity::Sigma),
             Self::Response => Some(Quantity::Response),
             Self::Snr => Some(Quantity::Snr),
@@ -70,8 +76,9 @@ impl ColourBy {
 pub struct Known<'a> {
     /// Coherence and verdict, once they were computed.
     pub judged: Option<&'a Judged>,
-    /// Depth that its slope means, metres; `None` without a set-up, and where no depth explains the slope.
-    pub depth_m: Option<f64>,
+    /// Depth that its motion means and the standard deviation, metres; `None` without a set-up, and where no depth
+    /// explains the motion.
+    pub depth_m: Option<[f64; 2]>,
 }
 
 /// The quantities that tables show; depths only where slopes are read as depths.
@@ -83,10 +90,12 @@ pub fn shown_quantities(with_depths: bool) -> impl Iterator<Item = Quantity> {
 pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> Option<f32> {
     match quantity {
         Quantity::Rank => Some((index + 1) as f32),
-        Quantity::Depth => known.depth_m.map(|metres| metres as f32),
+        Quantity::Depth => known.depth_m.map(|[metres, _]| metres as f32),
         Quantity::Coherence => known.judged.and_then(|judged| judged.coherence),
         Quantity::Verdict => known.judged.map(|judged| judged.verdict as u8 as f32),
         Quantity::Moves => Some(feature.moves() as u8 as f32),
+        Quantity::FieldU | Quantity::FieldV => feature.known_field().and_then(|_| quantity.of(feature)),
+        Quantity::Layer => Some(feature.layer as f32).filter(|layer| *layer > 0.0),
         stored => stored.of(feature),
     }
 }
@@ -112,9 +121,20 @@ pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known:
     }
 }
 
-/// A depth in metres for people; – where no depth is known.
-pub fn depth_text(depth_m: Option<f64>) -> String {
-    depth_m.map_or_else(|| "–".to_owned(), |metres| number(metres as f32, 3))
+/// A motion and its standard deviation for people: `+2.10, 0.00 ± 0.41 px/frame`.
+pub fn motion_text(slope: Slope, sigma: f32, decimals: usize) -> String {
+    format!("{} ± {} px/frame", signed_slope(slope, decimals), fixed(sigma, 2))
+}
+
+/// A depth and its standard deviation for people: `2.31 ± 0.12 m`.
+pub fn depth_text([metres, sigma]: [f64; 2]) -> String {
+    format!("{} ± {} m", number(metres as f32, 3), number(sigma as f32, 2))
+}
+
+/// Name of the motion layer `number`, from 1: `1: (2.10, 0.00) px/frame, 38 %`.
+pub fn layer_text(number: i32, layer: &MotionLayer) -> String {
+    let [u, v] = [layer.slope.u, layer.slope.v].map(|part| fixed(part, 2));
+    format!("{number}: ({u}, {v}) px/frame, {} %", fixed(100.0 * layer.share, 0))
 }
 
 /// Formats a number with `digits` significant digits, without trailing zeros: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
@@ -189,6 +209,20 @@ mod tests {
         crate::app::style::numbers(&mut style);
         assert_eq!(style.number_formatter.format(-0.001, 2..=2), "0.00");
         assert_eq!(style.number_formatter.format(-0.25, 2..=2), "-0.25");
+    }
+
+    #[test]
+    fn an_unknown_field_and_no_layer_are_not_nought() {
+        let known = Feature { field: Slope::new(-0.5, 0.0), field_sigma: 0.1, layer: 2, ..Feature::default() };
+        let unknown = Feature { field_sigma: f32::INFINITY, layer: 0, ..known };
+        let text = |quantity, feature| quantity_text(quantity, 0, feature, Known::default());
+        for (quantity, value) in [(Quantity::FieldU, "-0.50"), (Quantity::FieldV, "0.00"), (Quantity::Layer, "2")] {
+            assert_eq!([&known, &unknown].map(|feature| text(quantity, feature)), [value, "–"], "{quantity:?}");
+        }
+        assert_eq!(motion_text(known.field, 0.414, 2), "-0.50, 0.00 ± 0.41 px/frame");
+        let layer = MotionLayer { slope: Slope::new(2.1, -0.001), spread: 0.1, share: 0.384 };
+        assert_eq!(layer_text(1, &layer), "1: (2.10, 0.00) px/frame, 38 %");
+        assert_eq!(depth_text([8.0, 0.8]), "8 ± 0.8 m");
     }
 
     #[test]

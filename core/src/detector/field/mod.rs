@@ -103,6 +103,11 @@ impl MotionField {
         self.motions[self.cell(u, v)]
     }
 
+    /// Motion at the place (`u`, `v`) of the input image; `None` where it is unknown in some direction.
+    pub fn known_at(&self, u: f32, v: f32) -> Option<Motion> {
+        Some(self.at(u, v)).filter(|motion| self.is_known(motion))
+    }
+
     /// Standard deviation of the window that decided at the place (`u`, `v`), pixels of the input image.
     pub fn window_px_at(&self, u: f32, v: f32) -> f32 {
         self.window_px[self.cell(u, v)]

@@ -71,10 +71,12 @@ impl FigureMark {
     }
 }
 
-/// Places (u, v) of a feature in the first and in the last of `frames` frames, image pixels.
+/// Places (u, v) of a feature in the first and in the last of `frames` frames by its
+/// [motion](Feature::motion), image pixels.
 pub fn motion_over(feature: &Feature, frames: usize) -> [[f32; 2]; 2] {
     let half_span = 0.5 * frames.saturating_sub(1) as f32;
-    let (du, dv) = (half_span * feature.slope.u, half_span * feature.slope.v);
+    let (motion, _) = feature.motion();
+    let (du, dv) = (half_span * motion.u, half_span * motion.v);
     [[feature.u - du, feature.v - dv], [feature.u + du, feature.v + dv]]
 }
 

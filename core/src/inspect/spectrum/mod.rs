@@ -29,7 +29,7 @@ pub struct SlopeBar {
     pub is_searched: bool,
     /// Whether it is on the rim of the searched slopes.
     pub is_on_rim: bool,
-    /// Number of features whose slope is nearest to this one.
+    /// Number of features whose [motion](Feature::motion) is nearest to this slope.
     pub features: usize,
     /// Number of those at the limit of the slopes.
     pub at_limit: usize,
@@ -134,7 +134,7 @@ fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
     [i.round() as i64, j.round() as i64]
 }
 
-/// For each slope of the search, in its order, the number of features whose own slope is nearest to it.
+/// For each slope of the search, in its order, the number of features whose [motion](Feature::motion) is nearest to it.
 pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
     counts_at_slopes(detection, |_| true)
 }
@@ -144,7 +144,7 @@ fn counts_at_slopes(detection: &Detection, counts_too: impl Fn(&Feature) -> bool
     let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
     let mut counts = vec![0usize; grid.len()];
     for feature in detection.features.iter().filter(|feature| counts_too(feature)) {
-        let [i, j] = nearest(grid, feature.slope);
+        let [i, j] = nearest(grid, feature.motion().0);
         counts[(j.clamp(0, nv - 1) * nu + i.clamp(0, nu - 1)) as usize] += 1;
     }
     counts

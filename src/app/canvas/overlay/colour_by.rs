@@ -2,7 +2,7 @@
 
 use crate::app::view::{ColourBy, Known, quantity_value};
 use crate::detector::quantity::{Colours, Span};
-use crate::detector::{Feature, SlopeAxis, SlopeGrid};
+use crate::detector::{Feature, Slope, SlopeAxis, SlopeGrid};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 use crate::plane::display::direction_colour;
@@ -22,6 +22,8 @@ pub struct ColourScale {
     table: Vec<Color32>,
     coherences: Option<Arc<Vec<Judged>>>,
     set_up: Option<SetUp>,
+    /// Whether some features do not have the quantity.
+    lacks_some: bool,
 }
 
 const UNKNOWN: Color32 = Color32::from_gray(150);
@@ -33,6 +35,7 @@ impl ColourScale {
             return Self { line_deg: Some(line_deg), ..Self::with_range(ColourBy::SlopeU, axis.min, axis.max) }
                 .of_line();
         }
+        let stored = |feature: &Feature| by.quantity().and_then(|by| quantity_value(by, 0, feature, Known::default()));
         let of = |value: &dyn Fn(&Feature) -> f32| {
             let values = features.iter().map(value).filter(|x| x.is_finite());
             values.fold(None, |range: Option<(f32, f32)>, x| {
@@ -40,17 +43,17 @@ impl ColourScale {
             })
         };
         let (min, max) = match (by.quantity(), by.colours().span) {
-            (None, _) => (0.0, of(&|f| f.slope.magnitude()).map_or(1.0, |range| range.1)),
+            (None, _) => (0.0, of(&|f| f.motion().0.magnitude()).map_or(1.0, |range| range.1)),
             (_, Span::Always(min, max)) => (min, max),
-            (Some(quantity), Span::Found(min, max)) => {
-                of(&|f| quantity.of(f).unwrap_or(f32::NAN)).unwrap_or((min, max))
-            }
-            (Some(quantity), Span::Around(limit)) => {
-                let limit = of(&|f| quantity.of(f).unwrap_or(f32::NAN).abs()).map_or(limit, |range| range.1);
+            (_, Span::Found(min, max)) => of(&|f| stored(f).unwrap_or(f32::NAN)).unwrap_or((min, max)),
+            (_, Span::Around(limit)) => {
+                let limit = of(&|f| stored(f).unwrap_or(f32::NAN).abs()).map_or(limit, |range| range.1);
                 (-limit, limit)
             }
         };
-        Self::with_range(by, min, max)
+        let may_lack = matches!(by, ColourBy::FieldU | ColourBy::FieldV | ColourBy::Layer);
+        let lacks_some = may_lack && features.iter().any(|feature| stored(feature).is_none());
+        Self { lacks_some, ..Self::with_range(by, min, max) }
     }
 
     /// Creates a scale over a given range; an empty range is widened.
@@ -59,7 +62,9 @@ impl ColourScale {
         let (min, max) = match by {
             _ if is_log => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
             ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
-            ColourBy::SlopeU | ColourBy::SlopeV if max <= min => (min - 0.5, min + 0.5),
+            ColourBy::SlopeU | ColourBy::SlopeV | ColourBy::FieldU | ColourBy::FieldV if max <= min => {
+                (min - 0.5, min + 0.5)
+            }
             _ => (min, if max > min { max } else { min + 1e-6 }),
         };
         let lut = map.lut();
@@ -69,7 +74,7 @@ impl ColourScale {
                 rgb(lut[(t * 255.0).round() as usize])
             })
             .collect();
-        Self { by, min, max, line_deg: None, table, coherences: None, set_up: None }
+        Self { by, min, max, line_deg: None, table, coherences: None, set_up: None, lacks_some: false }
     }
 
     fn of_line(self) -> Self {
@@ -104,27 +109,26 @@ impl ColourScale {
         match self.by {
             ColourBy::Coherence => self.coherences.as_ref().is_none_or(is_unknown),
             ColourBy::Depth => self.set_up.is_none(),
-            _ => false,
+            _ => self.lacks_some,
         }
     }
 
     pub fn colour(&self, index: usize, feature: &Feature) -> Color32 {
-        let slope = feature.slope;
-        let value = match (self.by.quantity(), self.line_deg) {
-            (None, Some(degrees)) => {
-                let (sin, cos) = degrees.to_radians().sin_cos();
-                Some(cos * slope.u + sin * slope.v)
-            }
-            (None, None) => {
-                return rgb(direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max));
-            }
-            (Some(quantity), _) => {
-                let judged = self.coherences.as_ref().and_then(|values| values.get(index));
-                let depth_m = self.set_up.as_ref().and_then(|set_up| set_up.depth_at(slope));
-                quantity_value(quantity, index, feature, Known { judged, depth_m })
-            }
-        };
+        let (motion, sigma) = feature.motion();
+        let Some(quantity) = self.by.quantity() else { return self.of_slope(motion) };
+        let judged = self.coherences.as_ref().and_then(|values| values.get(index));
+        let depth_m = self.set_up.as_ref().and_then(|set_up| set_up.depth_with_error(motion, sigma));
+        let value = quantity_value(quantity, index, feature, Known { judged, depth_m });
         value.map_or(UNKNOWN, |value| self.along(value))
+    }
+
+    /// Of what moves by `slope`, where the colours show that.
+    pub fn of_slope(&self, slope: Slope) -> Color32 {
+        let Some(degrees) = self.line_deg else {
+            return rgb(direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max));
+        };
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        self.along(cos * slope.u + sin * slope.v)
     }
 
     pub fn unknown(&self) -> Color32 {
@@ -264,7 +268,8 @@ mod tests {
         for by in ColourBy::ALL {
             let scale = ColourScale::of(by, &features, &PLANE).with_set_up(Some(&SetUp::default()));
             // The two features have this quantity in common.
-            if matches!(by, ColourBy::SlopeV | ColourBy::Coherence) {
+            use ColourBy::{Coherence, FieldU, FieldV, Layer, SlopeV};
+            if matches!(by, SlopeV | FieldU | FieldV | Layer | Coherence) {
                 assert_eq!(scale.colour(0, &features[0]), scale.colour(1, &features[1]));
             } else {
                 assert_ne!(scale.colour(0, &features[0]), scale.colour(1, &features[1]), "{by:?}");
@@ -289,6 +294,23 @@ mod tests {
         assert_eq!((low, high), (some.along(0.2), some.along(0.9)));
         let all = scale.with_coherences(Some(&Arc::new(vec![judged(Some(1.0)); 3])));
         assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Snr, &features, &PLANE).has_unknown());
+    }
+
+    #[test]
+    fn places_of_unknown_motion_and_features_of_no_layer_are_grey_and_colours_follow_the_motion() {
+        let own = feature(0.0, 0.0, 2.0, (1.0, 0.0), 0.1);
+        let edge = Feature { field: Slope::new(-2.0, 0.5), field_sigma: 0.1, slope_sigma: 1.0, layer: 3, ..own };
+        let unknown = Feature { field_sigma: f32::INFINITY, layer: 0, ..edge };
+        let features = [edge, Feature { field: Slope::new(2.0, 0.0), layer: 1, ..edge }, unknown];
+        for by in [ColourBy::FieldU, ColourBy::FieldV, ColourBy::Layer] {
+            let scale = ColourScale::of(by, &features, &PLANE);
+            assert!(scale.has_unknown() && !ColourScale::of(by, &features[..2], &PLANE).has_unknown());
+            let [first, second, third] = [0, 1, 2].map(|i| scale.colour(i, &features[i]));
+            assert!(third == UNKNOWN && first != second && first != UNKNOWN && second != UNKNOWN, "{by:?}");
+        }
+        let scale = ColourScale::of(ColourBy::SlopeDirection, &features, &PLANE);
+        assert_eq!(scale.colour(0, &edge), scale.of_slope(edge.field));
+        assert_eq!(scale.colour(2, &unknown), scale.of_slope(unknown.slope));
     }
 
     #[test]

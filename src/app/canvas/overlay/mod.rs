@@ -1,17 +1,19 @@
 //! Features over a picture: circles of true scale, orientation, motion over the burst; and the feature under the
 //! pointer.
 //! The circle is the rim of the disc to which D responds most strongly at scale σ, dashed where the slope lies on the
-//! rim of the searched grid. The arrow runs from the feature's place in the first frame to that in the last. Features
-//! that only others have are dashed, with a line from the compared place.
+//! rim of the searched grid. The arrow runs from the feature's place in the first frame to that in the last, with a fan
+//! of its uncertainty. Features that only others have are dashed, with a line from the compared place.
 
 mod colour_by;
 mod density;
+mod fans;
 mod match_lines;
 mod strokes;
 
 pub use crate::app::view::ColourBy;
 pub use colour_by::ColourScale;
 pub use density::{Drawn, Group, drawn, drawn_lines};
+pub use fans::draw_field;
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};
@@ -83,6 +85,10 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
     let opacity = if style.stale { 0.35 } else { 0.95 };
     let edges = visible.len() <= MAX_WITH_EDGE && !style.stale;
     let mut strokes = Strokes::with_room_for(pixels_per_point, visible.len() * if edges { 2 } else { 1 });
+    if style.motion && !style.stale {
+        let coloured = visible.iter().map(|&i| (&features[i], style.scale.colour(i, &features[i])));
+        fans::draw_fans(output, coloured, style.frames);
+    }
     let edge = Color32::from_black_alpha(90);
     for feature in visible.iter().filter(|_| edges).map(|&i| &features[i]) {
         draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 3.2, colour: edge });

@@ -251,7 +251,9 @@ impl PlaneTexture {
 fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
     let is_clear = |judged: &&Judged| matches!(judged.verdict, Verdict::Real | Verdict::Unclear);
     if let Some(judged) = answer.probe.judged.as_ref().filter(is_clear) {
-        ui.add(Label::new(verdict_words(judged)).wrap());
+        let index = answer.probe.subject_fate().and_then(|fate| fate.features.first());
+        let feature = index.and_then(|index| answer.request.traced.cache.detection().features.get(*index));
+        ui.add(Label::new(verdict_words(feature, judged)).wrap());
         ui.add_space(4.0);
     }
     for suspicion in &answer.probe.suspicions {

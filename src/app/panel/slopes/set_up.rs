@@ -3,7 +3,7 @@
 use crate::app::panel::widgets::error_ui;
 use crate::app::project::Model;
 use crate::app::project::side::Side;
-use crate::app::view::{depth_text, signed_slope};
+use crate::app::view::{number, signed_slope};
 use crate::detector::{Slope, SlopeChoice};
 use crate::inspect::set_up::{SetUp, bounds};
 use egui::{Button, CollapsingHeader, DragValue, Grid, Label, Role, Ui, WidgetInfo};
@@ -76,7 +76,7 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model) {
         }
         let mut reads = model.set_up.reads_depths;
         let tip =
-            "Give every feature the depth that its slope means: in the table, in the tips over the picture, and as colours";
+            "Give every feature the depth that its motion means, with its error: in the table, in the tips over the picture, and as colours";
         if ui.checkbox(&mut reads, "Read slopes as depths").on_hover_text(tip).changed() {
             model.read_depths(reads);
         }
@@ -87,6 +87,6 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model) {
     };
     let here = model.cursor().slope;
     let depth = set_up.depth_at(here);
-    let means = if depth.is_some() { format!("{} m", depth_text(depth)) } else { "no depth".to_owned() };
+    let means = depth.map_or_else(|| "no depth".to_owned(), |metres| format!("{} m", number(metres as f32, 3)));
     ui.weak(format!("The slope on show, ({}), means {means}", signed_slope(here, 2)));
 }

@@ -1,0 +1,101 @@
+//! What the window says of the motion of features: their own and that of their places, with the uncertainty.
+
+use crate::support::{Start, Window};
+use burstscope::app::project::filter::{moves_by, near_slope};
+use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::session::Session;
+use burstscope::app::view::{View, Zoom, layer_text, motion_text};
+use burstscope::detector::{Moves, Slope};
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+
+fn open() -> Window {
+    Start { size: [1400.0, 1100.0], ..Start::automatic() }.open()
+}
+
+#[test]
+fn one_count_of_the_features_at_this_slope() {
+    let mut window = open();
+    let model = &mut window.app_mut().model;
+    let id = model.focus();
+    model.go_to_busiest_slope(id);
+    window.settle();
+    let model = &window.app().model;
+    let slope = model.cursor().slope;
+    let near = near_slope(&model.slots.a.found.as_ref().unwrap().detection.slopes);
+    let here = model.features().iter().filter(|feature| moves_by(feature, slope, near)).count();
+    let by_own = |f: &&burstscope::Feature| (f.slope.u - slope.u).hypot(f.slope.v - slope.v) <= near;
+    assert!(here > model.features().iter().filter(by_own).count(), "places that move so have features of other slopes");
+    let note = model.messages.last_note().expect("a note").to_owned();
+    assert!(note.starts_with(&format!("Most features ({here}) are at slope (")), "{note}");
+    let total = model.features().len();
+    window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
+    window.settle();
+    assert!(window.shows(&format!("{here} of {total}")));
+    assert!(window.app().model.look.overlay == FeaturesShown::ThisSlope, "and so many are drawn");
+}
+
+#[test]
+fn one_layer_alone_and_what_moves_by_itself_are_filters_that_sessions_keep() {
+    let mut window = open();
+    let field = window.app().model.slots.a.found.as_ref().unwrap().detection.field.clone().expect("a field");
+    let count = |window: &Window, wanted: &dyn Fn(&burstscope::Feature) -> bool| {
+        window.app().model.features().iter().filter(|feature| wanted(feature)).count()
+    };
+    let first = count(&window, &|feature| feature.layer == 1);
+    let alone = count(&window, &|feature| feature.layer == 1 && feature.moves() == Moves::ByItself);
+    assert!(first > alone, "{first} {alone}");
+    window.click("Filter");
+    window.harness.run_steps(3);
+    window.click(&layer_text(1, &field.layers[0]));
+    window.settle();
+    assert_eq!((window.app().model.filter.layer, window.app().model.listed.len()), (Some(1), first));
+    window.click("moves by itself");
+    window.settle();
+    assert_eq!(window.app().model.listed.len(), alone);
+    let session = Session::of(&window.app().model).expect("a burst is open");
+    assert_eq!(Session::from_toml(&session.to_toml()).expect("a session").filter, window.app().model.filter);
+    window.click("any way");
+    window.click("no layer");
+    window.settle();
+    assert_eq!(window.app().model.listed.len(), count(&window, &|feature| feature.layer == 0));
+    window.key(Key::Escape);
+}
+
+#[test]
+fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
+    let mut window = open();
+    let features = window.app().model.features().to_vec();
+    let judged = |window: &Window, index: usize| window.app().model.judged().map(|judged| judged[index].verdict);
+    for moves in [Moves::WithSurroundings, Moves::ByItself] {
+        let index = features.iter().position(|f| f.moves() == moves && f.layer > 0).expect("one moves so");
+        let feature = features[index];
+        window.app_mut().model.selected = Some(index);
+        window.settle();
+        assert!(window.shows(&motion_text(feature.slope, feature.slope_sigma, 2)), "{feature:?}");
+        assert!(window.shows(&motion_text(feature.field, feature.field_sigma, 2)), "{feature:?}");
+        let is_ghost = judged(&window, index) == Some(burstscope::inspect::verdict::Verdict::Ghost);
+        assert!(window.shows(if is_ghost { "ghost" } else { moves.words() }), "{feature:?}");
+    }
+    assert!(features.iter().any(|feature| feature.moves() == Moves::ByItself));
+}
+
+#[test]
+fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
+    let mut window = open();
+    window.run_action("show field of motion");
+    window.settle();
+    let model = &window.app().model;
+    let field = model.picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
+    let known = |at: &[f32; 2]| field.known_at(at[0], at[1]).is_some_and(|motion| motion.slope != Slope::default());
+    let [u, v] = (2..8).map(|i| [40.0 * i as f32, 100.0]).find(known).expect("a known motion");
+    // Cells of 4 pixels are large enough for ellipses then.
+    window.app_mut().model.focused_mut().view = View::new(Zoom::PointsPerPixel(8.0), [u, v]);
+    window.settle();
+    let at = window.app().ui_from_image(egui::pos2(u, v)).expect("drawn");
+    window.harness.hover_at(at);
+    window.harness.run_steps(4);
+    let motion = field.at(u, v);
+    assert!(window.shows(&motion_text(motion.slope, motion.ellipse().0[0], 2)));
+}
