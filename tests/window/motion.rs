@@ -99,3 +99,15 @@ fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
     let motion = field.at(u, v);
     assert!(window.shows(&motion_text(motion.slope, motion.ellipse().0[0], 2)));
 }
+
+#[test]
+fn the_field_and_all_in_focus_are_pictures() {
+    let mut window = Start::automatic().open();
+    // The features would cover them.
+    window.key(Key::O);
+    for (action, name) in [("show all in focus", "all_in_focus"), ("show field of motion", "field_of_motion")] {
+        window.run_action(action);
+        window.settle();
+        window.snapshot(name);
+    }
+}

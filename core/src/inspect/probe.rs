@@ -232,11 +232,14 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     })
 }
 
-/// Motion of a place from the field of the search, where it is known.
+/// Certainty of the field's motion from which on it is taken for that of a single place.
+const CERTAIN: f32 = 0.7;
+
+/// Motion of a place from the field of the search, where it is certain.
 fn motion_of(trail: &Trail, [u, v]: [f32; 2]) -> Option<PlaceMotion> {
     let field = trail.detection().field.as_ref()?;
     let motion = field.at(u, v);
-    field.is_known(&motion).then(|| PlaceMotion { slope: motion.slope, sigma: motion.ellipse().0[0] })
+    (field.certainty(&motion) > CERTAIN).then(|| PlaceMotion { slope: motion.slope, sigma: motion.ellipse().0[0] })
 }
 
 /// Reasons of the place: of a thing that is too small, unless one like it was kept, and of features at other slopes.

@@ -23,7 +23,7 @@ const SHARE: f32 = 0.3;
 /// Power of their structure in S, of that of the noise.
 const POWER: f32 = 16.0;
 /// Largest smear that a step of the sweep leaves between the first and the last frame, cells, on a line and in a plane.
-const STEP_CELLS: [f32; 2] = [1.125, 1.5];
+const STEP_CELLS: [f32; 2] = [1.125, 1.125];
 /// Maximum number of slopes of an axis, on a line and in a plane.
 const MAX_STEPS: [usize; 2] = [65, 17];
 /// Standard deviation of the window in which the noise is the same, cells.
@@ -167,19 +167,24 @@ fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) 
     (power, residual)
 }
 
-/// Evidence of a cell for exponents from 0 in sixteenths. Beyond 60 it grows as the exponent does.
+/// Evidence of a cell for exponents from 0 in sixteenths.
 fn nats_table() -> Vec<f32> {
     let cost = (1.0 + POWER).sqrt();
     let nats = |exponent: f32| (1.0 - SHARE + SHARE / cost * exponent.exp()).ln() / CORRELATED_CELLS;
     (0..=60 * 16 + 1).map(|i| nats(i as f32 / 16.0)).collect()
 }
 
+/// Exponent, in sixteenths, from which on evidence grows with its logarithm.
+const BRIGHT: f32 = 60.0 * 16.0;
+
 /// Makes the power of a stack its evidence, with `variance` that of the noise of one frame in each cell.
 fn to_nats(power: &mut Plane, variance: &Plane, table: &[f32]) {
     let gain = 16.0 * 0.5 * POWER / (1.0 + POWER);
     for (power, variance) in power.data_mut().iter_mut().zip(variance.data()) {
-        let at = (gain * *power / variance.max(f32::MIN_POSITIVE)).min(f32::MAX);
-        let below = at.clamp(0.0, 60.0 * 16.0) as usize;
+        let at = (gain * *power / variance.max(f32::MIN_POSITIVE)).clamp(0.0, f32::MAX);
+        // Bright things must tell slopes apart, and not speak for all around them.
+        let at = if at > BRIGHT { BRIGHT * (1.0 + (at / BRIGHT).ln() / 3.0) } else { at };
+        let below = at.min(60.0 * 16.0) as usize;
         *power = table[below] + (at - below as f32) * (table[below + 1] - table[below]);
     }
 }

@@ -115,7 +115,7 @@ impl Sweep<'_> {
     fn peak(&self, index: usize, sum: &dyn Fn(usize) -> f32, window_cells: f32) -> Cell {
         let grid = &self.evidence.grid;
         let (i, j) = grid.coordinates(index);
-        let inside = |at: usize, count: usize| at.clamp(usize::from(count > 1), count.saturating_sub(2).max(0));
+        let inside = |at: usize, count: usize| at.clamp(usize::from(count > 1), count.saturating_sub(2));
         let (i, j) = (inside(i, grid.u.count), inside(j, grid.v.count));
         let around = |di: i64, dj: i64| sum((j as i64 + dj) as usize * grid.u.count + (i as i64 + di) as usize);
         let (gradient, information) = self.derivatives(&around);
