@@ -70,7 +70,9 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     assert!(window.harness.query_by_role_and_label(Role::Image, "Descriptor").is_some());
     assert!(window.harness.query_by_role_and_label(Role::Image, "Patch in the motion stack").is_some());
     // The table scrolls to the feature with the row above visible. Rows count from 1.
-    window.harness.get_by_role_and_label(Role::Row, &format!("Feature {index}")).click();
+    // The row is wider than what is seen of it.
+    let row = window.harness.get_by_role_and_label(Role::Row, &format!("Feature {index}")).rect();
+    window.click_at(row.left_center() + egui::vec2(80.0, 0.0));
     window.harness.run_steps(2);
     assert_eq!(window.app().model.selected, Some(index - 1));
     window.key(Key::N);

@@ -51,12 +51,21 @@ fn one_layer_alone_and_what_moves_by_itself_are_filters_that_sessions_keep() {
     window.click(&layer_text(1, &field.layers[0]));
     window.settle();
     assert_eq!((window.app().model.filter.layer, window.app().model.listed.len()), (Some(1), first));
+    // A choice closes the menu.
+    let open_again = |window: &mut Window| {
+        window.click("Filter (on)");
+        window.harness.run_steps(3);
+    };
+    open_again(&mut window);
     window.click("moves by itself");
     window.settle();
     assert_eq!(window.app().model.listed.len(), alone);
     let session = Session::of(&window.app().model).expect("a burst is open");
     assert_eq!(Session::from_toml(&session.to_toml()).expect("a session").filter, window.app().model.filter);
+    open_again(&mut window);
     window.click("any way");
+    window.settle();
+    open_again(&mut window);
     window.click("no layer");
     window.settle();
     assert_eq!(window.app().model.listed.len(), count(&window, &|feature| feature.layer == 0));

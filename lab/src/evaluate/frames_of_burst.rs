@@ -94,7 +94,7 @@ impl<'a> Searched<'a> {
     fn middle(&self, count: usize, monitor: &Monitor) -> Result<Detection, Error> {
         let start = self.first_of(count);
         let frames = Some(FrameRange { start, end: start + count });
-        Ok(detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)?)
+        detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)
     }
 
     /// Mid-burst of `count` frames from `first` on, in frames.

@@ -33,7 +33,7 @@ pub enum ColourBy {
 impl ColourBy {
     pub const ALL: [Self; 12] = {
         use ColourBy::*;
-        [SlopeDirection, SlopeU, SlopeV, FieldU, FieldV, Layer, Scale, Response, Snr, Limit, Coherence, Depth]
+        [SlopeDirection, SlopeU, SlopeV, Scale, Response, Snr, Limit, Coherence, FieldU, FieldV, Layer, Depth]
     };
 
     /// The choices, in the order of a picker; depths only where slopes are read as depths.

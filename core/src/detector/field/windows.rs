@@ -23,7 +23,7 @@ const KNOWN_NATS: f32 = 6.0;
 /// Standard deviations of the windows that decide, cells.
 const DECIDING_CELLS: [f64; 4] = [14.0, 7.0, 3.5, 1.75];
 /// Standard deviations of the windows whose offsets refine the motions, cells.
-const REFINING_CELLS: [f64; 3] = [12.0, 8.0, 6.0];
+const REFINING_CELLS: [f64; 5] = [12.0, 8.0, 6.0, 4.0, 3.0];
 /// Evidence that a smaller window needs for another slope than the larger one's, nats.
 const OVERRULING_NATS: f32 = 5.0;
 /// Steps of the sweep between two slopes that differ.
