@@ -224,7 +224,9 @@ fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
 }
 
 /// Columns of the table: head, and cell of a method.
-const COLUMNS: [(&str, fn(&MatchRow) -> String); 9] = [
+type Column = (&'static str, fn(&MatchRow) -> String);
+
+const COLUMNS: [Column; 9] = [
     ("method", |row| row.method.label().to_owned()),
     ("keypoints/image", |row| format!("{:.1}", row.counts.keypoints_per_image)),
     ("putative/image", |row| format!("{:.1}", row.counts.putative_per_image)),

@@ -199,7 +199,7 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
 
 #[test]
 fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_found_at_another_slope() {
-    let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
+    let mut window = Start { size: [1280.0, 1100.0], ..Start::automatic() }.open();
     window.app_mut().model.look.overlay = FeaturesShown::None;
     let probe = |window: &mut Window, u: f32, v: f32| {
         let pos = window.app().ui_from_image(pos2(u, v)).unwrap();
@@ -207,6 +207,8 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
         window.settle();
     };
     // A star that was kept at slopes with which it does not move: a button goes to what was found.
+    window.app_mut().model.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
+    window.settle();
     probe(&mut window, 238.0, 36.0);
     let reasons = answer(&window).probe.reasons.clone();
     let other = reasons.iter().find(|reason| reason.kind == ReasonKind::AtAnotherSlope).expect("it was found");

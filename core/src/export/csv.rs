@@ -77,8 +77,8 @@ pub const PLANTED_COLUMNS: &str = "seed,id,varied,u,v,radius,slope_u,slope_v,sig
 
 /// Whether the file at `path` has one of our headers, as many cells on every line, and a complete last one.
 pub(super) fn is_table(path: &Path) -> bool {
-    let features = feature_header();
-    let headers = [features.as_str(), MATCH_COLUMNS, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
+    let (features, earlier) = (feature_header(), header_of(Quantity::STORED_EARLIER));
+    let headers = [features.as_str(), earlier.as_str(), MATCH_COLUMNS, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
     // Commas outside of quotes.
     let commas = |line: &str| line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();
     first_line(path).is_some_and(|header| headers.contains(&header.as_str()))

@@ -4,7 +4,7 @@ use super::ProbeCache;
 use super::candidates::open_candidates;
 use super::fate::Fate;
 pub use super::order::{AT_PLACE_PX, PlaceMotion};
-use super::order::{Nearness, is_like_scale, is_same_motion, strength};
+use super::order::{LARGE_PX, Nearness, is_like_scale, is_same_motion, strength};
 use super::outlook::{Outlook, outlook};
 use super::reason::{Clear, Peak, Reason, ReasonKind, at_another_slope, at_slope, clearest, ghost, peaks, too_small};
 use super::remedy::{duplicate_remedy, nearest_slope};
@@ -297,7 +297,14 @@ fn subject(
             |fate: &Fate| fate.is_kept() || clear.is_none_or(|(_, clear)| strength(fate) >= TELLING_PART * clear.snr);
         match (candidate.filter(|index| tells(&fates[*index])), clear) {
             (Some(index), _) => return Ok(of_fate(index)),
-            (None, Some((slope_index, Clear { peak, pos_image, .. }))) => {
+            (None, Some((slope_index, Clear { peak, pos_image, snr, .. }))) => {
+                // By its own motion the place is what responds most in it.
+                let is_small = |fate: &Fate| nearness.is_here(fate) && fate.sigma <= LARGE_PX;
+                let is_more = |fate: &Fate| is_small(fate) && strength(fate) >= SAME_PART * snr;
+                let is_own = class + 1 == nearness.slopes.len();
+                if let Some(index) = fates.iter().position(is_more).filter(|_| is_own) {
+                    return Ok(of_fate(index));
+                }
                 let Sample { octave, level, .. } = peak.sample;
                 return Ok(Subject { fate: None, pos_image, slope, slope_index, octave, level });
             }
@@ -318,6 +325,8 @@ fn subject(
 
 /// Share of the strongest response at its slope from which a candidate that was not kept tells of it.
 const TELLING_PART: f32 = 0.5;
+/// Share of the strongest response of a place from which a candidate there is as strong.
+const SAME_PART: f32 = 0.95;
 
 /// The fates of all candidates within `reach_sigmas` of their σ of a place (u, v), input pixels: those that came
 /// farthest first, then the strongest.
