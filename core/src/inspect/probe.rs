@@ -515,8 +515,7 @@ mod tests {
             let (cache, place) = (small_under_large(gate), [81.0, 80.5]);
             let probe = at(&cache, place, ProbeOptions::default());
             let apart = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
-            let first = probe.subject_fate().expect("it is at the place");
-            assert_eq!(probe.subject.fate, Some(0));
+            let first = probe.near_fates().first().expect("it is at the place");
             assert!(apart(first) < AT_PLACE_PX && (1.4..4.0).contains(&first.sigma), "{first:?}");
             assert_eq!(first.is_kept(), gate == NoiseGate::Auto);
             // The large one responds more clearly, and is last all the same.
