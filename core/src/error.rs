@@ -74,7 +74,7 @@ impl Error {
         Self { subject: parameter.to_owned(), ..Self::new(ErrorKind::Parameter, problem, remedy) }
     }
 
-    /// The same error about the file or folder `path`.
+    /// This error, with the file or folder `path` as its subject.
     #[must_use]
     pub fn about(self, path: &Path) -> Self {
         Self { subject: path.display().to_string(), ..self }

@@ -1,4 +1,4 @@
-//! What the window says of the motion of features: their own and that of their places, with the uncertainty.
+//! Motion in the window: that of the features and that of their places, with the uncertainty.
 
 use crate::support::{Start, Window};
 use burstscope::app::project::filter::{moves_by, near_slope};

@@ -293,8 +293,13 @@ fn subject(
         let is_of_it = |fate: &Fate| nearness.is_here(fate) && nearness.class(trail, fate) == class;
         let candidate = fates.iter().position(is_of_it);
         let clear = at_slope(trail, nearness, peaks, slope);
-        let tells =
-            |fate: &Fate| fate.is_kept() || clear.is_none_or(|(_, clear)| strength(fate) >= TELLING_PART * clear.snr);
+        // What is much larger than the candidate is something else.
+        let sigma = |peak: &Peak| trail.space().sigma_image(peak.sample.octave, f64::from(peak.sample.level)) as f32;
+        let is_less = |fate: &Fate, clear: &Clear| {
+            let is_of_size = sigma(&clear.peak) <= fate.sigma || is_like_scale(sigma(&clear.peak), fate.sigma);
+            is_of_size && strength(fate) < TELLING_PART * clear.snr
+        };
+        let tells = |fate: &Fate| fate.is_kept() || !clear.is_some_and(|(_, clear)| is_less(fate, &clear));
         match (candidate.filter(|index| tells(&fates[*index])), clear) {
             (Some(index), _) => return Ok(of_fate(index)),
             (None, Some((slope_index, Clear { peak, pos_image, snr, .. }))) => {
@@ -515,7 +520,8 @@ mod tests {
             let (cache, place) = (small_under_large(gate), [81.0, 80.5]);
             let probe = at(&cache, place, ProbeOptions::default());
             let apart = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
-            let first = probe.near_fates().first().expect("it is at the place");
+            let first = probe.subject_fate().expect("it is at the place");
+            assert_eq!(probe.subject.fate, Some(0));
             assert!(apart(first) < AT_PLACE_PX && (1.4..4.0).contains(&first.sigma), "{first:?}");
             assert_eq!(first.is_kept(), gate == NoiseGate::Auto);
             // The large one responds more clearly, and is last all the same.

@@ -6,7 +6,6 @@
 //! π), or structure that is ρ times as strong as the noise of S (a share π). It is about 0 for noise, whatever the
 //! slope, and grows as z²/2 for what stands out; a plain square would add the noise of all empty cells to each window.
 
-use super::cells::{enlarged, means};
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
@@ -22,8 +21,8 @@ const CORRELATED_CELLS: f32 = 12.0;
 const SHARE: f32 = 0.3;
 /// Power of their structure in S, of that of the noise.
 const POWER: f32 = 16.0;
-/// Largest smear that a step of the sweep leaves between the first and the last frame, cells, on a line and in a plane.
-const STEP_CELLS: [f32; 2] = [1.125, 1.125];
+/// Largest smear that a step of the sweep leaves between the first and the last frame, cells.
+const STEP_CELLS: f32 = 1.125;
 /// Maximum number of slopes of an axis, on a line and in a plane.
 const MAX_STEPS: [usize; 2] = [65, 17];
 /// Standard deviation of the window in which the noise is the same, cells.
@@ -100,8 +99,7 @@ impl Evidence {
 /// The sweep over the range of `grid`, a step wider on each side so that its ends can be peaks, in steps that leave no
 /// more smear than the band can bear.
 pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> SlopeGrid {
-    let step = STEP_CELLS[usize::from(grid.is_plane())] * (cell_px / MERGED_CELLS) as f32
-        / (times.frame_count.max(2) - 1) as f32;
+    let step = STEP_CELLS * (cell_px / MERGED_CELLS) as f32 / (times.frame_count.max(2) - 1) as f32;
     let most = MAX_STEPS[usize::from(grid.is_plane())];
     let axis = |axis: SlopeAxis| {
         if axis.count < 2 {
@@ -187,6 +185,42 @@ fn to_nats(power: &mut Plane, variance: &Plane, table: &[f32]) {
         let below = at.min(60.0 * 16.0) as usize;
         *power = table[below] + (at - below as f32) * (table[below + 1] - table[below]);
     }
+}
+
+/// Means of squares of `by`² cells, and of what is left of them at the right and lower edge.
+pub(super) fn means(plane: &Plane, by: usize) -> Plane {
+    let (width, height) = plane.size();
+    let mut means = Plane::zeros(width.div_ceil(by), height.div_ceil(by));
+    for j in 0..means.height() {
+        let rows = j * by..((j + 1) * by).min(height);
+        let out = means.row_mut(j);
+        for v in rows.clone() {
+            out.iter_mut().zip(plane.row(v).chunks(by)).for_each(|(sum, cells)| *sum += cells.iter().sum::<f32>());
+        }
+        let whole = (rows.len() * by) as f32;
+        let last = (rows.len() * (width - (out.len() - 1) * by)) as f32;
+        let count = out.len();
+        out.iter_mut().enumerate().for_each(|(i, sum)| *sum /= if i + 1 < count { whole } else { last });
+    }
+    means
+}
+
+/// `few`, which has one value for `by`² cells, on a plane of `size`, linear between.
+pub(super) fn enlarged(few: &Plane, by: usize, (width, height): (usize, usize)) -> Plane {
+    // The values before and after each place, and the part of the one after.
+    let along = |count: usize, last: usize| -> Vec<(usize, usize, f32)> {
+        let place = |x: usize| ((x as f32 + 0.5) / by as f32 - 0.5).clamp(0.0, last as f32);
+        (0..count).map(place).map(|x| (x as usize, (x as usize + 1).min(last), x.fract())).collect()
+    };
+    let columns = along(width, few.width() - 1);
+    let mut plane = Plane::zeros(width, height);
+    for (v, (above, below, part)) in along(height, few.height() - 1).into_iter().enumerate() {
+        let (above, below) = (few.row(above), few.row(below));
+        let row: Vec<f32> = above.iter().zip(below).map(|(a, b)| a + part * (b - a)).collect();
+        let values = columns.iter().map(|&(left, right, part)| row[left] + part * (row[right] - row[left]));
+        plane.row_mut(v).iter_mut().zip(values).for_each(|(out, value)| *out = value);
+    }
+    plane
 }
 
 /// A shift along one axis: whole cells and the weights of the four cells around the place (Catmull–Rom).

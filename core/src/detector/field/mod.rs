@@ -2,15 +2,14 @@
 //!
 //! The slope of a single feature is where the noise happens to help it most, and along an edge it is not defined at
 //! all. The motion of a *place* is known much better, since all that lies around it moves the same way.
-//! [`evidence`] sweeps the plane of slopes on reduced, band-passed frames and says for each cell and slope how much
-//! more likely the frames are if the cell moves so, in nats. [`windows`] adds these up over windows from large to
-//! small; a smaller window overrules a larger one only where it has more evidence than chance would give it. The
-//! motion between the slopes and its uncertainty come from the curvature of the same sum. [`layers`] names the motions
-//! that exist in the burst, and [`in_focus`] stacks each place at its own.
+//! A sweep (`evidence`) of the plane of slopes on reduced, band-passed frames says for each cell and slope how much more
+//! likely the frames are if the cell moves so, in nats. These are added up over windows from large to small (`windows`);
+//! a smaller window overrules a larger one only where it has more evidence than chance would give it. The motion between
+//! the slopes and its uncertainty come from the curvature of the same sum. The motions that exist in the burst become
+//! [layers](MotionLayer), and [`in_focus`] stacks each place at its own.
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 
-mod cells;
 mod evidence;
 mod in_focus;
 mod layers;
@@ -46,8 +45,8 @@ const UNKNOWN_SMEAR_PX: f32 = 6.0;
 pub struct Motion {
     /// Apparent motion of the place, pixels per frame.
     pub slope: Slope,
-    /// Covariance of the motion: of u, of u with v, and of v, (pixels per frame)². 0 across a line of slopes, which
-    /// is taken as given.
+    /// Covariance of the motion: of u, of u with v, and of v, (pixels per frame)². Across a line of slopes, which
+    /// is taken as given, only the least that any motion has.
     pub covariance: [f32; 3],
 }
 
@@ -55,10 +54,8 @@ impl Motion {
     /// Semi-axes of the ellipse of one standard deviation, pixels per frame, the longer first, and the angle of the
     /// longer one from +u towards +v, radians. Along an edge nothing is known, and the longer axis shows it.
     pub fn ellipse(&self) -> ([f32; 2], f32) {
-        let [uu, uv, vv] = self.covariance;
-        let (mean, half) = (0.5 * (uu + vv), (0.5 * (uu - vv)).hypot(uv));
-        let axes = [mean + half, mean - half].map(|variance| variance.max(0.0).sqrt());
-        (axes, 0.5 * (2.0 * uv).atan2(uu - vv))
+        let ((cos, sin), variances) = eigen(self.covariance);
+        (variances.map(|variance| variance.max(0.0).sqrt()), sin.atan2(cos))
     }
 
     /// Distance of `slope` from this motion in its standard deviations (Mahalanobis), where the other slope has
@@ -108,11 +105,6 @@ impl MotionField {
         Some(self.at(u, v)).filter(|motion| self.is_known(motion))
     }
 
-    /// Standard deviation of the window that decided at the place (`u`, `v`), pixels of the input image.
-    pub fn window_px_at(&self, u: f32, v: f32) -> f32 {
-        self.window_px[self.cell(u, v)]
-    }
-
     /// Layer at the place (`u`, `v`), from 1; 0 for none.
     pub fn layer_at(&self, u: f32, v: f32) -> u8 {
         self.layer[self.cell(u, v)]
@@ -153,7 +145,7 @@ impl MotionField {
 /// `grid` and those one step beyond. `None` for a single slope, for fewer than 3 frames, and for images of less than 4
 /// cells on a side: they show no motion.
 ///
-/// The same bits for any number of threads. It takes up to 100 MB.
+/// The field has the same bits for any number of threads, and takes up to 100 MB while it is found.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -173,9 +165,19 @@ pub fn motion_field(
     }
     let evidence = Evidence::new(frames, times, cell_px, grid, monitor)?;
     let (motions, window_px) = windows::motions(&evidence, monitor)?;
-    let unknown_sigma = UNKNOWN_SMEAR_PX / evidence.last_frame;
-    let known: Vec<Option<Slope>> =
-        motions.iter().map(|motion| (motion.ellipse().0[0] < unknown_sigma).then_some(motion.slope)).collect();
-    let (layers, layer) = layers::layers(&known, evidence.last_frame, monitor)?;
-    Ok(Some(MotionField { size: evidence.size, cell_px, motions, window_px, unknown_sigma, layers, layer }))
+    let (size, last_frame) = (evidence.size, evidence.last_frame);
+    let unknown_sigma = UNKNOWN_SMEAR_PX / last_frame;
+    let mut field =
+        MotionField { size, cell_px, motions, window_px, unknown_sigma, layers: Vec::new(), layer: Vec::new() };
+    let known: Vec<_> = field.motions.iter().map(|motion| field.is_known(motion).then_some(motion.slope)).collect();
+    (field.layers, field.layer) = layers::layers(&known, last_frame, monitor)?;
+    Ok(Some(field))
+}
+
+/// Rotation (cosine, sine) to the principal axes of a symmetric matrix (uu, uv, vv), and its eigenvalues, the larger
+/// first.
+fn eigen([uu, uv, vv]: [f32; 3]) -> ((f32, f32), [f32; 2]) {
+    let (mean, half) = (0.5 * (uu + vv), (0.5 * (uu - vv)).hypot(uv));
+    let (sin, cos) = (0.5 * (2.0 * uv).atan2(uu - vv)).sin_cos();
+    ((cos, sin), [mean + half, mean - half])
 }

@@ -7,9 +7,8 @@
 //! evidence is read at its own motion plus a common offset, whose sum over the window has its peak where the window is
 //! off on average. The offset is held by a prior, as noise would move each cell where it likes.
 
-use super::Motion;
-use super::cells::{enlarged, means};
-use super::evidence::Evidence;
+use super::evidence::{Evidence, enlarged, means};
+use super::{Motion, eigen};
 use crate::detector::params::slope_grid::Slope;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -252,14 +251,6 @@ fn most(planes: &[Plane]) -> Vec<u32> {
         }
     });
     most
-}
-
-/// Rotation (cosine, sine) to the principal axes of a symmetric matrix (uu, uv, vv), and its eigenvalues, the larger
-/// first.
-fn eigen([uu, uv, vv]: [f32; 3]) -> ((f32, f32), [f32; 2]) {
-    let (mean, half) = (0.5 * (uu + vv), (0.5 * (uu - vv)).hypot(uv));
-    let (sin, cos) = (0.5 * (2.0 * uv).atan2(uu - vv)).sin_cos();
-    ((cos, sin), [mean + half, mean - half])
 }
 
 /// The symmetric matrix with these principal axes and eigenvalues.

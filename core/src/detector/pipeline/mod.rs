@@ -149,7 +149,7 @@ impl Trail {
         Ok(Some(judged))
     }
 
-    /// The same search of the same frames in another order: the frame at place i among those that took part gets the
+    /// A new search of the same frames in another order: the frame at place i among those that took part gets the
     /// time of that at place `order[i]`. Noise model, gates, slopes and the field of motion stay, and all features are
     /// kept.
     ///
