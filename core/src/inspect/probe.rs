@@ -238,7 +238,15 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     let judged = is_feature.then(|| Judged::of(&shares.evenness, &suspicions));
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
-    let summary = summary_of(&nearness, &fates, near, &response);
+    let left_out = grid.len() - searched_slopes(trail, place);
+    let mut summary = summary_of(&nearness, &fates, near, &response);
+    if left_out > 0 {
+        let this = if trail.searches(place, subject.slope_index) { "" } else { ", this one among them" };
+        summary += &format!(
+            " {left_out} of {} slopes are not searched here{this}: no motion of the field is near; --search all tries them.",
+            grid.len()
+        );
+    }
     Ok(Probe {
         pos_image: place,
         fates,
@@ -302,6 +310,11 @@ pub fn fates_near(
     Ok(fates)
 }
 
+/// Number of slopes that are searched at a place.
+fn searched_slopes(trail: &Trail, place: [f32; 2]) -> usize {
+    (0..trail.params().used_slopes().len()).filter(|&index| trail.searches(place, index)).count()
+}
+
 /// Returns the number of samples examined.
 fn candidates_near(
     trail: &Trail,
@@ -325,7 +338,7 @@ fn candidates_near(
     });
     let judged = trail.judge(&around, &samples);
     out.extend(samples.iter().zip(judged).filter_map(|(sample, j)| Some(fate(trail, &around, sample, &j?))));
-    Ok(region.columns.len() * region.rows.len() * levels * around.tiles.len())
+    Ok(region.columns.len() * region.rows.len() * levels * searched_slopes(trail, place))
 }
 
 fn add_feature(trail: &Trail, index: usize, monitor: &Monitor, fates: &mut Vec<Fate>) -> Result<(), Cancelled> {
