@@ -104,7 +104,7 @@ impl SlopesAround {
 fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Vec<bool> {
     // Pixels beyond the last whole cell have the motion of the nearest one.
     let cells = |first_px: usize, end_px: usize, count: usize| {
-        (first_px / field.cell_px).min(count - 1)..(end_px / field.cell_px).clamp(1, count)
+        (first_px / field.cell_px).min(count - 1)..end_px.div_ceil(field.cell_px).clamp(1, count)
     };
     let own = |at: usize, count: usize| cells(at * BLOCK_PX, (at + 1) * BLOCK_PX, count);
     let around = |at: usize, count: usize| cells(at.saturating_sub(1) * BLOCK_PX, (at + 2) * BLOCK_PX, count);
