@@ -74,6 +74,10 @@ class DetectorKeywords(TypedDict, total=False):
     edge_threshold : float
         Max ratio of the principal curvatures of D. Raise it to keep more features on edges, which are poorly
         localised along the edge. [default: 12]
+    search : ['all', 'field']
+        Which slopes are searched at a place: all, or those within two steps of the motions that the field of
+        motion finds around it, and all where its motion is unknown. Field saves time where few motions fill a
+        wide plane of slopes; it finds nothing that moves otherwise than the field says. [default: all]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too. Each finds more in noise and leaves it to distinct keypoints
@@ -116,6 +120,7 @@ class DetectorKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
+    search: Literal["all", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -472,6 +477,9 @@ class EvaluateChartKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
+    search : ['all', 'field']
+        Which slopes are searched at a place: all, or those within two steps of the motions that the field of
+        motion finds around it, and all where its motion is unknown [default: all]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -528,6 +536,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
+    search: Literal["all", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -617,6 +626,9 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
+    search : ['all', 'field']
+        Which slopes are searched at a place: all, or those within two steps of the motions that the field of
+        motion finds around it, and all where its motion is unknown [default: all]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -694,6 +706,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
+    search: Literal["all", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -784,6 +797,9 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
+    search : ['all', 'field']
+        Which slopes are searched at a place: all, or those within two steps of the motions that the field of
+        motion finds around it, and all where its motion is unknown [default: all]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -838,6 +854,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
+    search: Literal["all", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -926,6 +943,9 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
+    search : ['all', 'field']
+        Which slopes are searched at a place: all, or those within two steps of the motions that the field of
+        motion finds around it, and all where its motion is unknown [default: all]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -979,6 +999,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
+    search: Literal["all", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -1088,6 +1109,9 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
+    search : ['all', 'field']
+        Which slopes are searched at a place: all, or those within two steps of the motions that the field of
+        motion finds around it, and all where its motion is unknown [default: all]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -1170,6 +1194,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
+    search: Literal["all", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float

@@ -66,7 +66,8 @@ JSON (--json):
      \"slope_grid\": {\"u\": {\"min\", \"max\", \"count\"}, \"v\", \"direction_deg\"}, \"slopes_found\": {\"grid\", \"verdict\": found, still,
        nothing-seen, not-straight or film, \"confidence\", \"significance\", \"direction_deg\", \"moved_px\", \"deviation_px\",
        \"warnings\": [{\"kind\", \"frames\", \"number\", \"text\"}]} where slopes were found,
-     \"slopes\": [{\"u\", \"v\", \"features\"}], \"tally\": {\"samples\", \"kept\", \"rejected\": {test: count}},
+     \"slopes\": [{\"u\", \"v\", \"features\"}], \"tally\": {\"samples\", \"not_searched\" where --search field leaves some out,
+       \"kept\", \"rejected\": {test: count}},
      \"times\": {\"open_secs\", \"slopes_secs\", \"noise_secs\", \"search_secs\", \"describe_secs\", \"write_secs\"}}],
    \"failures\": [{\"name\", \"error\"}]}
   Slopes are pixels per frame; frame_noise is the standard deviation of a frame's noise as a fraction of full scale. confidence is the part (0 … 1) of

@@ -4,6 +4,7 @@ use crate::burst::{Burst, Encoding, Note};
 use crate::detect::Searched;
 use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
+use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{
     Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test, explain,
 };
@@ -107,6 +108,8 @@ pub(super) struct SlopeCount {
 #[derive(Debug, Serialize)]
 struct TallyReport {
     samples: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    not_searched: Option<u64>,
     kept: u64,
     rejected: BTreeMap<Test, u64>,
 }
@@ -159,6 +162,7 @@ impl BurstReport {
             slopes: slope_counts(detection),
             tally: TallyReport {
                 samples: tally.samples,
+                not_searched: Some(tally.not_searched).filter(|count| *count > 0),
                 kept: tally.kept,
                 rejected: Test::ALL.into_iter().map(|test| (test, tally.rejected_by(test))).collect(),
             },
@@ -224,6 +228,9 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     text += &format!("  rejected, of {} samples\n", grouped(report.tally.samples));
     for (test, &count) in report.tally.rejected.iter().filter(|(_, count)| **count > 0) {
         text += &format!("    {:>15}  {}\n", grouped(count), test.reason());
+    }
+    if let Some(count) = report.tally.not_searched {
+        text += &format!("  besides\n    {:>15}  {NOT_SEARCHED}\n", grouped(count));
     }
     let mut line = |head: &str, words: &str| text += &format!("  {head:<9} {words}\n");
     if let Some(advice) = &report.advice {

@@ -46,7 +46,8 @@ pub use field::{Motion, MotionField, MotionLayer};
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
     DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, Param, ParamChange, ParamDoc, Rules, SearchParams, SlopeChoice, SlopeExtrema, SlopeNeighbours,
+    NoiseModelKind, Param, ParamChange, ParamDoc, Rules, SearchParams, SearchSlopes, SlopeChoice, SlopeExtrema,
+    SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows};
 pub use quantity::Quantity;

@@ -326,12 +326,18 @@ impl Test {
     }
 }
 
+/// Fate of samples at slopes that a search around the field of motion leaves out.
+pub const NOT_SEARCHED: &str = "not searched here at this slope";
+
 /// Numbers of samples that each test rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tally {
     /// Number of samples of D that were examined: over all octaves the pixels (except the outermost of each border,
-    /// which lack neighbours) × the levels that have one above and one below × the slopes.
+    /// which lack neighbours) × the levels that have one above and one below × the slopes searched there.
     pub samples: u64,
+    /// Number of samples that were not searched at their slope: see
+    /// [`SearchSlopes::Field`](crate::detector::SearchSlopes::Field).
+    pub not_searched: u64,
     /// Number of samples that each test rejected, in the order of [`Test::ALL`].
     pub rejected: [u64; Test::ALL.len()],
     /// Number of keypoints that passed every test; a keypoint may have several features.
@@ -352,6 +358,7 @@ impl Tally {
     /// Adds another tally.
     pub fn merge(&mut self, other: &Self) {
         self.samples += other.samples;
+        self.not_searched += other.not_searched;
         self.kept += other.kept;
         for (mine, theirs) in self.rejected.iter_mut().zip(other.rejected) {
             *mine += theirs;

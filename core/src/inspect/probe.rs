@@ -13,6 +13,7 @@ use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Suspicion, suspicions};
 use super::verdict::Judged;
 use crate::detector::scale_space::octave_pixel;
+use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{Sample, Slope, Test, Trail};
 use crate::error::Error;
 use crate::inspect::telling::fate;
@@ -212,7 +213,15 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     let judged = is_feature.then(|| Judged::of(&shares.evenness, &suspicions));
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
-    let summary = summary_of(&nearness, (&fates, near), &reasons, &response);
+    let left_out = grid.len() - searched_slopes(trail, place);
+    let mut summary = summary_of(&nearness, (&fates, near), &reasons, &response);
+    if left_out > 0 {
+        let here = match trail.searches(place, subject.slope_index) {
+            true => format!("{left_out} of {} slopes are not searched here", grid.len()),
+            false => format!("It is {NOT_SEARCHED}, nor at {} others of {}", left_out - 1, grid.len()),
+        };
+        summary += &format!(" {here}: the field of motion has none near. --search all tries them.");
+    }
     Ok(Probe {
         pos_image: place,
         fates,
@@ -353,6 +362,11 @@ pub(super) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
     fates
 }
 
+/// Number of slopes that are searched at a place.
+fn searched_slopes(trail: &Trail, place: [f32; 2]) -> usize {
+    (0..trail.params().used_slopes().len()).filter(|&index| trail.searches(place, index)).count()
+}
+
 /// Samples near a place.
 #[derive(Debug, Default)]
 pub(super) struct Near {
@@ -395,7 +409,7 @@ fn add_octave(
     });
     let judged = trail.judge(&around, &samples);
     out.fates.extend(samples.iter().zip(judged).filter_map(|(sample, j)| Some(fate(trail, &around, sample, &j?))));
-    out.samples += region.columns.len() * region.rows.len() * levels * around.tiles.len();
+    out.samples += region.columns.len() * region.rows.len() * levels * searched_slopes(trail, place);
     out.peaks.extend(peaks(trail, &around, place));
     Ok(())
 }

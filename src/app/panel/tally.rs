@@ -10,6 +10,7 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::view::signed_slope;
 use crate::detector::advice::grouped;
+use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::candidates::{CandidateMark, Survey};
 use crate::inspect::decoys::DecoyStudy;
@@ -54,6 +55,10 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         head_ui(ui, survey.is_some());
         let most = tally.rejected.iter().copied().max().unwrap_or(0).max(tally.kept).max(1);
         line_ui(ui, &Row { name: "Samples of D examined", samples: tally.samples, candidates: None, bar: None }, None);
+        if tally.not_searched > 0 {
+            let row = Row { name: NOT_SEARCHED, samples: tally.not_searched, candidates: None, bar: None };
+            line_ui(ui, &row, None);
+        }
         for test in Test::ALL {
             let candidates = survey
                 .as_ref()

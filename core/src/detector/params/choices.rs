@@ -40,6 +40,7 @@ pub(crate) use words;
 
 words!(Method, (Buff, "buff", "BuFF"), (Sift, "sift", "SIFT"), (Merge, "merge", "Merge + SIFT"));
 words!(SlopeExtrema, (Each, "each", "Each"), (Joint, "joint", "Joint"));
+words!(SearchSlopes, (All, "all", "All slopes"), (Field, "field", "Around the field"));
 words!(NoiseModelKind, (Local, "local", "Local"), (White, "white", "White"));
 words!(Flicker, (Auto, "auto", "Auto"), (Off, "off", "Off"));
 
@@ -67,6 +68,18 @@ pub enum SlopeExtrema {
     Each,
     /// Jointly: a sample must also beat those around it at other slopes, as in the paper and in LiFF.
     Joint,
+}
+
+/// Slopes at which each place is searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SearchSlopes {
+    /// All of the grid.
+    #[default]
+    All,
+    /// Those around the motions that the [field of motion](crate::detector::field) finds around the place; all where
+    /// its motion is unknown, and in bursts without a field.
+    Field,
 }
 
 /// Slope at which a feature's orientation and descriptor are computed.

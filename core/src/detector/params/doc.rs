@@ -5,7 +5,9 @@
 
 use super::choices::number_or_word;
 use super::record::{Field, Param, ParamDoc, Stage, params};
-use super::{Distinct, Flicker, FrameRange, Method, NoiseGate, NoiseModelKind, Rules, SlopeExtrema, SlopeGrid};
+use super::{
+    Distinct, Flicker, FrameRange, Method, NoiseGate, NoiseModelKind, Rules, SearchSlopes, SlopeExtrema, SlopeGrid,
+};
 use serde::{Deserialize, Serialize};
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
@@ -26,6 +28,7 @@ pub struct DetectorParams {
     pub noise_model: NoiseModelKind,
     pub flicker: Flicker,
     pub edge_threshold: f32,
+    pub search: SearchSlopes,
     pub slope_extrema: SlopeExtrema,
     #[serde(with = "number_or_word")]
     pub distinct: Distinct,
@@ -53,6 +56,7 @@ impl Default for DetectorParams {
             noise_model: NoiseModelKind::Local,
             flicker: Flicker::Auto,
             edge_threshold: 12.0,
+            search: SearchSlopes::All,
             slope_extrema: SlopeExtrema::Each,
             distinct: Distinct::default(),
             distinct_scale: 1.75,
@@ -160,6 +164,12 @@ params! {
     Param::<DetectorParams>::new("R", Stage::Search, |p| Field::F32(&mut p.edge_threshold))
         .within((Included(1.0), Unbounded), "give 1 or more (10 is usual)")
         .dragged(0.1, 2);
+
+    SEARCH: "search", "Search", "", "field";
+    "Which slopes are searched at a place: all, or those within two steps of the motions that the field of motion finds around it, and all where its motion is unknown.",
+    "Field saves time where few motions fill a wide plane of slopes; it finds nothing that moves otherwise than the field says.",
+    Param::<DetectorParams>::new("SLOPES", Stage::Search, |p| Field::Word(&mut p.search))
+        .used_if(|p| p.method == Method::Buff);
 
     SLOPE_EXTREMA: "slope-extrema", "Slope extrema", "", "joint-extremum";
     "Which samples are candidates: those that stand out in place and scale at each slope for itself, or jointly over the neighbouring slopes too.",

@@ -17,7 +17,7 @@ pub use change::ParamChange;
 pub(crate) use choices::words;
 pub use choices::{
     DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
-    SlopeExtrema, SlopeNeighbours, Word,
+    SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
 };
 pub use doc::DetectorParams;
 pub(crate) use record::params;

@@ -7,7 +7,7 @@ use super::trail::Trail;
 use crate::detector::feature::{Keypoint, Test};
 use crate::detector::params::{SlopeGrid, SlopeNeighbours};
 use crate::detector::refine::{Fit, Limits, fit, refine};
-use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, dog_tile, stack_tiles};
+use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, dog_tile, octave_pixel, stack_tiles};
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
 use crate::detector::search::setup::{HELD, Search};
@@ -117,6 +117,10 @@ impl Trail {
                         stack_tiles(&search.planes, &search.offsets[index..=index], octave, &inputs, stacked);
                         Pixels::Stacked(&stacked[0])
                     }
+                    Some(_) if !search.inputs.holds(index) => {
+                        let level = search.stack(index).first_level(octave, &inputs, monitor)?;
+                        return Ok(one(Pixels::Level(&level), scratch));
+                    }
                     Some(bases) => Pixels::Level(bases.at(index)),
                 };
                 Ok(one(pixels, scratch))
@@ -142,7 +146,13 @@ impl Trail {
         })
     }
 
-    /// Judges samples of a neighbourhood; `None` for those on the octave's border, which the search does not examine.
+    /// Whether the search tries slope `slope_index` at `place` (u, v), input pixels: see [`SearchSlopes`](crate::detector::SearchSlopes).
+    pub fn searches(&self, place: [f32; 2], slope_index: usize) -> bool {
+        self.inputs.searches(place, slope_index)
+    }
+
+    /// Judges samples of a neighbourhood; `None` for those that the search does not examine: on the octave's border, and
+    /// at slopes that it leaves out there.
     pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
         let monitor = Monitor::default();
         self.with_search(&monitor, |search| {
@@ -152,6 +162,10 @@ impl Trail {
 
     fn judge_one(&self, search: &Search<'_>, around: &Neighbourhood, sample: &Sample) -> Option<Judgement> {
         let &Sample { octave, slope_index, x, y, .. } = sample;
+        let pixel = octave_pixel(octave);
+        if !search.inputs.searches([x as f32 * pixel, y as f32 * pixel], slope_index) {
+            return None;
+        }
         let level_index = sample.level_index();
         let own = &around.tiles[slope_index];
         let sigma_d = &self.sigma_d[(octave - search.space.first_octave) as usize];

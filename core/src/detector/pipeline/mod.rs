@@ -18,7 +18,7 @@ pub use trail::Trail;
 
 use super::feature::{Detection, Keypoint, StageTimes, Tally};
 use super::memory::{self, Account, OF_PROCESS, Plan, Wanted};
-use super::params::{DescribeSlope, DetectorParams};
+use super::params::{DescribeSlope, DetectorParams, SearchSlopes};
 use crate::burst::Burst;
 use crate::detector::along::Along;
 use crate::detector::describe::{self, Described, Describing};
@@ -26,6 +26,7 @@ use crate::detector::field::{MotionField, motion_field};
 use crate::detector::pipeline::choice::{Choice, Chooser};
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, sigma_d};
 use crate::detector::search::SEARCH_PART;
+use crate::detector::search::around_field::SlopesAround;
 use crate::detector::search::setup::{FirstLevels, Inputs, Search};
 use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -65,8 +66,12 @@ fn search_all(
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(Wanted { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
-        let inputs = Inputs::new(burst, params, monitor)?;
-        let field = motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?.map(Arc::new);
+        let mut inputs = Inputs::new(burst, params, monitor)?;
+        let grid = params.used_slopes();
+        let field = motion_field(&inputs.planes(), &inputs.times, &grid, monitor)?.map(Arc::new);
+        if let (SearchSlopes::Field, Some(field)) = (params.search, &field) {
+            inputs.around = Some(Arc::new(SlopesAround::new(field, grid, burst.size())));
+        }
         let noise_secs = started.elapsed().as_secs_f32();
         search_inputs(inputs, field, &plan, keeps, StageTimes { noise_secs, ..StageTimes::default() }, monitor)
     })

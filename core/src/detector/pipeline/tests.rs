@@ -1,11 +1,15 @@
 //! A search in groups of slopes gives bitwise the same results as the whole search, and so does one that is cut first.
 
 use super::*;
+use crate::detector::feature::Feature;
 use crate::detector::memory::{Plan, Wanted, estimate};
 use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, Rules, SlopeExtrema, SlopeNeighbours};
+use crate::detector::scale_space::octave_pixel;
 use crate::detector::{Slope, SlopeGrid, Test};
 use crate::error::Error;
 use crate::plane::tile::Region;
+use crate::synth::chart::draw_disc;
+use crate::synth::random::Stream;
 use crate::synth::{SceneParams, synth_scene};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -99,6 +103,7 @@ proptest! {
         all in any::<bool>(),
         continuous in any::<bool>(),
         distinct in any::<bool>(),
+        field in any::<bool>(),
         first_octave in -1i32..2,
         max_features in prop_oneof![Just(0usize), Just(9)],
         seed in 1u64..500,
@@ -106,6 +111,7 @@ proptest! {
         let burst = scene(seed, (75, 66));
         let params = DetectorParams {
             slopes: grid,
+            search: if field { SearchSlopes::Field } else { SearchSlopes::All },
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
             rules: Rules {
                 slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
@@ -216,4 +222,96 @@ fn one_slope_has_no_others_to_compare_with() {
         assert_eq!((&each.features, &each.descriptors), (&joint.features, &joint.descriptors), "{method:?}");
         assert_eq!((each.noise_gate_factor, &each.tally), (joint.noise_gate_factor, &joint.tally));
     }
+}
+
+/// Motions of the left and of the right half of [`two_motions`].
+const MOTIONS: [Slope; 2] = [Slope::new(2.0, 0.0), Slope::new(-1.0, -2.0)];
+
+/// Discs in noise, which move otherwise on the left than on the right.
+fn two_motions(frames: usize) -> Burst {
+    let mut stream = Stream::new(7, 0);
+    let mut at = |size: f64| size * stream.uniform();
+    let discs: Vec<[f64; 3]> = (0..400).map(|_| [at(400.0), at(300.0), 2.0 + at(4.0)]).collect();
+    let frame = |t: usize| {
+        let mut stream = Stream::new(8, t as u64);
+        let mut frame = Plane::from_fn(400, 300, |_, _| 0.3 + 0.02 * stream.normal() as f32);
+        let time = t as f64 - 0.5 * (frames as f64 - 1.0);
+        for [u, v, radius] in &discs {
+            let slope = MOTIONS[usize::from(*u > 200.0)];
+            let (u, v) = (u + time * f64::from(slope.u), v + time * f64::from(slope.v));
+            draw_disc(&mut frame, u, v, *radius, 0.08);
+        }
+        frame
+    };
+    Burst::from_planes("two motions", (0..frames).map(frame).collect())
+}
+
+fn around(search: SearchSlopes, slope_extrema: SlopeExtrema) -> DetectorParams {
+    let slopes = SlopeGrid::plane(-4.0..=4.0, 9, -4.0..=4.0, 9);
+    DetectorParams { search, slope_extrema, slopes, distinct: Distinct::Off, octaves: 4, ..DetectorParams::default() }
+}
+
+#[test]
+fn around_the_field_is_found_what_all_slopes_find_there() {
+    let burst = two_motions(9);
+    for extrema in [SlopeExtrema::Each, SlopeExtrema::Joint] {
+        let of = |search| search_within(&burst, &around(search, extrema), None).expect("fits").ready();
+        let (all, field) = (of(SearchSlopes::All), of(SearchSlopes::Field));
+        let place = |k: &Keypoint| k.sample.map(|at| at as f32 * octave_pixel(k.octave));
+        let sorted = |mut keypoints: Vec<Keypoint>| {
+            keypoints.sort_by_key(|k| (k.octave, k.level, k.slope_index, k.sample));
+            keypoints
+        };
+        let there = all.keypoints().iter().filter(|k| field.searches(place(k), k.slope_index));
+        let found = sorted(field.keypoints().to_vec());
+        assert_eq!(found, sorted(there.copied().collect()), "{extrema:?}");
+        assert!(5 * found.len() < 4 * all.keypoints().len(), "{} of {}", found.len(), all.keypoints().len());
+        let (whole, part) = (all.detection(), field.detection());
+        assert!(part.features.iter().all(|feature| whole.features.contains(feature)), "{extrema:?}");
+        assert_eq!(part.tally.samples + part.tally.not_searched, whole.tally.samples);
+        assert!(4 * part.tally.samples < 3 * whole.tally.samples, "{:?}", part.tally);
+        for (motion, columns) in MOTIONS.into_iter().zip([20.0..170.0, 230.0..380.0]) {
+            let count = |detection: &Detection| {
+                let moves = |f: &&Feature| (f.slope.u - motion.u).hypot(f.slope.v - motion.v) < 0.5;
+                detection.features.iter().filter(|f| columns.contains(&f.u)).filter(moves).count()
+            };
+            assert!(count(whole) > 20 && count(part) == count(whole), "{motion:?}: {}", count(part));
+        }
+    }
+}
+
+#[test]
+fn what_is_not_searched_is_not_judged_and_its_samples_are_those_of_the_whole_search() {
+    let burst = two_motions(9);
+    let of = |search| search_within(&burst, &around(search, SlopeExtrema::Each), None).expect("fits").ready();
+    let (all, field) = (of(SearchSlopes::All), of(SearchSlopes::Field));
+    for octave in 0..3 {
+        let (x, y) = (60 >> octave, 150 >> octave);
+        let region = Region { columns: x..x + 1, rows: y..y + 1 };
+        let samples = |trail: &Trail| trail.neighbourhood(octave, &region, &Monitor::default()).expect("not cancelled");
+        let (whole, part) = (samples(&all), samples(&field));
+        let mut left_out = 0;
+        for slope_index in 0..part.tiles.len() {
+            let of = |around: &Neighbourhood| (0..3).map(|s| around.tiles[slope_index].at(s, x, y)).collect::<Vec<_>>();
+            assert_eq!(of(&whole), of(&part), "octave {octave}, slope {slope_index}");
+            let sample = Sample { octave, level: 1, slope_index, x, y };
+            let searched = field.searches([60.0, 150.0], slope_index);
+            assert_eq!(field.judge(&part, &[sample])[0].is_some(), searched);
+            left_out += usize::from(!searched);
+        }
+        assert!(left_out > 20, "{left_out}");
+    }
+}
+
+#[test]
+fn a_search_around_the_field_is_the_same_on_any_threads_and_all_slopes_where_there_is_no_field() {
+    let on = |threads: usize, burst: &Burst, search: SearchSlopes| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let found = pool.install(|| search_within(burst, &around(search, SlopeExtrema::Each), None)).expect("fits");
+        Detection { times: StageTimes::default(), ..found.detection }
+    };
+    let burst = two_motions(9);
+    assert!(on(1, &burst, SearchSlopes::Field) == on(3, &burst, SearchSlopes::Field));
+    let short = two_motions(2);
+    assert!(on(2, &short, SearchSlopes::Field) == on(2, &short, SearchSlopes::All));
 }

@@ -67,7 +67,7 @@ pub fn whole(size: (usize, usize)) -> Region {
 }
 
 /// Indices of the Gaussian levels to compute for the next octave: the one from which it starts.
-fn next_level(space: &ScaleSpace) -> Range<usize> {
+pub fn next_level(space: &ScaleSpace) -> Range<usize> {
     space.levels..space.levels + 1
 }
 

@@ -6,14 +6,16 @@
 //! octaves are kept for the steps after the search; where memory does not allow that for all slopes, groups of slopes
 //! go through all octaves one after the other.
 
+pub(super) mod around_field;
 pub mod extrema;
 pub(super) mod setup;
 pub mod slope_window;
 
 use crate::detector::feature::{Keypoint, Tally};
-use crate::detector::params::{DetectorParams, Localisation, Slope};
+use crate::detector::params::{DetectorParams, Localisation, Slope, SlopeNeighbours};
 use crate::detector::refine::ascent::FirstLevel;
 use crate::detector::refine::{Fit, Limits, refine};
+use crate::detector::scale_space::planes::next_level;
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
@@ -27,6 +29,9 @@ use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Rows of a tile at most where not all slopes are searched everywhere: smaller tiles need fewer slopes.
+const TILE_ROWS_AROUND: usize = 100;
 
 pub(crate) struct Searched {
     /// In order of octaves, and within them of tiles and slopes.
@@ -136,7 +141,8 @@ impl Search<'_> {
         let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
         let row_bytes = slopes * (self.space.levels + 2) * (TILE_COLUMNS + 2 * HELD) * size_of::<f32>();
         let rows = (window_bytes / row_bytes.max(1)).saturating_sub(2 * HELD);
-        (cuts(width, TILE_COLUMNS), cuts(height, rows.clamp(8, TILE_ROWS)))
+        let most = if self.inputs.around.is_some() { TILE_ROWS_AROUND } else { TILE_ROWS };
+        (cuts(width, TILE_COLUMNS), cuts(height, rows.clamp(8, most)))
     }
 
     /// Searches one octave for the keypoints of a group of slopes, whose first levels are `bases`. Returns the
@@ -153,12 +159,18 @@ impl Search<'_> {
         let size = octave_size(self.inputs.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
         let bank = if octave == self.space.first_octave { &self.banks.0 } else { &self.banks.1 };
+        let next_only = self.inputs.around.as_ref().filter(|_| wants_next).map(|_| {
+            let levels = next_level(self.space);
+            let bank = self.space.bank(octave == self.space.first_octave, levels.clone());
+            OctaveFilters::new(self.space, &bank, &levels, size)
+        });
         let job = Octave {
             octave,
             size,
             group,
             bases,
             filters: OctaveFilters::new(self.space, bank, &self.space.all_levels(), size),
+            next_only,
             sigma_d: self.sigma_d(octave),
         };
         let mut next: Vec<Plane> = (0..if wants_next { group.visited.len() } else { 0 })
@@ -220,6 +232,16 @@ pub fn ascends(params: &DetectorParams, octave: i32) -> bool {
     octave != params.first_octave && params.rules.localisation == Localisation::Continuous
 }
 
+/// What a tile makes of a slope.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Makes {
+    /// Its samples of D, and the pixels from which the next octave starts.
+    Samples,
+    /// Those pixels alone.
+    NextLevel,
+    Nothing,
+}
+
 struct Octave<'a> {
     octave: i32,
     size: (usize, usize),
@@ -227,6 +249,8 @@ struct Octave<'a> {
     /// First level of the octave at the slopes that are visited; none for the first octave.
     bases: &'a FirstLevels,
     filters: OctaveFilters,
+    /// Filters for the level alone from which the next octave starts, where not all slopes are searched everywhere.
+    next_only: Option<OctaveFilters>,
     /// σ_D by DoG level index and slope of the grid, at the place of least noise.
     sigma_d: Vec<Vec<f32>>,
 }
@@ -252,15 +276,17 @@ impl Search<'_> {
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         let SlopeGroup { own, visited } = job.group;
         scratch.window.begin(visited);
+        let makes = self.makes(job, region);
         for (place, index) in visited.clone().enumerate() {
             self.monitor.check()?;
             let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
-            if first && place % together == 0 {
-                let slopes = &self.offsets[index..(index + together).min(visited.end)];
+            let others = index..(index + together).min(visited.end);
+            if first && place % together == 0 && others.clone().any(|index| makes[index] != Makes::Nothing) {
+                let slopes = &self.offsets[others];
                 stack_tiles(&self.planes, slopes, job.octave, &inputs, stacked);
             }
             let pixels =
-                if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
+                || if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
             let thresholds = self.thresholds(job.octave, &job.sigma_d, index);
             let (dog, candidates) = window.slot_mut(index);
             // Rows are searched while they are still in the cache, as soon as the row below them is finished.
@@ -273,24 +299,60 @@ impl Search<'_> {
                 let rows = searched..end.min(region.rows.end).max(searched);
                 searched = rows.end;
                 let part = Region { columns: region.columns.clone(), rows };
-                own_slope_extrema(levels, &part, job.size, &thresholds, &mut tally, candidates);
+                for part in self.parts_searched(job.octave, part, index) {
+                    own_slope_extrema(levels, &part, job.size, &thresholds, &mut tally, candidates);
+                }
             };
             let keep = (!next.is_empty()).then_some(&mut *level);
-            dog_tile(&job.filters, pixels, &held, filter, dog, keep, &mut search);
-            if let Some(out) = next.get_mut(place) {
-                let left = region.columns.start - held.columns.start;
+            match (makes[index], &job.next_only) {
+                (Makes::Nothing, _) => window.leave_out(index),
+                (Makes::NextLevel, Some(filters)) => {
+                    dog_tile(filters, pixels(), region, filter, &mut DogTile::default(), keep, &mut |_, _| ());
+                    window.leave_out(index);
+                }
+                _ => {
+                    dog_tile(&job.filters, pixels(), &held, filter, dog, keep, &mut search);
+                    self.compare(job, window, index, &mut tally);
+                }
+            }
+            if let Some(out) = next.get_mut(place).filter(|_| makes[index] != Makes::Nothing) {
+                let left = region.columns.start - level.region().columns.start;
                 for (v, row) in out.iter_mut().enumerate() {
                     let from = &level.row(region.rows.start + 2 * v)[left..];
                     row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
                 }
             }
-            self.compare(job, window, index, &mut tally);
             for decided in window.decidable(index) {
                 self.decide(job, window, decided, &mut keypoints, &mut tally);
             }
             slope_done();
         }
+        let inner = |range: &Range<usize>, n: usize| range.end.min(n - 1).saturating_sub(range.start.max(1));
+        let of_slope = inner(&region.columns, job.size.0) * inner(&region.rows, job.size.1) * self.space.levels;
+        tally.not_searched = (own.len() * of_slope) as u64 - tally.samples;
         Ok((keypoints, tally))
+    }
+
+    /// What a tile makes of each slope of the grid.
+    fn makes(&self, job: &Octave<'_>, region: &Region) -> Vec<Makes> {
+        let Some(around) = &self.inputs.around else { return vec![Makes::Samples; self.grid.len()] };
+        let others = OtherSlopes::of(self.params);
+        let all = others == OtherSlopes::Beaten(SlopeNeighbours::All);
+        let searched = around.in_region(job.octave, region, others != OtherSlopes::Unseen);
+        let makes = |(index, searched): (usize, bool)| match searched || all {
+            true => Makes::Samples,
+            false if job.next_only.is_some() && around.holds(index) => Makes::NextLevel,
+            false => Makes::Nothing,
+        };
+        searched.into_iter().enumerate().map(makes).collect()
+    }
+
+    /// Parts of `region` of `octave` in which slope `index` is searched.
+    fn parts_searched(&self, octave: i32, region: Region, index: usize) -> Vec<Region> {
+        match &self.inputs.around {
+            Some(around) => around.parts(octave, &region, index),
+            None => vec![region],
+        }
     }
 
     /// Thresholds for a sample of `octave` at slope `slope_index`, where σ_D by level index and slope is `sigma_d`.

@@ -13,6 +13,7 @@ use crate::detector::params::{DetectorParams, Method, NoiseGate, NoiseModelKind,
 use crate::detector::refine::MAX_FITS;
 use crate::detector::scale_space::planes::SlopeStack;
 use crate::detector::scale_space::{Base, ScaleSpace, octave_pixel, searched_octaves};
+use crate::detector::search::around_field::SlopesAround;
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::{FrameTimes, coverage, frame_offsets};
 use crate::error::Error;
@@ -95,6 +96,8 @@ pub(crate) struct Inputs {
     pub(crate) params: DetectorParams,
     pub(crate) noise: Arc<NoiseModel>,
     pub(crate) gate_factor: f32,
+    /// Slopes that are searched at each place; `None` for all.
+    pub(crate) around: Option<Arc<SlopesAround>>,
 }
 
 impl Inputs {
@@ -111,7 +114,17 @@ impl Inputs {
         }
         let times = FrameTimes { frame_count: frames_used.len(), kept };
         let (size_image, noise, gate_factor) = (burst.size(), Arc::new(model), gate_factor(params));
-        Ok(Self { frames, times, frames_used, size_image, space, params: params.clone(), noise, gate_factor })
+        Ok(Self {
+            frames,
+            times,
+            frames_used,
+            size_image,
+            space,
+            params: params.clone(),
+            noise,
+            gate_factor,
+            around: None,
+        })
     }
 
     /// Inputs with other parameters, of which only those differ that are judged after the search.
@@ -121,6 +134,16 @@ impl Inputs {
 
     pub(crate) fn planes(&self) -> Vec<&Plane> {
         self.frames.iter().map(|frame| &**frame).collect()
+    }
+
+    /// Whether slope `index` is searched at a place (u, v) of the input image.
+    pub(crate) fn searches(&self, place: [f32; 2], index: usize) -> bool {
+        self.around.as_ref().is_none_or(|around| around.searches(place, index))
+    }
+
+    /// Whether first levels are made for slope `index`.
+    pub(crate) fn holds(&self, index: usize) -> bool {
+        self.around.as_ref().is_none_or(|around| around.holds(index))
     }
 
     pub(crate) fn octaves(&self) -> Range<i32> {

@@ -100,6 +100,12 @@ impl SlopeWindow {
         (&mut self.tiles[slot], &mut self.candidates)
     }
 
+    /// Leaves slope `index` out: it has no candidates, and none of another slope is compared with it.
+    pub fn leave_out(&mut self, index: usize) {
+        let slot = index % self.undecided.len();
+        self.undecided[slot].clear();
+    }
+
     fn tile(&self, index: usize) -> &DogTile {
         &self.tiles[index % self.tiles.len()]
     }

@@ -4,8 +4,8 @@
 use super::probing::{cache, slopes_of};
 use burstscope_core::detector::feature::Keypoint;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample, SlopeExtrema,
-    SlopeGrid, SlopeNeighbours, Tally, Test, Trail,
+    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample, SearchSlopes,
+    SlopeExtrema, SlopeGrid, SlopeNeighbours, Tally, Test, Trail,
 };
 use burstscope_core::inspect::changes::{Spot, compare};
 use burstscope_core::inspect::telling::fate;
@@ -57,7 +57,12 @@ fn assert_law(burst: &Burst, params: &DetectorParams) -> usize {
         let around = trail.neighbourhood(octave, &region, &monitor).expect("not cancelled");
         let judged = trail.judge(&around, &samples);
         for (sample, judgement) in samples.iter().zip(judged) {
-            let Some(judgement) = judgement else { continue };
+            let Some(judgement) = judgement else {
+                let (width, height) = trail.octave_size(octave);
+                let is_inner = |at: usize, n: usize| at > 0 && at + 1 < n;
+                tally.not_searched += u64::from(is_inner(sample.x, width) && is_inner(sample.y, height));
+                continue;
+            };
             tally.samples += 1;
             if let Some(test) = judgement.rejected_by {
                 tally.reject(test, 1);
@@ -145,6 +150,7 @@ prop_compose! {
         slopes in grids(),
         (octaves, levels, first_octave) in (1u32..4, 1u32..5, -1i32..2),
         joint in any::<bool>(),
+        field in any::<bool>(),
         all in any::<bool>(),
         quadratic in any::<bool>(),
         local in any::<bool>(),
@@ -157,6 +163,7 @@ prop_compose! {
         DetectorParams {
             slopes, octaves, levels, first_octave, distinct, peak_threshold, max_features,
             noise_gate: gate,
+            search: if field { SearchSlopes::Field } else { SearchSlopes::All },
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
             rules: Rules {
                 slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
@@ -186,6 +193,10 @@ fn the_law_holds_for_the_default_search_on_a_line_and_in_a_plane() {
         let kept = assert_law(&burst, &DetectorParams { slopes, ..DetectorParams::default() });
         assert!(kept > 3, "{kept} keypoints: the law would hold for nothing");
     }
+    let slopes = SlopeGrid::line(-6.0..=6.0, 25);
+    assert!(
+        assert_law(&burst, &DetectorParams { slopes, search: SearchSlopes::Field, ..DetectorParams::default() }) > 3
+    );
 }
 
 fn chart() -> (Burst, burstscope_core::synth::Truth) {
