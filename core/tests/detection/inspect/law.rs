@@ -149,8 +149,7 @@ prop_compose! {
     fn all_params()(
         slopes in grids(),
         (octaves, levels, first_octave) in (1u32..4, 1u32..5, -1i32..2),
-        joint in any::<bool>(),
-        field in any::<bool>(),
+        (joint, field) in any::<(bool, bool)>(),
         all in any::<bool>(),
         quadratic in any::<bool>(),
         local in any::<bool>(),
