@@ -84,7 +84,12 @@ pub fn with_features(mut window: Window) -> Window {
     let detection = Arc::new(Detection {
         features: features.collect(),
         descriptors: (0..DISCS.len()).map(|i| std::array::from_fn(|k| (k * (i + 3) % 97) as u8)).collect(),
-        tally: Tally { samples: 2_000_000, rejected: std::array::from_fn(|k| 1000 * (k as u64 + 1)), kept: 4 },
+        tally: Tally {
+            samples: 2_000_000,
+            rejected: std::array::from_fn(|k| 1000 * (k as u64 + 1)),
+            kept: 4,
+            ..Tally::default()
+        },
         frame_noise: 0.004,
         noise: Arc::new(NoiseModel::white(0.004)),
         field: None,
