@@ -1,6 +1,7 @@
 //! Draws a figure as pixels, without a graphics card: egui makes triangles of lines and letters, and this module fills
 //! them.
 
+use crate::app::canvas::overlay::add_fan;
 use crate::export::{Drawing, FigureRect, FigureShape, FigureStroke};
 use crate::plane::memory;
 use egui::epaint::{ClippedPrimitive, ImageData, Mesh, Primitive};
@@ -116,6 +117,11 @@ fn draw(painter: &Painter, shape: &FigureShape) {
         }
         FigureShape::Line { points, stroke, .. } => {
             painter.add(Shape::line(points.iter().copied().map(pos).collect(), line(stroke)));
+        }
+        FigureShape::Fan { points, color: [r, g, b], opacity } => {
+            let mut mesh = Mesh::default();
+            add_fan(&mut mesh, points, Color32::from_rgb(*r, *g, *b).gamma_multiply(*opacity));
+            painter.add(Shape::mesh(mesh));
         }
         FigureShape::Text { at, size, text, color } => {
             let [r, g, b] = *color;
