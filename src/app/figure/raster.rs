@@ -237,6 +237,21 @@ mod tests {
     }
 
     #[test]
+    fn a_fan_tints_what_lies_within_it_and_nothing_else() {
+        let points = crate::export::fan([10.0, 20.0], [40.0, 20.0], 10.0).expect("large enough");
+        let fan = FigureShape::Fan { points, color: [255, 0, 0], opacity: 0.5 };
+        let image = rasterise(&drawing(vec![fan])).expect("small");
+        let pixel = |x: u32, y: u32| image.get_pixel(x, y).0;
+        for (x, y) in [(40, 20), (45, 14), (20, 20)] {
+            let [red, green, blue, _] = pixel(x, y);
+            assert!(red == 255 && green.abs_diff(127) < 3 && green == blue, "{x} {y}: {:?}", pixel(x, y));
+        }
+        for (x, y) in [(53, 20), (15, 12), (5, 20)] {
+            assert_eq!(pixel(x, y), [255; 4], "{x} {y}");
+        }
+    }
+
+    #[test]
     fn what_is_too_large_is_said() {
         let large = Drawing { size: [1e6, 10.0], shapes: Vec::new(), title: String::new() };
         assert!(rasterise(&large).is_err_and(|why| why.contains("smaller scale")));
