@@ -88,7 +88,8 @@ pub struct StackArgs {
     pub slope: Option<Slope>,
     /// In place of a stack the field of motion: the motion of every place and its uncertainty. As TIFF or FILE.pfm, on
     /// the image's pixels, three samples: motion to the right, down, and its standard deviation along the least certain
-    /// direction, pixels per frame. As FILE.npz, on the field's cells: motion, covariance, known, layer, layers, cell_px.
+    /// direction, pixels per frame. As FILE.npz, on the field's cells: motion, covariance, known, layer, layers,
+    /// cell_px.
     #[arg(long, conflicts_with_all = ["slope", "octave", "combine"])]
     pub field: bool,
     /// All in focus: the mean of the frames with each place shifted by its own motion.

@@ -8,8 +8,9 @@ use std::io::Write;
 use std::path::Path;
 
 /// Writes a field of motion on the pixels of an image of `size` (columns, rows), with the samples of
-/// [`write_field_tiff`](super::write_field_tiff): little-endian, the last row first. The format has no place for a mark,
-/// so the file counts as another program's and is replaced only with [`Overwrite::Force`](super::Overwrite::Force).
+/// [`write_field_tiff`](super::write_field_tiff): little-endian, the last row first. The format has no place for a
+/// mark, so the file counts as another program's and is replaced only with
+/// [`Overwrite::Force`](super::Overwrite::Force).
 pub fn write_field_pfm(path: &Path, field: &MotionField, size: (usize, usize)) -> Result<(), Error> {
     write_whole(path, |out| {
         write!(out, "PF\n{} {}\n-1.0\n", size.0, size.1)?;
