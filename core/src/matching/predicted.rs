@@ -38,6 +38,14 @@ const MOST_DISTANCE: f32 = 458.0;
 const AGREEING_PX: f64 = 10.0;
 /// Share of the sure matches with known motion that must agree.
 const LEAST_AGREEING: f64 = 0.4;
+/// Share from which on they agree whatever chance would give: before a wall all motions are alike.
+const CLEARLY_AGREEING: f64 = 0.75;
+/// Standard deviations of chance by which more must agree than with motions of other places.
+const BEYOND_CHANCE: f64 = 3.0;
+/// Number of times that the motions are given to other places to learn what chance gives.
+const SHUFFLES: usize = 4;
+/// Maximum number of sure matches that decide on the parallax.
+const MOST_KNOWN: usize = 200;
 /// Fewest sure matches with known motion that tell the parallax.
 const FEWEST_KNOWN: usize = 8;
 /// Maximum number of samples of matches from which the parallax is found.
@@ -66,17 +74,22 @@ impl Expected {
 }
 
 /// Agreement of a pair's sure matches with the motions of their places, in one image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Agreement {
-    /// Number of sure matches whose motion is known.
+    /// Number of sure matches whose motion is known, of those that were looked at.
     pub known: usize,
     /// Number of those near their predicted place.
     pub agreeing: usize,
+    /// Mean number that would be if the motions were those of other places.
+    pub by_chance: f64,
 }
 
 impl Agreement {
     fn is_enough(&self) -> bool {
-        self.agreeing as f64 >= LEAST_AGREEING * self.known as f64
+        let (known, agreeing) = (self.known as f64, self.agreeing as f64);
+        let share = self.by_chance / known;
+        let beyond = self.by_chance + BEYOND_CHANCE * (known * share * (1.0 - share)).max(1.0).sqrt();
+        agreeing >= CLEARLY_AGREEING * known || (agreeing >= LEAST_AGREEING * known && agreeing >= beyond)
     }
 }
 
@@ -126,6 +139,7 @@ struct OneWay {
 }
 
 /// A sure match of known motion.
+#[derive(Clone, Copy)]
 struct Known {
     x: Vector2<f64>,
     there: Vector2<f64>,
@@ -152,13 +166,26 @@ impl OneWay {
             let (x, there) = (straight[index], parallax.straight(there));
             Some(Known { x, there, terms: terms(x, depth.value), kappa: parallax.parallax(x, there)? })
         };
-        let known: Vec<Known> = inliers.filter_map(known).collect();
-        if known.len() < FEWEST_KNOWN {
+        let all: Vec<Known> = inliers.filter_map(known).collect();
+        if all.len() < FEWEST_KNOWN {
             return None;
         }
-        let numbers = numbers(&parallax, &known, seed)?;
-        let near = |known: &&Known| miss(&parallax, known, &numbers) < AGREEING_PX;
-        let agreement = Agreement { known: known.len(), agreeing: known.iter().filter(near).count() };
+        let mut known: Vec<Known> = all.iter().copied().step_by(all.len().div_ceil(MOST_KNOWN)).collect();
+        let agreeing = |known: &[Known], numbers: &Vector4<f64>| {
+            known.iter().filter(|known| miss(&parallax, known, numbers) < AGREEING_PX).count()
+        };
+        let numbers_of = |known: &[Known]| numbers(&parallax, known, seed);
+        let numbers = numbers_of(&known)?;
+        let mut agreement = Agreement { known: known.len(), agreeing: agreeing(&known, &numbers), by_chance: 0.0 };
+        let mut random = Stream::new(seed, 1);
+        for _ in 0..SHUFFLES {
+            for i in (1..known.len()).rev() {
+                let j = random.below(i + 1);
+                (known[i].terms[0], known[j].terms[0]) = (known[j].terms[0], known[i].terms[0]);
+            }
+            let by_chance = numbers_of(&known).map_or(0, |numbers| agreeing(&known, &numbers));
+            agreement.by_chance += by_chance as f64 / SHUFFLES as f64;
+        }
         Some(Self { parallax, straight, depths, numbers, agreement })
     }
 
