@@ -30,6 +30,8 @@ pub(super) struct KeptBurst {
     pub features: usize,
     /// Checksum of the file of features.
     pub content: Checksum,
+    /// Checksum of the file of their scales and motions.
+    pub blobs: Checksum,
     /// Kind of the picture that was written.
     pub picture: ImageKind,
     /// Checksum of the picture.
