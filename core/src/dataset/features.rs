@@ -1,16 +1,17 @@
 //! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
+use super::CameraChoice;
+use super::blobs::StoredBlobs;
 use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
 use super::picture::{ImageKind, burst_picture};
 use super::stamp::{Comparison, FileStamp};
-use super::{CameraChoice, blobs};
 use crate::burst::{Burst, BurstFiles, OpenOptions, files_at};
 use crate::detect::{Searched, check_memory, search};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding};
 use crate::error::{Error, ErrorKind};
 use crate::export::{
     ColmapKeypoint, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records, may_begin,
-    parse_colmap, safe_file_name, write_colmap_keypoints, write_png, write_whole,
+    parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
 };
 use crate::files::lock::FolderLock;
 use crate::files::mark::{Checksum, Kind};
@@ -18,7 +19,6 @@ use crate::files::unfinished::remove_abandoned;
 use crate::matching::Blob;
 use crate::monitor::Monitor;
 use serde_json::{Value, json};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -234,9 +234,7 @@ impl FeatureStore {
         let bytes = bytes.filter(|bytes| Checksum::of(bytes) == record.content).ok_or(NotKept::Altered)?;
         let text = String::from_utf8(bytes).map_err(|_| NotKept::Altered)?;
         let (keypoints, descriptors) = parse_colmap(&path, &text).map_err(|_| NotKept::Altered)?;
-        let blobs = std::fs::read(self.blob_file(&image_name)).ok();
-        let blobs = blobs.filter(|bytes| Checksum::of(bytes) == record.blobs);
-        let blobs = blobs.and_then(|bytes| blobs::from_bytes(&bytes)).ok_or(NotKept::Altered)?;
+        let blobs = record.blobs.0.clone();
         if keypoints.len() != record.features || blobs.len() != record.features {
             return Err(NotKept::Altered);
         }
@@ -289,11 +287,6 @@ impl FeatureStore {
         self.check_output(&path)?;
         self.records().remove(&found.image_name)?;
         write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
-        let blob_file = self.blob_file(&found.image_name);
-        self.check_output(&blob_file)?;
-        let blobs = blobs::to_bytes(&found.blobs);
-        self.records().begin()?;
-        write_whole(&blob_file, |out| out.write_all(&blobs))?;
         let content = Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))?;
         let picture_content = self.write_picture_of(&found.image_name, &burst, monitor)?;
         let of = KeptBurst {
@@ -301,7 +294,7 @@ impl FeatureStore {
             size: found.size,
             features: found.keypoints.len(),
             content,
-            blobs: Checksum::of(&blobs),
+            blobs: StoredBlobs(found.blobs.clone()),
             picture: self.job.images,
             picture_content,
             seconds: found.seconds,
@@ -408,10 +401,6 @@ impl FeatureStore {
     /// COLMAP's importer looks for the features of `a.png` in `a.png.txt`.
     fn feature_file(&self, image_name: &str) -> PathBuf {
         self.folder.join(FEATURES_FOLDER).join(format!("{image_name}.txt"))
-    }
-
-    pub(super) fn blob_file(&self, image_name: &str) -> PathBuf {
-        self.records().folder().join(format!("{image_name}.blobs"))
     }
 
     fn picture_file(&self, image_name: &str) -> PathBuf {

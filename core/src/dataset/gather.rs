@@ -105,13 +105,10 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
     let feature_file = Path::new(FEATURES_FOLDER).join(format!("{image}.txt"));
     let picture_file = Path::new(IMAGES_FOLDER).join(image);
     let has_picture = other.folder.join(&picture_file).is_file();
-    let in_folder = |store: &FeatureStore, file: &Path| store.folder.join(file);
-    let copies = [Some(feature_file), has_picture.then_some(picture_file)].into_iter().flatten();
-    let copies = copies.map(|file| (in_folder(other, &file), in_folder(store, &file)));
-    let blobs = (other.blob_file(image), store.blob_file(image));
-    store.records().begin()?;
-    for (from, to) in copies.chain([blobs]).collect::<Vec<_>>() {
+    for file in [Some(feature_file), has_picture.then_some(picture_file)].into_iter().flatten() {
+        let to = store.folder.join(&file);
         store.check_output(&to)?;
+        let from = other.folder.join(&file);
         let bytes = std::fs::read(&from).map_err(|e| Error::unread_file(&from, e))?;
         write_whole(&to, |out| out.write_all(&bytes))?;
     }

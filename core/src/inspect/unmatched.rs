@@ -292,8 +292,12 @@ fn sentence(
             }
             None => {
                 let other = pair.result.matches.iter().find(|m| m.b == best.feature);
-                let other = other.map_or_else(|| "another feature".to_owned(), |m| rank_name(m.a));
-                format!("geometry: its match, {nearest}, goes with {other} of this picture along it")
+                match other {
+                    Some(m) => {
+                        format!("geometry: its match, {nearest}, goes with {} where its motion is", rank_name(m.a))
+                    }
+                    None => format!("geometry: its match, {nearest}, lies elsewhere than its motion puts it"),
+                }
             }
         },
     }

@@ -120,7 +120,7 @@ pub fn match_features(
         prediction = Prediction::of([a, b], &model, &inliers, params);
         match &prediction {
             Some(prediction) if prediction.is_believed() => {
-                let found = predicted::predicted_matches([a, b], &model, prediction, params, monitor)?;
+                let found = predicted::predicted_matches([a, b], (&model, &matches), prediction, params, monitor)?;
                 let again = verified(&found, params)?;
                 if again.as_ref().is_some_and(|again| again.model.is_some()) {
                     (matches, verification) = (found, again);

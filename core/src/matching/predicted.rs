@@ -18,7 +18,7 @@ use crate::synth::random::Stream;
 use nalgebra::{Matrix4, Vector2, Vector4};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum ratio among the features at a predicted place, where [`MatchParams::ratio`] is lower.
 pub const PREDICTED_RATIO: f32 = 0.9;
@@ -39,9 +39,9 @@ const AGREEING_PX: f64 = 10.0;
 /// Share of the sure matches with known motion that must agree.
 const LEAST_AGREEING: f64 = 0.4;
 /// Share from which on they agree whatever chance would give: before a wall all motions are alike.
-const CLEARLY_AGREEING: f64 = 0.75;
+const CLEARLY_AGREEING: f64 = 0.6;
 /// Standard deviations of chance by which more must agree than with motions of other places.
-const BEYOND_CHANCE: f64 = 3.0;
+const BEYOND_CHANCE: f64 = 2.0;
 /// Number of times that the motions are given to other places to learn what chance gives.
 const SHUFFLES: usize = 4;
 /// Maximum number of sure matches that decide on the parallax.
@@ -266,10 +266,11 @@ fn samples(is_calibrated: bool, known: &[Known], seed: u64) -> Vec<Vector4<f64>>
 type Candidates = Vec<Vec<u32>>;
 
 /// Finds the matches at the places of `prediction`, in the order of A's features: nearest there, with a ratio of at
-/// most [`PREDICTED_RATIO`] to the nearest one at another place there, and, with the mutual check, both ways.
+/// most [`PREDICTED_RATIO`] to the nearest one at another place there, and, with the mutual check, both ways. Features
+/// without a predicted place keep their match of the `sure` ones.
 pub(super) fn predicted_matches(
     [a, b]: [MatchSide<'_>; 2],
-    model: &TwoViewModel,
+    (model, sure): (&TwoViewModel, &[Match]),
     prediction: &Prediction,
     params: &MatchParams,
     monitor: &Monitor,
@@ -293,6 +294,14 @@ pub(super) fn predicted_matches(
         }
     }
     let mut matches: Vec<Match> = best.into_values().collect();
+    // What has no known motion keeps its sure match.
+    let [of_a, of_b]: [BTreeSet<usize>; 2] =
+        [matches.iter().map(|m| m.a).collect(), matches.iter().map(|m| m.b).collect()];
+    let is_unknown = |m: &&Match| {
+        let is_free = !of_a.contains(&m.a) && !of_b.contains(&m.b);
+        is_free && prediction.in_b[m.a].is_none() && prediction.in_a[m.b].is_none()
+    };
+    matches.extend(sure.iter().filter(is_unknown));
     matches.sort_by_key(|m| m.a);
     Ok(matches)
 }
@@ -365,7 +374,6 @@ mod tests {
     use crate::detector::{Descriptor, Slope};
     use crate::matching::geometry::tests::{camera, places_in_space};
     use crate::matching::{Blob, Geometry, MatchResult, match_features};
-    use std::collections::BTreeSet;
 
     /// Features of one image.
     #[derive(Clone, Default)]
@@ -422,7 +430,7 @@ mod tests {
 
     fn params(geometry: Geometry) -> MatchParams {
         let camera = (geometry == Geometry::Essential).then(camera);
-        MatchParams { geometry, camera, ..MatchParams::default() }
+        MatchParams { geometry, camera, predict: true, ..MatchParams::default() }
     }
 
     fn matched([a, b]: &[Features; 2], params: &MatchParams) -> MatchResult {
@@ -502,7 +510,7 @@ mod tests {
         let model = model.expect("a model");
         let found = |[a, b]: [&Features; 2], prediction: &Prediction| {
             let sides = [a.side(), b.side()];
-            predicted_matches(sides, &model, prediction, &params, &Monitor::default()).expect("done")
+            predicted_matches(sides, (&model, &[]), prediction, &params, &Monitor::default()).expect("done")
         };
         let once = found([&pair[0], &pair[1]], &prediction);
         let repeated = Prediction { in_a: prediction.in_a.repeat(2), in_b: prediction.in_b.repeat(2), ..prediction };
