@@ -267,7 +267,7 @@ type Candidates = Vec<Vec<u32>>;
 
 /// Finds the matches at the places of `prediction`, in the order of A's features: nearest there, with a ratio of at
 /// most [`PREDICTED_RATIO`] to the nearest one at another place there, and, with the mutual check, both ways. Features
-/// without a predicted place keep their match of the `sure` ones.
+/// without a predicted place keep their match of the `sure` ones, as do those that do not agree with `model`.
 pub(super) fn predicted_matches(
     [a, b]: [MatchSide<'_>; 2],
     (model, sure): (&TwoViewModel, &[Match]),
@@ -294,14 +294,15 @@ pub(super) fn predicted_matches(
         }
     }
     let mut matches: Vec<Match> = best.into_values().collect();
-    // What has no known motion keeps its sure match.
+    // What has no known motion keeps its sure match, and so does what is no inlier, to be seen as such.
     let [of_a, of_b]: [BTreeSet<usize>; 2] =
         [matches.iter().map(|m| m.a).collect(), matches.iter().map(|m| m.b).collect()];
-    let is_unknown = |m: &&Match| {
+    let is_kept = |m: &&Match| {
         let is_free = !of_a.contains(&m.a) && !of_b.contains(&m.b);
-        is_free && prediction.in_b[m.a].is_none() && prediction.in_a[m.b].is_none()
+        let is_unknown = prediction.in_b[m.a].is_none() && prediction.in_a[m.b].is_none();
+        is_free && (is_unknown || model.error_px(a.places[m.a], b.places[m.b]) > f64::from(params.max_error_px))
     };
-    matches.extend(sure.iter().filter(is_unknown));
+    matches.extend(sure.iter().filter(is_kept));
     matches.sort_by_key(|m| m.a);
     Ok(matches)
 }

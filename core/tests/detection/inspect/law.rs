@@ -312,9 +312,9 @@ fn every_feature_was_lost_somewhere_or_not_at_all() {
         assert_eq!(counts.iter().map(|c| c.1).sum::<usize>(), a.detection().features.len());
         let inliers = result.counts.inliers.unwrap_or(result.counts.putative);
         assert_eq!(of(Lost::Not), inliers);
-        // By their motions some lose their match to others.
+        // By their motions some lose their match to others, or to what they would have to move like.
         let gave_way = of(Lost::Not) + of(Lost::Geometry) - result.counts.putative;
-        assert!(if is_predicted { gave_way < result.counts.putative / 10 } else { gave_way == 0 }, "{gave_way}");
+        assert!(if is_predicted { gave_way < result.counts.putative / 5 } else { gave_way == 0 }, "{gave_way}");
         assert!(of(Lost::RatioTest) + of(Lost::MutualCheck) > 0);
         // The detailed explanation for some features of each kind.
         let mut seen = std::collections::BTreeMap::new();
