@@ -143,7 +143,7 @@ class MatchKeywords(TypedDict, total=False):
     predict : bool
         Whether matching is repeated at the places that the motions of the features and the geometry of the sure
         matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its
-        geometry is refused: true or false. Switch it on for two to three times the right matches in the dark;
+        geometry is refused: true or false. Switch it on for 1.3 to 3 times the right matches in the dark;
         without motions, as of single frames, nothing changes. [default: false]
     max_error_px : float
         Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric

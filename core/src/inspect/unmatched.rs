@@ -217,7 +217,7 @@ fn rank_name(index: usize) -> String {
     format!("feature #{}", index + 1)
 }
 
-/// What became of the prediction for a feature that the sure matches left.
+/// Reason, from the motions, why a feature that the sure matches left has no match; empty where there is none.
 fn at_prediction(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     let is_lost_before = matches!(lost, Lost::RatioTest | Lost::MutualCheck);
     let Some(prediction) = pair.result.prediction.as_ref().filter(|_| is_lost_before) else { return String::new() };

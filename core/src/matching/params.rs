@@ -157,7 +157,7 @@ pub mod doc {
 
         PREDICT: "predict", "Predict", "", "match";
         "Whether matching is repeated at the places that the motions of the features and the geometry of the sure matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its geometry is refused: true or false.",
-        "Switch it on for two to three times the right matches in the dark; without motions, as of single frames, nothing changes.",
+        "Switch it on for 1.3 to 3 times the right matches in the dark; without motions, as of single frames, nothing changes.",
         Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.predict)).used_if(verified);
 
         MAX_ERROR_PX: "max-error-px", "Max error", "px", "inlier";

@@ -52,7 +52,7 @@ const FEWEST_KNOWN: usize = 8;
 const MOST_SAMPLES: usize = 400;
 const REFINEMENTS: usize = 4;
 
-/// Place where a feature is expected in the other image: an ellipse around it.
+/// Place where a feature is expected in the other image: a rectangle along the epipolar line.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Expected {
     /// (u, v), pixels of a camera without distortion.
