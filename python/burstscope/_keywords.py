@@ -145,15 +145,15 @@ class MatchKeywords(TypedDict, total=False):
         What the matches are verified against: none, fundamental (any scene), essential (any scene, known
         camera) or homography (a plane, or a camera that only turns). The more a geometry demands, the fewer
         wrong matches fit it by chance; a homography rejects what is not on one plane. [default: fundamental]
-    guided : bool
-        Whether matching is repeated along the geometry that the sure matches agree on, with a ratio of 0.9
-        among the features within half the max error: true or false. Switch it on for about twice the right
-        matches in the dark, where poses do not count: wrong geometries of pairs gain matches too, and can ruin
-        the poses of a reconstruction. [default: false]
+    predict : bool
+        Whether matching is repeated at the places that the motions of the features and the geometry of the sure
+        matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its
+        geometry is refused: true or false. Switch it on for 1.3 to 3 times the right matches in the dark;
+        without motions, as of single frames, nothing changes. [default: false]
     max_error_px : float
-        Max error of an inlier, of a guided one half of it: the Sampson distance from epipolar geometry, or a
-        homography's symmetric transfer error. Unit: px. Raise it to keep less exact matches, and more wrong
-        ones that fit by chance. [default: 4]
+        Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric
+        transfer error. Unit: px. Raise it to keep less exact matches, and more wrong ones that fit by chance.
+        [default: 4]
     min_inliers : int
         Min number of inliers of a geometry; with fewer there is none, and no match is an inlier. Unit: matches.
         Raise it to trust only pairs with much in common: seven wrong matches always agree on some fundamental
@@ -172,7 +172,7 @@ class MatchKeywords(TypedDict, total=False):
     ratio: float
     mutual: bool
     geometry: Literal["none", "fundamental", "essential", "homography"]
-    guided: bool
+    predict: bool
     max_error_px: float
     min_inliers: int
     confidence: float
@@ -1049,12 +1049,13 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         What the matches are verified against: none, fundamental (any scene), essential (any scene, known
         camera) or homography (a plane, or a camera that only turns) [default: fundamental, or essential with a
         camera]
-    guided : bool
-        Whether matching is repeated along the geometry that the sure matches agree on, with a ratio of 0.9
-        among the features within half the max error: true or false [default: false]
+    predict : bool
+        Whether matching is repeated at the places that the motions of the features and the geometry of the sure
+        matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its
+        geometry is refused: true or false [default: false]
     max_error_px : float
-        Max error of an inlier, of a guided one half of it: the Sampson distance from epipolar geometry, or a
-        homography's symmetric transfer error [default: 4]
+        Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric
+        transfer error [default: 4]
     min_inliers : int
         Min number of inliers of a geometry; with fewer there is none, and no match is an inlier [default: 15]
     confidence : float
@@ -1172,7 +1173,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     ratio: float
     mutual: bool
     geometry: Literal["none", "fundamental", "essential", "homography"]
-    guided: bool
+    predict: bool
     max_error_px: float
     min_inliers: int
     confidence: float

@@ -87,9 +87,10 @@ pub struct StackArgs {
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope,
         required_unless_present_any = ["field", "in_focus"])]
     pub slope: Option<Slope>,
-    /// In place of a stack the field of motion: the motion of every place and its uncertainty. As TIFF, on the image's
-    /// pixels, three samples: motion to the right, down, and its standard deviation, pixels per frame. As FILE.npz, on
-    /// the field's cells: motion, covariance, known, layer, layers, cell_px.
+    /// In place of a stack the field of motion: the motion of every place and its uncertainty. As TIFF or FILE.pfm, on
+    /// the image's pixels, three samples: motion to the right, down, and its standard deviation along the least certain
+    /// direction, pixels per frame. As FILE.npz, on the field's cells: motion, covariance, known, layer, layers,
+    /// cell_px.
     #[arg(long, conflicts_with_all = ["slope", "octave", "combine"])]
     pub field: bool,
     /// All in focus: the mean of the frames with each place shifted by its own motion.
@@ -105,7 +106,7 @@ pub struct StackArgs {
     /// or mean-minus-median, which shows what is in some frames only.
     #[arg(long, value_name = "HOW", value_parser = words::<Combine>(COMBINES), default_value = "mean", conflicts_with = "octave")]
     pub combine: Combine,
-    /// The TIFF file to write; with --field also FILE.npz.
+    /// The TIFF file to write; with --field also FILE.npz or FILE.pfm. An existing PFM is replaced only with --force.
     #[arg(long, short, value_name = "FILE.tiff")]
     pub out: PathBuf,
     #[command(flatten)]

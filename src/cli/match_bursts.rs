@@ -99,7 +99,12 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     write_match_picture(&picture, picture_a.picture(), picture_b.picture(), &lines)?;
     folder.check()?;
     let model = result.verification.as_ref().and_then(|v| v.model.as_ref());
-    console.say(&summary(&result.counts, &matching, model.is_some()))?;
+    let why_none = match &result.prediction {
+        _ if model.is_some() => "",
+        Some(prediction) if !prediction.is_believed() => "; refused: the motions contradict the sure matches' geometry",
+        _ => "; too few agree on any",
+    };
+    console.say(&summary(&result.counts, &matching, why_none))?;
     console.say(&format!("  wrote        {}\n  wrote        {}\n", matches.display(), picture.display()))?;
     let document = MatchDocument {
         params: &params,
@@ -133,14 +138,11 @@ fn match_rows(a: &Detection, b: &Detection, result: &MatchResult) -> Vec<MatchRo
     result.matches.iter().enumerate().map(row).collect()
 }
 
-fn summary(counts: &MatchCounts, matching: &MatchParams, agreed: bool) -> String {
+fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> String {
     let MatchCounts { keypoints_a, keypoints_b, putative, inliers } = *counts;
     let inliers = inliers.map_or_else(
         || "not verified".to_owned(),
-        |inliers| {
-            let why = if agreed { "" } else { "; too few agree on any" };
-            format!("{inliers} ({}{why})", matching.geometry.word())
-        },
+        |inliers| format!("{inliers} ({}{why_none})", matching.geometry.word()),
     );
     let number = |x: f64| format!("{x:.3}");
     let (score, precision) = (or_dash(counts.match_score(), number), or_dash(counts.precision(), number));

@@ -13,7 +13,7 @@ use crate::detector::noise::frame_noise;
 use crate::detector::slopes::resolve;
 use crate::detector::view::{combined_view, dog_view, field_view, in_focus_view};
 use crate::detector::{DetectorParams, Method, MotionLayer};
-use crate::export::{OutputRules, write_field_npz, write_field_tiff, write_tiff};
+use crate::export::{OutputRules, write_field_npz, write_field_pfm, write_field_tiff, write_tiff};
 use crate::files::path_text;
 use crate::monitor::Stage;
 use crate::plane::Plane;
@@ -41,8 +41,9 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
 
 /// Writes what has a slope of its own at each place: the field of motion, or all in focus.
 fn run_field(args: &StackArgs) -> Result<(), Failure> {
-    let endings: &[&str] = if args.field { &["tif", "tiff", "npz"] } else { &["tif", "tiff"] };
-    check_ending(&args.out, endings, NO_TIFF)?;
+    let (endings, unfit): (&[&str], _) =
+        if args.field { (&["tif", "tiff", "npz", "pfm"], NO_FIELD_FILE) } else { (&["tif", "tiff"], NO_TIFF) };
+    check_ending(&args.out, endings, unfit)?;
     let params = args.run.search.params()?;
     let OneBurst { console, input, options, rules } =
         args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
@@ -57,8 +58,10 @@ fn run_field(args: &StackArgs) -> Result<(), Failure> {
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     rules.check(&args.out)?;
-    match args.out.extension() {
-        Some(ending) if ending.eq_ignore_ascii_case("npz") => write_field_npz(&args.out, &field)?,
+    let ending = args.out.extension().map(|ending| ending.to_ascii_lowercase());
+    match ending.as_ref().and_then(|ending| ending.to_str()) {
+        Some("npz") => write_field_npz(&args.out, &field)?,
+        Some("pfm") => write_field_pfm(&args.out, &field, burst.size())?,
         _ => write_field_tiff(&args.out, &field, burst.size())?,
     }
     let known = field.motions.iter().filter(|motion| field.is_known(motion)).count();
@@ -105,6 +108,8 @@ fn write_image(
 }
 
 const NO_TIFF: &str = "--out: float values are written as TIFF; name the file .tiff";
+const NO_FIELD_FILE: &str =
+    "--out: the field of motion is written as TIFF, PFM or NPZ; name the file .tiff, .pfm or .npz";
 
 pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     let params = DetectorParams { method: Method::Merge, frames: args.frames, ..DetectorParams::default() };

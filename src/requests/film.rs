@@ -332,7 +332,7 @@ impl Film {
             ..FigureMark::circle(place.at, 9.0, MARK)
         });
         let (grid, frames) = (self.params.used_slopes(), self.frame_count());
-        let mark = |feature: &&Feature| FigureMark::of(feature, frames, colour(feature.slope, &grid));
+        let mark = |feature: &&Feature| FigureMark::of(feature, frames, colour(feature.motion().0, &grid));
         let marks = drawn.iter().map(mark).chain(place);
         let legend =
             self.detection.as_ref().map(|found| slope_legend(found, MAX_LEGEND_ENTRIES, |s| colour(s, &found.slopes)));
@@ -375,7 +375,10 @@ impl Film {
         let (scale, slope) = (step.scale, step.slope);
         all.filter(move |feature| match scale {
             Some(scale) => (feature.octave, feature.level) == scale,
-            None => (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= near,
+            None => {
+                let (motion, _) = feature.motion();
+                (motion.u - slope.u).hypot(motion.v - slope.v) <= near
+            }
         })
     }
 
@@ -529,7 +532,7 @@ mod tests {
         let one = found.features[0];
         found.features = vec![one; 100];
         film.detection = Some(Arc::new(found));
-        let step = FilmStep { slope: one.slope, ..film.steps()[0] };
+        let step = FilmStep { slope: one.motion().0, ..film.steps()[0] };
         let title = film.panel(&step, None).title.expect("a title");
         assert!(title.ends_with(": 2 of 100 features"), "{title}");
     }

@@ -28,7 +28,7 @@ impl RangeClass {
             Self::Difference => "differences",
             Self::Noise => "noise maps",
             Self::Share => "coverage maps",
-            Self::Motion => "winning-slope maps",
+            Self::Motion => "maps of motion",
         }
     }
 }

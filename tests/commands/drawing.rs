@@ -34,6 +34,27 @@ fn stack_writes_the_very_values_of_the_library() {
 }
 
 #[test]
+fn the_field_of_motion_as_pfm_is_replaced_only_on_request() {
+    let home = tempfile::tempdir().expect("a folder");
+    let line = ["stack", "demo", "--slopes-u=-3:3:7", "--field", "--out", "field.pfm"];
+    run_well(home.path(), &line);
+    let bytes = std::fs::read(home.path().join("field.pfm")).expect("written");
+    let samples = bytes.strip_prefix(b"PF\n480 360\n-1.0\n").expect("a header");
+    assert_eq!(samples.len(), 480 * 360 * 3 * 4);
+    // The street moves to the left and the moon to the right; the last row comes first.
+    let at = |u: usize, v: usize| {
+        let start = 12 * ((359 - v) * 480 + u);
+        f32::from_le_bytes(samples[start..start + 4].try_into().expect("four bytes"))
+    };
+    assert!(at(250, 340) < -1.5 && at(100, 50) > 0.5, "{} and {}", at(250, 340), at(100, 50));
+    let error = run_badly(home.path(), &line, 1);
+    assert!(error.contains("field.pfm") && error.contains("--force"), "{error}");
+    run_well(home.path(), &[&line[..], &["--force"]].concat());
+    let error = run_badly(home.path(), &["stack", "demo", "--field", "--out", "field.png"], 2);
+    assert!(error.contains(".pfm"), "{error}");
+}
+
+#[test]
 fn stack_writes_a_response_on_the_octaves_pixels() {
     let home = tempfile::tempdir().expect("a folder");
     let text = run_well(

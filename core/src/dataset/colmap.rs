@@ -12,7 +12,8 @@ use crate::error::{Error, ErrorKind};
 use crate::export::{DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database};
 use crate::files::serialize_path;
 use crate::matching::{
-    Camera, CameraModel, Geometry, MatchCounts, MatchParams, MatchResult, PairSelection, TwoViewModel, Verification,
+    Blob, Camera, CameraModel, Geometry, MatchCounts, MatchParams, MatchResult, PairSelection, TwoViewModel,
+    Verification,
 };
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
@@ -124,12 +125,14 @@ pub fn export_colmap(
     };
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
+        let mut blobs = Vec::with_capacity(done.len());
         for (index, resumed) in done {
             monitor.check()?;
-            let burst = store.written(&bursts[index])?;
+            let mut burst = store.written(&bursts[index])?;
+            blobs.push(std::mem::take(&mut burst.blobs));
             add_burst(database, &BurstFeatures { resumed, ..burst }, job, &mut report)?;
         }
-        match_all(database, &pairs, &matching, &mut report, monitor)
+        match_all(database, (&pairs, &blobs), &matching, &mut report, monitor)
     })?;
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
@@ -170,7 +173,7 @@ fn add_burst(
 
 fn match_all(
     database: &mut DatabaseWriter<'_>,
-    pairs: &[(usize, usize)],
+    (pairs, blobs): (&[(usize, usize)], &[Vec<Blob>]),
     matching: &MatchParams,
     report: &mut ColmapReport,
     monitor: &Monitor,
@@ -179,7 +182,7 @@ fn match_all(
     let database = RefCell::new(database);
     let mut load = |index: usize| {
         let (keypoints, descriptors) = database.borrow().features(ids[index])?;
-        Ok(Some(BurstSide::new(&keypoints, descriptors)))
+        Ok(Some(BurstSide::new(&keypoints, descriptors, blobs[index].clone())))
     };
     let mut write = |MatchedPair { indices: (a, b), sides, result }: MatchedPair<'_>| {
         let pair = [ids[a], ids[b]];

@@ -1,6 +1,7 @@
 //! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
 use super::CameraChoice;
+use super::blobs::StoredBlobs;
 use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
 use super::picture::{ImageKind, burst_picture};
 use super::stamp::{Comparison, FileStamp};
@@ -15,6 +16,7 @@ use crate::export::{
 use crate::files::lock::FolderLock;
 use crate::files::mark::{Checksum, Kind};
 use crate::files::unfinished::remove_abandoned;
+use crate::matching::Blob;
 use crate::monitor::Monitor;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -33,6 +35,8 @@ pub struct BurstFeatures {
     pub keypoints: Vec<ColmapKeypoint>,
     /// Descriptor of each keypoint.
     pub descriptors: Vec<Descriptor>,
+    /// Scale and motion of each keypoint.
+    pub blobs: Vec<Blob>,
     /// Whether they were read from files of an earlier run.
     pub resumed: bool,
     /// Result of finding the burst's slopes, if they were to be found and this run found them.
@@ -230,11 +234,22 @@ impl FeatureStore {
         let bytes = bytes.filter(|bytes| Checksum::of(bytes) == record.content).ok_or(NotKept::Altered)?;
         let text = String::from_utf8(bytes).map_err(|_| NotKept::Altered)?;
         let (keypoints, descriptors) = parse_colmap(&path, &text).map_err(|_| NotKept::Altered)?;
-        if keypoints.len() != record.features {
+        let blobs = record.blobs.0.clone();
+        if keypoints.len() != record.features || blobs.len() != record.features {
             return Err(NotKept::Altered);
         }
         let (name, size, seconds) = (source.name.clone(), record.size, record.seconds);
-        Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, resumed: true, slopes: None, seconds })
+        Ok(BurstFeatures {
+            name,
+            image_name,
+            size,
+            keypoints,
+            descriptors,
+            blobs,
+            resumed: true,
+            slopes: None,
+            seconds,
+        })
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
@@ -279,6 +294,7 @@ impl FeatureStore {
             size: found.size,
             features: found.keypoints.len(),
             content,
+            blobs: StoredBlobs(found.blobs.clone()),
             picture: self.job.images,
             picture_content,
             seconds: found.seconds,
@@ -354,6 +370,7 @@ impl FeatureStore {
             image_name: image_name(source),
             size: burst.size(),
             keypoints: detection.features.iter().map(ColmapKeypoint::from).collect(),
+            blobs: detection.features.iter().map(Blob::from).collect(),
             descriptors: detection.descriptors,
             resumed: false,
             slopes: finding,

@@ -5,6 +5,7 @@
 //! without one, or with other settings, is computed again: features of two detectors match worse than those of one.
 
 use super::ImageKind;
+use super::blobs::StoredBlobs;
 use super::stamp::FileStamp;
 use crate::error::Error;
 use crate::export::{MadeFrom, Record, write_whole};
@@ -30,6 +31,8 @@ pub(super) struct KeptBurst {
     pub features: usize,
     /// Checksum of the file of features.
     pub content: Checksum,
+    /// Their scales and motions.
+    pub blobs: StoredBlobs,
     /// Kind of the picture that was written.
     pub picture: ImageKind,
     /// Checksum of the picture.

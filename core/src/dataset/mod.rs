@@ -3,6 +3,7 @@
 //! Features of each burst ([`features`]), matches of pairs of bursts ([`pairs`]), gathering of the features of several
 //! runs ([`mod@gather`]), and the folder for COLMAP ([`colmap`]). [`camera`] describes the lens.
 
+mod blobs;
 pub mod camera;
 #[cfg(feature = "colmap")]
 pub mod colmap;

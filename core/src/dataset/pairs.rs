@@ -4,7 +4,7 @@ use super::BurstFeatures;
 use crate::detector::Descriptor;
 use crate::error::Error;
 use crate::export::ColmapKeypoint;
-use crate::matching::{MatchParams, MatchResult, MatchSide, match_features};
+use crate::matching::{Blob, MatchParams, MatchResult, MatchSide, match_features};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,22 +23,24 @@ pub struct BurstSide {
     pub places: Vec<[f64; 2]>,
     /// Descriptor of each feature.
     pub descriptors: Vec<Descriptor>,
+    /// Scale and motion of each feature.
+    pub blobs: Vec<Blob>,
 }
 
 impl BurstSide {
-    /// The features of these keypoints and their descriptors.
-    pub fn new(keypoints: &[ColmapKeypoint], descriptors: Vec<Descriptor>) -> Self {
-        Self { places: keypoints.iter().map(ColmapKeypoint::pos_image).collect(), descriptors }
+    /// The features of these keypoints, their descriptors, scales and motions.
+    pub fn new(keypoints: &[ColmapKeypoint], descriptors: Vec<Descriptor>, blobs: Vec<Blob>) -> Self {
+        Self { places: keypoints.iter().map(ColmapKeypoint::pos_image).collect(), descriptors, blobs }
     }
 
     fn side(&self) -> MatchSide<'_> {
-        MatchSide { places: &self.places, descriptors: &self.descriptors }
+        MatchSide { places: &self.places, descriptors: &self.descriptors, blobs: &self.blobs }
     }
 }
 
 impl From<BurstFeatures> for BurstSide {
     fn from(burst: BurstFeatures) -> Self {
-        Self::new(&burst.keypoints, burst.descriptors)
+        Self::new(&burst.keypoints, burst.descriptors, burst.blobs)
     }
 }
 
@@ -120,7 +122,7 @@ mod tests {
     use crate::matching::PairSelection;
 
     fn side() -> BurstSide {
-        BurstSide { places: vec![[1.0, 2.0]; 3], descriptors: vec![[7; 128]; 3] }
+        BurstSide { places: vec![[1.0, 2.0]; 3], descriptors: vec![[7; 128]; 3], blobs: Vec::new() }
     }
 
     #[test]

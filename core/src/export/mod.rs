@@ -17,6 +17,7 @@ mod kept;
 mod match_picture;
 mod npz;
 mod outputs;
+mod pfm;
 mod plot;
 mod png;
 pub mod sheet;
@@ -35,15 +36,16 @@ pub use csv::{
 };
 pub use density::{Cells, IN_A_CELL};
 pub use figure::{
-    Colour, ColourBar, Drawing, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel, FigureRect,
-    FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, lay_out, motion_over, round_length,
-    write_drawing_svg,
+    Colour, ColourBar, Drawing, FAN_OPACITY, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel,
+    FigureRect, FigureShape, FigureStroke, LegendEntry, curve_height, draw_curve, draw_links, fan, lay_out,
+    motion_over, round_length, sigma_over, write_drawing_svg,
 };
 pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};
 pub use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};
 pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use npz::{write_field_npz, write_npz};
 pub use outputs::{OpenedFiles, OutputRules, Overwrite, is_ours};
+pub use pfm::write_field_pfm;
 pub use plot::{Plot, Series, SeriesPoint, range_from_zero};
 pub use png::{Picture, write_png};
 pub use svg::Escaped;

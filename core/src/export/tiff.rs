@@ -25,12 +25,19 @@ pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), Error> {
 /// Writes a field of motion on the pixels of an image of `size` (columns, rows), three samples a pixel: motion to the
 /// right and down, and its standard deviation along the least certain direction, pixels per frame.
 pub fn write_field_tiff(path: &Path, field: &MotionField, size: (usize, usize)) -> Result<(), Error> {
-    let at = |place: usize| {
+    write_samples::<RGB32Float>(path, size, &field_samples(field, size))
+}
+
+/// Number of samples of a pixel of [`field_samples`].
+pub(super) const FIELD_SAMPLES: usize = 3;
+
+/// Motion to the right and down, and its uncertainty, for each pixel of an image of `size`, row by row.
+pub(super) fn field_samples(field: &MotionField, size: (usize, usize)) -> Vec<f32> {
+    let at = |place: usize| -> [f32; FIELD_SAMPLES] {
         let motion = field.at((place % size.0) as f32, (place / size.0) as f32);
         [motion.slope.u, motion.slope.v, motion.ellipse().0[0]]
     };
-    let samples: Vec<f32> = (0..size.0 * size.1).flat_map(at).collect();
-    write_samples::<RGB32Float>(path, size, &samples)
+    (0..size.0 * size.1).flat_map(at).collect()
 }
 
 fn write_samples<C: ColorType<Inner = f32>>(

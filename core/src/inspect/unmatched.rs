@@ -1,11 +1,11 @@
 //! Reason why a feature is not matched, or is matched as it is.
 //!
 //! A feature of A passes three steps: ratio test, mutual check, and geometry. This module reports the step at which it
-//! was lost, and, where a geometry is known, whether B has a keypoint there, and why guided matching left it.
+//! was lost, and, where a geometry is known, whether B has a keypoint there, and why matching by motion left it.
 
 use crate::detector::{Detection, Feature, Slope};
 use crate::matching::putative::{Nearest, distance_squared, nearest_two};
-use crate::matching::{GUIDED_RATIO, MatchParams, MatchResult, MatchSide, TwoViewModel, nearest_along};
+use crate::matching::{MatchParams, MatchResult, TwoViewModel};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 use std::sync::Arc;
@@ -206,7 +206,7 @@ impl<'a> Losses<'a> {
         let sentence = if lost == Lost::NoKeypoint && leaves {
             "the geometry puts it outside the other picture".to_owned()
         } else {
-            sentence(&pair, index, lost, &candidates, preferred, &there) + &along_geometry(&pair, index, lost)
+            sentence(&pair, index, lost, &candidates, preferred, &there) + &at_prediction(&pair, index, lost)
         };
         Unmatched { lost, candidates, preferred, expected, there, sentence }
     }
@@ -217,21 +217,20 @@ fn rank_name(index: usize) -> String {
     format!("feature #{}", index + 1)
 }
 
-fn along_geometry(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
+/// Reason, from the motions, why a feature that the sure matches left has no match; empty where there is none.
+fn at_prediction(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     let is_lost_before = matches!(lost, Lost::RatioTest | Lost::MutualCheck);
-    let Some(model) = pair.model().filter(|_| pair.params.guided && is_lost_before) else { return String::new() };
-    let places: Vec<[f64; 2]> = pair.b.features.iter().map(place).collect();
-    let to = MatchSide { places: &places, descriptors: &pair.b.descriptors };
-    match nearest_along((place(&pair.a.features[index]), pair.a.descriptors[index]), to, model, pair.params) {
-        None => "; along the geometry there is none".to_owned(),
-        Some((feature, ratio)) => {
-            let why = if ratio > GUIDED_RATIO.max(pair.params.ratio) {
-                format!("{ratio:.2} times the distance to the next; at most {GUIDED_RATIO:.2} is allowed")
-            } else {
-                "but not the other way round".to_owned()
-            };
-            format!("; along the geometry {} is nearest, {why}", rank_name(feature))
-        }
+    let Some(prediction) = pair.result.prediction.as_ref().filter(|_| is_lost_before) else { return String::new() };
+    if !prediction.is_believed() {
+        return "; the motions of the two bursts contradict the geometry of their sure matches".to_owned();
+    }
+    let Some(expected) = &prediction.in_b[index] else { return "; its motion is not known well enough".to_owned() };
+    let model = pair.model();
+    let is_there = |f: &&Feature| model.is_some_and(|model| expected.holds(model.straight(place(f))));
+    match pair.b.features.iter().filter(is_there).count() {
+        0 => "; there is no feature where its motion puts it".to_owned(),
+        1 => "; the feature where its motion puts it has another scale or descriptor".to_owned(),
+        count => format!("; of the {count} features where its motion puts it none is clearly nearest"),
     }
 }
 
@@ -258,14 +257,14 @@ fn sentence(
     let own_match = pair.result.matches.iter().find(|m| m.a == index);
     match lost {
         Lost::Not => {
-            let Some(guided) = own_match.filter(|m| m.b != best.feature) else {
+            let Some(predicted) = own_match.filter(|m| m.b != best.feature) else {
                 return format!("matched with {nearest} at distance {distance:.0}, ratio {:.2}", best.ratio);
             };
             format!(
-                "matched along the geometry with {} at distance {:.0}, ratio {:.2} there; {nearest} is nearer, at {distance:.0}",
-                rank_name(guided.b),
-                guided.distance,
-                guided.ratio
+                "matched where its motion puts it with {} at distance {:.0}, ratio {:.2} there; {nearest} is nearer, at {distance:.0}",
+                rank_name(predicted.b),
+                predicted.distance,
+                predicted.ratio
             )
         }
         Lost::NoKeypoint => "the other picture has no keypoint of its size where the geometry expects it".to_owned(),
@@ -293,8 +292,12 @@ fn sentence(
             }
             None => {
                 let other = pair.result.matches.iter().find(|m| m.b == best.feature);
-                let other = other.map_or_else(|| "another feature".to_owned(), |m| rank_name(m.a));
-                format!("geometry: its match, {nearest}, goes with {other} of this picture along it")
+                match other {
+                    Some(m) => {
+                        format!("geometry: its match, {nearest}, goes with {} where its motion is", rank_name(m.a))
+                    }
+                    None => format!("geometry: its match, {nearest}, lies elsewhere than its motion puts it"),
+                }
             }
         },
     }

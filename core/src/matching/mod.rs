@@ -4,8 +4,8 @@
 //! that is clearly nearer than the second nearest (the ratio test of Lowe, "Distinctive Image Features from
 //! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest. An *inlier* is a putative match that
 //! agrees with a geometry of the two views on which most others agree too. [`match_detections`] does it all:
-//! [`putative`] → [`geometry`] → where it is asked for, both again along that geometry ([`guided_matches`]) →
-//! [`MatchCounts`].
+//! [`putative`] → [`geometry`] → where the motions are known, both again at the places that they predict
+//! ([`Prediction`]) → [`MatchCounts`].
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
 //! match, and precision the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
@@ -14,18 +14,19 @@
 //! are added up, so that these shares may pass 1.
 
 pub mod camera;
+mod depth;
 pub mod geometry;
-mod guided;
 pub mod params;
+mod predicted;
 pub mod putative;
 
 pub use camera::{Camera, CameraModel};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
-pub use guided::{GUIDED_RATIO, guided_matches, nearest_along};
 pub use params::{Geometry, MatchParams};
+pub use predicted::{Agreement, Expected, PREDICTED_RATIO, Prediction};
 pub use putative::{Match, match_descriptors};
 
-use crate::detector::{Descriptor, Detection, Feature};
+use crate::detector::{Descriptor, Detection, Feature, Slope};
 use crate::error::Error;
 use crate::monitor::Monitor;
 use serde::Serialize;
@@ -39,6 +40,8 @@ pub struct MatchResult {
     pub matches: Vec<Match>,
     /// Geometry that they agree on; `None` where no geometry was requested.
     pub verification: Option<Verification>,
+    /// Places that the motions predict from the sure matches; `None` without, or where too little is known.
+    pub prediction: Option<Prediction>,
     /// Counts of keypoints, putative matches and inliers.
     pub counts: MatchCounts,
 }
@@ -50,6 +53,25 @@ pub struct MatchSide<'a> {
     pub places: &'a [[f64; 2]],
     /// Descriptor of each feature.
     pub descriptors: &'a [Descriptor],
+    /// Scale and motion of each feature; empty where they are unknown, and no match is predicted.
+    pub blobs: &'a [Blob],
+}
+
+/// Scale of a feature, and the motion of its place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blob {
+    /// Scale σ, pixels.
+    pub sigma: f32,
+    /// Motion of its place from the field of motion, pixels per frame.
+    pub motion: Slope,
+    /// Standard deviation of the motion along its least certain direction, pixels per frame; infinite where unknown.
+    pub motion_sigma: f32,
+}
+
+impl From<&Feature> for Blob {
+    fn from(feature: &Feature) -> Self {
+        Self { sigma: feature.sigma, motion: feature.field, motion_sigma: feature.field_sigma }
+    }
 }
 
 /// Matches the features of two detections and verifies the matches.
@@ -64,8 +86,10 @@ pub fn match_detections(
 ) -> Result<MatchResult, Error> {
     let place = |feature: &Feature| [feature.u, feature.v].map(f64::from);
     let places = [a, b].map(|of| of.features.iter().map(place).collect::<Vec<_>>());
-    let a = MatchSide { places: &places[0], descriptors: &a.descriptors };
-    match_features(a, MatchSide { places: &places[1], descriptors: &b.descriptors }, params, monitor)
+    let blobs = [a, b].map(|of| of.features.iter().map(Blob::from).collect::<Vec<_>>());
+    let a = MatchSide { places: &places[0], descriptors: &a.descriptors, blobs: &blobs[0] };
+    let b = MatchSide { places: &places[1], descriptors: &b.descriptors, blobs: &blobs[1] };
+    match_features(a, b, params, monitor)
 }
 
 /// Matches features given by places and descriptors alone, and verifies the matches.
@@ -87,13 +111,23 @@ pub fn match_features(
         verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
     };
     let mut verification = verified(&matches, params)?;
-    if let Some(model) = verification.as_ref().and_then(|v| v.model.as_ref()).filter(|_| params.guided) {
-        let closer = guided::guided_params(params);
-        let guided = guided::with_others(guided_matches(a, b, model, &closer, monitor)?, &matches);
-        let refitted = verified(&guided, &closer)?;
-        let inliers = |v: &Option<Verification>| v.as_ref().map_or(0, Verification::inlier_count);
-        if inliers(&refitted) >= inliers(&verification) {
-            (matches, verification) = (guided, refitted);
+    let mut prediction = None;
+    if let Some(sure) = verification.as_mut().filter(|_| params.predict)
+        && let Some(model) = sure.model.clone()
+    {
+        let inliers = matches.iter().zip(&sure.inlier).filter(|(_, inlier)| **inlier);
+        let inliers: Vec<(usize, usize)> = inliers.map(|(m, _)| (m.a, m.b)).collect();
+        prediction = Prediction::of([a, b], &model, &inliers, params);
+        match &prediction {
+            Some(prediction) if prediction.is_believed() => {
+                let found = predicted::predicted_matches([a, b], (&model, &matches), prediction, params, monitor)?;
+                let again = verified(&found, params)?;
+                if again.as_ref().is_some_and(|again| again.model.is_some()) {
+                    (matches, verification) = (found, again);
+                }
+            }
+            Some(_) => sure.refuse(),
+            None => {}
         }
     }
     let counts = MatchCounts {
@@ -102,7 +136,7 @@ pub fn match_features(
         putative: matches.len(),
         inliers: verification.as_ref().map(Verification::inlier_count),
     };
-    Ok(MatchResult { matches, verification, counts })
+    Ok(MatchResult { matches, verification, prediction, counts })
 }
 
 /// Counts of one pair of images, A and B.

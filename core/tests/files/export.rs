@@ -250,6 +250,7 @@ fn panel(pixels: &[u8]) -> FigurePanel {
         radius: 3.0,
         orientation: Some(0.0),
         motion: None,
+        motion_sigma: 2.0,
         color,
         opacity: 1.0,
         weight: 1.0,
@@ -317,16 +318,25 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     // One orientation tick each; an arrow with its barbs only where something moves.
     let paths =
         |class: &str| all("path").into_iter().filter(|p| p.attribute("class") == Some(class)).collect::<Vec<_>>();
-    let goes = |path: &roxmltree::Node<'_, '_>, expected: [f32; 4]| {
+    let way = |path: &roxmltree::Node<'_, '_>| -> Vec<f32> {
         let d = path.attribute("d").expect("a way");
-        let numbers: Vec<f32> = d.split(['M', 'L', ' ']).filter_map(|n| n.parse().ok()).collect();
+        d.split(['M', 'L', ' ']).filter_map(|n| n.parse().ok()).collect()
+    };
+    let goes = |path: &roxmltree::Node<'_, '_>, expected: [f32; 4]| {
+        let numbers = way(path);
         let expected = [expected[0] + left, expected[1] + top, expected[2] + left, expected[3] + top];
-        assert!(numbers.len() == 4 && numbers.iter().zip(expected).all(|(a, b)| near(*a, b)), "{d}");
+        assert!(numbers.len() == 4 && numbers.iter().zip(expected).all(|(a, b)| near(*a, b)), "{numbers:?}");
     };
     assert_eq!(paths("orientation").len(), 2);
     goes(&paths("orientation")[0], [20.0, 10.0, 26.0, 10.0]);
     assert_eq!(paths("motion").len(), 2);
     goes(&paths("motion")[0], [2.0, 19.0, 38.0, 1.0]);
+    // Its fan lies below all lines, begins in the middle of the arrow, and is not drawn where there is no arrow.
+    let [fan] = paths("fan")[..] else { panic!("one fan") };
+    assert_eq!((fan.attribute("fill"), number(fan, "fill-opacity")), (Some("#ff0000"), 0.16));
+    assert!(near(way(&fan)[0], left + 20.0) && near(way(&fan)[1], top + 10.0), "{:?}", way(&fan));
+    let order = |node| document.descendants().position(|other| other == node);
+    assert!(order(fan) < order(circles[0]) && order(fan) > order(image));
 
     let texts: Vec<_> = all("text").iter().filter_map(|t| t.text().map(str::to_owned)).collect();
     assert_eq!(texts, ["Slope < 3 & \"noise\" \u{fffd} é", "λ = (2, −1) px/frame", "a & b"]);

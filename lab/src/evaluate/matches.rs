@@ -15,7 +15,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detector::{Descriptor, Detection, SlopeGrid};
 use burstscope_core::error::Error;
 use burstscope_core::matching::{
-    Geometry, ImageCounts, MatchCounts, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
+    Blob, Geometry, ImageCounts, MatchCounts, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
     match_features,
 };
 use burstscope_core::monitor::{Monitor, Stage};
@@ -50,18 +50,20 @@ pub struct MatchStudy {
 struct Features {
     places: Vec<[f64; 2]>,
     descriptors: Vec<Descriptor>,
+    blobs: Vec<Blob>,
 }
 
 impl From<Detection> for Features {
     fn from(detection: Detection) -> Self {
         let places = detection.features.iter().map(|f| [f64::from(f.u), f64::from(f.v)]).collect();
-        Self { places, descriptors: detection.descriptors }
+        let blobs = detection.features.iter().map(Blob::from).collect();
+        Self { places, blobs, descriptors: detection.descriptors }
     }
 }
 
 impl Features {
     fn side(&self) -> MatchSide<'_> {
-        MatchSide { places: &self.places, descriptors: &self.descriptors }
+        MatchSide { places: &self.places, descriptors: &self.descriptors, blobs: &self.blobs }
     }
 }
 

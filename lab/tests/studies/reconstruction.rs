@@ -44,8 +44,8 @@ fn matched(way: &Trajectory, detector: &DetectorParams) -> Matched {
     matched_again(way, detector, false)
 }
 
-/// Finds the features of every burst and matches each with the next, along the geometry a second time if `guided`.
-fn matched_again(way: &Trajectory, detector: &DetectorParams, guided: bool) -> Matched {
+/// Finds the features of every burst and matches each with the next, again where their motions put it if `predict`.
+fn matched_again(way: &Trajectory, detector: &DetectorParams, predict: bool) -> Matched {
     let monitor = Monitor::default();
     let found: Vec<Detection> = (0..way.cameras.len())
         .map(|index| detect(&way.burst(index, &monitor).expect("a burst"), detector, &monitor).expect("a detection"))
@@ -57,7 +57,7 @@ fn matched_again(way: &Trajectory, detector: &DetectorParams, guided: bool) -> M
         params: way.lens.colmap_params().to_vec(),
     };
     let matching =
-        MatchParams { geometry: Geometry::Essential, camera: Some(camera), guided, ..MatchParams::default() };
+        MatchParams { geometry: Geometry::Essential, camera: Some(camera), predict, ..MatchParams::default() };
     let mut sum = Matched::default();
     for (index, pair) in found.windows(2).enumerate() {
         let result = match_detections(&pair[0], &pair[1], &matching, &monitor).expect("matched");
@@ -106,12 +106,12 @@ fn into_a_dark_scene_burst_features_match_where_a_merge_does_not() {
 }
 
 #[test]
-fn pooled_descriptors_and_guided_matching_find_more_right_matches() {
+fn pooled_descriptors_and_motions_find_more_right_matches() {
     let way = dark_way(Motion::OneD);
     let pooled = DetectorParams { slopes: SlopeGrid::line(-3.0..=0.0, 7), ..DetectorParams::default() };
     let alone = matched(&way, &DetectorParams { describe_scales: 1, ..pooled.clone() });
-    let (plain, guided) = (matched(&way, &pooled), matched_again(&way, &pooled, true));
-    println!("one scale {alone:?}, pooled {plain:?}, guided {guided:?}");
+    let (plain, predicted) = (matched(&way, &pooled), matched_again(&way, &pooled, true));
+    println!("one scale {alone:?}, pooled {plain:?}, predicted {predicted:?}");
     assert!(10 * plain.right >= 11 * alone.right, "one scale {alone:?}, pooled {plain:?}");
-    assert!(10 * guided.right >= 12 * plain.right, "pooled {plain:?}, guided {guided:?}");
+    assert!(10 * predicted.right >= 12 * plain.right, "pooled {plain:?}, predicted {predicted:?}");
 }

@@ -183,6 +183,7 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
             orientation: (layer.orientations && !faint).then_some(placed.orientation),
             // The motion over the whole burst is the same in every frame.
             motion: (layer.motions && !faint).then(|| motion_over(own, frames)),
+            motion_sigma: if layer.stale { 0.0 } else { mark.motion_sigma },
             opacity: if faint || layer.stale { 0.35 } else { mark.opacity },
             weight: if selected(i) { 2.0 } else { 1.0 },
             ..mark

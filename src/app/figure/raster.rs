@@ -1,6 +1,7 @@
 //! Draws a figure as pixels, without a graphics card: egui makes triangles of lines and letters, and this module fills
 //! them.
 
+use crate::app::canvas::overlay::add_fan;
 use crate::export::{Drawing, FigureRect, FigureShape, FigureStroke};
 use crate::plane::memory;
 use egui::epaint::{ClippedPrimitive, ImageData, Mesh, Primitive};
@@ -117,6 +118,11 @@ fn draw(painter: &Painter, shape: &FigureShape) {
         FigureShape::Line { points, stroke, .. } => {
             painter.add(Shape::line(points.iter().copied().map(pos).collect(), line(stroke)));
         }
+        FigureShape::Fan { points, color: [r, g, b], opacity } => {
+            let mut mesh = Mesh::default();
+            add_fan(&mut mesh, points, Color32::from_rgb(*r, *g, *b).gamma_multiply(*opacity));
+            painter.add(Shape::mesh(mesh));
+        }
         FigureShape::Text { at, size, text, color } => {
             let [r, g, b] = *color;
             let galley = painter.layout_no_wrap(text.clone(), FontId::proportional(*size), Color32::from_rgb(r, g, b));
@@ -228,6 +234,21 @@ mod tests {
         let dark = |y: u32| (0..60).filter(|x| image.get_pixel(*x, y).0[0] < 120).count();
         assert!(dark(30) > 3, "letters are drawn");
         assert_eq!((dark(36), dark(15)), (0, 0), "and end at the line that they stand on");
+    }
+
+    #[test]
+    fn a_fan_tints_what_lies_within_it_and_nothing_else() {
+        let points = crate::export::fan([10.0, 20.0], [40.0, 20.0], 10.0).expect("large enough");
+        let fan = FigureShape::Fan { points, color: [255, 0, 0], opacity: 0.5 };
+        let image = rasterise(&drawing(vec![fan])).expect("small");
+        let pixel = |x: u32, y: u32| image.get_pixel(x, y).0;
+        for (x, y) in [(40, 20), (45, 14), (20, 20)] {
+            let [red, green, blue, _] = pixel(x, y);
+            assert!(red == 255 && green.abs_diff(127) < 3 && green == blue, "{x} {y}: {:?}", pixel(x, y));
+        }
+        for (x, y) in [(53, 20), (15, 12), (5, 20)] {
+            assert_eq!(pixel(x, y), [255; 4], "{x} {y}");
+        }
     }
 
     #[test]

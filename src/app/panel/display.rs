@@ -1,11 +1,11 @@
 //! Display of the pictures: range, gamma, colour map and overlays; and the colour bar in the corner of a map.
 
 use crate::app::canvas::number;
-use crate::app::canvas::overlay::{ColourBy, ColourScale};
+use crate::app::canvas::overlay::ColourBy;
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
-use crate::app::panel::legend::ground;
+use crate::app::panel::legend::{KEY_ROOM, ground, motion_key};
 use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui};
 use crate::app::project::Model;
 use crate::app::project::look::{FeaturesShown, RangeClass, SMOOTHING_PX};
@@ -44,7 +44,7 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
     ui.weak(format!("{whose} {}", class.label()))
         .on_hover_text("It stays fixed until you change it, so that pictures can be compared");
     if class == RangeClass::Motion {
-        ui.add(egui::Label::new("Colour: direction of the winning slope; bright where it is certain").wrap());
+        ui.add(egui::Label::new("Colour: direction of the motion; bright where it is certain").wrap());
         return;
     }
     let display = model.focused_ranges_mut().display_mut(class);
@@ -107,8 +107,6 @@ fn colouring_ui(ui: &mut Ui, model: &mut Model) {
 
 /// Size of the key with its background, points.
 const SIZE: egui::Vec2 = vec2(196.0, 50.0);
-/// Minimum size of a picture with a colour bar, in points.
-const ROOM: egui::Vec2 = vec2(430.0, 150.0);
 
 /// Draws the colour bar of pane `id` over its picture in `rect`, if the picture is a map.
 pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
@@ -119,7 +117,7 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
         RangeClass::Share => "Share of the frames",
         RangeClass::Motion => return motion_key_ui(ui, model, id, rect),
     };
-    if rect.width() < ROOM.x || rect.height() < ROOM.y {
+    if rect.width() < KEY_ROOM.x || rect.height() < KEY_ROOM.y {
         return;
     }
     let display = model.display_of(id);
@@ -141,10 +139,8 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
 }
 
 fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
-    let motion = model.panes.get(id).and_then(|pane| pane.picture.as_ref()?.motion.as_ref());
-    let Some(motion) = motion.filter(|_| rect.width() >= ROOM.x && rect.height() >= ROOM.y) else { return };
-    let scale = ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.max_px_per_frame);
-    let size = vec2(140.0, 66.0);
+    let Some(scale) = motion_key(model, id, rect) else { return };
+    let size = vec2(148.0, 66.0);
     let background = Rect::from_min_size(rect.right_bottom() - size - vec2(10.0, 10.0), size);
     ui.painter().rect_filled(background, 5.0, ground(ui));
     ui.scope_builder(UiBuilder::new().max_rect(background.shrink2(vec2(8.0, 6.0))), |ui| {

@@ -181,8 +181,14 @@ pub fn features_ui(
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         let notes: Vec<String> = notes.into_iter().flatten().collect();
-        let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: model.has_colour_bar(id) };
-        features_legend_ui(ui, &mut model.look.legend, &scale, &notes, place);
+        let rect_ui = output.response.rect;
+        let place = legend::Place { rect_ui, has_colour_bar: model.has_colour_bar(id) };
+        let key = legend::motion_key(model, id, rect_ui);
+        let says_the_same = |key: &overlay::ColourScale| scale.has_wheel() && scale.limit_text() == key.limit_text();
+        // One is enough where the colours of the picture and of the features mean the same.
+        if !(notes.is_empty() && key.as_ref().is_some_and(says_the_same)) {
+            features_legend_ui(ui, &mut model.look.legend, &scale, &notes, place, key.is_some());
+        }
     }
 }
 
@@ -282,8 +288,10 @@ fn features_legend_ui(
     scale: &overlay::ColourScale,
     notes: &[String],
     place: legend::Place,
+    is_beside_key: bool,
 ) {
-    let roomy = place.rect_ui.height() > 340.0 && place.rect_ui.width() > 480.0;
+    // Beside the key of the picture's motions it has to say what it is of.
+    let roomy = is_beside_key || place.rect_ui.height() > 340.0 && place.rect_ui.width() > 480.0;
     let key = if scale.has_wheel() { 54.0 } else { 28.0 };
     let texts = if roomy { 1 + notes.len() } else { 0 };
     let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, key + 12.0 + 18.0 * texts as f32);

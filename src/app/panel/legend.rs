@@ -1,6 +1,9 @@
 //! Legends in a corner of the picture. A click folds one to a small chip, and unfolds it.
 
+use crate::app::canvas::overlay::{ColourBy, ColourScale};
+use crate::app::pane::PaneId;
 use crate::app::panel::widgets::named;
+use crate::app::project::Model;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
 #[derive(Debug, Clone, Copy)]
@@ -19,6 +22,16 @@ impl Place {
         };
         align.align_size_within_rect(size, self.rect_ui).translate(inwards)
     }
+}
+
+/// Minimum size of a picture with a key of its own colours, in points.
+pub const KEY_ROOM: Vec2 = vec2(430.0, 150.0);
+
+/// Colours of the motions in the picture of pane `id`, drawn in `rect`, which a key in its corner explains.
+pub fn motion_key(model: &Model, id: PaneId, rect: Rect) -> Option<ColourScale> {
+    let motion = model.panes.get(id)?.picture.as_ref()?.motion.as_ref()?;
+    let has_room = rect.width() >= KEY_ROOM.x && rect.height() >= KEY_ROOM.y;
+    has_room.then(|| ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.max_px_per_frame))
 }
 
 const CHIP: Vec2 = vec2(62.0, 20.0);

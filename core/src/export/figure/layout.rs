@@ -1,7 +1,8 @@
 //! Layout of a figure: positions of all its parts.
 
 use super::{
-    ColourBar, Drawing, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry,
+    ColourBar, Drawing, FAN_OPACITY, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke,
+    LegendEntry, fan,
 };
 
 /// Margin around the whole figure and between panels, in heights of letters.
@@ -56,6 +57,11 @@ fn letter(place: usize) -> String {
     format!("({letters})")
 }
 
+/// Whether a number is one of a place that can be drawn.
+fn drawable(number: &f32) -> bool {
+    number.abs() < 1e9
+}
+
 type Lettered<'a> = (Option<String>, &'a FigurePanel);
 
 struct Style {
@@ -98,6 +104,7 @@ impl Style {
         let rect = FigureRect { min: [corner[0], top], size };
         out.push(FigureShape::Picture { rect, size: panel.size, rgba: panel.rgba.clone() });
         let mut over = Vec::new();
+        panel.marks.iter().for_each(|mark| self.fan(panel, mark, rect, &mut over));
         panel.marks.iter().for_each(|mark| self.mark(panel, mark, rect, &mut over));
         if self.scale_bar {
             self.scale_bar(rect, &mut over);
@@ -114,9 +121,23 @@ impl Style {
         [width.max(legend_width), bottom + legend_height - corner[1]]
     }
 
+    /// Place on the sheet of the place `at` of a panel's image, whose picture lies in `rect`.
+    fn place(&self, panel: &FigurePanel, rect: FigureRect, at: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|i| rect.min[i] + (at[i] - panel.origin_image[i]) * self.scale)
+    }
+
+    fn fan(&self, panel: &FigurePanel, mark: &FigureMark, rect: FigureRect, out: &mut Vec<FigureShape>) {
+        let Some(ends) = mark.motion.filter(|ends| ends.iter().flatten().all(drawable)) else { return };
+        let [from, tip] = ends.map(|at| self.place(panel, rect, at));
+        let middle = [0, 1].map(|i| 0.5 * (from[i] + tip[i]));
+        if let Some(points) = fan(middle, tip, mark.motion_sigma * self.scale) {
+            let opacity = FAN_OPACITY * mark.opacity.clamp(0.0, 1.0);
+            out.push(FigureShape::Fan { points, color: mark.color, opacity });
+        }
+    }
+
     fn mark(&self, panel: &FigurePanel, mark: &FigureMark, rect: FigureRect, out: &mut Vec<FigureShape>) {
-        let drawable = |n: &f32| n.abs() < 1e9;
-        let place = |at: [f32; 2]| [0, 1].map(|i| rect.min[i] + (at[i] - panel.origin_image[i]) * self.scale);
+        let place = |at: [f32; 2]| self.place(panel, rect, at);
         let numbers = [mark.centre[0], mark.centre[1], mark.radius, mark.orientation.unwrap_or(0.0)];
         if !(numbers.iter().all(drawable) && mark.radius >= 0.0) {
             return;

@@ -7,11 +7,13 @@
 //! motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
 
 mod curve;
+mod fan;
 mod layout;
 mod links;
 mod svg;
 
 pub use curve::{FigureCurve, curve_height, draw_curve};
+pub use fan::{FAN_OPACITY, fan};
 pub use layout::{lay_out, round_length};
 pub use links::{FigureLink, draw_links};
 pub use svg::write_drawing_svg;
@@ -43,6 +45,8 @@ pub struct FigureMark {
     pub orientation: Option<f32>,
     /// Start and end of the arrow of its motion; `None` for no arrow.
     pub motion: Option<[[f32; 2]; 2]>,
+    /// Standard deviation of the arrow's end, of which the arrow has a [`fan()`]; 0 for none.
+    pub motion_sigma: f32,
     /// Colour of the mark.
     pub color: Colour,
     /// Opacity, 0 … 1.
@@ -56,14 +60,25 @@ pub struct FigureMark {
 impl FigureMark {
     /// A plain circle.
     pub fn circle(centre: [f32; 2], radius: f32, color: Colour) -> Self {
-        Self { centre, radius, orientation: None, motion: None, color, opacity: 1.0, weight: 1.0, dashed: false }
+        Self {
+            centre,
+            radius,
+            orientation: None,
+            motion: None,
+            motion_sigma: 0.0,
+            color,
+            opacity: 1.0,
+            weight: 1.0,
+            dashed: false,
+        }
     }
 
-    /// A feature of a burst of `frames` frames with the arrow of its motion; dashed at the limit of the searched
-    /// slopes, beyond which its true motion may lie.
+    /// A feature of a burst of `frames` frames with the arrow of its motion and the fan of its uncertainty; dashed at
+    /// the limit of the searched slopes, beyond which its true motion may lie.
     pub fn of(feature: &Feature, frames: usize, color: Colour) -> Self {
         Self {
             motion: Some(motion_over(feature, frames)),
+            motion_sigma: sigma_over(feature, frames),
             opacity: 0.95,
             dashed: feature.at_slope_limit,
             ..Self::circle([feature.u, feature.v], feature.circle_radius_px(), color)
@@ -74,10 +89,19 @@ impl FigureMark {
 /// Places (u, v) of a feature in the first and in the last of `frames` frames by its
 /// [motion](Feature::motion), image pixels.
 pub fn motion_over(feature: &Feature, frames: usize) -> [[f32; 2]; 2] {
-    let half_span = 0.5 * frames.saturating_sub(1) as f32;
     let (motion, _) = feature.motion();
-    let (du, dv) = (half_span * motion.u, half_span * motion.v);
+    let (du, dv) = (half_span(frames) * motion.u, half_span(frames) * motion.v);
     [[feature.u - du, feature.v - dv], [feature.u + du, feature.v + dv]]
+}
+
+/// Standard deviation of these places by that of the [motion](Feature::motion), image pixels.
+pub fn sigma_over(feature: &Feature, frames: usize) -> f32 {
+    half_span(frames) * feature.motion().1
+}
+
+/// Time from mid-burst to the last frame, frames.
+fn half_span(frames: usize) -> f32 {
+    0.5 * frames.saturating_sub(1) as f32
 }
 
 /// Colours of values, from the smallest to the largest.
@@ -202,6 +226,15 @@ pub enum FigureShape {
         /// Part of the figure that the line belongs to, for editing the figure: `orientation`, `motion`, `scale`,
         /// `match`.
         class: &'static str,
+    },
+    /// A filled area, all of which is seen from its first point: a [`fan()`].
+    Fan {
+        /// Points of the outline, at least three.
+        points: Vec<[f32; 2]>,
+        /// Colour of the area.
+        color: Colour,
+        /// Opacity, 0 … 1.
+        opacity: f32,
     },
     /// A line of text.
     Text {

@@ -46,6 +46,11 @@ fn write_shape(svg: &mut SvgWriter<impl Write>, shape: &FigureShape) -> io::Resu
             let style = format!(r#"fill="none" {}"#, Stroke(stroke));
             svg.empty("path", &[("class", class), ("d", &PathData(&points))], &style)
         }
+        FigureShape::Fan { points, color, opacity } => {
+            let points: Vec<_> = points.iter().map(|point| Some(point.map(f64::from))).collect();
+            let style = format!(r#"fill="{}" fill-opacity="{}""#, Hex(*color), number(*opacity));
+            svg.empty("path", &[("class", &"fan"), ("d", &PathData(&points))], &style)
+        }
         FigureShape::Text { at, size, text, color } => {
             let [x, y, size] = [at[0], at[1], *size].map(number);
             let font: [Attribute<'_>; 5] =

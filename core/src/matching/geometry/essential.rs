@@ -274,7 +274,7 @@ impl RelativePose {
     }
 
     /// The depths along both axes at which the rays of `pair` come closest. `None` for parallel directions.
-    fn depths(&self, pair: &RayPair) -> Option<(f64, f64)> {
+    pub(super) fn depths(&self, pair: &RayPair) -> Option<(f64, f64)> {
         // depth_b·d_b = depth_a·R·d_a + t, by least squares.
         let (a, b) = (self.rotation * pair.a_homogeneous(), pair.b_homogeneous());
         let (aa, ab, bb) = (a.norm_squared(), a.dot(&b), b.norm_squared());

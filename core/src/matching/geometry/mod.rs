@@ -6,17 +6,17 @@
 //! No library is used: none of the maintained estimators for Rust has the improvements made since RANSAC (local
 //! optimisation, marginal cost, degenerate samples), and bindings to C++ would need its toolchain.
 
-mod band;
 mod consensus;
 mod essential;
 mod linear;
 mod model;
+mod parallax;
 mod points;
 mod polynomial;
 
-pub use band::GuidingBand;
 pub use essential::RelativePose;
 pub use model::TwoViewModel;
+pub(super) use parallax::Parallax;
 
 use super::camera::Camera;
 use super::params::{Geometry, MatchParams};
@@ -39,6 +39,13 @@ pub struct Verification {
 }
 
 impl Verification {
+    /// Takes the geometry back.
+    pub(super) fn refuse(&mut self) {
+        self.model = None;
+        self.inlier.fill(false);
+        self.error_px.fill(f32::INFINITY);
+    }
+
     /// Number of inliers.
     pub fn inlier_count(&self) -> usize {
         self.inlier.iter().filter(|inlier| **inlier).count()
@@ -173,7 +180,7 @@ pub(in crate::matching) mod tests {
         Scene { pairs, is_true, camera }
     }
 
-    fn camera() -> Camera {
+    pub(in crate::matching) fn camera() -> Camera {
         Camera::centred(640, 480, 600.0)
     }
 
@@ -181,12 +188,18 @@ pub(in crate::matching) mod tests {
         scene(random, camera(), counts, sigma, |random, _| random.within(3.0, 9.0))
     }
 
-    /// The places in both images of `count` points of a scene in space, without noise.
-    pub(in crate::matching) fn scene_in_space(random: &mut Stream, count: usize) -> Vec<([f64; 2], [f64; 2])> {
-        in_space(random, (count, 0), 0.0).pairs.iter().map(|pair| (pair.a, pair.b)).collect()
+    /// Places and inverse depths in both images of `count` points of a scene in space, without noise.
+    pub(in crate::matching) fn places_in_space(random: &mut Stream, count: usize) -> Vec<[([f64; 2], f64); 2]> {
+        let pairs = in_space(random, (count, 0), 0.0).pairs;
+        let seen = |pair: &PointPair| {
+            let directions = RayPair { a: camera().direction_of(pair.a), b: camera().direction_of(pair.b) };
+            let (in_a, in_b) = pose().depths(&directions).expect("not parallel");
+            [(pair.a, 1.0 / in_a), (pair.b, 1.0 / in_b)]
+        };
+        pairs.iter().map(seen).collect()
     }
 
-    pub(in crate::matching) fn camera_bending() -> Camera {
+    fn camera_bending() -> Camera {
         "OPENCV 640 480 600 610 322 241 -0.3 0.1 0.001 -0.0005".parse().expect("a camera")
     }
 

@@ -79,6 +79,14 @@ impl TwoViewModel {
         }
     }
 
+    /// The pixel at which a camera without distortion would see what this one sees at `pixel`.
+    pub(crate) fn straight(&self, pixel: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Essential { camera, .. } => straightened(camera, pixel),
+            Self::Fundamental { .. } | Self::Homography { .. } => pixel,
+        }
+    }
+
     /// The relative pose for which most of `pairs` (matched pixels, as a rule the inliers) lie in front of both
     /// cameras, and their number. `None` for all models but an essential matrix.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {

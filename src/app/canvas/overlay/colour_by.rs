@@ -148,11 +148,16 @@ impl ColourScale {
         self.by == ColourBy::SlopeDirection && self.line_deg.is_none()
     }
 
+    /// Length of the slopes on the rim of the wheel.
+    pub fn limit_text(&self) -> String {
+        format!("{} px/frame", super::super::number(self.max, 3))
+    }
+
     pub fn legend_ui(&self, ui: &mut Ui) -> Response {
         let response = if self.has_wheel() { self.wheel_ui(ui) } else { self.bar_ui(ui) };
         let text = match self.by {
             ColourBy::SlopeDirection if self.has_wheel() => {
-                format!("Legend: slope up to {} px/frame", super::super::number(self.max, 3))
+                format!("Legend: slope up to {}", self.limit_text())
             }
             ColourBy::Limit => "Legend: inside the searched slopes, or at their limit".to_owned(),
             by => format!(
@@ -171,8 +176,7 @@ impl ColourScale {
         const RADIUS_POINTS: f32 = 26.0;
         let small = egui::TextStyle::Small.resolve(ui.style());
         let colour = ui.visuals().text_color();
-        let length = format!("{} px/frame", super::super::number(self.max, 3));
-        let galley = ui.painter().layout_no_wrap(length, small.clone(), colour);
+        let galley = ui.painter().layout_no_wrap(self.limit_text(), small.clone(), colour);
         let size = vec2(2.0 * RADIUS_POINTS + 8.0 + galley.size().x, 2.0 * RADIUS_POINTS + 2.0);
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
         let centre = rect.left_center() + vec2(RADIUS_POINTS, 0.0);

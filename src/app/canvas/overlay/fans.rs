@@ -2,20 +2,16 @@
 
 use super::CanvasOutput;
 use crate::detector::{Feature, Motion, MotionField};
-use crate::export::motion_over;
+use crate::export::{FAN_OPACITY, fan, motion_over, sigma_over};
 use egui::{Color32, Mesh, Pos2, Shape, Stroke, Vec2, pos2, vec2};
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::f32::consts::{FRAC_PI_2, TAU};
 
-/// Smallest standard deviation at the tip of an arrow that has a fan, points.
-const MIN_FAN_POINTS: f32 = 3.0;
-const FAN_OPACITY: f32 = 0.16;
 const PIECES: usize = 16;
 /// Smallest cells of the field over which ellipses are drawn, and the smallest distance between two, points.
 const MIN_CELL_POINTS: f32 = 24.0;
 const MIN_APART_POINTS: f32 = 48.0;
 
-/// Fills the fans of `features`, each with its colour: from the middle of the arrow around the circle of one standard
-/// deviation at its tip.
+/// Fills the fans of `features`, each with its colour.
 pub(super) fn draw_fans<'a>(
     output: &CanvasOutput,
     features: impl Iterator<Item = (&'a Feature, Color32)>,
@@ -25,9 +21,8 @@ pub(super) fn draw_fans<'a>(
     for (feature, colour) in features {
         let t = output.ui_from_image;
         let (centre, tip) = (t.pos(pos2(feature.u, feature.v)), t.pos(motion_over(feature, frames)[1].into()));
-        let radius = feature.motion().1 * 0.5 * frames.saturating_sub(1) as f32 * t.scale();
-        if radius.is_finite() && radius > MIN_FAN_POINTS {
-            add_fan(&mut mesh, centre, tip, radius, colour.gamma_multiply(FAN_OPACITY));
+        if let Some(points) = fan(centre.into(), tip.into(), sigma_over(feature, frames) * t.scale()) {
+            add_fan(&mut mesh, &points, colour.gamma_multiply(FAN_OPACITY));
         }
     }
     if !mesh.is_empty() {
@@ -35,22 +30,12 @@ pub(super) fn draw_fans<'a>(
     }
 }
 
-fn add_fan(mesh: &mut Mesh, centre: Pos2, tip: Pos2, radius: f32, colour: Color32) {
-    let along = tip - centre;
-    // Within the circle there is nothing to point from.
-    let (from, half) = if along.length() > radius {
-        // Up to the tangents from the middle.
-        (centre, FRAC_PI_2 + (radius / along.length()).asin())
-    } else {
-        (tip, PI)
-    };
+pub fn add_fan(mesh: &mut Mesh, points: &[[f32; 2]], colour: Color32) {
     let first = mesh.vertices.len() as u32;
-    mesh.colored_vertex(from, colour);
-    for piece in 0..=PIECES as u32 {
-        let angle = along.angle() + half * (2.0 * piece as f32 / PIECES as f32 - 1.0);
-        mesh.colored_vertex(tip + radius * Vec2::angled(angle), colour);
-        if piece > 0 {
-            mesh.add_triangle(first, first + piece, first + piece + 1);
+    for (index, point) in (first..).zip(points) {
+        mesh.colored_vertex((*point).into(), colour);
+        if index > first + 1 {
+            mesh.add_triangle(first, index - 1, index);
         }
     }
 }
@@ -96,21 +81,6 @@ fn rim(motion: &Motion) -> impl Iterator<Item = Vec2> {
 mod tests {
     use super::*;
     use crate::detector::Slope;
-
-    #[test]
-    fn a_fan_touches_the_circle_of_its_tip_and_a_large_one_is_that_circle() {
-        let (centre, tip) = (pos2(10.0, 20.0), pos2(40.0, 20.0));
-        let mut mesh = Mesh::default();
-        add_fan(&mut mesh, centre, tip, 10.0, Color32::RED);
-        assert!(mesh.is_valid());
-        let bounds = mesh.calc_bounds();
-        assert!((bounds.min.x - 10.0).abs() < 1e-3 && (bounds.max.x - 50.0).abs() < 1e-3, "{bounds:?}");
-        assert!((9.0..=10.001).contains(&(0.5 * bounds.height())), "{bounds:?}");
-        let mut large = Mesh::default();
-        add_fan(&mut large, centre, tip, 40.0, Color32::RED);
-        let reach = |vertex: &egui::epaint::Vertex| vertex.pos.distance(tip);
-        assert!(large.vertices.iter().skip(1).all(|vertex| (reach(vertex) - 40.0).abs() < 1e-3));
-    }
 
     #[test]
     fn the_ellipse_of_an_edge_is_long_along_it() {

@@ -13,7 +13,7 @@ mod strokes;
 pub use crate::app::view::ColourBy;
 pub use colour_by::ColourScale;
 pub use density::{Drawn, Group, drawn, drawn_lines};
-pub use fans::draw_field;
+pub use fans::{add_fan, draw_field};
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};

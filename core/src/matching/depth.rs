@@ -1,0 +1,171 @@
+//! Relative inverse depths of a burst's features, from the motions of their places.
+//!
+//! While a camera moves without turning, what lies at inverse depth ρ moves in its picture by ρ·(e − e_z·x), where x is
+//! its place and (e, e_z) the camera's velocity: towards or away from the focus of expansion e/e_z, which lies at
+//! infinity where the camera moves sideways (Longuet-Higgins and Prazdny, "The interpretation of a moving retinal
+//! image", 1980). All places together tell the focus, and then each motion tells the inverse depth of its place, up to
+//! one factor for the burst.
+
+use super::Blob;
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+/// Inverse depth of a feature, in a unit of its burst, with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct InverseDepth {
+    pub value: f64,
+    pub sigma: f64,
+}
+
+/// Standard deviations from which on a motion counts as that of something that moves by itself.
+const OTHER_SIGMAS: f64 = 3.0;
+/// Number of rounds in which the weights of the motions follow the focus.
+const ROUNDS: usize = 10;
+/// Fewest known motions that tell the focus.
+const FEWEST: usize = 8;
+
+/// The inverse depths of the features at `places` (u, v), pixels; `None` where the motion is unknown, is not towards or
+/// from the focus, or lies too close to it to tell.
+pub(super) fn inverse_depths(places: &[[f64; 2]], blobs: &[Blob]) -> Vec<Option<InverseDepth>> {
+    let none = || vec![None; places.len()];
+    let known: Vec<(usize, &Blob)> = blobs.iter().enumerate().filter(|(_, b)| b.motion_sigma.is_finite()).collect();
+    if known.len() < FEWEST {
+        return none();
+    }
+    // Coordinates of about unit size, so that the three numbers of the focus compare.
+    let count = known.len() as f64;
+    let centre = [0, 1].map(|axis| known.iter().map(|(i, _)| places[*i][axis]).sum::<f64>() / count);
+    let off = |i: usize| [0, 1].map(|axis| places[i][axis] - centre[axis]);
+    let size = (known.iter().map(|(i, _)| off(*i).map(|x| x * x).iter().sum::<f64>()).sum::<f64>() / count).sqrt();
+    if size <= 0.0 || !size.is_finite() {
+        return none();
+    }
+    let at = |i: usize| off(i).map(|x| x / size);
+    let motion = |blob: &Blob| [f64::from(blob.motion.u), f64::from(blob.motion.v)];
+    // m × (e − e_z·x) = 0 is linear in (e, e_z).
+    let row = |i: usize, blob: &Blob| {
+        let ([x, y], [u, v]) = (at(i), motion(blob));
+        Vector3::new(-v, u, v * x - u * y)
+    };
+    let away = |focus: &Vector3<f64>, [x, y]: [f64; 2]| [focus.x - focus.z * x, focus.y - focus.z * y];
+    let mut focus: Option<Vector3<f64>> = None;
+    for _ in 0..ROUNDS {
+        let mut normal = Matrix3::zeros();
+        for &(i, blob) in &known {
+            let row = row(i, blob);
+            let sigma = f64::from(blob.motion_sigma);
+            let weight = focus.map_or(1.0, |focus| {
+                let [x, y] = away(&focus, at(i));
+                let variance = sigma * sigma * (x * x + y * y).max(1e-6);
+                let off = row.dot(&focus).powi(2) / (OTHER_SIGMAS * OTHER_SIGMAS * variance);
+                1.0 / (variance * (1.0 + off))
+            });
+            normal += row * row.transpose() * weight;
+        }
+        focus = smallest(&normal);
+        if focus.is_none() {
+            return none();
+        }
+    }
+    let Some(focus) = focus else { return none() };
+    let depth = |i: usize, blob: &Blob| {
+        let ([x, y], [u, v]) = (away(&focus, at(i)), motion(blob));
+        let squared = x * x + y * y;
+        let sigma = f64::from(blob.motion_sigma) / squared.sqrt();
+        let across = (u * y - v * x).abs() / squared.sqrt();
+        let is_of_scene = across <= OTHER_SIGMAS * f64::from(blob.motion_sigma);
+        (squared > 0.0 && is_of_scene).then(|| InverseDepth { value: (u * x + v * y) / squared, sigma })
+    };
+    let mut depths = none();
+    known.iter().for_each(|&(i, blob)| depths[i] = depth(i, blob));
+    // Things are before the camera, not behind it.
+    if depths.iter().flatten().map(|depth| depth.value.signum()).sum::<f64>() < 0.0 {
+        depths.iter_mut().flatten().for_each(|depth| depth.value = -depth.value);
+    }
+    depths
+}
+
+/// The unit eigenvector of the smallest eigenvalue.
+fn smallest(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
+    let matrix = Some(*matrix).filter(|matrix| matrix.iter().all(|x| x.is_finite()))?;
+    let eigen = SymmetricEigen::try_new(matrix, f64::EPSILON, 500)?;
+    let min = (0..3).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
+    Some(eigen.eigenvectors.column(min).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::Slope;
+    use crate::synth::random::Stream;
+
+    /// Places, inverse depths and motions of a camera that moves by (`e`, `e_z`), with `sigma` px/frame of noise.
+    fn scene(velocity: [f64; 3], sigma: f64, on_a_line: bool) -> (Vec<[f64; 2]>, Vec<f64>, Vec<Blob>) {
+        let mut random = Stream::new(3, 1);
+        let (mut places, mut depths, mut blobs) = (Vec::new(), Vec::new(), Vec::new());
+        for i in 0..400 {
+            let place = [random.within(0.0, 640.0), random.within(0.0, 480.0)];
+            let depth = random.within(0.2, 1.0);
+            let [x, y] = [(place[0] - 320.0) / 500.0, (place[1] - 240.0) / 500.0];
+            let mut motion = [velocity[0] - velocity[2] * x, velocity[1] - velocity[2] * y]
+                .map(|m| 4.0 * depth * m + sigma * random.normal());
+            if on_a_line {
+                motion[1] = 0.0;
+            }
+            let slope = Slope::new(motion[0] as f32, motion[1] as f32);
+            let is_known = i % 10 != 0;
+            let motion_sigma = if is_known { sigma.max(0.01) as f32 } else { f32::INFINITY };
+            places.push(place);
+            depths.push(depth);
+            blobs.push(Blob { sigma: 3.0, motion: slope, motion_sigma });
+        }
+        (places, depths, blobs)
+    }
+
+    fn median_error(found: &[Option<InverseDepth>], truth: &[f64]) -> f64 {
+        let ratio = |(found, truth): (&Option<InverseDepth>, &f64)| found.map(|depth| depth.value / truth);
+        let mut ratios: Vec<f64> = found.iter().zip(truth).filter_map(ratio).collect();
+        ratios.sort_by(f64::total_cmp);
+        let middle = ratios[ratios.len() / 2];
+        let mut errors: Vec<f64> = ratios.iter().map(|ratio| (ratio / middle - 1.0).abs()).collect();
+        errors.sort_by(f64::total_cmp);
+        errors[errors.len() / 2]
+    }
+
+    #[test]
+    fn inverse_depths_are_proportional_to_the_true_ones_however_the_camera_moves() {
+        for (velocity, on_a_line) in
+            [([1.0, 0.0, 0.0], true), ([-0.6, 0.8, 0.0], false), ([0.0, 0.0, 1.0], false), ([0.5, -0.2, -0.8], false)]
+        {
+            let (places, depths, blobs) = scene(velocity, 0.03, on_a_line);
+            let found = inverse_depths(&places, &blobs);
+            let known = found.iter().flatten().count();
+            assert!(known > 320 && found[0].is_none(), "{velocity:?}: {known}");
+            let error = median_error(&found, &depths);
+            assert!(error < 0.03, "{velocity:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_moves_otherwise_has_none_and_does_not_move_the_focus() {
+        let (places, depths, mut blobs) = scene([0.3, 0.1, 1.0], 0.03, false);
+        for blob in blobs.iter_mut().take(60) {
+            blob.motion = Slope::new(3.0, -3.0);
+        }
+        let found = inverse_depths(&places, &blobs);
+        let left = found[..60].iter().flatten().count();
+        assert!(left < 6, "{left} movers have a depth");
+        let error = median_error(&found[60..], &depths[60..]);
+        assert!(error < 0.03, "{error}");
+    }
+
+    #[test]
+    fn too_little_tells_nothing() {
+        let (places, _, mut blobs) = scene([1.0, 0.0, 0.0], 0.03, false);
+        assert!(inverse_depths(&[], &[]).is_empty());
+        assert!(inverse_depths(&[[3.0, 4.0]; 20], &blobs[..20]).iter().all(Option::is_none));
+        blobs.iter_mut().for_each(|blob| blob.motion_sigma = f32::INFINITY);
+        assert!(inverse_depths(&places, &blobs).iter().all(Option::is_none));
+        blobs.iter_mut().for_each(|blob| (blob.motion, blob.motion_sigma) = (Slope::new(0.0, 0.0), 0.05));
+        assert!(inverse_depths(&places, &blobs).iter().flatten().all(|depth| depth.value.is_finite()));
+    }
+}
