@@ -7,7 +7,8 @@
 //! one factor for the burst.
 
 use super::Blob;
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use super::geometry::min_eigenvector;
+use nalgebra::{Matrix3, Vector3};
 
 /// Inverse depth of a feature, in a unit of its burst, with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +62,7 @@ pub(super) fn inverse_depths(places: &[[f64; 2]], blobs: &[Blob]) -> Vec<Option<
             });
             normal += row * row.transpose() * weight;
         }
-        focus = smallest(&normal);
+        focus = min_eigenvector(&normal);
         if focus.is_none() {
             return none();
         }
@@ -82,14 +83,6 @@ pub(super) fn inverse_depths(places: &[[f64; 2]], blobs: &[Blob]) -> Vec<Option<
         depths.iter_mut().flatten().for_each(|depth| depth.value = -depth.value);
     }
     depths
-}
-
-/// The unit eigenvector of the smallest eigenvalue.
-fn smallest(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
-    let matrix = Some(*matrix).filter(|matrix| matrix.iter().all(|x| x.is_finite()))?;
-    let eigen = SymmetricEigen::try_new(matrix, f64::EPSILON, 500)?;
-    let min = (0..3).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
-    Some(eigen.eigenvectors.column(min).into_owned())
 }
 
 #[cfg(test)]

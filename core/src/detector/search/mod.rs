@@ -268,11 +268,12 @@ impl Search<'_> {
         let held = region.widened(HELD, job.size);
         let inputs = job.filters.inputs(&held);
         let first = job.octave == self.space.first_octave;
-        // Slopes that are stacked together: whole rows of the grid if possible.
-        let together = match self.grid.u.count {
+        // Slopes that are stacked together: of whole rows of the grid if possible.
+        let row = match self.grid.u.count {
             row @ 1..=STACKED_SLOPES => STACKED_SLOPES / row * row,
             _ => STACKED_SLOPES,
         };
+        let mut together = 0..0;
         let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
         let SlopeGroup { own, visited } = job.group;
         scratch.window.begin(visited);
@@ -280,13 +281,16 @@ impl Search<'_> {
         for (place, index) in visited.clone().enumerate() {
             self.monitor.check()?;
             let TileScratch { stacked, filter, next: level, window, .. } = &mut *scratch;
-            let others = index..(index + together).min(visited.end);
-            if first && place % together == 0 && others.clone().any(|index| makes[index] != Makes::Nothing) {
-                let slopes = &self.offsets[others];
-                stack_tiles(&self.planes, slopes, job.octave, &inputs, stacked);
+            if first && makes[index] != Makes::Nothing && index >= together.end {
+                let row_end = index + row - place % row;
+                let last = (index..row_end.min(visited.end)).rfind(|other| makes[*other] != Makes::Nothing);
+                together = index..last.unwrap_or(index) + 1;
+                stack_tiles(&self.planes, &self.offsets[together.clone()], job.octave, &inputs, stacked);
             }
-            let pixels =
-                || if first { Pixels::Stacked(&stacked[place % together]) } else { Pixels::Level(job.bases.at(index)) };
+            let pixels = || match first {
+                true => Pixels::Stacked(&stacked[index - together.start]),
+                false => Pixels::Level(job.bases.at(index)),
+            };
             let thresholds = self.thresholds(job.octave, &job.sigma_d, index);
             let (dog, candidates) = window.slot_mut(index);
             // Rows are searched while they are still in the cache, as soon as the row below them is finished.

@@ -4,7 +4,8 @@
 //! are around the points' centre and of about unit size (Hartley, "In Defense of the Eight-Point Algorithm", PAMI
 //! 1997), with one scale for both images, so that an error is one in pixels up to a factor.
 
-use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
+use nalgebra::allocator::Allocator;
+use nalgebra::{Const, DefaultAllocator, DimDiff, DimSub, Matrix3, OMatrix, OVector, SVector, SymmetricEigen, Vector3};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RayPair {
@@ -121,19 +122,20 @@ pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vecto
 }
 
 /// The unit vector x that minimises xᵀ·`matrix`·x; `None` for a matrix that is not finite.
-pub(super) fn min_eigenvector(matrix: &SMatrix<f64, 9, 9>) -> Option<Vector9> {
-    let matrix = Some(*matrix).filter(|matrix| matrix.iter().all(|x| x.is_finite()))?;
+pub(in crate::matching) fn min_eigenvector<D>(matrix: &OMatrix<f64, D, D>) -> Option<OVector<f64, D>>
+where
+    D: DimSub<Const<1>>,
+    DefaultAllocator: Allocator<D, D> + Allocator<D> + Allocator<DimDiff<D, Const<1>>>,
+{
+    let matrix = Some(matrix).filter(|matrix| matrix.iter().all(|x| x.is_finite()))?.clone_owned();
     let eigen = SymmetricEigen::try_new(matrix, f64::EPSILON, 500)?;
-    let min = (0..9).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
+    let (min, _) = eigen.eigenvalues.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b))?;
     Some(eigen.eigenvectors.column(min).into_owned())
 }
 
 /// The unit vector x that minimises |`matrix`·x|: for a matrix of rank 2 its right null vector.
 pub(super) fn null_vector(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
-    let normal = Some(matrix.transpose() * matrix).filter(|normal| normal.iter().all(|x| x.is_finite()))?;
-    let eigen = SymmetricEigen::try_new(normal, f64::EPSILON, 500)?;
-    let min = (0..3).min_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]))?;
-    Some(eigen.eigenvectors.column(min).into_owned())
+    min_eigenvector(&(matrix.transpose() * matrix))
 }
 
 /// [v]×, the matrix of the cross product with `v` from the left.
