@@ -146,6 +146,7 @@ pub(super) fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::SMatrix;
 
     #[test]
     fn equal_points_are_no_division_by_zero() {
