@@ -188,7 +188,7 @@ mod tests {
         rows[6][3] = f64::NAN;
         assert!(null_space::<2>(&mut rows).is_none());
         assert!(null_space::<2>(&mut [[0.0; 9]; 7]).is_none());
-        assert!(min_eigenvector(&SMatrix::from_element(f64::NAN)).is_none());
+        assert!(min_eigenvector(&Matrix3::from_element(f64::NAN)).is_none());
         assert!(null_vector(&Matrix3::from_element(f64::INFINITY)).is_none());
     }
 
