@@ -17,9 +17,10 @@ pub const NOISE_PX: f64 = 0.5;
 const LEAST_CORRELATION: f64 = 0.5;
 /// Solutions with weights from the one before.
 const ROUNDS: usize = 8;
-/// Steps of conjugate gradients in a round, and the share of the first remainder at which they end.
-const STEPS: usize = 300;
-const REMAINDER: f64 = 1e-5;
+/// Steps of conjugate gradients in a round, and the share of the right side that may remain. Each round goes on where
+/// the one before ended.
+const STEPS: usize = 100;
+const REMAINDER: f64 = 1e-3;
 /// Least change of scale that is believed.
 const LEAST_SCALE: f64 = 0.3;
 
@@ -83,7 +84,7 @@ pub fn solve(sigmas: &[f32], links: &[Link], monitor: &Monitor) -> Result<Solved
     let mut corrections = vec![[0.0; 2]; sigmas.len()];
     let mut weights: Vec<f64> = terms.iter().map(|term| term.confidence).collect();
     for _ in 0..ROUNDS {
-        let system = System { terms: &terms, weights: &weights, prior: &prior };
+        let system = System::new(&terms, &weights, &prior);
         system.solve(&mut corrections, monitor)?;
         let robust =
             |term: &Term| term.confidence / (1.0 + (term.residual(&corrections) / (2.0 * NOISE_PX)).powi(2)).powi(2);
@@ -136,35 +137,35 @@ impl Term {
 
 /// Normal equations of one round.
 struct System<'a> {
-    terms: &'a [Term],
-    weights: &'a [f64],
+    /// Terms with their weight in the equations.
+    terms: Vec<(&'a Term, f64)>,
     prior: &'a [f64],
 }
 
-impl System<'_> {
-    /// Terms with their weight in the normal equations.
-    fn weighted(&self) -> impl Iterator<Item = (&Term, f64)> {
-        let known = self.terms.iter().zip(self.weights).filter(|(_, weight)| **weight > 0.0);
-        known.map(|(term, weight)| (term, weight * (term.scale / NOISE_PX).powi(2)))
+impl<'a> System<'a> {
+    fn new(terms: &'a [Term], weights: &[f64], prior: &'a [f64]) -> Self {
+        let known = terms.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
+        Self { terms: known.map(|(term, weight)| (term, weight * (term.scale / NOISE_PX).powi(2))).collect(), prior }
     }
 
-    /// The matrix times `of`.
-    fn times(&self, of: &[Pair]) -> Vec<Pair> {
-        let mut sums: Vec<Pair> = of.iter().zip(self.prior).map(|(x, prior)| x.map(|x| prior * x)).collect();
-        self.weighted().for_each(|(term, weight)| term.spread(term.apart(of), weight, &mut sums));
-        sums
+    /// Writes the matrix times `of` into `product`.
+    fn times(&self, of: &[Pair], product: &mut [Pair]) {
+        for ((product, x), prior) in product.iter_mut().zip(of).zip(self.prior) {
+            *product = x.map(|x| prior * x);
+        }
+        self.terms.iter().for_each(|(term, weight)| term.spread(term.apart(of), *weight, product));
     }
 
     fn right_side(&self) -> Vec<Pair> {
         let mut sums = vec![[0.0; 2]; self.prior.len()];
-        self.weighted().for_each(|(term, weight)| term.spread(term.shift, weight, &mut sums));
+        self.terms.iter().for_each(|(term, weight)| term.spread(term.shift, *weight, &mut sums));
         sums
     }
 
     /// Inverses of the matrix's blocks on the diagonal: (uu, uv, vv) of each place.
     fn preconditioner(&self) -> Vec<[f64; 3]> {
         let mut blocks: Vec<[f64; 3]> = self.prior.iter().map(|&prior| [prior, 0.0, prior]).collect();
-        for (term, weight) in self.weighted() {
+        for &(term, weight) in &self.terms {
             let [[xx, xy], [yx, yy]] = term.jacobian;
             let of_a = [xx * xx + yx * yx, xx * xy + yx * yy, xy * xy + yy * yy];
             blocks[term.a].iter_mut().zip(of_a).for_each(|(block, x)| *block += weight * x);
@@ -181,28 +182,33 @@ impl System<'_> {
     /// Improves `solution` by preconditioned conjugate gradients. A place without a term keeps exactly what it has.
     fn solve(&self, solution: &mut [Pair], monitor: &Monitor) -> Result<(), Cancelled> {
         let (right, blocks) = (self.right_side(), self.preconditioner());
-        let product = self.times(solution);
-        let mut remainder: Vec<Pair> = right.iter().zip(&product).map(|(r, p)| [r[0] - p[0], r[1] - p[1]]).collect();
-        let conditioned = |remainder: &[Pair]| -> Vec<Pair> {
-            let one = |(r, b): (&Pair, &[f64; 3])| [b[0] * r[0] + b[1] * r[1], b[1] * r[0] + b[2] * r[1]];
-            remainder.iter().zip(&blocks).map(one).collect()
+        let condition = |from: &[Pair], to: &mut [Pair]| {
+            for ((to, r), b) in to.iter_mut().zip(from).zip(&blocks) {
+                *to = [b[0] * r[0] + b[1] * r[1], b[1] * r[0] + b[2] * r[1]];
+            }
         };
-        let mut direction = conditioned(&remainder);
-        let mut fall = dot(&remainder, &direction);
-        let enough = REMAINDER * REMAINDER * dot(&right, &conditioned(&right));
+        let mut product = vec![[0.0; 2]; right.len()];
+        let (mut conditioned, mut remainder) = (product.clone(), right.clone());
+        condition(&right, &mut conditioned);
+        let enough = REMAINDER * REMAINDER * dot(&right, &conditioned);
+        self.times(solution, &mut product);
+        add(&mut remainder, -1.0, &product);
+        condition(&remainder, &mut conditioned);
+        let mut direction = conditioned.clone();
+        let mut fall = dot(&remainder, &conditioned);
         for _ in 0..STEPS {
             monitor.check()?;
             if fall <= enough {
                 break;
             }
-            let product = self.times(&direction);
+            self.times(&direction, &mut product);
             let length = fall / dot(&direction, &product);
             add(solution, length, &direction);
             add(&mut remainder, -length, &product);
-            let next = conditioned(&remainder);
-            let falls = dot(&remainder, &next);
+            condition(&remainder, &mut conditioned);
+            let falls = dot(&remainder, &conditioned);
             let keep = falls / fall;
-            direction.iter_mut().zip(&next).for_each(|(d, n)| *d = [0, 1].map(|i| n[i] + keep * d[i]));
+            direction.iter_mut().zip(&conditioned).for_each(|(d, n)| *d = [n[0] + keep * d[0], n[1] + keep * d[1]]);
             fall = falls;
         }
         Ok(())
@@ -325,7 +331,7 @@ mod tests {
             .collect();
         let (there, back) = (solved(&sigmas, &links), solved(&sigmas, &reversed));
         for (a, b) in there.corrections.iter().zip(&back.corrections) {
-            assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-3, "{a:?} {b:?}");
+            assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 0.02, "{a:?} {b:?}");
         }
     }
 
