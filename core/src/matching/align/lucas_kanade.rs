@@ -5,7 +5,6 @@
 //! little is known of it where a chip is hardly more than noise.
 
 use super::grid::{Affine, Grid, Points, Template};
-use super::search::Peak;
 use multiversion::multiversion;
 use nalgebra::{Cholesky, SMatrix, SVector};
 
@@ -92,8 +91,14 @@ impl Window {
 
     /// Fits the map by which `a`, seen at the places `at_a` of the lattice, becomes `b` at the places `at_b`, from the
     /// shift `start` on. `None` where too little of either is seen or the window has no contrast.
-    pub fn fit(&self, a: (&Grid, &Affine), b: (&Grid, &Affine), start: Peak, scratch: &mut FitScratch) -> Option<Fit> {
-        let (hessian, begin) = (self.prepare(a, scratch)?, Affine::shifted(start.shift));
+    pub fn fit(
+        &self,
+        a: (&Grid, &Affine),
+        b: (&Grid, &Affine),
+        start: [f32; 2],
+        scratch: &mut FitScratch,
+    ) -> Option<Fit> {
+        let (hessian, begin) = (self.prepare(a, scratch)?, Affine::shifted(start));
         let (mut map, mut best) = (begin, None::<Fit>);
         for round in 0..=ROUNDS {
             b.0.read(&b.1.after(&map), self.points(), &mut scratch.values, &mut scratch.seen);

@@ -138,10 +138,9 @@ impl Lattices {
         let (sin, cos) = frame.rotation.sin_cos();
         let turned = Affine { matrix: [[cos, -sin], [sin, cos]].map(|row| row.map(|x| x * units[1])), shift: [0.0; 2] };
         let map = turned.after(&found.map);
-        Some(Measured {
-            shift_px: map.shift.map(f64::from),
-            jacobian: map.matrix.map(|row| row.map(|x| f64::from(x / units[0]))),
-            correlation: f64::from(found.correlation),
-        })
+        let jacobian = map.matrix.map(|row| row.map(|x| f64::from(x / units[0])));
+        let (shift_px, correlation) = (map.shift.map(f64::from), f64::from(found.correlation));
+        let finite = shift_px.iter().chain(jacobian.iter().flatten()).chain([&correlation]).all(|x| x.is_finite());
+        finite.then_some(Measured { shift_px, jacobian, correlation })
     }
 }

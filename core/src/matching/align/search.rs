@@ -18,15 +18,6 @@ const STRIDE: usize = WINDOW + LANES;
 /// Least share of the window, by weight, that both chips show.
 const LEAST_SEEN: f32 = 0.5;
 
-/// Place at which one chip lies in another.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Peak {
-    /// Shift along the axes of the lattice, σ.
-    pub shift: [f32; 2],
-    /// Correlation at the nearest whole shift, −1 … 1.
-    pub correlation: f32,
-}
-
 /// Weights and points of the search: the same for all matches.
 #[derive(Debug)]
 pub(super) struct Search {
@@ -71,9 +62,9 @@ impl Search {
         Self { weights: weights.iter().map(|w| w / sum).collect(), window, wide: square(WIDE, STRIDE) }
     }
 
-    /// Finds what `a` shows at the places `at_a` of the lattice among what `b` shows at the places `at_b`. `None` where
+    /// Finds the shift along the axes of the lattice, σ, at which lies what `a` shows at the places `at_a` of the lattice among what `b` shows at the places `at_b`. `None` where
     /// the best shift is the largest: the true one may be larger; and where too little of either is seen.
-    pub fn peak(&self, a: (&Grid, &Affine), b: (&Grid, &Affine), scratch: &mut SearchScratch) -> Option<Peak> {
+    pub fn peak(&self, a: (&Grid, &Affine), b: (&Grid, &Affine), scratch: &mut SearchScratch) -> Option<[f32; 2]> {
         let window = Points { x: &self.window[0], y: &self.window[1] };
         let wide = Points { x: &self.wide[0], y: &self.wide[1] };
         a.0.read(a.1, window, &mut scratch.template, &mut scratch.template_seen);
@@ -130,8 +121,8 @@ fn add(weights: &[f32], scratch: &SearchScratch, y: usize, out: &mut Sums) {
     *out = sums;
 }
 
-/// Peak of the quadratic function through the nine correlations around the largest.
-fn peak_of(correlations: &[[f32; SHIFTS]; SHIFTS]) -> Option<Peak> {
+/// Place of the peak of the quadratic function through the nine correlations around the largest.
+fn peak_of(correlations: &[[f32; SHIFTS]; SHIFTS]) -> Option<[f32; 2]> {
     let mut best = (0, 0);
     for y in 0..SHIFTS {
         for x in 0..SHIFTS {
@@ -159,5 +150,5 @@ fn peak_of(correlations: &[[f32; SHIFTS]; SHIFTS]) -> Option<Peak> {
         [0.0; 2]
     };
     let at = |index: usize, between: f32| index as f32 - SHIFT as f32 + between;
-    Some(Peak { shift: [at(x, between[0]), at(y, between[1])], correlation: middle })
+    Some([at(x, between[0]), at(y, between[1])])
 }
