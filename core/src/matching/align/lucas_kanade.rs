@@ -9,7 +9,7 @@ use multiversion::multiversion;
 use nalgebra::{Cholesky, SMatrix, SVector};
 
 /// Rounds in which the map is improved.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 8;
 /// Standard deviation of the matrix's elements about the identity.
 const MATRIX_SIGMA: f32 = 0.2;
 /// Standard deviation of the shift about that of the search, σ.
@@ -89,7 +89,7 @@ impl Window {
         Points { x: &self.x, y: &self.y }
     }
 
-    /// Fits the map by which `a`, seen at the places `at_a` of the lattice, becomes `b` at the places `at_b`, from the
+    /// Fits the map of the lattice by which `a` becomes `b`, each a grid with the places of the lattice in it, from the
     /// shift `start` on. `None` where too little of either is seen or the window has no contrast.
     pub fn fit(
         &self,

@@ -62,8 +62,9 @@ impl Search {
         Self { weights: weights.iter().map(|w| w / sum).collect(), window, wide: square(WIDE, STRIDE) }
     }
 
-    /// Finds the shift along the axes of the lattice, σ, at which lies what `a` shows at the places `at_a` of the lattice among what `b` shows at the places `at_b`. `None` where
-    /// the best shift is the largest: the true one may be larger; and where too little of either is seen.
+    /// Shift along the axes of the lattice, σ, at which `b` shows most nearly what `a` shows, each a grid with the
+    /// places of the lattice in it. `None` where the best shift is the largest, since the true one may be larger, and where too
+    /// little of either is seen.
     pub fn peak(&self, a: (&Grid, &Affine), b: (&Grid, &Affine), scratch: &mut SearchScratch) -> Option<[f32; 2]> {
         let window = Points { x: &self.window[0], y: &self.window[1] };
         let wide = Points { x: &self.wide[0], y: &self.wide[1] };
