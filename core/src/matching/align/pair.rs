@@ -69,8 +69,8 @@ fn median(mut values: Vec<f32>) -> Option<f32> {
 }
 
 impl PairFrame {
-    /// Frame of the matches `pairs` of A and B: the mode of the differences of orientations, and the median ratio of the
-    /// scales of those that are turned so. No rotation and equal scales where there are none.
+    /// Frame of the matches `pairs` of A and B: the mode of the differences of orientations, and the median ratio of
+    /// the scales of those that are turned so. No rotation and equal scales where there are none.
     pub fn of(pairs: &[[View<'_>; 2]]) -> Self {
         let turned: Vec<f32> = pairs.iter().map(|[a, b]| wrapped(b.orientation - a.orientation)).collect();
         let density = |angle: f32| {
@@ -99,9 +99,9 @@ struct Lattices {
     window: Window,
 }
 
-/// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); the chips are
-/// brought to one another by `frame`. `None` where chips do not tell: the place is not found within 3 σ, or a chip shows
-/// too little or nothing.
+/// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); the chips
+/// are brought to one another by `frame`. `None` where chips do not tell: the place is not found within 3 σ, or a chip
+/// shows too little or nothing.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

@@ -63,8 +63,8 @@ impl Search {
     }
 
     /// Shift along the axes of the lattice, σ, at which `b` shows most nearly what `a` shows, each a grid with the
-    /// places of the lattice in it. `None` where the best shift is the largest, since the true one may be larger, and where too
-    /// little of either is seen.
+    /// places of the lattice in it. `None` where the best shift is the largest, since the true one may be larger, and
+    /// where too little of either is seen.
     pub fn peak(&self, a: (&Grid, &Affine), b: (&Grid, &Affine), scratch: &mut SearchScratch) -> Option<[f32; 2]> {
         let window = Points { x: &self.window[0], y: &self.window[1] };
         let wide = Points { x: &self.wide[0], y: &self.wide[1] };

@@ -11,8 +11,8 @@ use crate::synth::random::Stream;
 const SIZE: (usize, usize) = (360, 300);
 const FRAMES: usize = 6;
 const SIGMA: f32 = 4.0;
-/// Noise of a pixel of a frame with which a chip's contrast is 5 times its noise: the texture's standard deviation is 1,
-/// and a sample of a chip averages 4π·(0.55·4)² pixels of 6 frames.
+/// Noise of a pixel of a frame with which a chip's contrast is 5 times its noise: the texture has a standard deviation
+/// of 1, and a sample of a chip averages 4π·(0.55·4)² pixels of 6 frames.
 const NOISE: f64 = 3.8;
 
 /// Affine map of the plane in input pixels.
@@ -94,7 +94,7 @@ impl Scene {
         let mut random = Stream::new(3, 1);
         let centre = [SIZE.0 as f32 / 2.0, SIZE.1 as f32 / 2.0];
         for k in 0..30 {
-            let [x, y] = [(k % 6) as f32 - 2.5, (k / 6) as f32 - 2.0].map(|step| 16.3 * step);
+            let [x, y] = [(k % 6) as f32 - 2.5, (k / 6) as f32 - 2.0].map(|step| 28.3 * step);
             let place = [centre[0] + x, centre[1] + y];
             let (there, off) = (warp.apply(place), off(&mut random).map(|x| x * SIGMA * RATIO));
             let detected = (there[0] - off[0], there[1] - off[1]);
@@ -158,7 +158,7 @@ fn a_shift_and_a_similarity_are_found_in_noise() {
     assert!(measured.iter().all(Option::is_some), "{measured:?}");
     let mut errors = scene.errors(&measured);
     errors.sort_by(f32::total_cmp);
-    assert!(errors[errors.len() / 2] < 0.1 && errors[errors.len() - 1] < 0.2, "{errors:?}");
+    assert!(errors[errors.len() / 2] < 0.1 && errors[errors.len() - 1] < 0.25, "{errors:?}");
     assert!(measured.iter().flatten().all(|m| m.correlation > 0.8), "{measured:?}");
 }
 
