@@ -13,6 +13,7 @@
 //! over the images, here A and B. Against many others, as in the paper's Table 1, an image's matches with all of them
 //! are added up, so that these shares may pass 1.
 
+pub mod align;
 pub mod camera;
 mod depth;
 pub mod geometry;
