@@ -4,6 +4,8 @@ use super::BurstFeatures;
 use crate::detector::Descriptor;
 use crate::error::Error;
 use crate::export::ColmapKeypoint;
+use crate::matching::align::Measured;
+use crate::matching::aligned::{Pictures, measure_inliers};
 use crate::matching::{Blob, MatchParams, MatchResult, MatchSide, match_features};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
@@ -23,14 +25,17 @@ pub struct BurstSide {
     pub places: Vec<[f64; 2]>,
     /// Descriptor of each feature.
     pub descriptors: Vec<Descriptor>,
-    /// Scale and motion of each feature.
+    /// Shape and motion of each feature.
     pub blobs: Vec<Blob>,
+    /// Pictures of their places, where matches are to be measured.
+    pub pictures: Option<Pictures>,
 }
 
 impl BurstSide {
-    /// The features of these keypoints, their descriptors, scales and motions.
+    /// The features of these keypoints, their descriptors, shapes and motions.
     pub fn new(keypoints: &[ColmapKeypoint], descriptors: Vec<Descriptor>, blobs: Vec<Blob>) -> Self {
-        Self { places: keypoints.iter().map(ColmapKeypoint::pos_image).collect(), descriptors, blobs }
+        let places = keypoints.iter().map(ColmapKeypoint::pos_image).collect();
+        Self { places, descriptors, blobs, pictures: None }
     }
 
     fn side(&self) -> MatchSide<'_> {
@@ -53,6 +58,8 @@ pub struct MatchedPair<'a> {
     pub sides: [&'a BurstSide; 2],
     /// Matches of the first burst's features with those of the second.
     pub result: &'a MatchResult,
+    /// For each match what the pictures say, where both bursts have some and it is an inlier.
+    pub measured: &'a [Option<Measured>],
 }
 
 /// Matches the bursts of each of `pairs`, in an order in which `load` is rarely asked for one again; `on` receives each
@@ -90,17 +97,28 @@ pub fn match_pairs(
         let there = |&(a, b): &(usize, usize)| Some(((a, b), [loaded.get(&a)?, loaded.get(&b)?]));
         let some: Vec<_> = ordered[done..done + count].iter().filter_map(there).collect();
         left_out += count - some.len();
-        let matched: Vec<MatchResult> = some
-            .par_iter()
-            .map(|(_, [a, b])| match_features(a.side(), b.side(), params, &monitor.silent()))
-            .collect::<Result<_, _>>()?;
-        for (&(indices, sides), result) in some.iter().zip(&matched) {
-            on(MatchedPair { indices, sides, result })?;
+        let matched: Vec<(MatchResult, Vec<Option<Measured>>)> =
+            some.par_iter().map(|(_, sides)| matched(*sides, params, &monitor.silent())).collect::<Result<_, _>>()?;
+        for (&(indices, sides), (result, measured)) in some.iter().zip(&matched) {
+            on(MatchedPair { indices, sides, result, measured })?;
         }
         done += count;
     }
     monitor.report(Stage::Match, 1.0);
     Ok(left_out)
+}
+
+fn matched(
+    [a, b]: [&BurstSide; 2],
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<(MatchResult, Vec<Option<Measured>>), Error> {
+    let result = match_features(a.side(), b.side(), params, monitor)?;
+    let measured = match (&a.pictures, &b.pictures, &result.verification) {
+        (Some(a), Some(b), Some(verified)) => measure_inliers(&result.matches, &verified.inlier, [a, b], monitor)?,
+        _ => vec![None; result.matches.len()],
+    };
+    Ok((result, measured))
 }
 
 /// Number of the first of `pairs` that are matched together, at least 1, and the bursts that they need.
@@ -122,7 +140,7 @@ mod tests {
     use crate::matching::PairSelection;
 
     fn side() -> BurstSide {
-        BurstSide { places: vec![[1.0, 2.0]; 3], descriptors: vec![[7; 128]; 3], blobs: Vec::new() }
+        BurstSide { places: vec![[1.0, 2.0]; 3], descriptors: vec![[7; 128]; 3], blobs: Vec::new(), pictures: None }
     }
 
     #[test]

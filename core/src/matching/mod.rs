@@ -14,6 +14,7 @@
 //! are added up, so that these shares may pass 1.
 
 pub mod align;
+pub mod aligned;
 pub mod camera;
 mod depth;
 pub mod geometry;
@@ -54,15 +55,19 @@ pub struct MatchSide<'a> {
     pub places: &'a [[f64; 2]],
     /// Descriptor of each feature.
     pub descriptors: &'a [Descriptor],
-    /// Scale and motion of each feature; empty where they are unknown, and no match is predicted.
+    /// Shape and motion of each feature; empty where they are unknown, and no match is predicted.
     pub blobs: &'a [Blob],
 }
 
-/// Scale of a feature, and the motion of its place.
+/// Shape and motion of a feature, and the motion of its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blob {
     /// Scale σ, pixels.
     pub sigma: f32,
+    /// Orientation, radians from +u towards +v.
+    pub orientation: f32,
+    /// Motion along which its picture is stacked, pixels per frame.
+    pub slope: Slope,
     /// Motion of its place from the field of motion, pixels per frame.
     pub motion: Slope,
     /// Standard deviation of the motion along its least certain direction, pixels per frame; infinite where unknown.
@@ -71,7 +76,9 @@ pub struct Blob {
 
 impl From<&Feature> for Blob {
     fn from(feature: &Feature) -> Self {
-        Self { sigma: feature.sigma, motion: feature.field, motion_sigma: feature.field_sigma }
+        let (slope, _) = feature.motion();
+        let Feature { sigma, orientation, field, field_sigma, .. } = *feature;
+        Self { sigma, orientation, slope, motion: field, motion_sigma: field_sigma }
     }
 }
 

@@ -395,7 +395,8 @@ mod tests {
     /// Motion sideways of what lies at so large an inverse depth.
     fn blob(random: &mut Stream, inverse_depth: f64) -> Blob {
         let speed = 8.0 * inverse_depth + MOTION_SIGMA * random.normal();
-        Blob { sigma: 3.0, motion: Slope::new(speed as f32, 0.0), motion_sigma: MOTION_SIGMA as f32 }
+        let slope = Slope::new(speed as f32, 0.0);
+        Blob { sigma: 3.0, orientation: 0.0, slope, motion: slope, motion_sigma: MOTION_SIGMA as f32 }
     }
 
     fn near(random: &mut Stream, around: &Descriptor, by: f64) -> Descriptor {
