@@ -10,12 +10,12 @@ use super::inputs::{open_options, resolve_pair};
 use super::matching_args::MatchingArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
-use crate::dataset::{ImageKind, burst_picture};
+use crate::dataset::{Found, ImageKind, burst_picture, match_bursts};
 use crate::detector::params::Word;
 use crate::detector::{Detection, SearchParams};
 use crate::export::{ExportFormat, MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
 use crate::files::serialize_path;
-use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel, match_detections};
+use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel};
 use crate::monitor::Stage;
 use clap::Args;
 use nalgebra::Matrix3;
@@ -81,7 +81,8 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     }
     console.begin("matches: ".to_owned());
     let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };
-    let result = match_detections(a, b, &matching, &console.monitor)?;
+    let of = |burst, detection| Found { burst, params: &params.detector, detection };
+    let result = match_bursts([of(burst_a, a), of(burst_b, b)], &matching, &console.monitor)?;
     let pictures =
         [burst_a, burst_b].map(|burst| burst_picture(burst, args.images, &params.detector, &console.monitor.silent()));
     let [picture_a, picture_b] = pictures;

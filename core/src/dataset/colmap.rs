@@ -14,7 +14,7 @@ use crate::export::{
 };
 use crate::files::serialize_path;
 use crate::matching::align::Measured;
-use crate::matching::aligned::{Alignment, Pictures};
+use crate::matching::aligned::Alignment;
 use crate::matching::{
     Blob, Camera, CameraModel, Geometry, Match, MatchCounts, MatchParams, PairSelection, TwoViewModel, Verification,
 };
@@ -136,11 +136,12 @@ pub fn export_colmap(
             blobs.push(std::mem::take(&mut burst.blobs));
             add_burst(database, &BurstFeatures { resumed, ..burst }, job, &mut report)?;
         }
-        let pictures_of = |index: usize, side: &BurstSide| {
-            let burst = Burst::open_with(&bursts[done[index].0].paths, &job.features.open, &monitor.silent())?;
-            Ok(Pictures::of(&burst, &job.features.detector.detector, &side.places, &side.blobs))
+        let with_pictures = |index: usize, side: BurstSide| {
+            let silent = monitor.silent();
+            let burst = Burst::open_with(&bursts[done[index].0].paths, &job.features.open, &silent)?;
+            side.with_pictures(&burst, &job.features.detector.detector, &silent)
         };
-        match_all(database, (&pairs, &blobs), &matching, &pictures_of, &mut report, monitor)
+        match_all(database, (&pairs, &blobs), &matching, &with_pictures, &mut report, monitor)
     })?;
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
@@ -189,7 +190,7 @@ fn match_all(
     database: &mut DatabaseWriter<'_>,
     (pairs, blobs): (&[(usize, usize)], &[Vec<Blob>]),
     matching: &MatchParams,
-    pictures_of: &dyn Fn(usize, &BurstSide) -> Result<Pictures, Error>,
+    with_pictures: &dyn Fn(usize, BurstSide) -> Result<BurstSide, Error>,
     report: &mut ColmapReport,
     monitor: &Monitor,
 ) -> Result<(), Error> {
@@ -197,9 +198,8 @@ fn match_all(
     let database = RefCell::new(database);
     let mut load = |index: usize| {
         let (keypoints, descriptors) = database.borrow().features(ids[index])?;
-        let mut side = BurstSide::new(&keypoints, descriptors, blobs[index].clone());
-        side.pictures = if matching.align { Some(pictures_of(index, &side)?) } else { None };
-        Ok(Some(side))
+        let side = BurstSide::new(&keypoints, descriptors, blobs[index].clone());
+        Ok(Some(if matching.align { with_pictures(index, side)? } else { side }))
     };
     let mut waiting: Vec<Waiting> = Vec::new();
     let mut write = |MatchedPair { indices: images, sides, result, measured }: MatchedPair<'_>| {

@@ -1,12 +1,14 @@
 //! The matching of pairs of bursts, with the features of a few bursts in memory at a time, however many there are.
 
 use super::BurstFeatures;
-use crate::detector::Descriptor;
+use crate::burst::Burst;
+use crate::detect::prepare;
+use crate::detector::{Descriptor, Detection, DetectorParams};
 use crate::error::Error;
 use crate::export::ColmapKeypoint;
 use crate::matching::align::Measured;
-use crate::matching::aligned::{Pictures, measure_inliers};
-use crate::matching::{Blob, MatchParams, MatchResult, MatchSide, match_features};
+use crate::matching::aligned::{Pictures, align_pair, measure_inliers};
+use crate::matching::{Blob, MatchParams, MatchResult, MatchSide, match_detections, match_features};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,6 +40,16 @@ impl BurstSide {
         Self { places, descriptors, blobs, pictures: None }
     }
 
+    /// These features with the pictures of their places, in the frames of `burst` in which `params` search.
+    ///
+    /// # Errors
+    /// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
+    pub fn with_pictures(self, burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, Error> {
+        let (burst, params) = prepare(burst, params, monitor)?;
+        let pictures = Some(Pictures::of(&burst, &params, &self.places, &self.blobs));
+        Ok(Self { pictures, ..self })
+    }
+
     fn side(&self) -> MatchSide<'_> {
         MatchSide { places: &self.places, descriptors: &self.descriptors, blobs: &self.blobs }
     }
@@ -47,6 +59,45 @@ impl From<BurstFeatures> for BurstSide {
     fn from(burst: BurstFeatures) -> Self {
         Self::new(&burst.keypoints, burst.descriptors, burst.blobs)
     }
+}
+
+/// A burst, and what was found in it.
+#[derive(Debug, Clone, Copy)]
+pub struct Found<'a> {
+    /// The burst.
+    pub burst: &'a Burst,
+    /// Parameters with which it was searched.
+    pub params: &'a DetectorParams,
+    /// Its features.
+    pub detection: &'a Detection,
+}
+
+impl Found<'_> {
+    fn side(&self, monitor: &Monitor) -> Result<BurstSide, Error> {
+        let Detection { features, descriptors, .. } = self.detection;
+        let places = features.iter().map(|feature| [feature.u, feature.v].map(f64::from)).collect();
+        let blobs = features.iter().map(Blob::from).collect();
+        let side = BurstSide { places, descriptors: descriptors.clone(), blobs, pictures: None };
+        side.with_pictures(self.burst, self.params, monitor)
+    }
+}
+
+/// Matches the features of two bursts, verifies the matches, and aligns them where `params` ask for it: their frames
+/// are needed for that alone.
+///
+/// # Errors
+/// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+pub fn match_bursts([a, b]: [Found<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult, Error> {
+    if !params.align {
+        return match_detections(a.detection, b.detection, params, monitor);
+    }
+    let (a, b) = (a.side(monitor)?, b.side(monitor)?);
+    let mut result = match_features(a.side(), b.side(), params, monitor)?;
+    if let (Some(of_a), Some(of_b)) = (&a.pictures, &b.pictures) {
+        let sides = [(&a.places[..], &a.blobs[..]), (&b.places, &b.blobs)];
+        align_pair(&mut result, sides, [of_a, of_b], params, monitor)?;
+    }
+    Ok(result)
 }
 
 /// A pair of bursts and its matches.
@@ -113,11 +164,16 @@ fn matched(
     params: &MatchParams,
     monitor: &Monitor,
 ) -> Result<(MatchResult, Vec<Option<Measured>>), Error> {
-    let result = match_features(a.side(), b.side(), params, monitor)?;
-    let measured = match (&a.pictures, &b.pictures, &result.verification) {
-        (Some(a), Some(b), Some(verified)) => measure_inliers(&result.matches, &verified.inlier, [a, b], monitor)?,
-        _ => vec![None; result.matches.len()],
+    let (Some(of_a), Some(of_b)) = (&a.pictures, &b.pictures) else {
+        let params = MatchParams { align: false, ..params.clone() };
+        let result = match_features(a.side(), b.side(), &params, monitor)?;
+        let measured = vec![None; result.matches.len()];
+        return Ok((result, measured));
     };
+    let result = match_features(a.side(), b.side(), params, monitor)?;
+    let none = || vec![false; result.matches.len()];
+    let inlier = result.verification.as_ref().map_or_else(none, |verified| verified.inlier.clone());
+    let measured = measure_inliers(&result.matches, &inlier, [of_a, of_b], monitor)?;
     Ok((result, measured))
 }
 

@@ -7,7 +7,7 @@
 
 use super::align::{Chip, ChipSource, Link, Measured, PairFrame, Places, Solved, View, measure, pair, solve};
 use super::geometry::{PointPair, Verification, verify};
-use super::{Blob, Match, MatchParams};
+use super::{Blob, Match, MatchParams, MatchResult};
 use crate::burst::Burst;
 use crate::detector::DetectorParams;
 use crate::detector::stack::FrameTimes;
@@ -16,13 +16,20 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
 
-/// Largest contradiction between a match and the solved places, pixels, and largest error of an inlier there, where
-/// [`MatchParams::max_error_px`] is not less.
-pub const ALIGNED_ERROR_PX: f32 = 2.0;
+/// Max error before the alignment, as a part of [`MatchParams::max_error_px`]: places are uncertain.
+const WIDE: f32 = 2.0;
+/// Max error after it, as a part of [`MatchParams::max_error_px`]; also the largest contradiction between a match and the
+/// solved places.
+const NARROW: f32 = 0.35;
 /// Fewest matches that a pair keeps.
 const FEWEST_KEPT: usize = 30;
 /// Least share of its inliers that a pair keeps: wrong pairs keep less.
 const LEAST_KEPT: f64 = 0.25;
+
+/// Parameters with which predicted matches are verified that are aligned afterwards.
+pub(super) fn before_alignment(params: &MatchParams) -> MatchParams {
+    MatchParams { max_error_px: WIDE * params.max_error_px, ..params.clone() }
+}
 
 /// Pictures of an image's places.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,6 +87,64 @@ pub fn measure_inliers(
     let mut measured = vec![None; matches.len()];
     indices.into_iter().zip(found).for_each(|(index, found)| measured[index] = found);
     Ok(measured)
+}
+
+/// Alignment of one pair of images.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairAlignment {
+    /// Solved place of each feature of A, and of B, pixels; as it was where nothing was measured.
+    pub places: [Vec<[f64; 2]>; 2],
+    /// For each match whether it was an inlier before.
+    pub was_inlier: Vec<bool>,
+    /// For each match what the pictures say, and how far it contradicts the solved places, pixels; `None` for what was
+    /// no inlier, and where the pictures do not tell.
+    pub measured: Vec<Option<(Measured, f64)>>,
+}
+
+/// Aligns the inliers of one pair whose features are at `places`, and verifies them again there. Nothing is done to a
+/// pair without a geometry.
+///
+/// # Errors
+/// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+pub fn align_pair(
+    result: &mut MatchResult,
+    [a, b]: [(&[[f64; 2]], &[Blob]); 2],
+    pictures: [&Pictures; 2],
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<(), Error> {
+    let Some(verified) = result.verification.as_ref().filter(|v| v.model.is_some()) else { return Ok(()) };
+    let measured = measure_inliers(&result.matches, &verified.inlier, pictures, monitor)?;
+    let mut alignment = Alignment::default();
+    [a, b].into_iter().for_each(|(places, blobs)| alignment.add_image(places.to_vec(), blobs));
+    let mut link = |(m, measured): (&Match, &Option<Measured>)| {
+        measured.map(|measured| alignment.add_match((0, 1), (m.a, m.b), measured))
+    };
+    let links: Vec<Option<usize>> = result.matches.iter().zip(&measured).map(&mut link).collect();
+    let aligned = alignment.solve(monitor)?;
+    let inliers: Vec<usize> = (0..links.len()).filter(|&index| verified.inlier[index]).collect();
+    let linked: Vec<(Match, Option<usize>)> =
+        inliers.iter().map(|&index| (result.matches[index], links[index])).collect();
+    let Some(confirmed) = aligned.confirmed((0, 1), &linked, params, monitor)? else { return Ok(()) };
+    let residual = |(measured, link): (Option<Measured>, Option<usize>)| Some((measured?, aligned.residuals_px[link?]));
+    let measured = measured.into_iter().zip(links).map(residual).collect();
+    let AlignedImages { places, .. } = aligned;
+    let Ok(places) = <[Vec<[f64; 2]>; 2]>::try_from(places) else { return Ok(()) };
+    let mut verification = Verification {
+        inlier: vec![false; result.matches.len()],
+        error_px: vec![f32::INFINITY; result.matches.len()],
+        ..confirmed.clone()
+    };
+    if let Some(model) = &confirmed.model {
+        for (m, error_px) in result.matches.iter().zip(&mut verification.error_px) {
+            *error_px = model.error_px(places[0][m.a], places[1][m.b]) as f32;
+        }
+    }
+    inliers.iter().zip(&confirmed.inlier).for_each(|(&index, &inlier)| verification.inlier[index] = inlier);
+    result.counts.inliers = Some(verification.inlier_count());
+    let was_inlier = result.verification.replace(verification).map_or_else(Vec::new, |before| before.inlier);
+    result.alignment = Some(PairAlignment { was_inlier, places, measured });
+    Ok(())
 }
 
 /// Images and their measured matches, before the solution.
@@ -150,7 +215,7 @@ impl AlignedImages {
         params: &MatchParams,
         monitor: &Monitor,
     ) -> Result<Option<Verification>, Error> {
-        let limit = params.max_error_px.min(ALIGNED_ERROR_PX);
+        let limit = NARROW * params.max_error_px;
         let agrees = |link: &Option<usize>| link.is_some_and(|link| self.residuals_px[link] <= f64::from(limit));
         let kept: Vec<usize> = (0..inliers.len()).filter(|&index| agrees(&inliers[index].1)).collect();
         let point = |index: usize| {
@@ -164,18 +229,133 @@ impl AlignedImages {
         if of_kept.inlier_count() < enough {
             of_kept.refuse();
         }
-        let mut verification = Verification {
-            inlier: vec![false; inliers.len()],
-            error_px: vec![f32::INFINITY; inliers.len()],
-            ..of_kept.clone()
+        let error_px = |index: usize| {
+            let PointPair { a, b, .. } = point(index);
+            of_kept.model.as_ref().map_or(f32::INFINITY, |model| model.error_px(a, b) as f32)
         };
-        if let Some(model) = &of_kept.model {
-            for (index, error_px) in verification.error_px.iter_mut().enumerate() {
-                let point = point(index);
-                *error_px = model.error_px(point.a, point.b) as f32;
+        let mut inlier = vec![false; inliers.len()];
+        kept.iter().zip(&of_kept.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
+        let error_px = (0..inliers.len()).map(error_px).collect();
+        Ok(Some(Verification { inlier, error_px, ..of_kept }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::Slope;
+    use crate::matching::MatchCounts;
+    use crate::matching::geometry::tests::places_in_space;
+    use crate::synth::random::Stream;
+
+    const SIGMA: f32 = 4.0;
+
+    fn blobs(count: usize) -> Vec<Blob> {
+        let slope = Slope::default();
+        vec![Blob { sigma: SIGMA, orientation: 0.0, slope, motion: slope, motion_sigma: 1.0 }; count]
+    }
+
+    /// Places of a scene in both images, and where blobs are found in B: some pixels beside them.
+    fn scene(count: usize) -> [Vec<[f64; 2]>; 3] {
+        let mut random = Stream::new(3, 0);
+        let seen = places_in_space(&mut random, count);
+        let [a, b] = [0, 1].map(|side| seen.iter().map(|views| views[side].0).collect::<Vec<_>>());
+        let beside = |place: &[f64; 2]| place.map(|x| x + random.within(-3.0, 3.0));
+        let found = b.iter().map(beside).collect();
+        [a, b, found]
+    }
+
+    fn measured(from: [f64; 2], to: [f64; 2]) -> Measured {
+        let shift_px = [to[0] - from[0], to[1] - from[1]];
+        Measured { shift_px, jacobian: [[1.0, 0.0], [0.0, 1.0]], correlation: 0.9 }
+    }
+
+    /// Matches of the i-th features, measured by `measure`, and their geometry after the alignment.
+    fn confirmed(
+        count: usize,
+        measure: impl Fn(usize) -> Option<Measured>,
+        [a, b]: [&[[f64; 2]]; 2],
+    ) -> (AlignedImages, Verification) {
+        let mut alignment = Alignment::default();
+        [a, b].into_iter().for_each(|places| alignment.add_image(places.to_vec(), &blobs(count)));
+        let found = |i| Match { a: i, b: i, distance: 1.0, ratio: 0.5 };
+        let mut link = |i| (found(i), measure(i).map(|measured| alignment.add_match((0, 1), (i, i), measured)));
+        let inliers: Vec<(Match, Option<usize>)> = (0..count).map(&mut link).collect();
+        let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
+        let params = MatchParams::default();
+        let verified = aligned.confirmed((0, 1), &inliers, &params, &Monitor::default()).expect("valid parameters");
+        (aligned, verified.expect("asked for"))
+    }
+
+    #[test]
+    fn places_that_the_pictures_correct_fit_the_geometry_exactly() {
+        let [a, b, found] = scene(80);
+        let (aligned, verified) = confirmed(80, |i| Some(measured(found[i], b[i])), [&a, &found]);
+        assert!(verified.model.is_some() && verified.inlier_count() == 80, "{}", verified.inlier_count());
+        // A prior that is weak beside the measurement leaves a hundredth of the correction.
+        let apart = |i: usize| {
+            let correction = |side: usize, before: [f64; 2], k: usize| aligned.places[side][i][k] - before[k];
+            [0, 1].map(|k| found[i][k] - b[i][k] + correction(1, found[i], k) - correction(0, a[i], k))
+        };
+        let largest = (0..80).flat_map(apart).map(f64::abs).fold(0.0, f64::max);
+        assert!(largest < 0.05, "{largest} px");
+        assert!(verified.error_px.iter().all(|error| *error < 0.5), "{:?}", verified.error_px);
+    }
+
+    #[test]
+    fn what_is_not_measured_stays_where_it_is_and_is_no_inlier() {
+        let [a, b, _] = scene(80);
+        let (aligned, verified) = confirmed(80, |i| (i < 60).then(|| measured(b[i], b[i])), [&a, &b]);
+        assert!(aligned.places[0][60..] == a[60..] && aligned.places[1][60..] == b[60..]);
+        assert!(verified.inlier[..60].iter().all(|inlier| *inlier) && !verified.inlier[60..].contains(&true));
+        assert!(verified.error_px[60..].iter().all(|error| *error < 0.5), "its error is known all the same");
+    }
+
+    #[test]
+    fn a_pair_that_keeps_few_matches_is_refused() {
+        let [a, b, _] = scene(200);
+        for (kept, is_believed) in [(29, false), (49, false), (60, true)] {
+            let (_, verified) = confirmed(200, |i| (i < kept).then(|| measured(b[i], b[i])), [&a, &b]);
+            assert_eq!(
+                (verified.model.is_some(), verified.inlier.contains(&true)),
+                (is_believed, is_believed),
+                "{kept}"
+            );
+        }
+    }
+
+    #[test]
+    fn places_that_contradict_their_other_matches_lose_them() {
+        // Three images; the third sees the first's places 5 px beside where the second one does.
+        let [a, b, _] = scene(60);
+        let mut alignment = Alignment::default();
+        [&a, &b, &b].into_iter().for_each(|places| alignment.add_image(places.clone(), &blobs(60)));
+        let found = |i| Match { a: i, b: i, distance: 1.0, ratio: 0.5 };
+        let mut pairs = [(0, 1), (0, 2), (1, 2)].map(|images| (images, Vec::new()));
+        for (images, matches) in &mut pairs {
+            for i in 0..60 {
+                let to = if *images == (0, 2) && i < 20 { [b[i][0] + 5.0, b[i][1]] } else { b[i] };
+                let link = alignment.add_match(*images, (i, i), measured(b[i], to));
+                matches.push((found(i), Some(link)));
             }
         }
-        kept.iter().zip(&of_kept.inlier).for_each(|(&index, &inlier)| verification.inlier[index] = inlier);
-        Ok(Some(verification))
+        let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
+        let (images, matches) = &pairs[1];
+        let params = MatchParams::default();
+        let verified =
+            aligned.confirmed(*images, matches, &params, &Monitor::default()).expect("valid").expect("asked");
+        assert!(!verified.inlier[..20].contains(&true) && verified.inlier[20..].iter().all(|inlier| *inlier));
+    }
+
+    #[test]
+    fn a_pair_without_a_geometry_is_left_alone() {
+        let counts = MatchCounts::default();
+        let mut result =
+            MatchResult { matches: Vec::new(), verification: None, prediction: None, alignment: None, counts };
+        let none = Pictures { places: places_of(&[], &[]), chips: Vec::new(), orientations: Vec::new() };
+        let before = result.clone();
+        let sides = [(&[][..], &[][..]); 2];
+        align_pair(&mut result, sides, [&none, &none], &MatchParams::default(), &Monitor::default()).expect("valid");
+        assert_eq!(result, before);
     }
 }

@@ -22,6 +22,8 @@ pub mod params;
 mod predicted;
 pub mod putative;
 
+use aligned::before_alignment;
+pub use aligned::{PairAlignment, Pictures};
 pub use camera::{Camera, CameraModel};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
 pub use params::{Geometry, MatchParams};
@@ -44,6 +46,9 @@ pub struct MatchResult {
     pub verification: Option<Verification>,
     /// Places that the motions predict from the sure matches; `None` without, or where too little is known.
     pub prediction: Option<Prediction>,
+    /// Alignment of the inliers; `None` without, or where no geometry was found. `verification` is that of the solved
+    /// places then.
+    pub alignment: Option<PairAlignment>,
     /// Counts of keypoints, putative matches and inliers.
     pub counts: MatchCounts,
 }
@@ -82,7 +87,8 @@ impl From<&Feature> for Blob {
     }
 }
 
-/// Matches the features of two detections and verifies the matches.
+/// Matches the features of two detections and verifies the matches. They are not aligned: that needs frames
+/// ([`crate::dataset::match_bursts`]).
 ///
 /// # Errors
 /// Parameters that make no sense.
@@ -97,7 +103,7 @@ pub fn match_detections(
     let blobs = [a, b].map(|of| of.features.iter().map(Blob::from).collect::<Vec<_>>());
     let a = MatchSide { places: &places[0], descriptors: &a.descriptors, blobs: &blobs[0] };
     let b = MatchSide { places: &places[1], descriptors: &b.descriptors, blobs: &blobs[1] };
-    match_features(a, b, params, monitor)
+    match_features(a, b, &MatchParams { align: false, ..params.clone() }, monitor)
 }
 
 /// Matches features given by places and descriptors alone, and verifies the matches.
@@ -125,15 +131,18 @@ pub fn match_features(
     {
         let inliers = matches.iter().zip(&sure.inlier).filter(|(_, inlier)| **inlier);
         let inliers: Vec<(usize, usize)> = inliers.map(|(m, _)| (m.a, m.b)).collect();
-        prediction = Prediction::of([a, b], &model, &inliers, params);
+        let wide = if params.align { before_alignment(params) } else { params.clone() };
+        prediction = Prediction::of([a, b], &model, &inliers, &wide);
         match &prediction {
             Some(prediction) if prediction.is_believed() => {
-                let found = predicted::predicted_matches([a, b], (&model, &matches), prediction, params, monitor)?;
-                let again = verified(&found, params)?;
+                let found = predicted::predicted_matches([a, b], (&model, &matches), prediction, &wide, monitor)?;
+                let again = verified(&found, &wide)?;
                 if again.as_ref().is_some_and(|again| again.model.is_some()) {
                     (matches, verification) = (found, again);
                 }
             }
+            // What its pictures say decides then.
+            Some(_) if params.align => {}
             Some(_) => sure.refuse(),
             None => {}
         }
@@ -144,7 +153,7 @@ pub fn match_features(
         putative: matches.len(),
         inliers: verification.as_ref().map(Verification::inlier_count),
     };
-    Ok(MatchResult { matches, verification, prediction, counts })
+    Ok(MatchResult { matches, verification, prediction, alignment: None, counts })
 }
 
 /// Counts of one pair of images, A and B.

@@ -53,6 +53,14 @@ pub struct Measured {
     pub correlation: f64,
 }
 
+impl Measured {
+    /// Angle by which A is turned in B, radians from +u towards +v, and ratio of B's scale to A's.
+    pub fn rotation_and_ratio(&self) -> (f64, f64) {
+        let [[uu, uv], [vu, vv]] = self.jacobian;
+        ((vu - uv).atan2(uu + vv), (uu * vv - uv * vu).abs().sqrt())
+    }
+}
+
 /// Angle brought into (−π, π].
 fn wrapped(angle: f32) -> f32 {
     PI - (PI - angle).rem_euclid(TAU)
