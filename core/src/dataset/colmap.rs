@@ -16,7 +16,8 @@ use crate::files::serialize_path;
 use crate::matching::align::Measured;
 use crate::matching::aligned::Alignment;
 use crate::matching::{
-    Blob, Camera, CameraModel, Geometry, Match, MatchCounts, MatchParams, PairSelection, TwoViewModel, Verification,
+    Blob, Camera, CameraModel, Geometry, Match, MatchCounts, MatchParams, PairSelection, Refusal, TwoViewModel,
+    Verification,
 };
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
@@ -265,7 +266,9 @@ fn align_all(
             inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m).collect();
         let pair = [ids[images.0], ids[images.1]];
         if let Ok(index) = report.pairs.binary_search_by_key(&pair, |report| report.ids) {
-            report.pairs[index].counts.inliers = Some(agreed.len());
+            let counts = &mut report.pairs[index].counts;
+            counts.inliers = Some(agreed.len());
+            counts.refused = model.is_none().then_some(Refusal::Pictures);
         }
         let places = [&aligned.places[images.0][..], &aligned.places[images.1]];
         database.add_geometry(pair[0], pair[1], &database_geometry(places, &agreed, model.as_ref()))?;

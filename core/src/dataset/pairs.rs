@@ -92,12 +92,8 @@ pub fn match_bursts([a, b]: [Found<'_>; 2], params: &MatchParams, monitor: &Moni
         return match_detections(a.detection, b.detection, params, monitor);
     }
     let (a, b) = (a.side(monitor)?, b.side(monitor)?);
-    let mut result = match_features(a.side(), b.side(), params, monitor)?;
-    if let (Some(of_a), Some(of_b)) = (&a.pictures, &b.pictures) {
-        let sides = [(&a.places[..], &a.blobs[..]), (&b.places, &b.blobs)];
-        align_pair(&mut result, sides, [of_a, of_b], params, monitor)?;
-    }
-    Ok(result)
+    let (result, measured) = matched([&a, &b], params, monitor)?;
+    MatchedPair { indices: (0, 1), sides: [&a, &b], result: &result, measured: &measured }.aligned(params, monitor)
 }
 
 /// A pair of bursts and its matches.
@@ -111,6 +107,22 @@ pub struct MatchedPair<'a> {
     pub result: &'a MatchResult,
     /// For each match what the pictures say, where both bursts have some and it is an inlier.
     pub measured: &'a [Option<Measured>],
+}
+
+impl MatchedPair<'_> {
+    /// The result after an alignment by the measurements of this pair alone, where `params` ask for it.
+    ///
+    /// # Errors
+    /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+    pub fn aligned(&self, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult, Error> {
+        let mut result = self.result.clone();
+        if !params.align {
+            return Ok(result);
+        }
+        let sides = self.sides.map(|side| (&side.places[..], &side.blobs[..]));
+        align_pair(&mut result, sides, self.measured, params, monitor)?;
+        Ok(result)
+    }
 }
 
 /// Matches the bursts of each of `pairs`, in an order in which `load` is rarely asked for one again; `on` receives each

@@ -7,7 +7,7 @@
 
 use super::align::{Chip, ChipSource, Link, Measured, PairFrame, Places, Solved, View, measure, pair, solve};
 use super::geometry::{PointPair, Verification, verify};
-use super::{Blob, Match, MatchParams, MatchResult};
+use super::{Blob, Match, MatchParams, MatchResult, Refusal};
 use crate::burst::Burst;
 use crate::detector::DetectorParams;
 use crate::detector::stack::FrameTimes;
@@ -101,49 +101,55 @@ pub struct PairAlignment {
     pub measured: Vec<Option<(Measured, f64)>>,
 }
 
-/// Aligns the inliers of one pair whose features are at `places`, and verifies them again there. Nothing is done to a
-/// pair without a geometry.
+impl PairAlignment {
+    /// From the place in B of match `index` to where A's place is seen there (u, v), pixels, and the correlation of the
+    /// pictures of both, −1 … 1; `None` where they do not tell.
+    pub fn shift_in_b(&self, index: usize) -> Option<([f64; 2], f64)> {
+        let (measured, _) = self.measured[index]?;
+        Some((measured.shift_px, measured.correlation))
+    }
+}
+
+/// Solves for the places of one pair's features, found at `places` with shapes `blobs`, from its `measured` matches, and
+/// verifies the inliers again there. Nothing is done to a pair without a geometry.
 ///
 /// # Errors
 /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
 pub fn align_pair(
     result: &mut MatchResult,
-    [a, b]: [(&[[f64; 2]], &[Blob]); 2],
-    pictures: [&Pictures; 2],
+    sides: [(&[[f64; 2]], &[Blob]); 2],
+    measured: &[Option<Measured>],
     params: &MatchParams,
     monitor: &Monitor,
 ) -> Result<(), Error> {
     let Some(verified) = result.verification.as_ref().filter(|v| v.model.is_some()) else { return Ok(()) };
-    let measured = measure_inliers(&result.matches, &verified.inlier, pictures, monitor)?;
     let mut alignment = Alignment::default();
-    [a, b].into_iter().for_each(|(places, blobs)| alignment.add_image(places.to_vec(), blobs));
+    sides.into_iter().for_each(|(places, blobs)| alignment.add_image(places.to_vec(), blobs));
     let mut link = |(m, measured): (&Match, &Option<Measured>)| {
         measured.map(|measured| alignment.add_match((0, 1), (m.a, m.b), measured))
     };
-    let links: Vec<Option<usize>> = result.matches.iter().zip(&measured).map(&mut link).collect();
+    let links: Vec<Option<usize>> = result.matches.iter().zip(measured).map(&mut link).collect();
     let aligned = alignment.solve(monitor)?;
     let inliers: Vec<usize> = (0..links.len()).filter(|&index| verified.inlier[index]).collect();
     let linked: Vec<(Match, Option<usize>)> =
         inliers.iter().map(|&index| (result.matches[index], links[index])).collect();
     let Some(confirmed) = aligned.confirmed((0, 1), &linked, params, monitor)? else { return Ok(()) };
-    let residual = |(measured, link): (Option<Measured>, Option<usize>)| Some((measured?, aligned.residuals_px[link?]));
-    let measured = measured.into_iter().zip(links).map(residual).collect();
-    let AlignedImages { places, .. } = aligned;
-    let Ok(places) = <[Vec<[f64; 2]>; 2]>::try_from(places) else { return Ok(()) };
-    let mut verification = Verification {
-        inlier: vec![false; result.matches.len()],
-        error_px: vec![f32::INFINITY; result.matches.len()],
-        ..confirmed.clone()
+    let residual =
+        |(measured, link): (&Option<Measured>, Option<usize>)| Some(((*measured)?, aligned.residuals_px[link?]));
+    let measured = measured.iter().zip(links).map(residual).collect();
+    let Ok([a, b]) = <[Vec<[f64; 2]>; 2]>::try_from(aligned.places) else { return Ok(()) };
+    let error_px = |m: &Match| {
+        let error_px = confirmed.model.as_ref().map(|model| model.error_px(a[m.a], b[m.b]) as f32);
+        error_px.unwrap_or(f32::INFINITY)
     };
-    if let Some(model) = &confirmed.model {
-        for (m, error_px) in result.matches.iter().zip(&mut verification.error_px) {
-            *error_px = model.error_px(places[0][m.a], places[1][m.b]) as f32;
-        }
-    }
-    inliers.iter().zip(&confirmed.inlier).for_each(|(&index, &inlier)| verification.inlier[index] = inlier);
-    result.counts.inliers = Some(verification.inlier_count());
+    let error_px = result.matches.iter().map(error_px).collect();
+    let mut inlier = vec![false; result.matches.len()];
+    inliers.iter().zip(&confirmed.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
+    result.counts.inliers = Some(confirmed.inlier_count());
+    result.counts.refused = confirmed.model.is_none().then_some(Refusal::Pictures);
+    let verification = Verification { inlier, error_px, ..confirmed };
     let was_inlier = result.verification.replace(verification).map_or_else(Vec::new, |before| before.inlier);
-    result.alignment = Some(PairAlignment { was_inlier, places, measured });
+    result.alignment = Some(PairAlignment { was_inlier, places: [a, b], measured });
     Ok(())
 }
 
@@ -352,10 +358,9 @@ mod tests {
         let counts = MatchCounts::default();
         let mut result =
             MatchResult { matches: Vec::new(), verification: None, prediction: None, alignment: None, counts };
-        let none = Pictures { places: places_of(&[], &[]), chips: Vec::new(), orientations: Vec::new() };
         let before = result.clone();
         let sides = [(&[][..], &[][..]); 2];
-        align_pair(&mut result, sides, [&none, &none], &MatchParams::default(), &Monitor::default()).expect("valid");
+        align_pair(&mut result, sides, &[], &MatchParams::default(), &Monitor::default()).expect("valid");
         assert_eq!(result, before);
     }
 }

@@ -125,7 +125,7 @@ pub fn match_features(
         verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
     };
     let mut verification = verified(&matches, params)?;
-    let mut prediction = None;
+    let (mut prediction, mut refused) = (None, None);
     if let Some(sure) = verification.as_mut().filter(|_| params.predict)
         && let Some(model) = sure.model.clone()
     {
@@ -143,7 +143,10 @@ pub fn match_features(
             }
             // What its pictures say decides then.
             Some(_) if params.align => {}
-            Some(_) => sure.refuse(),
+            Some(_) => {
+                sure.refuse();
+                refused = Some(Refusal::Motions);
+            }
             None => {}
         }
     }
@@ -152,8 +155,29 @@ pub fn match_features(
         keypoints_b: b.places.len(),
         putative: matches.len(),
         inliers: verification.as_ref().map(Verification::inlier_count),
+        refused,
     };
     Ok(MatchResult { matches, verification, prediction, alignment: None, counts })
+}
+
+/// Reason why the geometry of a pair, on which enough matches agreed, is not believed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Refusal {
+    /// Its motions agree with it no more than those of other places would.
+    Motions,
+    /// Too few of its matches lie where their pictures put them.
+    Pictures,
+}
+
+impl Refusal {
+    /// Words for people.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Motions => "the motions contradict the sure matches' geometry",
+            Self::Pictures => "the pictures of too many matches contradict each other",
+        }
+    }
 }
 
 /// Counts of one pair of images, A and B.
@@ -167,6 +191,9 @@ pub struct MatchCounts {
     pub putative: usize,
     /// Number of matches consistent with a common geometry; `None` where none was requested.
     pub inliers: Option<usize>,
+    /// Reason why there are none although enough matches agreed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<Refusal>,
 }
 
 impl MatchCounts {
@@ -307,14 +334,14 @@ mod tests {
 
     #[test]
     fn ratios_are_of_each_images_own_keypoints_and_never_divided_by_zero() {
-        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30) };
+        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30), refused: None };
         assert_eq!(counts.keypoints_per_image(), 150.0);
         assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
         assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
         assert_eq!(counts.precision(), Some(0.75));
         let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
         assert_eq!((none.match_ratio(), none.match_score(), none.precision()), (0.0, Some(0.0), None));
-        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None };
+        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None, refused: None };
         assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.precision()), (1.0, None, None));
     }
 

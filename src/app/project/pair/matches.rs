@@ -36,6 +36,8 @@ pub struct MatchRow<'a> {
 pub struct Aligned {
     /// Place, scale and orientation in B of what A's feature shows.
     pub b: Feature,
+    /// From B's place to that one, pixels.
+    pub shift_px: [f64; 2],
     /// Correlation of the two pictures, −1 … 1.
     pub correlation: f64,
     /// Distance from where the other matches put it, pixels.
@@ -52,7 +54,7 @@ impl Aligned {
             orientation: a.orientation + rotation as f32,
             ..*b
         };
-        Self { b, correlation: measured.correlation, residual_px }
+        Self { b, shift_px: measured.shift_px, correlation: measured.correlation, residual_px }
     }
 }
 
