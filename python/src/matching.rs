@@ -5,7 +5,7 @@ use crate::detection::RawDetection;
 use crate::failure::raised;
 use crate::parameters::{Given, match_params};
 use crate::work::run;
-use burstscope::dataset::{Found, ImageKind, burst_picture, match_bursts};
+use burstscope::dataset::{DetectedBurst, ImageKind, burst_picture, match_bursts};
 use burstscope::export::{MatchLine, write_match_picture};
 use burstscope::matching::{MatchResult, TwoViewModel};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -126,8 +126,8 @@ pub(crate) fn match_features(
         serde_json::to_string(&params).map_err(|error| raised(&burstscope::cli::Failure::Failed(error.into())))?;
     let (found_a, found_b) = (&a.1.searched, &b.1.searched);
     let found = [
-        Found { burst: &a.0.burst, params: &found_a.params, detection: &found_a.detection },
-        Found { burst: &b.0.burst, params: &found_b.params, detection: &found_b.detection },
+        DetectedBurst { burst: &a.0.burst, params: &found_a.params, detection: &found_a.detection },
+        DetectedBurst { burst: &b.0.burst, params: &found_b.params, detection: &found_b.detection },
     ];
     let result = run(py, progress, |monitor| Ok(match_bursts(found, &params, monitor)?))?;
     Ok(RawMatches { result, params: text })

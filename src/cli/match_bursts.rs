@@ -10,7 +10,7 @@ use super::inputs::{open_options, resolve_pair};
 use super::matching_args::MatchingArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
-use crate::dataset::{Found, ImageKind, burst_picture, match_bursts};
+use crate::dataset::{DetectedBurst, ImageKind, burst_picture, match_bursts};
 use crate::detector::params::Word;
 use crate::detector::{Detection, SearchParams};
 use crate::export::{ExportFormat, MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
@@ -81,7 +81,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     }
     console.begin("matches: ".to_owned());
     let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };
-    let of = |burst, detection| Found { burst, params: &params.detector, detection };
+    let of = |burst, detection| DetectedBurst { burst, params: &params.detector, detection };
     let result = match_bursts([of(burst_a, a), of(burst_b, b)], &matching, &console.monitor)?;
     let pictures =
         [burst_a, burst_b].map(|burst| burst_picture(burst, args.images, &params.detector, &console.monitor.silent()));

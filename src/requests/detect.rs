@@ -6,7 +6,7 @@ use super::open::{BurstId, OpenBurst};
 use super::request::{Request, Work};
 use super::source::BurstSource;
 use crate::burst::OpenOptions;
-use crate::dataset::{Found, match_bursts};
+use crate::dataset::{DetectedBurst, match_bursts};
 use crate::detect::{self, Searched};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
@@ -129,8 +129,8 @@ impl Request for MatchRequest {
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
         let [(burst_a, params_a), (burst_b, params_b)] = &self.bursts;
-        let a = Found { burst: &burst_a.burst, params: params_a, detection: &self.a };
-        let b = Found { burst: &burst_b.burst, params: params_b, detection: &self.b };
+        let a = DetectedBurst { burst: &burst_a.burst, params: params_a, detection: &self.a };
+        let b = DetectedBurst { burst: &burst_b.burst, params: params_b, detection: &self.b };
         let result = Arc::new(match_bursts([a, b], &self.params, work.monitor)?);
         Ok(Matched { request: self, result })
     }

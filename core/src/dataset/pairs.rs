@@ -63,7 +63,7 @@ impl From<BurstFeatures> for BurstSide {
 
 /// A burst, and what was found in it.
 #[derive(Debug, Clone, Copy)]
-pub struct Found<'a> {
+pub struct DetectedBurst<'a> {
     /// The burst.
     pub burst: &'a Burst,
     /// Parameters with which it was searched.
@@ -72,7 +72,7 @@ pub struct Found<'a> {
     pub detection: &'a Detection,
 }
 
-impl Found<'_> {
+impl DetectedBurst<'_> {
     fn side(&self, monitor: &Monitor) -> Result<BurstSide, Error> {
         let Detection { features, descriptors, .. } = self.detection;
         let places = features.iter().map(|feature| [feature.u, feature.v].map(f64::from)).collect();
@@ -87,7 +87,11 @@ impl Found<'_> {
 ///
 /// # Errors
 /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
-pub fn match_bursts([a, b]: [Found<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult, Error> {
+pub fn match_bursts(
+    [a, b]: [DetectedBurst<'_>; 2],
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<MatchResult, Error> {
     if !params.align {
         return match_detections(a.detection, b.detection, params, monitor);
     }

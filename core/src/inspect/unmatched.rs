@@ -238,22 +238,19 @@ fn at_prediction(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     }
 }
 
-/// What the pictures of a match say that is no inlier after the alignment; empty where they were not looked at.
-fn pictures_of(pair: &ComparedPair<'_>, index: usize) -> String {
+/// Why the pictures contradict a match that is no inlier after the alignment, where they were looked at.
+fn pictures_of(pair: &ComparedPair<'_>, index: usize) -> Option<String> {
     let looked_at = pair.result.alignment.as_ref().and_then(|alignment| {
         let number = pair.result.matches.binary_search_by_key(&index, |m| m.a).ok()?;
         alignment.was_inlier[number].then_some(alignment.measured[number])
-    });
-    match looked_at {
-        None => String::new(),
-        Some(None) => "; the picture of its place is not found in the other".to_owned(),
-        Some(Some((measured, residual_px))) => {
-            let correlation = measured.correlation;
-            format!(
-                "; the pictures of the two (correlation {correlation:.2}) are {residual_px:.1} px from where others put them"
-            )
-        }
-    }
+    })?;
+    Some(match looked_at {
+        None => ": the picture of its place is not found there".to_owned(),
+        Some((measured, residual_px)) => format!(
+            ": the pictures of the two (correlation {:.2}) are {residual_px:.1} px from where others put them",
+            measured.correlation
+        ),
+    })
 }
 
 fn sentence(
@@ -310,8 +307,8 @@ fn sentence(
                     let error = model.error_px(place(&pair.a.features[index]), place(&pair.b.features[matched.b]));
                     format!(": {error:.1} px from the place it expects")
                 });
-                let pictures = pictures_of(pair, index);
-                format!("geometry: its match, {}, does not fit{error}{pictures}", rank_name(matched.b))
+                let why = pictures_of(pair, index).unwrap_or(error);
+                format!("geometry: its match, {}, does not fit{why}", rank_name(matched.b))
             }
             None => {
                 let other = pair.result.matches.iter().find(|m| m.b == best.feature);

@@ -446,7 +446,7 @@ mod tests {
 
     fn params(geometry: Geometry) -> MatchParams {
         let camera = (geometry == Geometry::Essential).then(camera);
-        MatchParams { geometry, camera, predict: true, ..MatchParams::default() }
+        MatchParams { geometry, camera, align: false, ..MatchParams::default() }
     }
 
     fn matched([a, b]: &[Features; 2], params: &MatchParams) -> MatchResult {
