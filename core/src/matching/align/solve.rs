@@ -24,7 +24,7 @@ const REMAINDER: f64 = 1e-3;
 /// Least change of scale that is believed.
 const LEAST_SCALE: f64 = 0.3;
 
-type Pair = [f64; 2];
+type Uv = [f64; 2];
 
 /// Places of an image's features: those of several orientations share one.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -98,8 +98,8 @@ pub fn solve(sigmas: &[f32], links: &[Link], monitor: &Monitor) -> Result<Solved
 struct Term {
     a: usize,
     b: usize,
-    jacobian: [Pair; 2],
-    shift: Pair,
+    jacobian: [Uv; 2],
+    shift: Uv,
     /// One over the root of the scale of B over A: residuals of both images are worth the same.
     scale: f64,
     /// Weight before any contradiction, 0 … 1.
@@ -116,18 +116,18 @@ impl Term {
     }
 
     /// c_b − J·c_a.
-    fn apart(&self, corrections: &[Pair]) -> Pair {
+    fn apart(&self, corrections: &[Uv]) -> Uv {
         let (a, b) = (corrections[self.a], corrections[self.b]);
         [0, 1].map(|i| b[i] - (self.jacobian[i][0] * a[0] + self.jacobian[i][1] * a[1]))
     }
 
-    fn residual(&self, corrections: &[Pair]) -> f64 {
+    fn residual(&self, corrections: &[Uv]) -> f64 {
         let [u, v] = self.apart(corrections);
         self.scale * (u - self.shift[0]).hypot(v - self.shift[1])
     }
 
     /// Adds the term's part of Aᵀ·`of` times `weight` to `sums`.
-    fn spread(&self, of: Pair, weight: f64, sums: &mut [Pair]) {
+    fn spread(&self, of: Uv, weight: f64, sums: &mut [Uv]) {
         for i in 0..2 {
             sums[self.b][i] += weight * of[i];
             sums[self.a][i] -= weight * (self.jacobian[0][i] * of[0] + self.jacobian[1][i] * of[1]);
@@ -149,14 +149,14 @@ impl<'a> System<'a> {
     }
 
     /// Writes the matrix times `of` into `product`.
-    fn times(&self, of: &[Pair], product: &mut [Pair]) {
+    fn times(&self, of: &[Uv], product: &mut [Uv]) {
         for ((product, x), prior) in product.iter_mut().zip(of).zip(self.prior) {
             *product = x.map(|x| prior * x);
         }
         self.terms.iter().for_each(|(term, weight)| term.spread(term.apart(of), *weight, product));
     }
 
-    fn right_side(&self) -> Vec<Pair> {
+    fn right_side(&self) -> Vec<Uv> {
         let mut sums = vec![[0.0; 2]; self.prior.len()];
         self.terms.iter().for_each(|(term, weight)| term.spread(term.shift, *weight, &mut sums));
         sums
@@ -180,9 +180,9 @@ impl<'a> System<'a> {
     }
 
     /// Improves `solution` by preconditioned conjugate gradients. A place without a term keeps exactly what it has.
-    fn solve(&self, solution: &mut [Pair], monitor: &Monitor) -> Result<(), Cancelled> {
+    fn solve(&self, solution: &mut [Uv], monitor: &Monitor) -> Result<(), Cancelled> {
         let (right, blocks) = (self.right_side(), self.preconditioner());
-        let condition = |from: &[Pair], to: &mut [Pair]| {
+        let condition = |from: &[Uv], to: &mut [Uv]| {
             for ((to, r), b) in to.iter_mut().zip(from).zip(&blocks) {
                 *to = [b[0] * r[0] + b[1] * r[1], b[1] * r[0] + b[2] * r[1]];
             }
@@ -215,11 +215,11 @@ impl<'a> System<'a> {
     }
 }
 
-fn dot(a: &[Pair], b: &[Pair]) -> f64 {
+fn dot(a: &[Uv], b: &[Uv]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
 }
 
-fn add(to: &mut [Pair], factor: f64, of: &[Pair]) {
+fn add(to: &mut [Uv], factor: f64, of: &[Uv]) {
     to.iter_mut().zip(of).for_each(|(to, x)| *to = [to[0] + factor * x[0], to[1] + factor * x[1]]);
 }
 
@@ -227,9 +227,9 @@ fn add(to: &mut [Pair], factor: f64, of: &[Pair]) {
 mod tests {
     use super::*;
 
-    const IDENTITY: [Pair; 2] = [[1.0, 0.0], [0.0, 1.0]];
+    const IDENTITY: [Uv; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
-    fn link(a: usize, b: usize, shift_px: Pair, correlation: f64) -> Link {
+    fn link(a: usize, b: usize, shift_px: Uv, correlation: f64) -> Link {
         Link { a, b, measured: Measured { shift_px, jacobian: IDENTITY, correlation } }
     }
 
@@ -255,10 +255,10 @@ mod tests {
 
     /// Six views of 30 places whose true errors are known, each pair of views measured exactly; the view k sees all
     /// turned and 1 + k/10 times as large.
-    fn exact() -> (Vec<f32>, Vec<Pair>, Vec<Link>) {
+    fn exact() -> (Vec<f32>, Vec<Uv>, Vec<Link>) {
         let mut random = crate::synth::random::Stream::new(5, 0);
         let (views, count) = (6, 30);
-        let truth: Vec<Pair> = (0..views * count).map(|_| [random.normal(), random.normal()]).collect();
+        let truth: Vec<Uv> = (0..views * count).map(|_| [random.normal(), random.normal()]).collect();
         let matrix = |view: usize| {
             let (sin, cos) = (0.3 * view as f64).sin_cos();
             let scale = 1.0 + 0.1 * view as f64;
@@ -294,8 +294,8 @@ mod tests {
         let found = solved(&sigmas, &links);
         assert!(contradiction(&found) < 0.05, "{}", contradiction(&found));
         // The prior makes the common part small; the rest of the errors is found.
-        let length = |all: &[Pair]| dot(all, all);
-        let left: Vec<Pair> = found.corrections.iter().zip(&truth).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
+        let length = |all: &[Uv]| dot(all, all);
+        let left: Vec<Uv> = found.corrections.iter().zip(&truth).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
         assert!(length(&left) < 0.3 * length(&truth), "{} of {}", length(&left), length(&truth));
     }
 
