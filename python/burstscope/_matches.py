@@ -193,4 +193,4 @@ def match(
     """
     with shown(progress) as tell:
         text = None if camera is None else _camera_text(camera)
-        return Matches(a, b, _burstscope.match_features(a._raw, b._raw, text, texts(keywords), tell))
+        return Matches(a, b, _burstscope.match_features((a.burst._raw, a._raw), (b.burst._raw, b._raw), text, texts(keywords), tell))

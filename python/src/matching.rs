@@ -5,9 +5,9 @@ use crate::detection::RawDetection;
 use crate::failure::raised;
 use crate::parameters::{Given, match_params};
 use crate::work::run;
-use burstscope::dataset::{ImageKind, burst_picture};
+use burstscope::dataset::{DetectedBurst, ImageKind, burst_picture, match_bursts};
 use burstscope::export::{MatchLine, write_match_picture};
-use burstscope::matching::{MatchResult, TwoViewModel, match_detections};
+use burstscope::matching::{MatchResult, TwoViewModel};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -115,8 +115,8 @@ impl RawMatches {
 #[pyfunction]
 pub(crate) fn match_features(
     py: Python<'_>,
-    a: &RawDetection,
-    b: &RawDetection,
+    a: (PyRef<'_, RawBurst>, PyRef<'_, RawDetection>),
+    b: (PyRef<'_, RawBurst>, PyRef<'_, RawDetection>),
     camera: Option<String>,
     given: Given,
     progress: Option<Py<PyAny>>,
@@ -124,7 +124,11 @@ pub(crate) fn match_features(
     let params = match_params(camera.as_deref(), &given)?;
     let text =
         serde_json::to_string(&params).map_err(|error| raised(&burstscope::cli::Failure::Failed(error.into())))?;
-    let (a, b) = (&a.searched.detection, &b.searched.detection);
-    let result = run(py, progress, |monitor| Ok(match_detections(a, b, &params, monitor)?))?;
+    let (found_a, found_b) = (&a.1.searched, &b.1.searched);
+    let found = [
+        DetectedBurst { burst: &a.0.burst, params: &found_a.params, detection: &found_a.detection },
+        DetectedBurst { burst: &b.0.burst, params: &found_b.params, detection: &found_b.detection },
+    ];
+    let result = run(py, progress, |monitor| Ok(match_bursts(found, &params, monitor)?))?;
     Ok(RawMatches { result, params: text })
 }

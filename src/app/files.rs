@@ -283,6 +283,7 @@ fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
         ratio: row.found.ratio,
         // Where no geometry was found the error is infinite, as the command writes it.
         verified: row.inlier.map(|inlier| (row.error_px.unwrap_or(f32::INFINITY), inlier)),
+        aligned: row.aligned.map(|aligned| (aligned.shift_px, aligned.correlation)),
     }
 }
 

@@ -10,12 +10,12 @@ use super::inputs::{open_options, resolve_pair};
 use super::matching_args::MatchingArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
-use crate::dataset::{ImageKind, burst_picture};
+use crate::dataset::{DetectedBurst, ImageKind, burst_picture, match_bursts};
 use crate::detector::params::Word;
 use crate::detector::{Detection, SearchParams};
 use crate::export::{ExportFormat, MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
 use crate::files::serialize_path;
-use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel, match_detections};
+use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel};
 use crate::monitor::Stage;
 use clap::Args;
 use nalgebra::Matrix3;
@@ -81,7 +81,8 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     }
     console.begin("matches: ".to_owned());
     let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };
-    let result = match_detections(a, b, &matching, &console.monitor)?;
+    let of = |burst, detection| DetectedBurst { burst, params: &params.detector, detection };
+    let result = match_bursts([of(burst_a, a), of(burst_b, b)], &matching, &console.monitor)?;
     let pictures =
         [burst_a, burst_b].map(|burst| burst_picture(burst, args.images, &params.detector, &console.monitor.silent()));
     let [picture_a, picture_b] = pictures;
@@ -99,12 +100,12 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     write_match_picture(&picture, picture_a.picture(), picture_b.picture(), &lines)?;
     folder.check()?;
     let model = result.verification.as_ref().and_then(|v| v.model.as_ref());
-    let why_none = match &result.prediction {
-        _ if model.is_some() => "",
-        Some(prediction) if !prediction.is_believed() => "; refused: the motions contradict the sure matches' geometry",
-        _ => "; too few agree on any",
+    let why_none = match result.counts.refused {
+        _ if model.is_some() => String::new(),
+        Some(reason) => format!("; refused: {}", reason.words()),
+        None => "; too few agree on any".to_owned(),
     };
-    console.say(&summary(&result.counts, &matching, why_none))?;
+    console.say(&summary(&result.counts, &matching, &why_none))?;
     console.say(&format!("  wrote        {}\n  wrote        {}\n", matches.display(), picture.display()))?;
     let document = MatchDocument {
         params: &params,
@@ -134,12 +135,13 @@ fn match_rows(a: &Detection, b: &Detection, result: &MatchResult) -> Vec<MatchRo
         distance: m.distance,
         ratio: m.ratio,
         verified: verified(k),
+        aligned: result.alignment.as_ref().and_then(|alignment| alignment.shift_in_b(k)),
     };
     result.matches.iter().enumerate().map(row).collect()
 }
 
 fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> String {
-    let MatchCounts { keypoints_a, keypoints_b, putative, inliers } = *counts;
+    let MatchCounts { keypoints_a, keypoints_b, putative, inliers, .. } = *counts;
     let inliers = inliers.map_or_else(
         || "not verified".to_owned(),
         |inliers| format!("{inliers} ({}{why_none})", matching.geometry.word()),
@@ -188,7 +190,8 @@ pub struct MatchArgs {
 const MATCH_HELP: &str = "\
 Files in DIR, for bursts A and B:
   A.csv, B.csv       features, as 'detect' writes them
-  A_B.matches.csv    a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier; a and b count the features from 0
+  A_B.matches.csv    a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation; a and b count the features from 0. What A's
+                     place shows lies at (u_b + shift_u_b, v_b + shift_v_b) in B: nan where the pictures do not tell, or were not compared (--align false)
   A_B.matches.png    both pictures, inliers solid and yellow, other matches dashed and vermilion
 
 Numbers, as in the paper's tables: match ratio = putative matches over keypoints, match score = inliers over keypoints (each the mean of A's and B's), precision =
@@ -196,7 +199,7 @@ inliers over putative matches.
 
 JSON (--json):
   {\"version\", \"command\": \"match\", \"params\": {as in the parameter file}, \"matching\", \"a\": {as a burst of 'detect'}, \"b\",
-   \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"match_ratio\", \"match_score\", \"precision\",
+   \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": \"motions\" or \"pictures\" where they contradict the geometry, else absent, \"match_ratio\", \"match_score\", \"precision\",
    \"model\": null or {\"kind\", \"matrix\": [[row], …]}, \"files\": {\"matches\", \"picture\"}}
   The matrix maps pixels whose first centre is at (0, 0): x_b^T F x_a = 0, or x_b ~ H x_a; the essential matrix maps directions. inliers, match_score and
   precision are null where nothing was verified (--geometry none).";

@@ -113,14 +113,15 @@ mod tests {
     fn every_option_reaches_its_parameter() {
         let camera = "SIMPLE_PINHOLE,64,48,50,32,24";
         let line = format!(
-            "--ratio 0.7 --mutual false --geometry homography --predict true --max-error-px 2 --min-inliers 9 \
+            "--ratio 0.7 --mutual false --geometry homography --predict false --align false --max-error-px 2 --min-inliers 9 \
              --confidence 0.99 --max-iterations 77 --seed 5 --camera {camera}"
         );
         let got = params(&line.split_whitespace().collect::<Vec<_>>());
         let expected = MatchParams {
             ratio: 0.7,
             mutual: false,
-            predict: true,
+            predict: false,
+            align: false,
             geometry: Geometry::Homography,
             max_error_px: 2.0,
             min_inliers: 9,

@@ -6,10 +6,11 @@ use super::open::{BurstId, OpenBurst};
 use super::request::{Request, Work};
 use super::source::BurstSource;
 use crate::burst::OpenOptions;
+use crate::dataset::{DetectedBurst, match_bursts};
 use crate::detect::{self, Searched};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
-use crate::matching::{MatchParams, MatchResult, match_detections};
+use crate::matching::{MatchParams, MatchResult};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -111,6 +112,8 @@ impl Request for CompareRequest {
 pub struct MatchRequest {
     pub a: Arc<Detection>,
     pub b: Arc<Detection>,
+    /// The bursts of A and B with the parameters of their search, whose pictures align the matches.
+    pub bursts: [(OpenBurst, DetectorParams); 2],
     pub params: MatchParams,
 }
 
@@ -125,7 +128,10 @@ impl Request for MatchRequest {
     type Told = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
-        let result = Arc::new(match_detections(&self.a, &self.b, &self.params, work.monitor)?);
+        let [(burst_a, params_a), (burst_b, params_b)] = &self.bursts;
+        let a = DetectedBurst { burst: &burst_a.burst, params: params_a, detection: &self.a };
+        let b = DetectedBurst { burst: &burst_b.burst, params: params_b, detection: &self.b };
+        let result = Arc::new(match_bursts([a, b], &self.params, work.monitor)?);
         Ok(Matched { request: self, result })
     }
 }

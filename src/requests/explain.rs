@@ -72,7 +72,7 @@ pub struct LossesRequest {
 
 impl LossesRequest {
     pub fn pair(&self) -> ComparedPair<'_> {
-        let MatchRequest { a, b, params } = &self.request;
+        let MatchRequest { a, b, params, .. } = &self.request;
         ComparedPair { a, b, size_b: self.size_b, result: &self.result, params }
     }
 }

@@ -4,8 +4,8 @@ use crate::datasets::{click_burst, dataset, few_slopes, start, walk};
 use crate::support::Window;
 use burstscope::Monitor;
 use burstscope::app::project::workspace::Workspace;
-use burstscope::burst::OpenOptions;
-use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, MatchedPair, match_pairs};
+use burstscope::burst::{Burst, OpenOptions};
+use burstscope::dataset::{BurstSide, FeatureJob, FeatureStore, ImageKind, MatchedPair, match_pairs};
 use burstscope::matching::{MatchCounts, MatchParams};
 use egui::Key;
 use egui::accesskit::Role;
@@ -25,13 +25,19 @@ fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
     let job = FeatureJob { detector: few_slopes().into(), open: OpenOptions::default(), images: ImageKind::default() };
     let store = FeatureStore::open(&home.join("film-burstscope-5"), &job).unwrap();
     let bursts = walk_again(home);
-    let mut load = |index: usize| Ok(store.kept(&bursts[index], &Monitor::default()).ok().map(Into::into));
+    let monitor = Monitor::default();
+    let mut load = |index: usize| {
+        let side = BurstSide::from(store.kept(&bursts[index], &monitor).ok().unwrap());
+        let burst = Burst::open_with(&bursts[index].paths, &job.open, &monitor)?;
+        side.with_pictures(&burst, &job.detector.detector, &monitor).map(Some)
+    };
     let mut counts = None;
+    let params = MatchParams::default();
     let mut on = |matched: MatchedPair<'_>| {
-        counts = Some(matched.result.counts);
+        counts = Some(matched.aligned(&params, &monitor)?.counts);
         Ok(())
     };
-    match_pairs(&[pair], &MatchParams::default(), &mut load, &mut on, &Monitor::default()).unwrap();
+    match_pairs(&[pair], &params, &mut load, &mut on, &monitor).unwrap();
     counts.unwrap()
 }
 
@@ -135,7 +141,8 @@ fn trajectory_matrix() {
             let apart = b - a;
             let putative = 620 / (apart + 1) + 7 * (a % 4);
             let inliers = if apart > 12 { 0 } else { putative * (40 - apart) / 44 };
-            let counts = MatchCounts { keypoints_a: 900, keypoints_b: 880, putative, inliers: Some(inliers) };
+            let counts =
+                MatchCounts { keypoints_a: 900, keypoints_b: 880, putative, inliers: Some(inliers), refused: None };
             open.matches.take((a, b), counts);
         }
     }

@@ -6,8 +6,9 @@ use burstscope::app::pane::{Content, Over, PaneId};
 use burstscope::app::project::cursor::ViewKind;
 use burstscope::app::project::pair::{MatchColumn, Side};
 use burstscope::app::project::workspace::Workspace;
+use burstscope::dataset::{DetectedBurst, match_bursts};
 use burstscope::detector::Slope;
-use burstscope::matching::{Geometry, match_detections};
+use burstscope::matching::Geometry;
 use burstscope::requests::{BurstSource, PictureKind};
 use egui::Key;
 use egui::accesskit::Role;
@@ -40,8 +41,11 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
     let model = &window.app().model;
     let names = Side::BOTH.map(|side| model.burst_of(side).unwrap().burst.name.clone());
     assert_eq!(names, ["demo", "demo-later"]);
-    let [a, b] = Side::BOTH.map(|side| model.found_of(side).unwrap().detection.clone());
-    let expected = match_detections(&a, &b, &model.pair.params, &Monitor::default()).unwrap();
+    let sides = Side::BOTH.map(|side| {
+        let (burst, found) = (&model.burst_of(side).unwrap().burst, model.found_of(side).unwrap());
+        DetectedBurst { burst, params: &found.params, detection: &found.detection }
+    });
+    let expected = match_bursts(sides, &model.pair.params, &Monitor::default()).unwrap();
     assert_eq!(*model.pair.matches.as_ref().unwrap().result, expected, "the window matches as the library does");
     let counts = expected.counts;
     assert!(counts.inliers.unwrap() > 50 && counts.precision().unwrap() > 0.7, "{counts:?}");
@@ -128,6 +132,9 @@ fn parameters_of_matching_are_live_documented_and_checked() {
         assert!(window.shows(doc.label), "{}", doc.label);
         assert!(doc.unit.is_empty() || window.shows(doc.unit), "the unit of {}", doc.label);
     }
+    // Predicted matches have a ratio of their own.
+    window.app_mut().model.pair.params.predict = false;
+    window.settle();
     let before = window.app().model.pair.matches.as_ref().unwrap().result.clone();
     window.app_mut().model.pair.params.ratio = 0.6;
     window.settle();

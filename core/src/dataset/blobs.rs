@@ -1,7 +1,8 @@
-//! Scales and motions of a burst's features, stored in its record: what matching needs beyond COLMAP's files.
+//! Shapes and motions of a burst's features, stored in its record: what matching needs beyond COLMAP's files.
 //!
-//! They are one text of hexadecimal digits: a checksum, and for each feature in order four `f32`, little end first:
-//! scale σ, motion (u, v) and the motion's standard deviation, infinite where unknown.
+//! They are one text of hexadecimal digits: a checksum, and for each feature in order seven `f32`, little end first:
+//! scale σ, orientation, slope (u, v), motion of its place (u, v) and that motion's standard deviation, infinite where
+//! unknown.
 
 use crate::detector::Slope;
 use crate::matching::Blob;
@@ -9,15 +10,17 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt::Write;
 
-/// The scales and motions of a burst's features.
+/// The shapes and motions of a burst's features.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StoredBlobs(pub Vec<Blob>);
 
-const NUMBERS: usize = 4;
+const NUMBERS: usize = 7;
 
 impl StoredBlobs {
     fn text(&self) -> String {
-        let numbers = |blob: &Blob| [blob.sigma, blob.motion.u, blob.motion.v, blob.motion_sigma];
+        let numbers = |&Blob { sigma, orientation, slope, motion, motion_sigma }: &Blob| {
+            [sigma, orientation, slope.u, slope.v, motion.u, motion.v, motion_sigma]
+        };
         let bytes: Vec<u8> = self.0.iter().flat_map(numbers).flat_map(f32::to_le_bytes).collect();
         let mut text = format!("{:08x}", crc32fast::hash(&bytes));
         bytes.iter().for_each(|byte| write!(text, "{byte:02x}").unwrap_or_default());
@@ -36,9 +39,11 @@ impl StoredBlobs {
         let numbers: Vec<f32> = numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
         let (blobs, more) = numbers.as_chunks::<NUMBERS>();
         let is_whole = rest.is_empty() && odd.is_empty() && more.is_empty();
-        let blob = |&[sigma, u, v, motion_sigma]: &[f32; NUMBERS]| {
-            let is_blob = sigma > 0.0 && sigma.is_finite() && motion_sigma >= 0.0 && u.is_finite() && v.is_finite();
-            is_blob.then_some(Blob { sigma, motion: Slope::new(u, v), motion_sigma })
+        let blob = |&[finite @ .., motion_sigma]: &[f32; NUMBERS]| {
+            let [sigma, orientation, u, v, place_u, place_v] = finite;
+            let (slope, motion) = (Slope::new(u, v), Slope::new(place_u, place_v));
+            let is_blob = sigma > 0.0 && motion_sigma >= 0.0 && finite.iter().all(|x| x.is_finite());
+            is_blob.then_some(Blob { sigma, orientation, slope, motion, motion_sigma })
         };
         let is_unchanged = u32::from_be_bytes(*checksum) == crc32fast::hash(bytes);
         if is_whole && is_unchanged { blobs.iter().map(blob).collect::<Option<_>>().map(Self) } else { None }
@@ -54,7 +59,7 @@ impl Serialize for StoredBlobs {
 impl<'de> Deserialize<'de> for StoredBlobs {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
-        Self::from_text(&text).ok_or_else(|| D::Error::custom("altered scales and motions"))
+        Self::from_text(&text).ok_or_else(|| D::Error::custom("altered shapes and motions"))
     }
 }
 
@@ -65,7 +70,8 @@ mod tests {
 
     #[test]
     fn blobs_survive_a_file_and_altered_ones_are_refused() {
-        let blob = |sigma, motion_sigma| Blob { sigma, motion: Slope::new(-1.5, 0.25), motion_sigma };
+        let (slope, motion) = (Slope::new(2.0, 0.5), Slope::new(-1.5, 0.25));
+        let blob = |sigma, motion_sigma| Blob { sigma, orientation: 1.0, slope, motion, motion_sigma };
         let blobs = StoredBlobs(vec![blob(2.5, 0.1), blob(7.0, f32::INFINITY)]);
         let json = serde_json::to_string(&blobs).expect("plain text");
         assert_eq!(serde_json::from_str::<StoredBlobs>(&json).ok(), Some(blobs.clone()));

@@ -7,16 +7,21 @@
 use super::CameraChoice;
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::pairs::{BurstSide, MatchedPair, match_pairs};
-use crate::burst::BurstFiles;
+use crate::burst::{Burst, BurstFiles};
 use crate::error::{Error, ErrorKind};
-use crate::export::{DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database};
+use crate::export::{
+    ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database,
+};
 use crate::files::serialize_path;
+use crate::matching::align::Measured;
+use crate::matching::aligned::Alignment;
 use crate::matching::{
-    Blob, Camera, CameraModel, Geometry, MatchCounts, MatchParams, MatchResult, PairSelection, TwoViewModel,
+    Blob, Camera, CameraModel, Geometry, Match, MatchCounts, MatchParams, PairSelection, Refusal, TwoViewModel,
     Verification,
 };
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -126,13 +131,18 @@ pub fn export_colmap(
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
         let mut blobs = Vec::with_capacity(done.len());
-        for (index, resumed) in done {
+        for &(index, resumed) in &done {
             monitor.check()?;
             let mut burst = store.written(&bursts[index])?;
             blobs.push(std::mem::take(&mut burst.blobs));
             add_burst(database, &BurstFeatures { resumed, ..burst }, job, &mut report)?;
         }
-        match_all(database, (&pairs, &blobs), &matching, &mut report, monitor)
+        let with_pictures = |index: usize, side: BurstSide| {
+            let silent = monitor.silent();
+            let burst = Burst::open_with(&bursts[done[index].0].paths, &job.features.open, &silent)?;
+            side.with_pictures(&burst, &job.features.detector.detector, &silent)
+        };
+        match_all(database, (&pairs, &blobs), &matching, &with_pictures, &mut report, monitor)
     })?;
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
@@ -171,10 +181,17 @@ fn add_burst(
     Ok(())
 }
 
+/// A verified pair that waits for the solution: indices of its images, and its inliers with their measurements.
+struct Waiting {
+    images: (usize, usize),
+    inliers: Vec<(Match, Option<Measured>)>,
+}
+
 fn match_all(
     database: &mut DatabaseWriter<'_>,
     (pairs, blobs): (&[(usize, usize)], &[Vec<Blob>]),
     matching: &MatchParams,
+    with_pictures: &dyn Fn(usize, BurstSide) -> Result<BurstSide, Error>,
     report: &mut ColmapReport,
     monitor: &Monitor,
 ) -> Result<(), Error> {
@@ -182,22 +199,81 @@ fn match_all(
     let database = RefCell::new(database);
     let mut load = |index: usize| {
         let (keypoints, descriptors) = database.borrow().features(ids[index])?;
-        Ok(Some(BurstSide::new(&keypoints, descriptors, blobs[index].clone())))
+        let side = BurstSide::new(&keypoints, descriptors, blobs[index].clone());
+        Ok(Some(if matching.align { with_pictures(index, side)? } else { side }))
     };
-    let mut write = |MatchedPair { indices: (a, b), sides, result }: MatchedPair<'_>| {
-        let pair = [ids[a], ids[b]];
-        report.pairs.push(PairReport { ids: pair, counts: result.counts });
+    let mut waiting: Vec<Waiting> = Vec::new();
+    let mut write = |MatchedPair { indices: images, sides, result, measured }: MatchedPair<'_>| {
+        let [a, b] = [ids[images.0], ids[images.1]];
+        report.pairs.push(PairReport { ids: [a, b], counts: result.counts });
         // COLMAP also has no row for a pair without a match.
-        if !result.matches.is_empty() {
-            let geometry = database_geometry(sides, result);
-            let indices: Vec<[u32; 2]> = result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect();
-            database.borrow_mut().add_pair(pair[0], pair[1], &indices, geometry.as_ref())?;
+        if result.matches.is_empty() {
+            return Ok(());
         }
-        Ok(())
+        let mut database = database.borrow_mut();
+        database.add_matches(a, b, &result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect::<Vec<_>>())?;
+        let Some(verified) = &result.verification else { return Ok(()) };
+        let agreed = result.matches.iter().zip(measured).zip(&verified.inlier).filter(|(_, inlier)| **inlier);
+        let inliers: Vec<(Match, Option<Measured>)> = agreed.map(|((m, measured), _)| (*m, *measured)).collect();
+        if matching.align && verified.model.is_some() {
+            waiting.push(Waiting { images, inliers });
+            return Ok(());
+        }
+        let agreed: Vec<Match> = inliers.iter().map(|(m, _)| *m).collect();
+        let places = [&sides[0].places[..], &sides[1].places];
+        database.add_geometry(a, b, &database_geometry(places, &agreed, verified.model.as_ref()))
     };
     match_pairs(pairs, matching, &mut load, &mut write, monitor)?;
     report.pairs.sort_by_key(|pair| pair.ids);
+    if matching.align {
+        waiting.sort_by_key(|pair| pair.images);
+        align_all(database.into_inner(), (&waiting, blobs), matching, report, monitor)?;
+    }
     Ok(monitor.check()?)
+}
+
+/// Moves all features to the places on which the pairs agree, and writes the pairs' geometries there.
+fn align_all(
+    database: &mut DatabaseWriter<'_>,
+    (waiting, blobs): (&[Waiting], &[Vec<Blob>]),
+    matching: &MatchParams,
+    report: &mut ColmapReport,
+    monitor: &Monitor,
+) -> Result<(), Error> {
+    let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
+    let mut alignment = Alignment::default();
+    for (&id, blobs) in ids.iter().zip(blobs) {
+        let (keypoints, _) = database.features(id)?;
+        alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs);
+    }
+    let mut linked: Vec<Vec<(Match, Option<usize>)>> = Vec::with_capacity(waiting.len());
+    for Waiting { images, inliers } in waiting {
+        let mut link = |m: &Match, measured| alignment.add_match(*images, (m.a, m.b), measured);
+        linked.push(inliers.iter().map(|(m, measured)| (*m, measured.map(|measured| link(m, measured)))).collect());
+    }
+    let aligned = alignment.solve(monitor)?;
+    let confirmed: Vec<Option<Verification>> = waiting
+        .par_iter()
+        .zip(&linked)
+        .map(|(pair, inliers)| aligned.confirmed(pair.images, inliers, matching, &monitor.silent()))
+        .collect::<Result<_, _>>()?;
+    for (&id, places) in ids.iter().zip(&aligned.places) {
+        database.move_features(id, places)?;
+    }
+    for (Waiting { images, inliers }, verified) in waiting.iter().zip(confirmed) {
+        let Some(Verification { model, inlier, .. }) = verified else { continue };
+        let agreed: Vec<Match> =
+            inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m).collect();
+        let pair = [ids[images.0], ids[images.1]];
+        if let Ok(index) = report.pairs.binary_search_by_key(&pair, |report| report.ids) {
+            let counts = &mut report.pairs[index].counts;
+            counts.inliers = Some(agreed.len());
+            counts.refused = model.is_none().then_some(Refusal::Pictures);
+        }
+        let places = [&aligned.places[images.0][..], &aligned.places[images.1]];
+        database.add_geometry(pair[0], pair[1], &database_geometry(places, &agreed, model.as_ref()))?;
+    }
+    Ok(())
 }
 
 fn too_few(bursts: usize) -> Error {
@@ -235,16 +311,14 @@ fn model_id(model: CameraModel) -> u32 {
     }
 }
 
-/// `None` where the matches were not verified.
-fn database_geometry([a, b]: [&BurstSide; 2], result: &MatchResult) -> Option<DatabaseGeometry> {
-    let Verification { model, inlier, .. } = result.verification.as_ref()?;
-    let Some(model) = model else { return Some(DatabaseGeometry::default()) };
-    let agreed = || result.matches.iter().zip(inlier).filter(|(_, inlier)| **inlier).map(|(m, _)| m);
+/// Geometry of a pair whose `inliers` agree on `model` at `places`, the features' places in both images.
+fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Match], model: Option<&TwoViewModel>) -> DatabaseGeometry {
+    let Some(model) = model else { return DatabaseGeometry::default() };
     let none = DatabaseGeometry {
-        inliers: agreed().map(|m| [m.a as u32, m.b as u32]).collect(),
+        inliers: inliers.iter().map(|m| [m.a as u32, m.b as u32]).collect(),
         ..DatabaseGeometry::default()
     };
-    Some(match model {
+    match model {
         TwoViewModel::Fundamental { fundamental } => {
             DatabaseGeometry { kind: GeometryKind::Uncalibrated, fundamental: Some(*fundamental), ..none }
         }
@@ -252,12 +326,12 @@ fn database_geometry([a, b]: [&BurstSide; 2], result: &MatchResult) -> Option<Da
             DatabaseGeometry { kind: GeometryKind::PlanarOrPanoramic, homography: Some(*forward), ..none }
         }
         TwoViewModel::Essential { essential, .. } => {
-            let places: Vec<([f64; 2], [f64; 2])> = agreed().map(|m| (a.places[m.a], b.places[m.b])).collect();
+            let places: Vec<([f64; 2], [f64; 2])> = inliers.iter().map(|m| (a[m.a], b[m.b])).collect();
             let pose = model.relative_pose(&places).map(|(pose, _)| {
                 let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(pose.rotation));
                 Isometry3::from_parts(Translation3::from(pose.translation), rotation)
             });
             DatabaseGeometry { kind: GeometryKind::Calibrated, essential: Some(*essential), b_from_a: pose, ..none }
         }
-    })
+    }
 }

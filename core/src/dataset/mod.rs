@@ -21,7 +21,7 @@ pub use colmap::{ColmapJob, ColmapReport, ImageReport, PairReport, export_colmap
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
-pub use pairs::{BurstSide, MatchedPair, match_pairs};
+pub use pairs::{BurstSide, DetectedBurst, MatchedPair, match_bursts, match_pairs};
 pub use picture::{BurstPicture, ImageKind, burst_picture, thumbnail};
 pub use source::DatasetSource;
 pub use stamp::Comparison;

@@ -1,10 +1,14 @@
 //! The matching of pairs of bursts, with the features of a few bursts in memory at a time, however many there are.
 
 use super::BurstFeatures;
-use crate::detector::Descriptor;
+use crate::burst::Burst;
+use crate::detect::prepare;
+use crate::detector::{Descriptor, Detection, DetectorParams};
 use crate::error::Error;
 use crate::export::ColmapKeypoint;
-use crate::matching::{Blob, MatchParams, MatchResult, MatchSide, match_features};
+use crate::matching::align::Measured;
+use crate::matching::aligned::{Pictures, align_pair, measure_inliers};
+use crate::matching::{Blob, MatchParams, MatchResult, MatchSide, match_detections, match_features};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,14 +27,27 @@ pub struct BurstSide {
     pub places: Vec<[f64; 2]>,
     /// Descriptor of each feature.
     pub descriptors: Vec<Descriptor>,
-    /// Scale and motion of each feature.
+    /// Shape and motion of each feature.
     pub blobs: Vec<Blob>,
+    /// Pictures of their places, where matches are to be measured.
+    pub pictures: Option<Pictures>,
 }
 
 impl BurstSide {
-    /// The features of these keypoints, their descriptors, scales and motions.
+    /// The features of these keypoints, their descriptors, shapes and motions.
     pub fn new(keypoints: &[ColmapKeypoint], descriptors: Vec<Descriptor>, blobs: Vec<Blob>) -> Self {
-        Self { places: keypoints.iter().map(ColmapKeypoint::pos_image).collect(), descriptors, blobs }
+        let places = keypoints.iter().map(ColmapKeypoint::pos_image).collect();
+        Self { places, descriptors, blobs, pictures: None }
+    }
+
+    /// These features with the pictures of their places, in the frames of `burst` in which `params` search.
+    ///
+    /// # Errors
+    /// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
+    pub fn with_pictures(self, burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, Error> {
+        let (burst, params) = prepare(burst, params, monitor)?;
+        let pictures = Some(Pictures::of(&burst, &params, &self.places, &self.blobs));
+        Ok(Self { pictures, ..self })
     }
 
     fn side(&self) -> MatchSide<'_> {
@@ -44,6 +61,45 @@ impl From<BurstFeatures> for BurstSide {
     }
 }
 
+/// A burst, and what was found in it.
+#[derive(Debug, Clone, Copy)]
+pub struct DetectedBurst<'a> {
+    /// The burst.
+    pub burst: &'a Burst,
+    /// Parameters with which it was searched.
+    pub params: &'a DetectorParams,
+    /// Its features.
+    pub detection: &'a Detection,
+}
+
+impl DetectedBurst<'_> {
+    fn side(&self, monitor: &Monitor) -> Result<BurstSide, Error> {
+        let Detection { features, descriptors, .. } = self.detection;
+        let places = features.iter().map(|feature| [feature.u, feature.v].map(f64::from)).collect();
+        let blobs = features.iter().map(Blob::from).collect();
+        let side = BurstSide { places, descriptors: descriptors.clone(), blobs, pictures: None };
+        side.with_pictures(self.burst, self.params, monitor)
+    }
+}
+
+/// Matches the features of two bursts, verifies the matches, and aligns them where `params` ask for it: their frames
+/// are needed for that alone.
+///
+/// # Errors
+/// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+pub fn match_bursts(
+    [a, b]: [DetectedBurst<'_>; 2],
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<MatchResult, Error> {
+    if !params.align {
+        return match_detections(a.detection, b.detection, params, monitor);
+    }
+    let (a, b) = (a.side(monitor)?, b.side(monitor)?);
+    let (result, measured) = matched([&a, &b], params, monitor)?;
+    MatchedPair { indices: (0, 1), sides: [&a, &b], result: &result, measured: &measured }.aligned(params, monitor)
+}
+
 /// A pair of bursts and its matches.
 #[derive(Debug, Clone, Copy)]
 pub struct MatchedPair<'a> {
@@ -53,6 +109,24 @@ pub struct MatchedPair<'a> {
     pub sides: [&'a BurstSide; 2],
     /// Matches of the first burst's features with those of the second.
     pub result: &'a MatchResult,
+    /// For each match what the pictures say, where both bursts have some and it is an inlier.
+    pub measured: &'a [Option<Measured>],
+}
+
+impl MatchedPair<'_> {
+    /// The result after an alignment by the measurements of this pair alone, where `params` ask for it.
+    ///
+    /// # Errors
+    /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+    pub fn aligned(&self, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult, Error> {
+        let mut result = self.result.clone();
+        if !params.align {
+            return Ok(result);
+        }
+        let sides = self.sides.map(|side| (&side.places[..], &side.blobs[..]));
+        align_pair(&mut result, sides, self.measured, params, monitor)?;
+        Ok(result)
+    }
 }
 
 /// Matches the bursts of each of `pairs`, in an order in which `load` is rarely asked for one again; `on` receives each
@@ -90,17 +164,33 @@ pub fn match_pairs(
         let there = |&(a, b): &(usize, usize)| Some(((a, b), [loaded.get(&a)?, loaded.get(&b)?]));
         let some: Vec<_> = ordered[done..done + count].iter().filter_map(there).collect();
         left_out += count - some.len();
-        let matched: Vec<MatchResult> = some
-            .par_iter()
-            .map(|(_, [a, b])| match_features(a.side(), b.side(), params, &monitor.silent()))
-            .collect::<Result<_, _>>()?;
-        for (&(indices, sides), result) in some.iter().zip(&matched) {
-            on(MatchedPair { indices, sides, result })?;
+        let matched: Vec<(MatchResult, Vec<Option<Measured>>)> =
+            some.par_iter().map(|(_, sides)| matched(*sides, params, &monitor.silent())).collect::<Result<_, _>>()?;
+        for (&(indices, sides), (result, measured)) in some.iter().zip(&matched) {
+            on(MatchedPair { indices, sides, result, measured })?;
         }
         done += count;
     }
     monitor.report(Stage::Match, 1.0);
     Ok(left_out)
+}
+
+fn matched(
+    [a, b]: [&BurstSide; 2],
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<(MatchResult, Vec<Option<Measured>>), Error> {
+    let (Some(of_a), Some(of_b)) = (&a.pictures, &b.pictures) else {
+        let params = MatchParams { align: false, ..params.clone() };
+        let result = match_features(a.side(), b.side(), &params, monitor)?;
+        let measured = vec![None; result.matches.len()];
+        return Ok((result, measured));
+    };
+    let result = match_features(a.side(), b.side(), params, monitor)?;
+    let none = || vec![false; result.matches.len()];
+    let inlier = result.verification.as_ref().map_or_else(none, |verified| verified.inlier.clone());
+    let measured = measure_inliers(&result.matches, &inlier, [of_a, of_b], monitor)?;
+    Ok((result, measured))
 }
 
 /// Number of the first of `pairs` that are matched together, at least 1, and the bursts that they need.
@@ -122,7 +212,7 @@ mod tests {
     use crate::matching::PairSelection;
 
     fn side() -> BurstSide {
-        BurstSide { places: vec![[1.0, 2.0]; 3], descriptors: vec![[7; 128]; 3], blobs: Vec::new() }
+        BurstSide { places: vec![[1.0, 2.0]; 3], descriptors: vec![[7; 128]; 3], blobs: Vec::new(), pictures: None }
     }
 
     #[test]

@@ -111,22 +111,29 @@ pub struct MatchRow {
     pub ratio: f32,
     /// Error in pixels and whether it is an inlier; `None` where no geometry was requested.
     pub verified: Option<(f32, bool)>,
+    /// From the place in B to where A's place is seen there (u, v), pixels, and the correlation of the pictures of both;
+    /// `None` where they were not compared or do not tell.
+    pub aligned: Option<([f64; 2], f64)>,
 }
 
 /// Header of tables of matches.
-pub const MATCH_COLUMNS: &str = "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier";
+pub const MATCH_COLUMNS: &str = "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation";
 
 /// Writes the matches as CSV.
 pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), Error> {
     write_whole(path, |out| {
         writeln!(out, "{MATCH_COLUMNS}")?;
-        for MatchRow { features, a, b, distance, ratio, verified } in matches {
+        for MatchRow { features, a, b, distance, ratio, verified, aligned } in matches {
             // As f32, since the positions are those of the feature files.
             let [u_a, v_a, u_b, v_b] = [a[0], a[1], b[0], b[1]].map(|x| x as f32);
             write!(out, "{},{},{u_a},{v_a},{u_b},{v_b},{distance},{ratio},", features[0], features[1])?;
             match verified {
-                Some((error, inlier)) => writeln!(out, "{error},{}", u8::from(*inlier))?,
-                None => writeln!(out, "nan,nan")?,
+                Some((error, inlier)) => write!(out, "{error},{}", u8::from(*inlier))?,
+                None => write!(out, "nan,nan")?,
+            }
+            match aligned {
+                Some(([u, v], correlation)) => writeln!(out, ",{u:.4},{v:.4},{correlation:.4}")?,
+                None => writeln!(out, ",nan,nan,nan")?,
             }
         }
         Ok(())
@@ -190,17 +197,21 @@ mod tests {
     #[test]
     fn every_cell_is_a_number() {
         let (a, b, verified) = ([1.5, 2.25], [f64::from(0.1f32), 7.0], Some((0.25, true)));
-        let row = MatchRow { features: [3, 0], a, b, distance: 120.5, ratio: 0.5, verified };
-        let rows =
-            [row, MatchRow { verified: Some((f32::INFINITY, false)), ..row }, MatchRow { verified: None, ..row }];
+        let aligned = Some(([0.5, -0.125], 0.75));
+        let row = MatchRow { features: [3, 0], a, b, distance: 120.5, ratio: 0.5, verified, aligned };
+        let rows = [
+            row,
+            MatchRow { verified: Some((f32::INFINITY, false)), ..row },
+            MatchRow { verified: None, aligned: None, ..row },
+        ];
         let home = tempfile::tempdir().expect("a folder");
         let path = home.path().join("m.csv");
         write_matches_csv(&path, &rows).expect("written");
         let text = std::fs::read_to_string(&path).expect("a file");
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier");
-        assert_eq!(lines[1], "3,0,1.5,2.25,0.1,7,120.5,0.5,0.25,1");
-        assert!(lines[2].ends_with(",inf,0") && lines[3].ends_with(",nan,nan"));
+        assert_eq!(lines[0], MATCH_COLUMNS);
+        assert_eq!(lines[1], "3,0,1.5,2.25,0.1,7,120.5,0.5,0.25,1,0.5000,-0.1250,0.7500");
+        assert!(lines[2].contains(",inf,0,") && lines[3].ends_with(",nan,nan,nan,nan,nan"));
         assert!(lines[1..].iter().all(|l| l.split(',').all(|cell| cell.parse::<f64>().is_ok())));
     }
 

@@ -59,6 +59,8 @@ pub struct Unmatched {
     pub preferred: Option<usize>,
     /// Expected place in B by the geometry: one place, or a line through these; empty where none is known or visible.
     pub expected: Vec<[f64; 2]>,
+    /// Outline of the place in B that its motion predicts; empty where none is.
+    pub predicted: Vec<[f64; 2]>,
     /// Features of B there, nearest descriptor first, with their rank among all of B.
     pub there: Vec<(usize, usize)>,
     /// Explanation as a sentence.
@@ -208,7 +210,9 @@ impl<'a> Losses<'a> {
         } else {
             sentence(&pair, index, lost, &candidates, preferred, &there) + &at_prediction(&pair, index, lost)
         };
-        Unmatched { lost, candidates, preferred, expected, there, sentence }
+        let place = pair.result.prediction.as_ref().and_then(|prediction| prediction.in_b[index].as_ref());
+        let predicted = place.zip(model).map(|(place, model)| place.outline(model)).unwrap_or_default();
+        Unmatched { lost, candidates, preferred, expected, predicted, there, sentence }
     }
 }
 
@@ -232,6 +236,21 @@ fn at_prediction(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
         1 => "; the feature where its motion puts it has another scale or descriptor".to_owned(),
         count => format!("; of the {count} features where its motion puts it none is clearly nearest"),
     }
+}
+
+/// Why the pictures contradict a match that is no inlier after the alignment, where they were looked at.
+fn pictures_of(pair: &ComparedPair<'_>, index: usize) -> Option<String> {
+    let looked_at = pair.result.alignment.as_ref().and_then(|alignment| {
+        let number = pair.result.matches.binary_search_by_key(&index, |m| m.a).ok()?;
+        alignment.was_inlier[number].then_some(alignment.measured[number])
+    })?;
+    Some(match looked_at {
+        None => ": the picture of its place is not found there".to_owned(),
+        Some((measured, residual_px)) => format!(
+            ": the pictures of the two (correlation {:.2}) are {residual_px:.1} px from where others put them",
+            measured.correlation
+        ),
+    })
 }
 
 fn sentence(
@@ -288,7 +307,8 @@ fn sentence(
                     let error = model.error_px(place(&pair.a.features[index]), place(&pair.b.features[matched.b]));
                     format!(": {error:.1} px from the place it expects")
                 });
-                format!("geometry: its match, {}, does not fit{error}", rank_name(matched.b))
+                let why = pictures_of(pair, index).unwrap_or(error);
+                format!("geometry: its match, {}, does not fit{why}", rank_name(matched.b))
             }
             None => {
                 let other = pair.result.matches.iter().find(|m| m.b == best.feature);

@@ -109,7 +109,7 @@ mod tests {
             let motion_sigma = if is_known { sigma.max(0.01) as f32 } else { f32::INFINITY };
             places.push(place);
             depths.push(depth);
-            blobs.push(Blob { sigma: 3.0, motion: slope, motion_sigma });
+            blobs.push(Blob { sigma: 3.0, orientation: 0.0, slope, motion: slope, motion_sigma });
         }
         (places, depths, blobs)
     }

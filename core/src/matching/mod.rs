@@ -13,6 +13,8 @@
 //! over the images, here A and B. Against many others, as in the paper's Table 1, an image's matches with all of them
 //! are added up, so that these shares may pass 1.
 
+pub mod align;
+pub mod aligned;
 pub mod camera;
 mod depth;
 pub mod geometry;
@@ -20,6 +22,8 @@ pub mod params;
 mod predicted;
 pub mod putative;
 
+use aligned::before_alignment;
+pub use aligned::{PairAlignment, Pictures};
 pub use camera::{Camera, CameraModel};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
 pub use params::{Geometry, MatchParams};
@@ -42,6 +46,9 @@ pub struct MatchResult {
     pub verification: Option<Verification>,
     /// Places that the motions predict from the sure matches; `None` without, or where too little is known.
     pub prediction: Option<Prediction>,
+    /// Alignment of the inliers; `None` without, or where no geometry was found. `verification` is that of the solved
+    /// places then.
+    pub alignment: Option<PairAlignment>,
     /// Counts of keypoints, putative matches and inliers.
     pub counts: MatchCounts,
 }
@@ -53,15 +60,19 @@ pub struct MatchSide<'a> {
     pub places: &'a [[f64; 2]],
     /// Descriptor of each feature.
     pub descriptors: &'a [Descriptor],
-    /// Scale and motion of each feature; empty where they are unknown, and no match is predicted.
+    /// Shape and motion of each feature; empty where they are unknown, and no match is predicted.
     pub blobs: &'a [Blob],
 }
 
-/// Scale of a feature, and the motion of its place.
+/// Shape and motion of a feature, and the motion of its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blob {
     /// Scale σ, pixels.
     pub sigma: f32,
+    /// Orientation, radians from +u towards +v.
+    pub orientation: f32,
+    /// Motion along which its picture is stacked, pixels per frame.
+    pub slope: Slope,
     /// Motion of its place from the field of motion, pixels per frame.
     pub motion: Slope,
     /// Standard deviation of the motion along its least certain direction, pixels per frame; infinite where unknown.
@@ -70,11 +81,14 @@ pub struct Blob {
 
 impl From<&Feature> for Blob {
     fn from(feature: &Feature) -> Self {
-        Self { sigma: feature.sigma, motion: feature.field, motion_sigma: feature.field_sigma }
+        let (slope, _) = feature.motion();
+        let Feature { sigma, orientation, field, field_sigma, .. } = *feature;
+        Self { sigma, orientation, slope, motion: field, motion_sigma: field_sigma }
     }
 }
 
-/// Matches the features of two detections and verifies the matches.
+/// Matches the features of two detections and verifies the matches. They are not aligned: that needs frames
+/// ([`crate::dataset::match_bursts`]).
 ///
 /// # Errors
 /// Parameters that make no sense.
@@ -89,7 +103,7 @@ pub fn match_detections(
     let blobs = [a, b].map(|of| of.features.iter().map(Blob::from).collect::<Vec<_>>());
     let a = MatchSide { places: &places[0], descriptors: &a.descriptors, blobs: &blobs[0] };
     let b = MatchSide { places: &places[1], descriptors: &b.descriptors, blobs: &blobs[1] };
-    match_features(a, b, params, monitor)
+    match_features(a, b, &MatchParams { align: false, ..params.clone() }, monitor)
 }
 
 /// Matches features given by places and descriptors alone, and verifies the matches.
@@ -111,22 +125,28 @@ pub fn match_features(
         verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
     };
     let mut verification = verified(&matches, params)?;
-    let mut prediction = None;
+    let (mut prediction, mut refused) = (None, None);
     if let Some(sure) = verification.as_mut().filter(|_| params.predict)
         && let Some(model) = sure.model.clone()
     {
         let inliers = matches.iter().zip(&sure.inlier).filter(|(_, inlier)| **inlier);
         let inliers: Vec<(usize, usize)> = inliers.map(|(m, _)| (m.a, m.b)).collect();
-        prediction = Prediction::of([a, b], &model, &inliers, params);
+        let wide = if params.align { before_alignment(params) } else { params.clone() };
+        prediction = Prediction::of([a, b], &model, &inliers, &wide);
         match &prediction {
             Some(prediction) if prediction.is_believed() => {
-                let found = predicted::predicted_matches([a, b], (&model, &matches), prediction, params, monitor)?;
-                let again = verified(&found, params)?;
+                let found = predicted::predicted_matches([a, b], (&model, &matches), prediction, &wide, monitor)?;
+                let again = verified(&found, &wide)?;
                 if again.as_ref().is_some_and(|again| again.model.is_some()) {
                     (matches, verification) = (found, again);
                 }
             }
-            Some(_) => sure.refuse(),
+            // What its pictures say decides then.
+            Some(_) if params.align => {}
+            Some(_) => {
+                sure.refuse();
+                refused = Some(Refusal::Motions);
+            }
             None => {}
         }
     }
@@ -135,8 +155,29 @@ pub fn match_features(
         keypoints_b: b.places.len(),
         putative: matches.len(),
         inliers: verification.as_ref().map(Verification::inlier_count),
+        refused,
     };
-    Ok(MatchResult { matches, verification, prediction, counts })
+    Ok(MatchResult { matches, verification, prediction, alignment: None, counts })
+}
+
+/// Reason why the geometry of a pair, on which enough matches agreed, is not believed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Refusal {
+    /// Its motions agree with it no more than those of other places would.
+    Motions,
+    /// Too few of its matches lie where their pictures put them.
+    Pictures,
+}
+
+impl Refusal {
+    /// Words for people.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Motions => "the motions contradict the sure matches' geometry",
+            Self::Pictures => "the pictures of too many matches contradict each other",
+        }
+    }
 }
 
 /// Counts of one pair of images, A and B.
@@ -150,6 +191,9 @@ pub struct MatchCounts {
     pub putative: usize,
     /// Number of matches consistent with a common geometry; `None` where none was requested.
     pub inliers: Option<usize>,
+    /// Reason why there are none although enough matches agreed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<Refusal>,
 }
 
 impl MatchCounts {
@@ -290,14 +334,14 @@ mod tests {
 
     #[test]
     fn ratios_are_of_each_images_own_keypoints_and_never_divided_by_zero() {
-        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30) };
+        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30), refused: None };
         assert_eq!(counts.keypoints_per_image(), 150.0);
         assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
         assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
         assert_eq!(counts.precision(), Some(0.75));
         let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
         assert_eq!((none.match_ratio(), none.match_score(), none.precision()), (0.0, Some(0.0), None));
-        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None };
+        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None, refused: None };
         assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.precision()), (1.0, None, None));
     }
 

@@ -43,6 +43,8 @@ pub struct MatchParams {
     pub mutual: bool,
     /// See [`doc::PREDICT`].
     pub predict: bool,
+    /// See [`doc::ALIGN`].
+    pub align: bool,
     /// See [`doc::GEOMETRY`].
     pub geometry: Geometry,
     /// See [`doc::MAX_ERROR_PX`].
@@ -65,7 +67,8 @@ impl Default for MatchParams {
         Self {
             ratio: 0.8,
             mutual: true,
-            predict: false,
+            predict: true,
+            align: true,
             geometry: Geometry::Fundamental,
             max_error_px: 4.0,
             min_inliers: 15,
@@ -157,8 +160,13 @@ pub mod doc {
 
         PREDICT: "predict", "Predict", "", "match";
         "Whether matching is repeated at the places that the motions of the features and the geometry of the sure matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its geometry is refused: true or false.",
-        "Switch it on for 1.3 to 3 times the right matches in the dark; without motions, as of single frames, nothing changes.",
+        "Switch it off for the sure matches alone; without motions, as of single frames, nothing changes.",
         Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.predict)).used_if(verified);
+
+        ALIGN: "align", "Align", "", "match";
+        "Whether inliers are measured by the pictures of their places, each keypoint is moved to where its matches agree, and what contradicts by more than a third of the max error is no inlier any more; a pair that keeps too few is refused: true or false.",
+        "Switch it off for the sure or predicted matches at the places of the blobs, in half of the time.",
+        Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.align)).used_if(verified);
 
         MAX_ERROR_PX: "max-error-px", "Max error", "px", "inlier";
         "Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric transfer error.",

@@ -19,6 +19,7 @@ use nalgebra::{Matrix4, Vector2, Vector4};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
 
 /// Maximum ratio among the features at a predicted place, where [`MatchParams::ratio`] is lower.
 pub const PREDICTED_RATIO: f32 = 0.9;
@@ -51,6 +52,8 @@ const FEWEST_KNOWN: usize = 8;
 /// Maximum number of samples of matches from which the parallax is found.
 const MOST_SAMPLES: usize = 400;
 const REFINEMENTS: usize = 4;
+/// Points of the ellipse about a predicted place.
+const OUTLINE_POINTS: usize = 48;
 
 /// Place where a feature is expected in the other image: a rectangle along the epipolar line.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -66,6 +69,17 @@ pub struct Expected {
 }
 
 impl Expected {
+    /// Ellipse about the place, as points (u, v) of the image in which it is expected.
+    pub fn outline(&self, model: &TwoViewModel) -> Vec<[f64; 2]> {
+        let [x, y] = self.along;
+        let point = |k: usize| {
+            let (sin, cos) = (TAU * k as f64 / OUTLINE_POINTS as f64).sin_cos();
+            let (along, across) = (cos * self.half_along_px, sin * self.half_across_px);
+            model.seen([self.place[0] + along * x - across * y, self.place[1] + along * y + across * x])
+        };
+        (0..=OUTLINE_POINTS).map(point).collect()
+    }
+
     pub(crate) fn holds(&self, place: [f64; 2]) -> bool {
         let off = Vector2::from(place) - Vector2::from(self.place);
         let along = Vector2::from(self.along);
@@ -395,7 +409,8 @@ mod tests {
     /// Motion sideways of what lies at so large an inverse depth.
     fn blob(random: &mut Stream, inverse_depth: f64) -> Blob {
         let speed = 8.0 * inverse_depth + MOTION_SIGMA * random.normal();
-        Blob { sigma: 3.0, motion: Slope::new(speed as f32, 0.0), motion_sigma: MOTION_SIGMA as f32 }
+        let slope = Slope::new(speed as f32, 0.0);
+        Blob { sigma: 3.0, orientation: 0.0, slope, motion: slope, motion_sigma: MOTION_SIGMA as f32 }
     }
 
     fn near(random: &mut Stream, around: &Descriptor, by: f64) -> Descriptor {
@@ -431,7 +446,7 @@ mod tests {
 
     fn params(geometry: Geometry) -> MatchParams {
         let camera = (geometry == Geometry::Essential).then(camera);
-        MatchParams { geometry, camera, predict: true, ..MatchParams::default() }
+        MatchParams { geometry, camera, align: false, ..MatchParams::default() }
     }
 
     fn matched([a, b]: &[Features; 2], params: &MatchParams) -> MatchResult {

@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn an_images_matches_with_all_others_are_added_up() {
         let pair = |keypoints_a, keypoints_b, putative, inliers, on_gold| PairCounts {
-            counts: MatchCounts { keypoints_a, keypoints_b, putative, inliers: Some(inliers) },
+            counts: MatchCounts { keypoints_a, keypoints_b, putative, inliers: Some(inliers), refused: None },
             on_gold_geometry: on_gold,
         };
         // Three images of 10, 20 and 0 features.

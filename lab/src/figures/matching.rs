@@ -41,7 +41,7 @@ impl MatchingInTheDark {
             ..TrajectoryParams::default()
         };
         // As the paper matches.
-        let matching = MatchParams { predict: false, ..MatchParams::default() };
+        let matching = MatchParams { predict: false, align: false, ..MatchParams::default() };
         Self { way, bursts: [3, 4], slopes: SlopeGrid::line(-3.0..=3.0, 13), matching }
     }
 }

@@ -118,7 +118,11 @@ pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
     let names = format!("{} – {}", name(pair.0), name(pair.1));
     let Some(counts) = dataset.matches.get(pair) else { return format!("{names}\nnot matched yet") };
     let share = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.3}"));
-    let inliers = counts.inliers.map_or("not verified".to_owned(), |n| format!("{n} inliers"));
+    let inliers = match (counts.inliers, counts.refused) {
+        (_, Some(reason)) => format!("refused: {}", reason.words()),
+        (None, None) => "not verified".to_owned(),
+        (Some(inliers), None) => format!("{inliers} inliers"),
+    };
     format!(
         "{names}\n{} putative matches, {inliers}\nmatch ratio {:.3}, match score {}, precision {}",
         counts.putative,
@@ -179,7 +183,9 @@ fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>
                 continue;
             }
             let inner = if grid.cell > 12.0 { rect.shrink(0.5) } else { rect };
-            let shown = pair_of(row, column).and_then(|pair| dataset.matches.get(pair)).map(PairTable::strength);
+            let counts = pair_of(row, column).and_then(|pair| dataset.matches.get(pair));
+            let shown = counts.map(PairTable::strength);
+            let is_refused = counts.is_some_and(|counts| counts.refused.is_some());
             let (fill, text_colour) = match shown {
                 Some(count) => colours.of(count),
                 None if row == column => (visuals.extreme_bg_color, visuals.weak_text_color()),
@@ -193,7 +199,8 @@ fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>
             if let Some(number) = number.filter(|_| grid.cell >= CELL_WITH_NUMBER) {
                 // A burst without features is nothing to match.
                 let text_colour = if row == column && number == 0 { style::warning(ui) } else { text_colour };
-                painter.text(rect.center(), Align2::CENTER_CENTER, number.to_string(), font.clone(), text_colour);
+                let text = if is_refused { "×".to_owned() } else { number.to_string() };
+                painter.text(rect.center(), Align2::CENTER_CENTER, text, font.clone(), text_colour);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Work on a dataset: opening, detecting and matching.
 
 use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
-use crate::burst::{BurstFiles, Entries, OpenOptions};
+use crate::burst::{Burst, BurstFiles, Entries, OpenOptions};
 use crate::dataset::{
     BurstEvent, BurstSide, CameraChoice, DatasetSource, FeatureStore, MatchedPair, detect_all, match_pairs,
 };
@@ -107,11 +107,18 @@ fn match_all(
     let store = keeping.store()?;
     // Features are read when a pair needs them, so that few bursts are in memory.
     let mut load = |index: usize| {
-        let kept = bursts.get(index).and_then(|source| store.kept(source, monitor).ok());
-        Ok(kept.map(BurstSide::from))
+        let kept = bursts.get(index).and_then(|source| Some((source, store.kept(source, monitor).ok()?)));
+        let Some((source, features)) = kept else { return Ok(None) };
+        let side = BurstSide::from(features);
+        if !matching.align {
+            return Ok(Some(side));
+        }
+        let burst = Burst::open_with(&source.paths, &keeping.open, &monitor.silent())?;
+        side.with_pictures(&burst, &keeping.params.detector, &monitor.silent()).map(Some)
     };
     let mut on = |matched: MatchedPair<'_>| {
-        tell(DatasetEvent::Matched { pair: matched.indices, counts: matched.result.counts });
+        let aligned = matched.aligned(matching, &monitor.silent())?;
+        tell(DatasetEvent::Matched { pair: matched.indices, counts: aligned.counts });
         Ok(())
     };
     let left_out = match_pairs(pairs, matching, &mut load, &mut on, monitor)?;

@@ -8,8 +8,8 @@ use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Progress};
 use crate::requests::{
     AgainstRequest, BurstId, CoherenceRequest, CompareRequest, DetectRequest, DetectionSource, ExplainQuestion,
-    ExplainRequest, JobError, MatchRequest, NothingKept, OpenRequest, PictureKind, PictureRequest, PosesRequest,
-    ProbeQuestion, ProbeRequest, Reference, Request, Traced, TrailStore, Work,
+    ExplainRequest, JobError, MatchRequest, NothingKept, OpenBurst, OpenRequest, PictureKind, PictureRequest,
+    PosesRequest, ProbeQuestion, ProbeRequest, Reference, Request, Traced, TrailStore, Work,
 };
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -72,6 +72,10 @@ fn cancelling(at: f32) -> (Monitor, Arc<Mutex<Vec<f32>>>) {
     (monitor, heard)
 }
 
+fn bursts() -> [(OpenBurst, DetectorParams); 2] {
+    [(open(), params()), (open(), params())]
+}
+
 #[test]
 fn what_is_cancelled_on_its_way_ends_long_before_it_would_have_been_done() {
     fn ends<R: Request>(request: &R, at: f32) {
@@ -87,7 +91,7 @@ fn what_is_cancelled_on_its_way_ends_long_before_it_would_have_been_done() {
     for at in [0.0, 0.3, 0.6] {
         ends(&ExplainRequest { of: source(), question: ExplainQuestion::Slopes }, at);
     }
-    ends(&MatchRequest { a, b, params: MatchParams::default() }, 0.0);
+    ends(&MatchRequest { a, b, bursts: bursts(), params: MatchParams::default() }, 0.0);
 }
 
 #[test]
@@ -98,7 +102,10 @@ fn failures_say_what_is_wrong() {
     assert!(why(answer(wrong)).contains("levels"));
     let detection = detected().detection;
     let wrong = MatchParams { ratio: -1.0, ..MatchParams::default() };
-    assert!(why(answer(MatchRequest { a: detection.clone(), b: detection.clone(), params: wrong })).contains("ratio"));
+    assert!(
+        why(answer(MatchRequest { a: detection.clone(), b: detection.clone(), bursts: bursts(), params: wrong }))
+            .contains("ratio")
+    );
     let against = |with| answer(AgainstRequest { detection: detection.clone(), with });
     assert!(why(against(Reference::File { path: "gone.csv".into(), features: None })).contains("gone.csv"));
     let unknown = Reference::Truth { burst: empty((32, 32), 3), params: params() };

@@ -78,7 +78,8 @@ fn the_pictures_of_two_openings_and_differences_are_others() {
 #[test]
 fn features_found_anew_are_others_and_so_is_a_trail() {
     let (a, b) = (detected().detection, Arc::new((*detected().detection).clone()));
-    let request = MatchRequest { a: a.clone(), b: b.clone(), params: MatchParams::default() };
+    let bursts = [(open(), params()), (open(), params())];
+    let request = MatchRequest { a: a.clone(), b: b.clone(), bursts, params: MatchParams::default() };
     assert!(request == request.clone() && request != MatchRequest { a: b, ..request.clone() });
     let params = MatchParams { ratio: 0.5, ..MatchParams::default() };
     assert!(request != MatchRequest { params, ..request.clone() });

@@ -92,11 +92,11 @@ impl DatabaseWriter<'_> {
         let id = self.cameras;
         let DatabaseCamera { model_id, width, height, params: intrinsics, prior_focal_length } = camera;
         let intrinsics: Vec<u8> = intrinsics.iter().flat_map(|x| x.to_le_bytes()).collect();
-        self.insert(
+        self.execute(
             "INSERT INTO cameras VALUES (?, ?, ?, ?, ?, ?)",
             params![id, model_id, *width as u64 as i64, *height as u64 as i64, intrinsics, prior_focal_length],
         )?;
-        self.insert("INSERT INTO rigs VALUES (?, ?, ?)", params![id, id, SENSOR_CAMERA])?;
+        self.execute("INSERT INTO rigs VALUES (?, ?, ?)", params![id, id, SENSOR_CAMERA])?;
         Ok(id)
     }
 
@@ -119,51 +119,53 @@ impl DatabaseWriter<'_> {
         assert!((1..=self.cameras).contains(&camera_id), "the camera is added first");
         self.keypoints.push(keypoints.len());
         let id = self.keypoints.len() as u32;
-        self.insert("INSERT INTO images (image_id, name, camera_id) VALUES (?, ?, ?)", params![id, name, camera_id])?;
+        self.execute("INSERT INTO images (image_id, name, camera_id) VALUES (?, ?, ?)", params![id, name, camera_id])?;
         // The rig has its camera's id.
-        self.insert("INSERT INTO frames VALUES (?, ?)", params![id, camera_id])?;
-        self.insert("INSERT INTO frame_data VALUES (?, ?, ?, ?)", params![id, id, camera_id, SENSOR_CAMERA])?;
+        self.execute("INSERT INTO frames VALUES (?, ?)", params![id, camera_id])?;
+        self.execute("INSERT INTO frame_data VALUES (?, ?, ?, ?)", params![id, id, camera_id, SENSOR_CAMERA])?;
         let rows = keypoints.len() as i64;
-        let numbers = keypoints.iter().flat_map(|k| [k.x, k.y, k.scale, k.orientation]);
-        let numbers: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();
-        self.insert("INSERT INTO keypoints VALUES (?, ?, 4, ?)", params![id, rows, numbers])?;
+        self.execute("INSERT INTO keypoints VALUES (?, ?, 4, ?)", params![id, rows, keypoint_bytes(keypoints)])?;
         let bytes = descriptors.as_flattened();
-        self.insert("INSERT INTO descriptors VALUES (?, ?, 128, ?)", params![id, rows, bytes])?;
+        self.execute("INSERT INTO descriptors VALUES (?, ?, 128, ?)", params![id, rows, bytes])?;
         Ok(id)
     }
 
-    /// Adds the matches of images `a` and `b` (index pairs of their features) and their two-view geometry.
+    /// Moves the features of the image `id` to `places` (u, v), pixels, whose first centre is at (0, 0).
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    ///
+    /// # Panics
+    /// When the image was not added, or has another number of features.
+    pub fn move_features(&mut self, id: u32, places: &[[f64; 2]]) -> Result<(), Error> {
+        let (mut keypoints, _) = self.features(id)?;
+        assert_eq!(keypoints.len(), places.len(), "each feature has a place");
+        keypoints.iter_mut().zip(places).for_each(|(keypoint, place)| keypoint.set_pos_image(*place));
+        self.execute("UPDATE keypoints SET data = ? WHERE image_id = ?", params![keypoint_bytes(&keypoints), id])
+    }
+
+    /// Adds the matches of images `a` and `b`: index pairs of their features.
     ///
     /// # Errors
     /// The file cannot be written, or already has this pair.
     ///
     /// # Panics
     /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature.
-    pub fn add_pair(
-        &mut self,
-        a: u32,
-        b: u32,
-        matches: &[[u32; 2]],
-        geometry: Option<&DatabaseGeometry>,
-    ) -> Result<(), Error> {
-        assert!(1 <= a && a < b && b as usize <= self.keypoints.len(), "pairs are of images that were added, in order");
-        let (of_a, of_b) = (self.keypoints[a as usize - 1], self.keypoints[b as usize - 1]);
-        let exist = |pairs: &[[u32; 2]]| pairs.iter().all(|&[i, j]| (i as usize) < of_a && (j as usize) < of_b);
-        assert!(exist(matches), "matches are of features that were added");
-        let id = pair_id(a, b) as i64;
-        self.insert(
-            "INSERT INTO matches VALUES (?, ?, 2, ?)",
-            params![id, matches.len() as i64, index_bytes(matches)],
-        )?;
-        let Some(geometry) = geometry else { return Ok(()) };
-        assert!(exist(&geometry.inliers), "inliers are of features that were added");
+    pub fn add_matches(&mut self, a: u32, b: u32, matches: &[[u32; 2]]) -> Result<(), Error> {
+        let id = self.pair_of(a, b, matches);
+        self.execute("INSERT INTO matches VALUES (?, ?, 2, ?)", params![id, matches.len() as i64, index_bytes(matches)])
+    }
+
+    /// Adds the two-view geometry of images `a` and `b`; errors and panics as of [`Self::add_matches`].
+    pub fn add_geometry(&mut self, a: u32, b: u32, geometry: &DatabaseGeometry) -> Result<(), Error> {
+        let id = self.pair_of(a, b, &geometry.inliers);
         let geometry = geometry.in_colmap_pixels();
         let inliers = &geometry.inliers;
         let turn = geometry.b_from_a.map(|pose| {
             let q = pose.rotation.quaternion();
             float_bytes([q.w, q.i, q.j, q.k])
         });
-        self.insert(
+        self.execute(
             "INSERT INTO two_view_geometries VALUES (?, ?, 2, ?, ?, ?, ?, ?, ?, ?)",
             params![
                 id,
@@ -177,6 +179,15 @@ impl DatabaseWriter<'_> {
                 geometry.b_from_a.map(|pose| float_bytes(pose.translation.vector.iter().copied())),
             ],
         )
+    }
+
+    /// Number of the pair of images `a` and `b`, which have the features that `matches` name.
+    fn pair_of(&self, a: u32, b: u32, matches: &[[u32; 2]]) -> i64 {
+        assert!(1 <= a && a < b && b as usize <= self.keypoints.len(), "pairs are of images that were added, in order");
+        let (of_a, of_b) = (self.keypoints[a as usize - 1], self.keypoints[b as usize - 1]);
+        let exist = matches.iter().all(|&[i, j]| (i as usize) < of_a && (j as usize) < of_b);
+        assert!(exist, "matches are of features that were added");
+        pair_id(a, b) as i64
     }
 
     /// Reads the features of the image `id` back, as they were added.
@@ -194,7 +205,7 @@ impl DatabaseWriter<'_> {
         read.map_err(|e| failure(self.path, &e))
     }
 
-    fn insert(&self, sql: &str, values: impl Params) -> Result<(), Error> {
+    fn execute(&self, sql: &str, values: impl Params) -> Result<(), Error> {
         self.connection.execute(sql, values).map(|_| ()).map_err(|e| failure(self.path, &e))
     }
 }
@@ -202,6 +213,10 @@ impl DatabaseWriter<'_> {
 /// The number of the pair of images `a` and `b`, in either order.
 pub fn pair_id(a: u32, b: u32) -> u64 {
     MAX_IMAGE_ID * u64::from(a.min(b)) + u64::from(a.max(b))
+}
+
+fn keypoint_bytes(keypoints: &[ColmapKeypoint]) -> Vec<u8> {
+    keypoints.iter().flat_map(|k| [k.x, k.y, k.scale, k.orientation]).flat_map(f32::to_le_bytes).collect()
 }
 
 fn index_bytes(pairs: &[[u32; 2]]) -> Vec<u8> {

@@ -46,7 +46,8 @@ fn written(path: &Path) {
         assert_eq!(database.features(a)?, (keypoints(4), descriptors(4)), "they are read back as they were added");
         let none = database.add_image("none.png", camera, &[], &[])?;
         assert_eq!((database.features(none)?, database.features(none + 1).is_err()), ((vec![], vec![]), true));
-        database.add_pair(a, b, &[[0, 0], [3, 1]], Some(&geometry))
+        database.add_matches(a, b, &[[0, 0], [3, 1]])?;
+        database.add_geometry(a, b, &geometry)
     })
     .expect("written");
 }

@@ -127,6 +127,10 @@ impl ColmapKeypoint {
     pub fn pos_image(&self) -> [f64; 2] {
         [f64::from(self.x) - FIRST_PIXEL, f64::from(self.y) - FIRST_PIXEL]
     }
+
+    pub(super) fn set_pos_image(&mut self, pos_image: [f64; 2]) {
+        [self.x, self.y] = pos_image.map(|place| (place + FIRST_PIXEL) as f32);
+    }
 }
 
 impl From<&Feature> for ColmapKeypoint {

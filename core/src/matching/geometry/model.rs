@@ -87,6 +87,14 @@ impl TwoViewModel {
         }
     }
 
+    /// The pixel at which this camera sees what one without distortion would see at `straight`.
+    pub(crate) fn seen(&self, straight: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Essential { camera, .. } => seen_by(camera, straight),
+            Self::Fundamental { .. } | Self::Homography { .. } => straight,
+        }
+    }
+
     /// The relative pose for which most of `pairs` (matched pixels, as a rule the inliers) lie in front of both
     /// cameras, and their number. `None` for all models but an essential matrix.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
@@ -102,6 +110,12 @@ pub(super) fn straightened(camera: &Camera, pixel: [f64; 2]) -> [f64; 2] {
     let [x, y] = camera.direction_of(pixel);
     let seen = camera.matrix() * Vector3::new(x, y, 1.0);
     [seen.x, seen.y]
+}
+
+/// The pixel at which `camera` sees what one without distortion would see at `straight`.
+fn seen_by(camera: &Camera, straight: [f64; 2]) -> [f64; 2] {
+    let k = camera.matrix();
+    camera.pixel_of([(straight[0] - k.m13) / k.m11, (straight[1] - k.m23) / k.m22])
 }
 
 /// The fundamental matrix of straightened pixels.
@@ -173,10 +187,9 @@ fn bent(line: &Vector3<f64>, camera: &Camera, size: (usize, usize)) -> Vec<[f64;
         }
     }
     let Some([start, end]) = clipped(line, reach) else { return Vec::new() };
-    let k = camera.matrix();
     let seen = |part: f64| {
         let straight = [0, 1].map(|i| start[i] + part * (end[i] - start[i]));
-        let pixel = camera.pixel_of([(straight[0] - k.m13) / k.m11, (straight[1] - k.m23) / k.m22]);
+        let pixel = seen_by(camera, straight);
         // Far outside, strong distortion folds the plane back into the image; such points are not visible there.
         let back = straightened(camera, pixel);
         let is_seen = image.contains(pixel) && (0..2).all(|i| (back[i] - straight[i]).abs() < 0.01);

@@ -43,7 +43,7 @@ impl Study {
             seeds: size.pick(2, 1),
             searches: Searches::default(),
             // As the paper matches.
-            matching: MatchParams { predict: false, ..MatchParams::default() },
+            matching: MatchParams { predict: false, align: false, ..MatchParams::default() },
         }
     }
 

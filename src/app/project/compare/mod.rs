@@ -175,8 +175,12 @@ impl Model {
     }
 
     fn wanted_method_matches(&self, method: Contender) -> Option<MatchRequest> {
-        let [a, b] = Side::BOTH.map(|side| self.method_found(method, side).map(|found| found.detection.clone()));
-        Some(MatchRequest { a: a?, b: b?, params: self.pair.params.clone() })
+        let of = |side: Side| {
+            let (found, burst) = (self.method_found(method, side)?, self.method_burst(method, side)?);
+            Some((found.detection.clone(), (burst.clone(), found.params.clone())))
+        };
+        let ((a, burst_a), (b, burst_b)) = (of(Side::A)?, of(Side::B)?);
+        Some(MatchRequest { a, b, bursts: [burst_a, burst_b], params: self.pair.params.clone() })
     }
 
     pub fn contenders(&self) -> Vec<Contender> {

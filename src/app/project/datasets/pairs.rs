@@ -150,7 +150,7 @@ mod tests {
     use super::*;
 
     fn counts(putative: usize, inliers: Option<usize>) -> MatchCounts {
-        MatchCounts { keypoints_a: 100, keypoints_b: 100, putative, inliers }
+        MatchCounts { keypoints_a: 100, keypoints_b: 100, putative, inliers, refused: None }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::app::project::filter::Order;
 use crate::app::project::pair::Side;
 use crate::app::view::{fixed, number, signed};
 use crate::detector::{Detection, Feature};
+use crate::matching::align::Measured;
 use crate::matching::{Match, MatchResult, TwoViewModel};
 use crate::requests::{MatchRequest, Matched};
 use serde::{Deserialize, Serialize};
@@ -27,6 +28,34 @@ pub struct MatchRow<'a> {
     pub inlier: Option<bool>,
     /// Pixels; `None` where there is no geometry, infinite where the distance is undefined.
     pub error_px: Option<f32>,
+    pub aligned: Option<Aligned>,
+}
+
+/// A match as the pictures of its places say it.
+#[derive(Debug, Clone, Copy)]
+pub struct Aligned {
+    /// Place, scale and orientation in B of what A's feature shows.
+    pub b: Feature,
+    /// From B's place to that one, pixels.
+    pub shift_px: [f64; 2],
+    /// Correlation of the two pictures, −1 … 1.
+    pub correlation: f64,
+    /// Distance from where the other matches put it, pixels.
+    pub residual_px: f64,
+}
+
+impl Aligned {
+    fn of((measured, residual_px): (Measured, f64), a: &Feature, b: &Feature) -> Self {
+        let ([u, v], (rotation, ratio)) = (measured.shift_px, measured.rotation_and_ratio());
+        let b = Feature {
+            u: b.u + u as f32,
+            v: b.v + v as f32,
+            sigma: a.sigma * ratio as f32,
+            orientation: a.orientation + rotation as f32,
+            ..*b
+        };
+        Self { b, shift_px: measured.shift_px, correlation: measured.correlation, residual_px }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -72,7 +101,9 @@ impl Matches {
         let verified = self.result.verification.as_ref();
         let inlier = verified.and_then(|v| v.inlier.get(index).copied());
         let error_px = verified.filter(|v| v.model.is_some()).and_then(|v| v.error_px.get(index).copied());
-        Some(MatchRow { index, found, a, b, inlier, error_px })
+        let measured = self.result.alignment.as_ref().and_then(|alignment| alignment.measured[index]);
+        let aligned = measured.map(|measured| Aligned::of(measured, a, b));
+        Some(MatchRow { index, found, a, b, inlier, error_px, aligned })
     }
 
     pub fn rows(&self) -> impl Iterator<Item = MatchRow<'_>> {

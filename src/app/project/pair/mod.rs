@@ -184,7 +184,10 @@ impl Model {
             return None;
         }
         let (a, b) = (self.slots.a.found.as_ref()?, self.slots.b.found.as_ref()?);
-        Some(MatchRequest { a: a.detection.clone(), b: b.detection.clone(), params: self.pair.params.clone() })
+        let bursts =
+            [(self.burst_of(Side::A)?.clone(), a.params.clone()), (self.burst_of(Side::B)?.clone(), b.params.clone())];
+        let params = self.pair.params.clone();
+        Some(MatchRequest { a: a.detection.clone(), b: b.detection.clone(), bursts, params })
     }
 
     pub fn needs_matches(&self) -> bool {

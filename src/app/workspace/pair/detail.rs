@@ -16,7 +16,7 @@ use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, PictureKind};
 use egui::{Color32, Grid, Label, RichText, Ui};
 
-pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], queue: &mut Queue) {
+pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], queue: &mut Queue) {
     section_ui(ui, "Selected match", |ui| {
         walk_ui(ui, model, queue);
         ui.add_space(4.0);
@@ -33,8 +33,9 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 2], q
             ui.label(RichText::new(stale).color(crate::app::style::warning(ui)));
         }
         ui.add_space(4.0);
-        let width = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
-        patches_ui(ui, model, &row, textures, width);
+        let width_of = |count: f32| ((ui.available_width() - 8.0 * (count - 1.0)) / count).clamp(60.0, 150.0);
+        let width = width_of(2.0);
+        patches_ui(ui, model, &row, textures, if row.aligned.is_some() { width_of(3.0) } else { width });
         descriptors_ui(ui, matches, &row, width);
         ui.add_space(4.0);
         numbers_ui(ui, matches, &row);
@@ -54,9 +55,11 @@ fn verdict_ui(ui: &mut Ui, row: &MatchRow<'_>, only_pointed_at: bool) {
     });
 }
 
-fn patches_ui(ui: &mut Ui, model: &Model, row: &MatchRow<'_>, textures: &mut [PatchTexture; 2], width: f32) {
+fn patches_ui(ui: &mut Ui, model: &Model, row: &MatchRow<'_>, textures: &mut [PatchTexture; 3], width: f32) {
     ui.horizontal(|ui| {
-        for ((side, feature), texture) in [(Side::A, *row.a), (Side::B, *row.b)].into_iter().zip(textures) {
+        let found = [("A", Side::A, *row.a), ("B", Side::B, *row.b)];
+        let aligned = row.aligned.map(|aligned| ("B, aligned", Side::B, aligned.b));
+        for ((label, side, feature), texture) in found.into_iter().chain(aligned).zip(textures) {
             let wanted = PictureKind::Stack { slope: feature.slope };
             let picture = model.pair.patches.get(side as usize).filter(|picture| {
                 let is_open = model.burst_of(side).is_some_and(|open| open.id == picture.request.burst.id);
@@ -64,12 +67,16 @@ fn patches_ui(ui: &mut Ui, model: &Model, row: &MatchRow<'_>, textures: &mut [Pa
             });
             ui.vertical(|ui| {
                 ui.set_width(width);
-                let (name, display) = (&format!("Patch in {}", side.name()), model.ranges_of_side(side).intensity);
+                let (name, display) = (&format!("Patch in {label}"), model.ranges_of_side(side).intensity);
                 let view = PatchView { name, feature, turned: true, display };
                 view.ui(ui, picture.map(|picture| &picture.plane), texture, width);
-                let slope = format!("{}: slope {}", side.name(), signed_slope(feature.slope, 2));
-                ui.label(RichText::new(slope).small().weak())
-                    .on_hover_text("From the motion stack at the feature's own slope, in pixels per frame");
+                let (text, help) = if label.len() == 1 {
+                    let help = "From the motion stack at the feature's own slope, in pixels per frame";
+                    (format!("{label}: slope {}", signed_slope(feature.slope, 2)), help)
+                } else {
+                    (label.to_owned(), "Where the picture of A's place is found in B, turned and scaled as it is there")
+                };
+                ui.label(RichText::new(text).small().weak()).on_hover_text(help);
             });
         }
     });
@@ -102,6 +109,12 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
             );
             let (name, help) = error_words(matches.model());
             line(name, help, row.error_px.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3))));
+            if let Some(aligned) = row.aligned {
+                let help = "Agreement of the pictures of both places after they are laid over one another, −1 … 1";
+                line("Correlation", help, format!("{:.2}", aligned.correlation));
+                let help = "Distance of the measured place from where the keypoint's other matches put it";
+                line("Contradiction", help, format!("{} px", number(aligned.residual_px as f32, 2)));
+            }
             let rank = |i: usize, side| format!("{} of {}", i + 1, matches.detection(side).features.len());
             line("Feature in A", "Rank by strength", rank(row.found.a, Side::A));
             line("Feature in B", "Rank by strength", rank(row.found.b, Side::B));

@@ -137,10 +137,16 @@ fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchV
             Side::A => geometry.locus_in_a(place(row.b), size),
             Side::B => geometry.locus_in_b(place(row.a), size),
         };
-        let points: Vec<Pos2> =
-            locus.iter().map(|p| output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32))).collect();
-        expected_ui(output, &points);
+        expected_ui(output, &points_ui(output, &locus));
+        let expected = matches.result.prediction.as_ref().filter(|_| *side == Side::B);
+        if let Some(expected) = expected.and_then(|prediction| prediction.in_b[row.found.a]) {
+            expected_ui(output, &points_ui(output, &expected.outline(geometry)));
+        }
     }
+}
+
+fn points_ui(output: &CanvasOutput, places: &[[f64; 2]]) -> Vec<Pos2> {
+    places.iter().map(|place| output.ui_from_image.pos(pos2(place[0] as f32, place[1] as f32))).collect()
 }
 
 fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>) {
@@ -267,8 +273,9 @@ fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
         candidates.filter_map(|(c, colour)| Some(mark(sides.b.features.get(c.feature)?, colour, true))).collect();
     for view in views.on(Side::B) {
         draw_compared(view.output, &marks, None);
-        let place = |p: &[f64; 2]| view.output.ui_from_image.pos(pos2(p[0] as f32, p[1] as f32));
-        expected_ui(view.output, &why.unmatched.expected.iter().map(place).collect::<Vec<_>>());
+        for places in [&why.unmatched.expected, &why.unmatched.predicted] {
+            expected_ui(view.output, &points_ui(view.output, places));
+        }
     }
 }
 

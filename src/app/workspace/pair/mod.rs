@@ -22,7 +22,7 @@ use egui::{CentralPanel, Color32, Frame, Sense, Stroke, Ui, vec2};
 
 #[derive(Default)]
 pub struct PairPanels {
-    patch_textures: [PatchTexture; 2],
+    patch_textures: [PatchTexture; 3],
     candidate_textures: [PatchTexture; PATCHES + 1],
     pub camera_text: parameters::CameraText,
 }

@@ -186,8 +186,10 @@ fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
 
 fn without_geometry(matches: &Matches) -> Option<String> {
     let params = &matches.request.params;
-    (params.geometry != Geometry::None && matches.model().is_none())
-        .then(|| format!("No geometry: fewer than {} matches agree on one", params.min_inliers))
+    (params.geometry != Geometry::None && matches.model().is_none()).then(|| match matches.result.counts.refused {
+        Some(reason) => format!("Refused: {}", reason.words()),
+        None => format!("No geometry: fewer than {} matches agree on one", params.min_inliers),
+    })
 }
 
 fn missing(model: &Model) -> String {
@@ -218,7 +220,7 @@ mod tests {
 
     #[test]
     fn numbers_that_were_not_asked_for_are_dashes() {
-        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 50, putative: 20, inliers: None };
+        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 50, putative: 20, inliers: None, refused: None };
         let values: Vec<String> = rows(&counts).into_iter().map(|row| row.2).collect();
         assert_eq!(values, ["100 + 50", "20", "–", "0.300", "–", "–"]);
     }

@@ -1,0 +1,342 @@
+//! The picture of a place: the frames of a burst averaged along its motion, for matching to a fraction of its scale.
+//!
+//! A chip has samples [`STEP`] σ apart, [`REACH`] of them to each side, in the image's own orientation. Each is a mean
+//! of pixels weighted by a Gaussian of [`BLUR`] σ, so that nothing finer than the lattice can tell is in it. Large ones
+//! are made from frames at reduced resolution.
+
+use crate::detector::params::{Interpolation, Slope};
+use crate::detector::stack::{FrameTimes, frame_offsets, interpolation_blur};
+use crate::error::{Error, ErrorKind};
+use crate::kernel::patch::{Patch, PatchScratch, stack_patch};
+use crate::plane::Plane;
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// Samples from the middle of a chip to each side: 15.75 σ.
+pub(super) const REACH: usize = 21;
+/// Samples on a side.
+pub const SIDE: usize = 2 * REACH + 1;
+/// Distance of samples, σ.
+pub(super) const STEP: f32 = 0.75;
+/// Standard deviation of the Gaussian that weights the pixels of a sample, σ.
+const BLUR: f64 = 0.55;
+/// Reach of that Gaussian in its standard deviations.
+const CUT: f64 = 3.0;
+/// Least variance of that Gaussian, squared pixels of the frames that are read: less would skip pixels.
+const LEAST_VARIANCE: f64 = 0.15;
+
+/// Bytes before the samples: five numbers and four indices.
+const HEADER_BYTES: usize = 5 * 4 + 4;
+/// Bytes of a chip.
+pub const CHIP_BYTES: usize = HEADER_BYTES + 2 * SIDE * SIDE;
+
+/// Picture of a place at mid-burst, averaged along its motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chip {
+    /// Column of its middle, input pixels; the centre of the first pixel is 0.
+    pub u: f32,
+    /// Row of its middle, input pixels.
+    pub v: f32,
+    /// Scale σ of its place, input pixels; greater than 0.
+    pub sigma: f32,
+    /// Value of level 0, fraction of full scale.
+    lowest: f32,
+    /// Difference of two levels.
+    unit: f32,
+    /// Columns and rows of samples that lie in the image.
+    seen: [Range<u8>; 2],
+    levels: Vec<u16>,
+}
+
+impl Chip {
+    /// Chip of the place (`u`, `v`) of scale `sigma` with the values `sample(i, j)`, of which those in the columns
+    /// `seen[0]` and rows `seen[1]` exist.
+    fn new(place: (f32, f32), sigma: f32, seen: [Range<u8>; 2], sample: impl Fn(usize, usize) -> f32) -> Self {
+        let indices = |range: &Range<u8>| usize::from(range.start)..usize::from(range.end);
+        let places = || indices(&seen[1]).flat_map(|j| indices(&seen[0]).map(move |i| (i, j)));
+        let values = || places().map(|(i, j)| sample(i, j)).filter(|x| x.is_finite());
+        let lowest = values().reduce(f32::min).unwrap_or(0.0);
+        let highest = values().reduce(f32::max).unwrap_or(0.0);
+        let unit = (highest - lowest) / f32::from(u16::MAX);
+        let mut levels = vec![0; SIDE * SIDE];
+        for (i, j) in places() {
+            // The cast of what is not finite is a level too.
+            levels[j * SIDE + i] = if unit > 0.0 { ((sample(i, j) - lowest) / unit).round() as u16 } else { 0 };
+        }
+        Self { u: place.0, v: place.1, sigma, lowest, unit, seen, levels }
+    }
+
+    /// Columns and rows of samples that lie in the image, of 0 … [`SIDE`].
+    pub(super) fn seen(&self) -> [Range<usize>; 2] {
+        self.seen.clone().map(|range| usize::from(range.start)..usize::from(range.end))
+    }
+
+    /// Level of the sample in column `i` and row `j`, which lies in the image.
+    pub(super) fn level(&self, i: usize, j: usize) -> f32 {
+        f32::from(self.levels[j * SIDE + i])
+    }
+
+    /// Value of the sample in column `i` and row `j`, fraction of full scale; `None` beyond the image.
+    pub fn sample(&self, i: usize, j: usize) -> Option<f32> {
+        let [columns, rows] = self.seen();
+        let inside = columns.contains(&i) && rows.contains(&j);
+        inside.then(|| self.lowest + self.unit * self.level(i, j))
+    }
+
+    /// The chip as bytes, in an order that does not depend on the machine.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(CHIP_BYTES);
+        for number in [self.u, self.v, self.sigma, self.lowest, self.unit] {
+            bytes.extend(number.to_le_bytes());
+        }
+        for range in &self.seen {
+            bytes.extend([range.start, range.end]);
+        }
+        bytes.extend(self.levels.iter().flat_map(|level| level.to_le_bytes()));
+        bytes
+    }
+
+    /// Reads what [`Self::to_bytes`] wrote.
+    ///
+    /// # Errors
+    /// Another number of bytes, numbers that are not finite, no scale, and samples outside the chip.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+        let damaged = |problem: String| Error::new(ErrorKind::Damaged, problem, "have it made again");
+        if bytes.len() != CHIP_BYTES {
+            return Err(damaged(format!("a chip has {CHIP_BYTES} bytes, not {}", bytes.len())));
+        }
+        let (header, samples) = bytes.split_at(HEADER_BYTES);
+        let number = |index: usize| {
+            let four = &header[4 * index..4 * index + 4];
+            f32::from_le_bytes([four[0], four[1], four[2], four[3]])
+        };
+        let [u, v, sigma, lowest, unit] = [0, 1, 2, 3, 4].map(number);
+        if ![u, v, sigma, lowest, unit].iter().all(|x| x.is_finite()) || sigma <= 0.0 || unit < 0.0 {
+            return Err(damaged(format!("a chip at ({u}, {v}) of scale {sigma} makes no sense")));
+        }
+        let ends = &header[5 * 4..];
+        let seen = [ends[0]..ends[1], ends[2]..ends[3]];
+        if seen.iter().any(|range| range.start > range.end || usize::from(range.end) > SIDE) {
+            return Err(damaged(format!("samples {seen:?} of a chip lie outside it")));
+        }
+        let levels = samples.chunks_exact(2).map(|two| u16::from_le_bytes([two[0], two[1]])).collect();
+        Ok(Self { u, v, sigma, lowest, unit, seen, levels })
+    }
+}
+
+/// Frames of a burst from which chips are made.
+#[derive(Debug)]
+pub struct ChipSource<'a> {
+    /// Frames that take part, at the resolution of the input and of each octave above.
+    octaves: Vec<Vec<Cow<'a, Plane>>>,
+    times: FrameTimes,
+}
+
+impl<'a> ChipSource<'a> {
+    /// Source of chips of scales up to `largest_sigma`, input pixels, from `frames` of one size taken at `times`.
+    pub fn new(frames: &[&'a Plane], times: &FrameTimes, largest_sigma: f32) -> Self {
+        let mut octaves: Vec<Vec<Cow<'a, Plane>>> = vec![frames.iter().map(|frame| Cow::Borrowed(*frame)).collect()];
+        let halvable = |plane: &Plane| plane.width().min(plane.height()) >= 4;
+        for octave in 1..=octave_of(largest_sigma) {
+            if !octaves[octave - 1].iter().all(|frame| halvable(frame)) {
+                break;
+            }
+            octaves.push(octaves[octave - 1].par_iter().map(|frame| Cow::Owned(frame.halved())).collect());
+        }
+        Self { octaves, times: times.clone() }
+    }
+
+    /// Chip of the place (`u`, `v`) at mid-burst, of scale `sigma` (both input pixels), that moves by `slope`, pixels
+    /// per frame. `None` for a place outside the image, for what is not finite, and for frames without a pixel.
+    pub fn chip(&self, (u, v): (f32, f32), sigma: f32, slope: Slope) -> Option<Chip> {
+        let (width, height) = self.octaves.first()?.first()?.size();
+        let inside = |x: f32, size: usize| x >= -0.5 && x <= size as f32 - 0.5;
+        let known = sigma > 0.0 && [sigma, slope.u, slope.v].iter().all(|x| x.is_finite());
+        if !known || !inside(u, width) || !inside(v, height) {
+            return None;
+        }
+        let octave = octave_of(sigma).min(self.octaves.len() - 1);
+        let pixel = f64::from(1u32 << octave);
+        let frames: Vec<&Plane> = self.octaves[octave].iter().map(AsRef::as_ref).collect();
+        let in_octave = Slope::new(slope.u / pixel as f32, slope.v / pixel as f32);
+        let offsets = self.times.of(frame_offsets(self.times.frame_count, in_octave, Interpolation::Linear));
+        let (read_u, read_v) = interpolation_blur(&offsets);
+        let axis = |place: f32, size: usize, reduced: usize, read: f64| {
+            Axis::new(f64::from(place), f64::from(sigma), pixel, (size, reduced), read)
+        };
+        let reduced = frames[0].size();
+        let (across, down) = (axis(u, width, reduced.0, read_u), axis(v, height, reduced.1, read_v));
+        let (mut patch, mut scratch) = (Patch::default(), PatchScratch::default());
+        patch.reset(across.pixels(), down.pixels());
+        stack_patch(&frames, &offsets, &mut patch, &mut scratch.sums);
+        let stacked = Stacked { patch: &patch, across: &across, down: &down };
+        let samples = stacked.samples();
+        Some(Chip::new((u, v), sigma, [across.seen(), down.seen()], |i, j| samples[j * SIDE + i]))
+    }
+}
+
+/// Octave from whose frames a chip of scale `sigma` is made: its pixels are smaller than the blur.
+fn octave_of(sigma: f32) -> usize {
+    (BLUR * f64::from(sigma)).log2().floor().clamp(0.0, 16.0) as usize
+}
+
+/// Pixels and their weights for each sample along one axis.
+struct Axis {
+    /// First pixel of each sample, and the weights from there on; none beyond the image.
+    taps: Vec<(usize, Vec<f32>)>,
+}
+
+impl Axis {
+    /// Axis through `place` for the scale `sigma`, both input pixels, on an octave whose pixels are `pixel` of these
+    /// wide, of an image of `size` of either; `read` is the variance of the reading between the octave's pixels.
+    fn new(place: f64, sigma: f64, pixel: f64, (size, reduced): (usize, usize), read: f64) -> Self {
+        // The mean over a pixel of the octave is a blur as well.
+        let average = (1.0 - 1.0 / (pixel * pixel)) / 12.0;
+        let variance = ((BLUR * sigma / pixel).powi(2) - average - read).max(LEAST_VARIANCE);
+        let reach = CUT * variance.sqrt();
+        let of_sample = |index: usize| {
+            let at = place + (index as f64 - REACH as f64) * f64::from(STEP) * sigma;
+            if at < -0.5 || at > size as f64 - 0.5 {
+                return (0, Vec::new());
+            }
+            let centre = ((at + 0.5) / pixel - 0.5).clamp(0.0, reduced as f64 - 1.0);
+            let first = (centre - reach).ceil().max(0.0) as usize;
+            let last = ((centre + reach) as usize).min(reduced - 1);
+            let weight = |k: usize| (-0.5 * (k as f64 - centre).powi(2) / variance).exp();
+            let sum: f64 = (first..=last).map(weight).sum();
+            (first, (first..=last).map(|k| (weight(k) / sum) as f32).collect())
+        };
+        Self { taps: (0..SIDE).map(of_sample).collect() }
+    }
+
+    /// Samples inside the image.
+    fn seen(&self) -> Range<u8> {
+        let inside = |(_, weights): &(usize, Vec<f32>)| !weights.is_empty();
+        let start = self.taps.iter().position(inside).unwrap_or(0);
+        let end = self.taps.iter().rposition(inside).map_or(start, |last| last + 1);
+        start as u8..end as u8
+    }
+
+    /// Pixels that the samples need.
+    fn pixels(&self) -> Range<i64> {
+        let used = || self.taps.iter().filter(|(_, weights)| !weights.is_empty());
+        let first = used().map(|(first, _)| *first).min().unwrap_or(0);
+        let end = used().map(|(first, weights)| first + weights.len()).max().unwrap_or(first);
+        first as i64..end as i64
+    }
+}
+
+/// A motion-stack image around a place, and the weights of its samples.
+struct Stacked<'a> {
+    patch: &'a Patch,
+    across: &'a Axis,
+    down: &'a Axis,
+}
+
+impl Stacked<'_> {
+    /// All samples, row by row; 0 beyond the image.
+    fn samples(&self) -> Vec<f32> {
+        let columns = self.patch.columns();
+        let mut line = vec![0.0f32; columns.clone().count()];
+        let mut samples = vec![0.0; SIDE * SIDE];
+        for ((top, down), out) in self.down.taps.iter().zip(samples.chunks_exact_mut(SIDE)) {
+            if down.is_empty() {
+                continue;
+            }
+            line.fill(0.0);
+            for (weight, v) in down.iter().zip(*top as i64..) {
+                line.iter_mut().zip(self.patch.row(v)).for_each(|(sum, x)| *sum += weight * x);
+            }
+            for ((left, across), out) in self.across.taps.iter().zip(out) {
+                let from = if across.is_empty() { 0 } else { left - columns.start as usize };
+                *out = across.iter().zip(&line[from..]).map(|(weight, x)| weight * x).sum();
+            }
+        }
+        samples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Frames with a Gaussian blob of standard deviation `blob` px that moves by `slope`, at (90.3, 70.6) at mid-burst.
+    fn moving(slope: Slope, blob: f32) -> Vec<Plane> {
+        (0..5)
+            .map(|t| {
+                let dt = t as f32 - 2.0;
+                Plane::from_fn(181, 139, |u, v| {
+                    let (du, dv) = (u as f32 - 90.3 - dt * slope.u, v as f32 - 70.6 - dt * slope.v);
+                    (-(du * du + dv * dv) / (2.0 * blob * blob)).exp()
+                })
+            })
+            .collect()
+    }
+
+    fn chip(frames: &[Plane], at: (f32, f32), sigma: f32, slope: Slope) -> Chip {
+        let planes: Vec<&Plane> = frames.iter().collect();
+        ChipSource::new(&planes, &FrameTimes::all(frames.len()), 20.0).chip(at, sigma, slope).expect("inside")
+    }
+
+    #[test]
+    fn samples_are_the_moving_thing_blurred_at_every_scale() {
+        let slope = Slope::new(1.37, -0.61);
+        for (sigma, blob) in [(1.7f32, 2.5f32), (3.0, 4.0), (5.0, 5.0), (12.0, 14.0)] {
+            let chip = chip(&moving(slope, blob), (88.0, 72.5), sigma, slope);
+            let variance = blob * blob + (BLUR as f32 * sigma).powi(2);
+            let peak = blob * blob / variance;
+            for (i, j) in (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j))) {
+                let at = |k: usize, middle: f32| middle + (k as f32 - REACH as f32) * STEP * sigma;
+                let (u, v) = (at(i, 88.0), at(j, 72.5));
+                let inside = (-0.5..=180.5).contains(&u) && (-0.5..=138.5).contains(&v);
+                assert_eq!(chip.sample(i, j).is_some(), inside, "σ {sigma} ({u}, {v})");
+                // Nearer to the border the blur ends there.
+                let reach = 3.0 * sigma;
+                if let Some(value) = chip.sample(i, j).filter(|_| u > reach && v > reach && u < 180.0 - reach) {
+                    let squared = (u - 90.3).powi(2) + (v - 70.6).powi(2);
+                    let truth = peak * (-squared / (2.0 * variance)).exp();
+                    assert!((value - truth).abs() < 0.02, "σ {sigma} ({u}, {v}): {value} {truth}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bytes_hold_a_chip_and_no_bytes_are_none() {
+        let slope = Slope::new(0.5, 0.0);
+        for at in [(90.0, 70.0), (3.0, 4.0), (180.4, 138.4)] {
+            let chip = chip(&moving(slope, 5.0), at, 4.0, slope);
+            let bytes = chip.to_bytes();
+            assert_eq!((bytes.len(), Chip::from_bytes(&bytes)), (CHIP_BYTES, Ok(chip)));
+            let refused = Chip::from_bytes(&bytes[1..]).expect_err("too short");
+            assert_eq!(refused.kind, ErrorKind::Damaged);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_are_a_chip_or_an_error(
+            header in prop::collection::vec(any::<u8>(), HEADER_BYTES),
+            numbers in prop::collection::vec(-2.0f32..100.0, 5),
+            ends in prop::collection::vec(0u8..50, 4),
+            sensible in any::<bool>(),
+            fill in any::<u8>(),
+        ) {
+            let sane = || numbers.iter().flat_map(|x| x.to_le_bytes()).chain(ends.iter().copied()).collect();
+            let mut bytes: Vec<u8> = if sensible { sane() } else { header };
+            bytes.resize(CHIP_BYTES, fill);
+            if let Ok(chip) = Chip::from_bytes(&bytes) {
+                prop_assert_eq!(chip.to_bytes(), bytes);
+                prop_assert!(chip.sample(SIDE, 0).is_none());
+                let inside = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
+                prop_assert!(inside.filter_map(|(i, j)| chip.sample(i, j)).all(f32::is_finite));
+                let view = crate::matching::align::View { chip: &chip, orientation: 0.0 };
+                let frame = crate::matching::align::PairFrame::of(&[[view, view]]);
+                let found = crate::matching::align::measure(&[[view, view]], frame, 8.0, &Default::default());
+                prop_assert!(found.is_ok());
+            }
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! All matches of a pair of images, measured by their chips.
+//!
+//! The angle and the scale of a single feature are too uncertain to bring two chips to one another. The matches of a
+//! pair agree on one rotation and one ratio of scales, which are known well; the affine fit finds the rest.
+
+use super::chip::Chip;
+use super::grid::{Affine, Grid};
+use super::lucas_kanade::{FitScratch, Window};
+use super::search::{Search, SearchScratch};
+use crate::monitor::{Cancelled, Monitor};
+use rayon::prelude::*;
+use std::f32::consts::{PI, TAU};
+
+/// Radius of the affine fit, σ. Where depth steps are near, 8 is better.
+pub const FIT_RADIUS: f32 = 12.0;
+
+/// Angles, over a full turn, at which the density of the differences is looked at.
+const ANGLES: usize = 180;
+/// Width of the density's kernel, radians.
+const ANGLE_KERNEL: f32 = 0.1;
+/// Differences that are averaged for the rotation, radians from the mode.
+const NEAR_MODE: f32 = 0.5;
+/// Matches whose ratios of scales count, radians from the rotation; all do where there are fewer than `ENOUGH`.
+const ALIKE: f32 = 0.4;
+const ENOUGH: usize = 10;
+
+/// A matched feature of one image.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// Chip of its place.
+    pub chip: &'a Chip,
+    /// Orientation, radians from +u towards +v.
+    pub orientation: f32,
+}
+
+/// Rotation and ratio of scales between two images, as most of their matches have them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairFrame {
+    /// Angle by which directions in A are turned in B, radians from +u towards +v, of (−π, π].
+    pub rotation: f32,
+    /// Natural logarithm of the scale in B over that in A.
+    pub log_ratio: f32,
+}
+
+/// Motion of B's place that lays its chip over A's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// Shift of B's place (u, v), pixels: where A's place lies in B.
+    pub shift_px: [f64; 2],
+    /// How the place in B moves with that in A: rows u and v of B by columns u and v of A.
+    pub jacobian: [[f64; 2]; 2],
+    /// Correlation of the chips, −1 … 1, after the fit.
+    pub correlation: f64,
+}
+
+impl Measured {
+    /// Angle by which A is turned in B, radians from +u towards +v, and ratio of B's scale to A's.
+    pub fn rotation_and_ratio(&self) -> (f64, f64) {
+        let [[uu, uv], [vu, vv]] = self.jacobian;
+        ((vu - uv).atan2(uu + vv), (uu * vv - uv * vu).abs().sqrt())
+    }
+}
+
+/// Angle brought into (−π, π].
+fn wrapped(angle: f32) -> f32 {
+    PI - (PI - angle).rem_euclid(TAU)
+}
+
+fn median(mut values: Vec<f32>) -> Option<f32> {
+    values.sort_unstable_by(f32::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => None,
+        odd if odd % 2 == 1 => Some(values[middle]),
+        _ => Some(0.5 * (values[middle - 1] + values[middle])),
+    }
+}
+
+impl PairFrame {
+    /// Frame of the matches `pairs` of A and B: the mode of the differences of orientations, and the median ratio of
+    /// the scales of those that are turned so. No rotation and equal scales where there are none.
+    pub fn of(pairs: &[[View<'_>; 2]]) -> Self {
+        let turned: Vec<f32> = pairs.iter().map(|[a, b]| wrapped(b.orientation - a.orientation)).collect();
+        let density = |angle: f32| {
+            let near = |turned: &f32| ((turned - angle).cos() - 1.0) / (ANGLE_KERNEL * ANGLE_KERNEL);
+            turned.iter().map(|turned| near(turned).exp()).sum::<f32>()
+        };
+        let angles = (0..ANGLES).map(|k| TAU * k as f32 / ANGLES as f32 - PI);
+        let mode =
+            angles.map(|angle| (density(angle), angle)).fold((f32::MIN, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+        let from_mode = || turned.iter().map(|turned| wrapped(turned - mode.1));
+        let beyond = median(from_mode().filter(|apart| apart.abs() < NEAR_MODE).collect()).unwrap_or(0.0);
+        let rotation = wrapped(mode.1 + beyond);
+        let ratio = |[a, b]: &[View<'_>; 2]| (b.chip.sigma / a.chip.sigma).ln();
+        let alike = pairs.iter().zip(&turned).filter(|(_, turned)| wrapped(*turned - rotation).abs() < ALIKE);
+        let mut ratios: Vec<f32> = alike.map(|(pair, _)| ratio(pair)).collect();
+        if ratios.len() < ENOUGH {
+            ratios = pairs.iter().map(ratio).collect();
+        }
+        Self { rotation, log_ratio: median(ratios).unwrap_or(0.0) }
+    }
+}
+
+/// Lattices that are the same for all matches.
+struct Lattices {
+    search: Search,
+    window: Window,
+}
+
+/// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); the chips
+/// are brought to one another by `frame`. `None` where chips do not tell: the place is not found within 3 σ, or a chip
+/// shows too little or nothing.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn measure(
+    pairs: &[[View<'_>; 2]],
+    frame: PairFrame,
+    fit_radius: f32,
+    monitor: &Monitor,
+) -> Result<Vec<Option<Measured>>, Cancelled> {
+    let lattices = Lattices { search: Search::new(), window: Window::new(fit_radius) };
+    let scratch = || (SearchScratch::default(), FitScratch::default());
+    let one = |scratch: &mut (SearchScratch, FitScratch), [a, b]: &[View<'_>; 2]| {
+        monitor.check()?;
+        Ok(lattices.measured([a.chip, b.chip], frame, scratch))
+    };
+    pairs.par_iter().map_init(scratch, one).collect()
+}
+
+impl Lattices {
+    fn measured(
+        &self,
+        [a, b]: [&Chip; 2],
+        frame: PairFrame,
+        (search, fit): &mut (SearchScratch, FitScratch),
+    ) -> Option<Measured> {
+        // One step of the lattice in each image: the mean of both scales, in the ratio of the pair.
+        let sigma = (a.sigma * b.sigma).sqrt();
+        let units = [-0.5, 0.5].map(|half| sigma * (half * frame.log_ratio).exp());
+        let grids = [Grid::new(a)?, Grid::new(b)?];
+        let places = [Grid::places(a, units[0], 0.0), Grid::places(b, units[1], frame.rotation)];
+        let (a, b) = ((&grids[0], &places[0]), (&grids[1], &places[1]));
+        let start = self.search.peak(a, b, search)?;
+        let found = self.window.fit(a, b, start, fit)?;
+        let (sin, cos) = frame.rotation.sin_cos();
+        let turned = Affine { matrix: [[cos, -sin], [sin, cos]].map(|row| row.map(|x| x * units[1])), shift: [0.0; 2] };
+        let map = turned.after(&found.map);
+        let jacobian = map.matrix.map(|row| row.map(|x| f64::from(x / units[0])));
+        let (shift_px, correlation) = (map.shift.map(f64::from), f64::from(found.correlation));
+        let finite = shift_px.iter().chain(jacobian.iter().flatten()).chain([&correlation]).all(|x| x.is_finite());
+        finite.then_some(Measured { shift_px, jacobian, correlation })
+    }
+}
