@@ -339,9 +339,9 @@ mod tests {
         let found = |i| Match { a: i, b: i, distance: 1.0, ratio: 0.5 };
         let mut pairs = [(0, 1), (0, 2), (1, 2)].map(|images| (images, Vec::new()));
         for (images, matches) in &mut pairs {
-            for i in 0..60 {
-                let to = if *images == (0, 2) && i < 20 { [b[i][0] + 5.0, b[i][1]] } else { b[i] };
-                let link = alignment.add_match(*images, (i, i), measured(b[i], to));
+            for (i, &at) in b.iter().enumerate() {
+                let to = if *images == (0, 2) && i < 20 { [at[0] + 5.0, at[1]] } else { at };
+                let link = alignment.add_match(*images, (i, i), measured(at, to));
                 matches.push((found(i), Some(link)));
             }
         }

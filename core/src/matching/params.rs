@@ -165,7 +165,7 @@ pub mod doc {
 
         ALIGN: "align", "Align", "", "match";
         "Whether inliers are measured by the pictures of their places, each keypoint is moved to where its matches agree, and what contradicts by more than a third of the max error is no inlier any more; a pair that keeps too few is refused: true or false.",
-        "Switch it off for the sure or predicted matches at the places of the blobs, in half of the time.",
+        "Switch it off for the sure or predicted matches at the places of the blobs.",
         Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.align)).used_if(verified);
 
         MAX_ERROR_PX: "max-error-px", "Max error", "px", "inlier";

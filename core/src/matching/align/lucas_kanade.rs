@@ -109,7 +109,7 @@ impl Window {
             if round == ROUNDS {
                 break;
             }
-            let held = self.from_start(&map, &begin);
+            let held = self.unknowns(&map, &begin);
             let descent = descent(scratch, &alike);
             let gradient = SVector::<f64, UNKNOWNS>::from_fn(|k, _| f64::from(descent[k] + self.prior[k] * held[k]));
             let Some(next) = self.stepped(&map, &hessian.solve(&gradient)) else { break };
@@ -161,7 +161,7 @@ impl Window {
     }
 
     /// Unknowns of `map` from those of `begin`.
-    fn from_start(&self, map: &Affine, begin: &Affine) -> [f32; UNKNOWNS] {
+    fn unknowns(&self, map: &Affine, begin: &Affine) -> [f32; UNKNOWNS] {
         let [[a, b], [c, d]] = map.matrix;
         let [dx, dy] = [0, 1].map(|i| map.shift[i] - begin.shift[i]);
         let radius = self.radius;
@@ -209,8 +209,8 @@ fn total(lanes: [f32; LANES]) -> f32 {
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn products(scratch: &FitScratch) -> [[f32; UNKNOWNS]; UNKNOWNS] {
     let mut products = [[0.0; UNKNOWNS]; UNKNOWNS];
-    for i in 0..UNKNOWNS {
-        for j in i..UNKNOWNS {
+    for (i, row) in products.iter_mut().enumerate() {
+        for (j, product) in row.iter_mut().enumerate().skip(i) {
             let mut sums = [0.0; LANES];
             let blocks = scratch.weights.chunks_exact(LANES).zip(scratch.derivatives[i].chunks_exact(LANES));
             for ((w, a), b) in blocks.zip(scratch.derivatives[j].chunks_exact(LANES)) {
@@ -218,7 +218,7 @@ fn products(scratch: &FitScratch) -> [[f32; UNKNOWNS]; UNKNOWNS] {
                     sums[l] += w[l] * a[l] * b[l];
                 }
             }
-            products[i][j] = total(sums);
+            *product = total(sums);
         }
     }
     products
