@@ -88,7 +88,7 @@ fn counts() -> Vec<Count> {
             sources.iter().flat_map(late_subjects).collect(),
         ),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
-        Count { bound: Some(519), ..Count::told("source files", sources.len()) },
+        Count { bound: Some(521), ..Count::told("source files", sources.len()) },
         Count { bound: Some(4_000_000), ..Count::told("bytes of screenshots", screenshots::bytes(&stored)) },
         Count::of("pictures of documents above 100 000 bytes", 0, larger("", 100_000)),
         // Noise takes more.
