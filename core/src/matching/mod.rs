@@ -21,6 +21,8 @@ pub mod geometry;
 pub mod params;
 mod predicted;
 pub mod putative;
+#[cfg(test)]
+mod scenes;
 
 use aligned::before_alignment;
 pub use aligned::{PairAlignment, Pictures};

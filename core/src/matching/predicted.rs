@@ -383,7 +383,7 @@ fn nearest_among(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::detector::memory::on_threads;
     use crate::detector::{Descriptor, Slope};
@@ -392,14 +392,14 @@ mod tests {
 
     /// Features of one image.
     #[derive(Clone, Default)]
-    struct Features {
-        places: Vec<[f64; 2]>,
-        descriptors: Vec<Descriptor>,
-        blobs: Vec<Blob>,
+    pub struct Features {
+        pub places: Vec<[f64; 2]>,
+        pub descriptors: Vec<Descriptor>,
+        pub blobs: Vec<Blob>,
     }
 
     impl Features {
-        fn side(&self) -> MatchSide<'_> {
+        pub fn side(&self) -> MatchSide<'_> {
             MatchSide { places: &self.places, descriptors: &self.descriptors, blobs: &self.blobs }
         }
     }
@@ -413,7 +413,7 @@ mod tests {
         Blob { sigma: 3.0, orientation: 0.0, slope, motion: slope, motion_sigma: MOTION_SIGMA as f32 }
     }
 
-    fn near(random: &mut Stream, around: &Descriptor, by: f64) -> Descriptor {
+    pub fn near(random: &mut Stream, around: &Descriptor, by: f64) -> Descriptor {
         around.map(|x| (f64::from(x) + random.within(-by, by)).clamp(0.0, 255.0) as u8)
     }
 

@@ -4,6 +4,7 @@
 #[path = "../common/shared.rs"]
 mod shared;
 
+mod aligned;
 mod goldens;
 mod inspect;
 mod laws;
