@@ -141,7 +141,7 @@ fn is_right(result: &MatchResult, count: usize) -> bool {
 fn pairs_of_every_kind_of_scene_are_believed_and_those_of_chance_are_not() {
     for kind in ALL {
         let of_seed = |seed: u64| {
-            let geometry = if seed % 2 == 0 { Geometry::Fundamental } else { Geometry::Essential };
+            let geometry = if seed.is_multiple_of(2) { Geometry::Fundamental } else { Geometry::Essential };
             let camera = (geometry == Geometry::Essential).then(camera);
             let params = MatchParams { geometry, camera, seed, ..MatchParams::default() };
             let mut pair = pair(kind, seed);
