@@ -128,6 +128,7 @@ impl ColmapKeypoint {
         [f64::from(self.x) - FIRST_PIXEL, f64::from(self.y) - FIRST_PIXEL]
     }
 
+    #[cfg(feature = "colmap")]
     pub(super) fn set_pos_image(&mut self, pos_image: [f64; 2]) {
         [self.x, self.y] = pos_image.map(|place| (place + FIRST_PIXEL) as f32);
     }
