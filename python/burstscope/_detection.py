@@ -109,7 +109,7 @@ class Detection:
 
     @cached_property
     def layer(self) -> NDArray[np.int32]:
-        """Motion layers that they move with [n], from 1, the fastest; 0 for none."""
+        """Motion layers that they move with [n], from 1, the nearest; 0 for none."""
         return _fixed(self._raw.column("layer"))
 
     @cached_property

@@ -66,10 +66,12 @@ fn run_field(args: &StackArgs) -> Result<(), Failure> {
     }
     let known = field.motions.iter().filter(|motion| field.is_known(motion)).count();
     let share = known as f32 / field.motions.len().max(1) as f32;
-    let mut said = format!("field of motion: known in {:.0} % of the picture; layers\n", 100.0 * share);
-    for (number, MotionLayer { slope, spread, share }) in (1..).zip(&field.layers) {
+    let mut said =
+        format!("field of motion: known in {:.0} % of the picture; layers, the nearest first\n", 100.0 * share);
+    for (number, MotionLayer { slope, spread, share, inverse_depth }) in (1..).zip(&field.layers) {
         let (u, v) = (slope.u, slope.v);
-        said += &format!("  {number:2}  ({u:+.2}, {v:+.2}) ± {spread:.2} px/frame  {:3.0} %\n", 100.0 * share);
+        let moves = if inverse_depth.is_none() { "  moves by itself" } else { "" };
+        said += &format!("  {number:2}  ({u:+.2}, {v:+.2}) ± {spread:.2} px/frame  {:3.0} %{moves}\n", 100.0 * share);
     }
     console.say(&format!("{said}wrote {}\n", args.out.display()))?;
     let document = json!({"file": path_text(&args.out), "cell_px": field.cell_px, "columns": field.size.0,

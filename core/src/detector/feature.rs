@@ -45,7 +45,7 @@ pub struct Feature {
     /// Standard deviation of `field` along its least certain direction, pixels per frame; infinite where the motion of
     /// the place is unknown, and where a burst has no field.
     pub field_sigma: f32,
-    /// [Layer](super::field::MotionLayer) that it moves with, from 1, the fastest; 0 for none.
+    /// [Layer](super::field::MotionLayer) that it moves with, from 1, the nearest; 0 for none.
     pub layer: i32,
 }
 

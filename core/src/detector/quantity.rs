@@ -322,7 +322,7 @@ impl Quantity {
                 term: Some("layer"),
                 width: 36.0,
                 colours: Some(Colours { span: Span::Found(0.0, 1.0), ..BRIGHT }),
-                ..named("layer", "Layer", "", "Motion layer that it moves with, from 1, the fastest; 0 for none")
+                ..named("layer", "Layer", "", "Motion layer that it moves with, from 1, the nearest; 0 for none")
             },
             Self::Moves => Record {
                 term: Some("field"),

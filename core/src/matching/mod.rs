@@ -16,7 +16,6 @@
 pub mod align;
 pub mod aligned;
 pub mod camera;
-mod depth;
 pub mod geometry;
 pub mod params;
 mod predicted;

@@ -1,6 +1,6 @@
 //! Matches predicted by motion: where a feature lies in the other burst, and the best match there.
 //!
-//! The field of motion knows how near the place of each feature is ([`super::depth`]), and nearness decides where on its
+//! The field of motion knows how near the place of each feature is ([`crate::detector::field`]), and nearness decides where on its
 //! epipolar line a match lies. The sure matches of a pair, those of the ratio test that agree on a geometry, tell how
 //! inverse depths turn into parallax: one number with a known camera, four with an unknown one
 //! ([`super::geometry`]). So the place of every feature in the other burst is known to some pixels. Where sure
@@ -8,11 +8,11 @@
 //!
 //! Orientations of one keypoint count as one: they are no rivals of each other, and a pair of places is matched once.
 
-use super::depth::{InverseDepth, inverse_depths};
 use super::geometry::{Parallax, TwoViewModel};
 use super::params::MatchParams;
 use super::putative::{Nearest, distance_squared};
 use super::{Match, MatchSide};
+use crate::detector::field::depth::{InverseDepth, inverse_depths};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::random::Stream;
 use nalgebra::{Matrix4, Vector2, Vector4};
@@ -173,7 +173,8 @@ impl OneWay {
         inliers: impl Iterator<Item = (usize, [f64; 2])>,
         seed: u64,
     ) -> Option<Self> {
-        let depths = inverse_depths(side.places, side.blobs);
+        let motions: Vec<_> = side.blobs.iter().map(|blob| (blob.motion, blob.motion_sigma)).collect();
+        let depths = inverse_depths(side.places, &motions);
         let straight: Vec<Vector2<f64>> = side.places.iter().map(|place| parallax.straight(*place)).collect();
         let known = |(index, there): (usize, [f64; 2])| {
             let depth = depths.get(index).copied().flatten()?;

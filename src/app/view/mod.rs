@@ -131,10 +131,11 @@ pub fn depth_text([metres, sigma]: [f64; 2]) -> String {
     format!("{} ± {} m", number(metres as f32, 3), number(sigma as f32, 2))
 }
 
-/// Name of the motion layer `number`, from 1: `1: (2.10, 0.00) px/frame, 38 %`.
+/// Name of the motion layer `number`, from 1: `1: (2.10, 0.00) px/frame, 38 %`; of movers with `, moves by itself`.
 pub fn layer_text(number: i32, layer: &MotionLayer) -> String {
     let [u, v] = [layer.slope.u, layer.slope.v].map(|part| fixed(part, 2));
-    format!("{number}: ({u}, {v}) px/frame, {} %", fixed(100.0 * layer.share, 0))
+    let moves = if layer.inverse_depth.is_none() { ", moves by itself" } else { "" };
+    format!("{number}: ({u}, {v}) px/frame, {} %{moves}", fixed(100.0 * layer.share, 0))
 }
 
 /// Formats a number with `digits` significant digits, without trailing zeros: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
@@ -220,7 +221,7 @@ mod tests {
             assert_eq!([&known, &unknown].map(|feature| text(quantity, feature)), [value, "–"], "{quantity:?}");
         }
         assert_eq!(motion_text(known.field, 0.414, 2), "-0.50, 0.00 ± 0.41 px/frame");
-        let layer = MotionLayer { slope: Slope::new(2.1, -0.001), spread: 0.1, share: 0.384 };
+        let layer = MotionLayer { slope: Slope::new(2.1, -0.001), spread: 0.1, share: 0.384, inverse_depth: Some(1.0) };
         assert_eq!(layer_text(1, &layer), "1: (2.10, 0.00) px/frame, 38 %");
         assert_eq!(depth_text([8.0, 0.8]), "8 ± 0.8 m");
     }

@@ -3,7 +3,11 @@
 //! The motions of all known cells are counted on a fine grid of slopes. Each hill of the smoothed count is a layer; two
 //! hills are one unless the saddle between them is lower than half of the lower one. So a floor that comes nearer is
 //! one layer with a spread, and two things before one another are two.
+//!
+//! Layers come in the order of depth, which all motions together tell ([`super::depth`]); those that move otherwise than
+//! a camera makes still things move come last.
 
+use super::depth::inverse_depths;
 use crate::detector::params::slope_grid::Slope;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -32,16 +36,29 @@ pub struct MotionLayer {
     pub spread: f32,
     /// Its part of the cells whose motion is known, 0 … 1.
     pub share: f32,
+    /// Its inverse depth, relative to that of the first layer, the nearest: below 0 where the camera turned about so
+    /// much that it moves the other way. `None` where it moves by itself.
+    pub inverse_depth: Option<f32>,
 }
 
-/// Layers of the motions `known` of all cells (`None` where unknown), the fastest first, and the number of each cell's,
-/// from 1; 0 for none. `last_frame` is the number of frames less one.
+/// Cell of a field whose motion is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct KnownCell {
+    /// Its centre (u, v), pixels of the input image.
+    pub pos_image: [f64; 2],
+    /// Its motion, pixels per frame, and the largest standard deviation of that.
+    pub motion: (Slope, f32),
+}
+
+/// Layers of the motions of all cells (`None` where unknown), the nearest first, and the number of each cell's, from 1;
+/// 0 for none. Those that move by themselves come last, the fastest first. `last_frame` is the number of frames less one.
 pub(super) fn layers(
-    known: &[Option<Slope>],
+    known: &[Option<KnownCell>],
     last_frame: f32,
     monitor: &Monitor,
 ) -> Result<(Vec<MotionLayer>, Vec<u8>), Cancelled> {
-    let slopes: Vec<Slope> = known.iter().flatten().copied().collect();
+    let cells: Vec<KnownCell> = known.iter().flatten().copied().collect();
+    let slopes: Vec<Slope> = cells.iter().map(|cell| cell.motion.0).collect();
     let Some(hills) = Hills::new(&slopes, STEP_SMEAR_PX / last_frame, monitor)? else {
         return Ok((Vec::new(), vec![0; known.len()]));
     };
@@ -58,14 +75,46 @@ pub(super) fn layers(
         let variance = 0.5 * (uu / count - u * u + vv / count - v * v);
         let spread = variance.max(0.0).sqrt() as f32;
         let share = (count / slopes.len() as f64) as f32;
-        found.push((hill, MotionLayer { slope: Slope::new(u as f32, v as f32), spread, share }));
+        found.push((hill, MotionLayer { slope: Slope::new(u as f32, v as f32), spread, share, inverse_depth: None }));
     }
-    found.sort_by(|(a, one), (b, other)| other.slope.magnitude().total_cmp(&one.slope.magnitude()).then(a.cmp(b)));
-    found.truncate(usize::from(u8::MAX));
-    let number =
-        |slope: &Slope| found.iter().position(|(hill, _)| *hill == hill_of(slope)).map_or(0, |at| at as u8 + 1);
-    let of_cells = known.iter().map(|slope| slope.as_ref().map_or(0, number)).collect();
+    let places: Vec<[f64; 2]> = cells.iter().map(|cell| cell.pos_image).collect();
+    let motions: Vec<(Slope, f32)> = cells.iter().map(|cell| cell.motion).collect();
+    let depths = inverse_depths(&places, &motions);
+    let of_cells: Vec<(usize, Option<f32>)> =
+        slopes.iter().map(hill_of).zip(depths.iter().map(|depth| depth.map(|depth| depth.value as f32))).collect();
+    for (hill, layer) in &mut found {
+        layer.inverse_depth = middle_depth(of_cells.iter().filter(|(of, _)| of == hill).map(|(_, depth)| *depth));
+    }
+    order(&mut found);
+    let number = |cell: &KnownCell| {
+        found.iter().position(|(hill, _)| *hill == hill_of(&cell.motion.0)).map_or(0, |at| at as u8 + 1)
+    };
+    let of_cells = known.iter().map(|cell| cell.as_ref().map_or(0, number)).collect();
     Ok((found.into_iter().map(|(_, layer)| layer).collect(), of_cells))
+}
+
+/// Median of the inverse depths of a layer's cells; `None` where fewer than half of them have one.
+fn middle_depth(depths: impl Iterator<Item = Option<f32>>) -> Option<f32> {
+    let all: Vec<Option<f32>> = depths.collect();
+    let mut known: Vec<f32> = all.iter().flatten().copied().collect();
+    known.sort_by(f32::total_cmp);
+    (2 * known.len() > all.len()).then(|| known[known.len() / 2])
+}
+
+/// Orders layers, each with its hill, and makes their inverse depths relative to the first. Of the two ways round, the
+/// one that begins with the fastest: what is near moves fast.
+fn order(found: &mut Vec<(usize, MotionLayer)>) {
+    let depths = found.iter().filter_map(|(_, layer)| layer.inverse_depth);
+    let largest = depths.reduce(|a, b| if b.abs() > a.abs() { b } else { a }).filter(|depth| *depth != 0.0);
+    for (_, layer) in found.iter_mut() {
+        layer.inverse_depth = layer.inverse_depth.zip(largest).map(|(depth, largest)| depth / largest);
+    }
+    let key = |layer: &MotionLayer| (layer.inverse_depth.unwrap_or(f32::NEG_INFINITY), layer.slope.magnitude());
+    found.sort_by(|(a, one), (b, other)| {
+        let (one, other) = (key(one), key(other));
+        other.0.total_cmp(&one.0).then(other.1.total_cmp(&one.1)).then(a.cmp(b))
+    });
+    found.truncate(usize::from(u8::MAX));
 }
 
 /// Hills of the smoothed count of motions.

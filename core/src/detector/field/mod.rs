@@ -10,6 +10,7 @@
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 
+pub(crate) mod depth;
 mod evidence;
 mod in_focus;
 mod layers;
@@ -23,6 +24,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use evidence::{Evidence, MERGED_CELLS, swept};
 pub use in_focus::in_focus;
+use layers::KnownCell;
 pub use layers::MotionLayer;
 use serde::Serialize;
 
@@ -82,7 +84,7 @@ pub struct MotionField {
     pub window_px: Vec<f32>,
     /// Uncertainty from which on a motion counts as unknown, pixels per frame.
     pub unknown_sigma: f32,
-    /// Motions that exist in the burst, the fastest first: the nearest, where the camera alone moves.
+    /// Motions that exist in the burst, the nearest first, and after them those of what moves by itself.
     pub layers: Vec<MotionLayer>,
     /// Layer of each cell, from 1; 0 for none.
     pub layer: Vec<u8>,
@@ -169,7 +171,12 @@ pub fn motion_field(
     let unknown_sigma = UNKNOWN_SMEAR_PX / last_frame;
     let mut field =
         MotionField { size, cell_px, motions, window_px, unknown_sigma, layers: Vec::new(), layer: Vec::new() };
-    let known: Vec<_> = field.motions.iter().map(|motion| field.is_known(motion).then_some(motion.slope)).collect();
+    let known_cell = |(index, motion): (usize, &Motion)| {
+        let centre = |at: usize| (at as f64 + 0.5) * cell_px as f64 - 0.5;
+        let pos_image = [centre(index % size.0), centre(index / size.0)];
+        field.is_known(motion).then(|| KnownCell { pos_image, motion: (motion.slope, motion.ellipse().0[0]) })
+    };
+    let known: Vec<Option<KnownCell>> = field.motions.iter().enumerate().map(known_cell).collect();
     (field.layers, field.layer) = layers::layers(&known, last_frame, monitor)?;
     Ok(Some(field))
 }

@@ -116,10 +116,36 @@ fn one_motion_is_one_layer_and_two_are_two_with_their_shares() {
     let (two, between): (Vec<MotionLayer>, Vec<MotionLayer>) =
         of(&halves).into_iter().partition(|layer| layer.share > 0.2);
     assert!(two.len() == 2 && between.iter().all(|layer| layer.share < 0.1), "{two:?} {between:?}");
-    // The fastest first.
+    // The nearest first: of the two ways round the one in which that is the fastest.
     for (layer, slope) in two.iter().zip([right, left]) {
         assert!((layer.slope.u - slope.u).abs() < 0.25 && (layer.share - 0.5).abs() < 0.1, "{layer:?} {slope:?}");
     }
+}
+
+#[test]
+fn layers_come_by_depth_and_what_moves_by_itself_last() {
+    // Three strips at different depths of a camera that moves along u, the farthest in the middle, and a thing that moves
+    // across all of that.
+    let slopes = [Slope::new(1.2, 0.0), Slope::new(0.2, 0.0), Slope::new(2.2, 0.0)];
+    let across = Slope::new(0.3, -1.5);
+    let scene = |u: f32, v: f32, t: f32| {
+        let strip = (u / 86.0).clamp(0.0, 2.0) as usize;
+        let is_thing = ((u - t * across.u - 60.0) / 48.0).hypot((v - t * across.v - 120.0) / 48.0) < 1.0;
+        let (slope, seed) = if is_thing { (across, 9) } else { (slopes[strip], 3 + strip as u64) };
+        moving(slope, seed)(u, v, t)
+    };
+    let grid = SlopeGrid::plane(-2.5..=2.5, 11, -2.5..=2.5, 11);
+    let layers: Vec<MotionLayer> =
+        field_of(&frames(0.05, scene), &grid).layers.into_iter().filter(|layer| layer.share > 0.04).collect();
+    let expected = [slopes[2], slopes[0], slopes[1], across];
+    assert_eq!(layers.len(), 4, "{layers:?}");
+    for (layer, slope) in layers.iter().zip(expected) {
+        assert!((layer.slope.u - slope.u).hypot(layer.slope.v - slope.v) < 0.3, "{layers:?}");
+    }
+    for (layer, ratio) in layers.iter().zip([1.0, 0.55, 0.09]) {
+        assert!((layer.inverse_depth.expect("a still thing") - ratio).abs() < 0.1, "{layers:?}");
+    }
+    assert_eq!(layers[3].inverse_depth, None);
 }
 
 #[test]

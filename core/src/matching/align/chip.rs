@@ -6,7 +6,6 @@
 
 use crate::detector::params::{Interpolation, Slope};
 use crate::detector::stack::{FrameTimes, frame_offsets, interpolation_blur};
-use crate::error::{Error, ErrorKind};
 use crate::kernel::patch::{Patch, PatchScratch, stack_patch};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -25,11 +24,6 @@ const BLUR: f64 = 0.55;
 const CUT: f64 = 3.0;
 /// Least variance of that Gaussian, squared pixels of the frames that are read: less would skip pixels.
 const LEAST_VARIANCE: f64 = 0.15;
-
-/// Bytes before the samples: five numbers and four indices.
-const HEADER_BYTES: usize = 5 * 4 + 4;
-/// Bytes of a chip.
-pub const CHIP_BYTES: usize = HEADER_BYTES + 2 * SIDE * SIDE;
 
 /// Picture of a place at mid-burst, averaged along its motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,46 +76,6 @@ impl Chip {
         let [columns, rows] = self.seen();
         let inside = columns.contains(&i) && rows.contains(&j);
         inside.then(|| self.lowest + self.unit * self.level(i, j))
-    }
-
-    /// The chip as bytes, in an order that does not depend on the machine.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(CHIP_BYTES);
-        for number in [self.u, self.v, self.sigma, self.lowest, self.unit] {
-            bytes.extend(number.to_le_bytes());
-        }
-        for range in &self.seen {
-            bytes.extend([range.start, range.end]);
-        }
-        bytes.extend(self.levels.iter().flat_map(|level| level.to_le_bytes()));
-        bytes
-    }
-
-    /// Reads what [`Self::to_bytes`] wrote.
-    ///
-    /// # Errors
-    /// Another number of bytes, numbers that are not finite, no scale, and samples outside the chip.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
-        let damaged = |problem: String| Error::new(ErrorKind::Damaged, problem, "have it made again");
-        if bytes.len() != CHIP_BYTES {
-            return Err(damaged(format!("a chip has {CHIP_BYTES} bytes, not {}", bytes.len())));
-        }
-        let (header, samples) = bytes.split_at(HEADER_BYTES);
-        let number = |index: usize| {
-            let four = &header[4 * index..4 * index + 4];
-            f32::from_le_bytes([four[0], four[1], four[2], four[3]])
-        };
-        let [u, v, sigma, lowest, unit] = [0, 1, 2, 3, 4].map(number);
-        if ![u, v, sigma, lowest, unit].iter().all(|x| x.is_finite()) || sigma <= 0.0 || unit < 0.0 {
-            return Err(damaged(format!("a chip at ({u}, {v}) of scale {sigma} makes no sense")));
-        }
-        let ends = &header[5 * 4..];
-        let seen = [ends[0]..ends[1], ends[2]..ends[3]];
-        if seen.iter().any(|range| range.start > range.end || usize::from(range.end) > SIDE) {
-            return Err(damaged(format!("samples {seen:?} of a chip lie outside it")));
-        }
-        let levels = samples.chunks_exact(2).map(|two| u16::from_le_bytes([two[0], two[1]])).collect();
-        Ok(Self { u, v, sigma, lowest, unit, seen, levels })
     }
 }
 
@@ -299,43 +253,6 @@ mod tests {
                     let truth = peak * (-squared / (2.0 * variance)).exp();
                     assert!((value - truth).abs() < 0.02, "σ {sigma} ({u}, {v}): {value} {truth}");
                 }
-            }
-        }
-    }
-
-    #[test]
-    fn bytes_hold_a_chip_and_no_bytes_are_none() {
-        let slope = Slope::new(0.5, 0.0);
-        for at in [(90.0, 70.0), (3.0, 4.0), (180.4, 138.4)] {
-            let chip = chip(&moving(slope, 5.0), at, 4.0, slope);
-            let bytes = chip.to_bytes();
-            assert_eq!((bytes.len(), Chip::from_bytes(&bytes)), (CHIP_BYTES, Ok(chip)));
-            let refused = Chip::from_bytes(&bytes[1..]).expect_err("too short");
-            assert_eq!(refused.kind, ErrorKind::Damaged);
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn any_bytes_are_a_chip_or_an_error(
-            header in prop::collection::vec(any::<u8>(), HEADER_BYTES),
-            numbers in prop::collection::vec(-2.0f32..100.0, 5),
-            ends in prop::collection::vec(0u8..50, 4),
-            sensible in any::<bool>(),
-            fill in any::<u8>(),
-        ) {
-            let sane = || numbers.iter().flat_map(|x| x.to_le_bytes()).chain(ends.iter().copied()).collect();
-            let mut bytes: Vec<u8> = if sensible { sane() } else { header };
-            bytes.resize(CHIP_BYTES, fill);
-            if let Ok(chip) = Chip::from_bytes(&bytes) {
-                prop_assert_eq!(chip.to_bytes(), bytes);
-                prop_assert!(chip.sample(SIDE, 0).is_none());
-                let inside = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
-                prop_assert!(inside.filter_map(|(i, j)| chip.sample(i, j)).all(f32::is_finite));
-                let view = crate::matching::align::View { chip: &chip, orientation: 0.0 };
-                let frame = crate::matching::align::PairFrame::of(&[[view, view]]);
-                let found = crate::matching::align::measure(&[[view, view]], frame, 8.0, &Default::default());
-                prop_assert!(found.is_ok());
             }
         }
     }

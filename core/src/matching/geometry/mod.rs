@@ -17,7 +17,6 @@ mod polynomial;
 pub use essential::RelativePose;
 pub use model::TwoViewModel;
 pub(super) use parallax::Parallax;
-pub(super) use points::min_eigenvector;
 
 use super::camera::Camera;
 use super::params::{Geometry, MatchParams};

@@ -122,7 +122,7 @@ pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vecto
 }
 
 /// The unit vector x that minimises xᵀ·`matrix`·x; `None` for a matrix that is not finite.
-pub(in crate::matching) fn min_eigenvector<D>(matrix: &OMatrix<f64, D, D>) -> Option<OVector<f64, D>>
+pub(super) fn min_eigenvector<D>(matrix: &OMatrix<f64, D, D>) -> Option<OVector<f64, D>>
 where
     D: DimSub<Const<1>>,
     DefaultAllocator: Allocator<D, D> + Allocator<D> + Allocator<DimDiff<D, Const<1>>>,

@@ -1,4 +1,4 @@
-//! Relative inverse depths of a burst's features, from the motions of their places.
+//! Relative inverse depths of places of a burst, from their motions.
 //!
 //! While a camera moves without turning, what lies at inverse depth ρ moves in its picture by ρ·(e − e_z·x), where x is
 //! its place and (e, e_z) the camera's velocity: towards or away from the focus of expansion e/e_z, which lies at
@@ -6,13 +6,12 @@
 //! image", 1980). All places together tell the focus, and then each motion tells the inverse depth of its place, up to
 //! one factor for the burst.
 
-use super::Blob;
-use super::geometry::min_eigenvector;
-use nalgebra::{Matrix3, Vector3};
+use crate::detector::params::Slope;
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-/// Inverse depth of a feature, in a unit of its burst, with its standard deviation.
+/// Inverse depth of a place, in a unit of its burst, with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct InverseDepth {
+pub(crate) struct InverseDepth {
     pub value: f64,
     pub sigma: f64,
 }
@@ -24,11 +23,12 @@ const ROUNDS: usize = 10;
 /// Fewest known motions that tell the focus.
 const FEWEST: usize = 8;
 
-/// The inverse depths of the features at `places` (u, v), pixels; `None` where the motion is unknown, is not towards or
-/// from the focus, or lies too close to it to tell.
-pub(super) fn inverse_depths(places: &[[f64; 2]], blobs: &[Blob]) -> Vec<Option<InverseDepth>> {
+/// The inverse depths of `places` (u, v), pixels, by their `motions` and the standard deviations of these, pixels per
+/// frame, infinite where unknown; `None` where the motion is unknown, is not towards or from the focus, or lies too
+/// close to it to tell.
+pub(crate) fn inverse_depths(places: &[[f64; 2]], motions: &[(Slope, f32)]) -> Vec<Option<InverseDepth>> {
     let none = || vec![None; places.len()];
-    let known: Vec<(usize, &Blob)> = blobs.iter().enumerate().filter(|(_, b)| b.motion_sigma.is_finite()).collect();
+    let known: Vec<(usize, &(Slope, f32))> = motions.iter().enumerate().filter(|(_, m)| m.1.is_finite()).collect();
     if known.len() < FEWEST {
         return none();
     }
@@ -41,19 +41,19 @@ pub(super) fn inverse_depths(places: &[[f64; 2]], blobs: &[Blob]) -> Vec<Option<
         return none();
     }
     let at = |i: usize| off(i).map(|x| x / size);
-    let motion = |blob: &Blob| [f64::from(blob.motion.u), f64::from(blob.motion.v)];
+    let motion = |moving: &(Slope, f32)| [f64::from(moving.0.u), f64::from(moving.0.v)];
     // m × (e − e_z·x) = 0 is linear in (e, e_z).
-    let row = |i: usize, blob: &Blob| {
-        let ([x, y], [u, v]) = (at(i), motion(blob));
+    let row = |i: usize, moving: &(Slope, f32)| {
+        let ([x, y], [u, v]) = (at(i), motion(moving));
         Vector3::new(-v, u, v * x - u * y)
     };
     let away = |focus: &Vector3<f64>, [x, y]: [f64; 2]| [focus.x - focus.z * x, focus.y - focus.z * y];
     let mut focus: Option<Vector3<f64>> = None;
     for _ in 0..ROUNDS {
         let mut normal = Matrix3::zeros();
-        for &(i, blob) in &known {
-            let row = row(i, blob);
-            let sigma = f64::from(blob.motion_sigma);
+        for &(i, moving) in &known {
+            let row = row(i, moving);
+            let sigma = f64::from(moving.1);
             let weight = focus.map_or(1.0, |focus| {
                 let [x, y] = away(&focus, at(i));
                 let variance = sigma * sigma * (x * x + y * y).max(1e-6);
@@ -62,22 +62,22 @@ pub(super) fn inverse_depths(places: &[[f64; 2]], blobs: &[Blob]) -> Vec<Option<
             });
             normal += row * row.transpose() * weight;
         }
-        focus = min_eigenvector(&normal);
-        if focus.is_none() {
-            return none();
-        }
+        let is_finite = normal.iter().all(|x| x.is_finite());
+        let eigen = is_finite.then(|| SymmetricEigen::try_new(normal, f64::EPSILON, 500)).flatten();
+        let Some(eigen) = eigen else { return none() };
+        focus = Some(eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned());
     }
     let Some(focus) = focus else { return none() };
-    let depth = |i: usize, blob: &Blob| {
-        let ([x, y], [u, v]) = (away(&focus, at(i)), motion(blob));
+    let depth = |i: usize, moving: &(Slope, f32)| {
+        let ([x, y], [u, v]) = (away(&focus, at(i)), motion(moving));
         let squared = x * x + y * y;
-        let sigma = f64::from(blob.motion_sigma) / squared.sqrt();
+        let sigma = f64::from(moving.1) / squared.sqrt();
         let across = (u * y - v * x).abs() / squared.sqrt();
-        let is_of_scene = across <= OTHER_SIGMAS * f64::from(blob.motion_sigma);
+        let is_of_scene = across <= OTHER_SIGMAS * f64::from(moving.1);
         (squared > 0.0 && is_of_scene).then(|| InverseDepth { value: (u * x + v * y) / squared, sigma })
     };
     let mut depths = none();
-    known.iter().for_each(|&(i, blob)| depths[i] = depth(i, blob));
+    known.iter().for_each(|&(i, moving)| depths[i] = depth(i, moving));
     // Things are before the camera, not behind it.
     if depths.iter().flatten().map(|depth| depth.value.signum()).sum::<f64>() < 0.0 {
         depths.iter_mut().flatten().for_each(|depth| depth.value = -depth.value);
@@ -88,13 +88,12 @@ pub(super) fn inverse_depths(places: &[[f64; 2]], blobs: &[Blob]) -> Vec<Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Slope;
     use crate::synth::random::Stream;
 
     /// Places, inverse depths and motions of a camera that moves by (`e`, `e_z`), with `sigma` px/frame of noise.
-    fn scene(velocity: [f64; 3], sigma: f64, on_a_line: bool) -> (Vec<[f64; 2]>, Vec<f64>, Vec<Blob>) {
+    fn scene(velocity: [f64; 3], sigma: f64, on_a_line: bool) -> (Vec<[f64; 2]>, Vec<f64>, Vec<(Slope, f32)>) {
         let mut random = Stream::new(3, 1);
-        let (mut places, mut depths, mut blobs) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut places, mut depths, mut motions) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..400 {
             let place = [random.within(0.0, 640.0), random.within(0.0, 480.0)];
             let depth = random.within(0.2, 1.0);
@@ -109,9 +108,9 @@ mod tests {
             let motion_sigma = if is_known { sigma.max(0.01) as f32 } else { f32::INFINITY };
             places.push(place);
             depths.push(depth);
-            blobs.push(Blob { sigma: 3.0, orientation: 0.0, slope, motion: slope, motion_sigma });
+            motions.push((slope, motion_sigma));
         }
-        (places, depths, blobs)
+        (places, depths, motions)
     }
 
     fn median_error(found: &[Option<InverseDepth>], truth: &[f64]) -> f64 {
@@ -129,8 +128,8 @@ mod tests {
         for (velocity, on_a_line) in
             [([1.0, 0.0, 0.0], true), ([-0.6, 0.8, 0.0], false), ([0.0, 0.0, 1.0], false), ([0.5, -0.2, -0.8], false)]
         {
-            let (places, depths, blobs) = scene(velocity, 0.03, on_a_line);
-            let found = inverse_depths(&places, &blobs);
+            let (places, depths, motions) = scene(velocity, 0.03, on_a_line);
+            let found = inverse_depths(&places, &motions);
             let known = found.iter().flatten().count();
             assert!(known > 320 && found[0].is_none(), "{velocity:?}: {known}");
             let error = median_error(&found, &depths);
@@ -140,11 +139,11 @@ mod tests {
 
     #[test]
     fn what_moves_otherwise_has_none_and_does_not_move_the_focus() {
-        let (places, depths, mut blobs) = scene([0.3, 0.1, 1.0], 0.03, false);
-        for blob in blobs.iter_mut().take(60) {
-            blob.motion = Slope::new(3.0, -3.0);
+        let (places, depths, mut motions) = scene([0.3, 0.1, 1.0], 0.03, false);
+        for moving in motions.iter_mut().take(60) {
+            moving.0 = Slope::new(3.0, -3.0);
         }
-        let found = inverse_depths(&places, &blobs);
+        let found = inverse_depths(&places, &motions);
         let left = found[..60].iter().flatten().count();
         assert!(left < 6, "{left} movers have a depth");
         let error = median_error(&found[60..], &depths[60..]);
@@ -153,12 +152,12 @@ mod tests {
 
     #[test]
     fn too_little_tells_nothing() {
-        let (places, _, mut blobs) = scene([1.0, 0.0, 0.0], 0.03, false);
+        let (places, _, mut motions) = scene([1.0, 0.0, 0.0], 0.03, false);
         assert!(inverse_depths(&[], &[]).is_empty());
-        assert!(inverse_depths(&[[3.0, 4.0]; 20], &blobs[..20]).iter().all(Option::is_none));
-        blobs.iter_mut().for_each(|blob| blob.motion_sigma = f32::INFINITY);
-        assert!(inverse_depths(&places, &blobs).iter().all(Option::is_none));
-        blobs.iter_mut().for_each(|blob| (blob.motion, blob.motion_sigma) = (Slope::new(0.0, 0.0), 0.05));
-        assert!(inverse_depths(&places, &blobs).iter().flatten().all(|depth| depth.value.is_finite()));
+        assert!(inverse_depths(&[[3.0, 4.0]; 20], &motions[..20]).iter().all(Option::is_none));
+        motions.iter_mut().for_each(|moving| moving.1 = f32::INFINITY);
+        assert!(inverse_depths(&places, &motions).iter().all(Option::is_none));
+        motions.fill((Slope::new(0.0, 0.0), 0.05));
+        assert!(inverse_depths(&places, &motions).iter().flatten().all(|depth| depth.value.is_finite()));
     }
 }
