@@ -8,10 +8,12 @@ mod common;
 
 use burstscope::detector::noise::frame_noise;
 use burstscope::detector::view::{dog_view, stack_view};
-use burstscope::detector::{DetectorParams, Method, Slope, SlopeGrid};
+use burstscope::detector::{DetectorParams, Method, SearchParams, Slope, SlopeGrid};
+use burstscope::inspect::ProbeCache;
 use burstscope::{Burst, Monitor, Plane, detect};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Duration;
 
 fn line(peak_threshold: f32) -> DetectorParams {
@@ -86,6 +88,28 @@ fn strongest(c: &mut Criterion) {
     group.finish();
 }
 
+/// A new search, and one that goes on from a search of a part of its slopes, as the window's: with what explains them.
+fn widened(c: &mut Criterion) {
+    let burst = common::burst(800, 600);
+    let quiet = Monitor::default();
+    let mut group = c.benchmark_group("widened");
+    group.sample_size(10).measurement_time(Duration::from_secs(4));
+    let rows = |reach: f32, count: usize| SlopeGrid::plane(-3.0..=3.0, 7, -reach..=reach, count);
+    for (name, from, to) in [
+        ("7 to 9", SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::line(-4.0..=4.0, 9)),
+        ("5 to 7 rows of 7", rows(2.0, 5), rows(3.0, 7)),
+    ] {
+        let params = |slopes: SlopeGrid| SearchParams::from(DetectorParams { slopes, ..line(0.0015) });
+        let earlier = [Arc::new(ProbeCache::new(&burst, &params(from), &quiet).expect("valid parameters"))];
+        for (kind, earlier) in [("new", &[][..]), ("going on", &earlier[..])] {
+            group.bench_function(BenchmarkId::new(name, kind), |b| {
+                b.iter(|| ProbeCache::after(earlier, &burst, &params(to), &quiet));
+            });
+        }
+    }
+    group.finish();
+}
+
 /// How the time grows with frames, pixels and slopes.
 fn growth(c: &mut Criterion) {
     let quiet = Monitor::default();
@@ -113,5 +137,5 @@ fn growth(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pictures, searches, strongest, growth);
+criterion_group!(benches, widened, pictures, searches, strongest, growth);
 criterion_main!(benches);

@@ -1,6 +1,7 @@
 //! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it. A
 //! trail costs as much as its detection, so the detection makes it in the same search. If it was not kept, the search
-//! is repeated once for all askers; one that differs only in its thresholds is judged from what a kept one left.
+//! is repeated once for all askers; one that differs only in its thresholds is judged from what a kept one left, and one
+//! of other slopes goes on from it.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;
@@ -76,10 +77,7 @@ impl Trails {
         asked: &SearchParams,
         monitor: &Monitor,
     ) -> Result<Option<ProbeCache>, JobError> {
-        let is_of_burst = |kept: &&Kept| kept.key.burst == open.id;
-        let kept: Vec<Arc<ProbeCache>> =
-            self.lock().kept.iter().rev().filter(is_of_burst).map(|kept| kept.cache.clone()).collect();
-        for cache in kept {
+        for cache in self.of_burst(open) {
             if let Some(judged) = cache.rejudged(asked, monitor)? {
                 return Ok(Some(judged));
             }
@@ -134,6 +132,11 @@ impl TrailStore for Trails {
 
     fn asked(&self, open: &OpenBurst, asked: &SearchParams) -> Option<Arc<ProbeCache>> {
         self.lock().used(|kept| kept.key.burst == open.id && kept.cache.asked == *asked)
+    }
+
+    fn of_burst(&self, open: &OpenBurst) -> Vec<Arc<ProbeCache>> {
+        let is_of_burst = |kept: &&Kept| kept.key.burst == open.id;
+        self.lock().kept.iter().rev().filter(is_of_burst).map(|kept| kept.cache.clone()).collect()
     }
 
     fn rejudged(

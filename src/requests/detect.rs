@@ -50,7 +50,8 @@ impl Request for DetectRequest {
             Some(kept) => kept,
             None => {
                 trails.make_room();
-                let made = Arc::new(ProbeCache::new(&burst.burst, &asked, monitor)?);
+                let earlier = trails.of_burst(&burst);
+                let made = Arc::new(ProbeCache::after(&earlier, &burst.burst, &asked, monitor)?);
                 trails.put(&burst, &made);
                 made
             }

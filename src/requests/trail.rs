@@ -33,7 +33,8 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// By default it keeps nothing. Answers are the same with every store, but for the tally of a rejudged detection.
+/// By default it keeps nothing. Answers are the same with every store, but for the tally of a detection that was judged
+/// again, or went on from another.
 pub trait TrailStore {
     fn put(&self, _: &OpenBurst, _: &Arc<ProbeCache>) {}
 
@@ -42,6 +43,11 @@ pub trait TrailStore {
 
     fn asked(&self, _: &OpenBurst, _: &SearchParams) -> Option<Arc<ProbeCache>> {
         None
+    }
+
+    /// Those of a burst, whose searches others may [go on from](ProbeCache::after); the last used first.
+    fn of_burst(&self, _: &OpenBurst) -> Vec<Arc<ProbeCache>> {
+        Vec::new()
     }
 
     /// Judged from what the search of a kept one left, see [`ProbeCache::rejudged`]. It then stands for that one too.

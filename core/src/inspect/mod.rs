@@ -62,9 +62,22 @@ pub struct ProbeCache {
 impl ProbeCache {
     /// Detects the features of `burst`, finding its slopes first if requested, and keeps the data that questions need.
     pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
+        Self::after(&[], burst, params, monitor)
+    }
+
+    /// As [`Self::new`], but what the one of the `earlier` searches that knows most of the slopes left is not searched
+    /// again. The features are the same to the bit.
+    pub fn after(
+        earlier: &[Arc<Self>],
+        burst: &Burst,
+        params: &SearchParams,
+        monitor: &Monitor,
+    ) -> Result<Self, Error> {
         let PreparedSearch { burst, params: prepared, finding, rest, .. } =
             PreparedSearch::new(burst, params, monitor)?;
-        let trail = Arc::new(search_with_trail(&burst, &prepared, &rest)?);
+        let known = |cache: &&Arc<Self>| cache.trail.known_slopes(&burst, &prepared);
+        let earlier = earlier.iter().filter(|cache| known(cache) > 0).max_by_key(known).map(|cache| &*cache.trail);
+        let trail = Arc::new(search_with_trail(&burst, &prepared, earlier, &rest)?);
         Ok(Self { burst, trail, finding, asked: params.clone() })
     }
 

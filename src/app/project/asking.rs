@@ -155,7 +155,9 @@ mod tests {
         assert_eq!(dragged(|model| model.params.max_features = 0), (true, all, true));
         assert_eq!(dragged(|model| model.params.noise_gate = NoiseGate::Factor(3.0)), (false, all, false));
         assert_eq!(dragged(|model| model.params.noise_gate = NoiseGate::Auto), (false, all, true));
-        assert!(!dragged(|model| model.params.slopes = SlopeGrid::line(-1.0..=1.0, 4)).0);
+        assert!(!dragged(|model| model.params.slopes = SlopeGrid::line(-0.8..=0.8, 3)).0);
+        let (asks, _, is_current) = dragged(|model| model.params.slopes = SlopeGrid::line(-1.0..=2.0, 4));
+        assert!(asks && is_current, "one more slope is searched while the end is dragged");
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
 use crate::detector::{
     Advice, Detection, DetectorParams, Feature, Method, SearchParams, Slope, SlopeFinding, SlopeGrid, explain, follows,
+    shared_slopes,
 };
 use crate::engine::{Engine, Wanted};
 use crate::error::Error;
@@ -120,13 +121,15 @@ impl Model {
         self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
     }
 
-    /// They need no search, and the last ones asked for are there: a newer request would cancel them.
+    /// They need no search, or that of the fewer slopes, and the last ones asked for are there: a newer request would cancel them.
     pub(in crate::app) fn features_can_follow(&self, side: Side) -> bool {
         let now = self.asked_of(side);
         self.slots[side].found.as_ref().filter(|_| !self.slots[side].detecting.is_pending()).is_some_and(|found| {
             let is_near =
                 now.slopes == found.asked.slopes && found.asked.detector.judged_as(&now.detector) == now.detector;
+            let shares = |now: &DetectorParams| 2 * shared_slopes(now, &found.searched) >= now.used_slopes().len();
             is_near && follows(&found.params.judged_as(&now.detector), &found.searched)
+                || !now.slopes.is_auto() && shares(&now.detector)
         })
     }
 

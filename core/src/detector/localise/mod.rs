@@ -113,7 +113,7 @@ pub(super) fn located(
         let pixels = pixels_around(&base, size(octave), at, radius.ceil() as usize + 1, scratch);
         Some(sharp(&answer_in(&pixels), slope_index))
     });
-    let slope = grid.at(own.0 as f32 + i, own.1 as f32 + j);
+    let slope = grid.beside(keypoint.slope_index, i, j);
     if placed.is_none() {
         return (Keypoint { slope, ..*keypoint }, width);
     }

@@ -7,6 +7,9 @@
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
+/// Pixels that a step of an [enclosing](SlopeGrid::enclosing) grid moves a burst by, at most, where that is not too many.
+const MAX_MOVED_PX: f32 = 13.0;
+
 /// Maximum number of slopes of a grid.
 pub const MAX_SLOPES: usize = 4096;
 
@@ -55,24 +58,34 @@ impl SlopeAxis {
 
     /// Distance between neighbours in pixels per frame; 0 for a single slope.
     pub fn step(&self) -> f32 {
-        if self.count > 1 { (self.max - self.min) / (self.count - 1) as f32 } else { 0.0 }
+        // Rounding away the last bits gives axes that share slopes the same step.
+        if self.count > 1 { rounded(self.exact_step(), self.exact_step(), 1e6) } else { 0.0 }
+    }
+
+    fn exact_step(&self) -> f64 {
+        (f64::from(self.max) - f64::from(self.min)) / (self.count - 1) as f64
     }
 
     /// Axis with `below` more slopes before its first one and `above` after its last one, at an unchanged step.
     pub fn with_more(&self, below: usize, above: usize) -> Self {
-        // Rounding away the last bits keeps −3 − 3·1 at −6.
-        let tidy = |x: f32| ((f64::from(x) * 1e4).round() / 1e4) as f32;
-        let step = self.step();
-        Self {
-            min: if below > 0 { tidy(self.min - below as f32 * step) } else { self.min },
-            max: if above > 0 { tidy(self.max + above as f32 * step) } else { self.max },
-            count: self.count + below + above,
+        if self.count < 2 {
+            return Self { count: self.count + below + above, ..*self };
         }
+        let first = if below > 0 { self.value(-(below as f32)) } else { self.min };
+        let last = if above > 0 { self.value((self.count - 1 + above) as f32) } else { self.max };
+        Self { min: first, max: last, count: self.count + below + above }
     }
 
-    /// Slope at `index` of the axis; fractional indices are allowed.
+    /// Slope at `index` of the axis; fractional indices are allowed. Of axes that share slopes, these have the same
+    /// bits: all are rounded to 0.000 01 px/frame, unless the step is that small.
     pub fn value(&self, index: f32) -> f32 {
-        if self.count > 1 { self.min + index * self.step() } else { 0.5 * (self.min + self.max) }
+        match self.count {
+            0 | 1 => 0.5 * (self.min + self.max),
+            _ => {
+                let step = self.exact_step();
+                rounded(f64::from(self.min) + f64::from(index) * step, step, 1e5)
+            }
+        }
     }
 
     /// Checks the axis by itself.
@@ -96,6 +109,14 @@ impl SlopeAxis {
         };
         Err((problem, remedy.to_owned()))
     }
+}
+
+/// Step, pixels per frame, from which on slopes are rounded.
+const ROUNDED_STEP: f64 = 1e-3;
+
+/// `x` rounded to one part in `parts` of a pixel per frame, where the `step` of an axis is much larger than that.
+fn rounded(x: f64, step: f64, parts: f64) -> f32 {
+    (if step < ROUNDED_STEP { x } else { (x * parts).round() / parts }) as f32
 }
 
 impl std::fmt::Display for SlopeAxis {
@@ -166,6 +187,21 @@ impl SlopeGrid {
         Self::plane(slope.u..=slope.u, 1, slope.v..=slope.v, 1)
     }
 
+    /// Coarse grid around zero that encloses this one, the same for all of about the same reach: on each axis with more
+    /// than one slope to 4, 8, 16 … px/frame, in steps by which a burst of `frames` frames moves by about a dozen pixels
+    /// at most; in longer ones where the range is very wide.
+    pub fn enclosing(&self, frames: usize) -> Self {
+        let widest = [self.u, self.v].map(|axis| axis.min.abs().max(axis.max.abs())).into_iter().fold(4.0, f32::max);
+        let reach = widest.log2().ceil().exp2();
+        let steps = reach * (frames as f32 / MAX_MOVED_PX).max(1.0).log2().ceil().exp2();
+        let most = if self.is_plane() { 8.0 } else { 32.0 };
+        let enclosing = |axis: SlopeAxis| match axis.count {
+            0 | 1 => axis,
+            _ => SlopeAxis::new(-reach..=reach, 2 * steps.min(most) as usize + 1),
+        };
+        Self { u: enclosing(self.u), v: enclosing(self.v), ..*self }
+    }
+
     /// Number of slopes, Mu·Mv.
     pub fn len(&self) -> usize {
         self.u.count * self.v.count
@@ -200,6 +236,14 @@ impl SlopeGrid {
         self.at(i as f32, j as f32)
     }
 
+    /// Slope (`di`, `dj`) steps from the slope `index`. Of grids that share that slope and the steps, it has the same bits.
+    pub fn beside(&self, index: usize, di: f32, dj: f32) -> Slope {
+        let (sin, cos) = f64::from(self.direction_deg).to_radians().sin_cos();
+        let (a, b) = (f64::from(di * self.u.step()), f64::from(dj * self.v.step()));
+        let Slope { u, v } = self.slope(index);
+        Slope::new(u + (a * cos - b * sin) as f32, v + (a * sin + b * cos) as f32)
+    }
+
     /// Grid coordinates (i, j) of a running index.
     pub fn coordinates(&self, index: usize) -> (usize, usize) {
         (index % self.u.count.max(1), index / self.u.count.max(1))
@@ -213,6 +257,16 @@ impl SlopeGrid {
     /// All slopes in running order, first axis fastest.
     pub fn slopes(&self) -> impl Iterator<Item = Slope> + '_ {
         (0..self.len()).map(|index| self.slope(index))
+    }
+
+    /// Indices of the slope `index` and of the eight around it, in running order; `None` beyond the grid.
+    pub fn around(&self, index: usize) -> impl Iterator<Item = Option<usize>> + '_ {
+        let (i, j) = self.coordinates(index);
+        (-1..=1).flat_map(move |dj| (-1..=1).map(move |di| (di, dj))).map(move |(di, dj)| {
+            let i = i.checked_add_signed(di).filter(|&i| i < self.u.count)?;
+            let j = j.checked_add_signed(dj).filter(|&j| j < self.v.count)?;
+            Some(j * self.u.count + i)
+        })
     }
 
     /// Whether grid coordinates are on the rim, where a neighbour is missing. An axis with one slope has no rim.

@@ -5,6 +5,7 @@
 //! explaining the detection is gathered in a [`Trail`], which judges single samples ([`Judgement`]).
 
 mod choice;
+mod earlier;
 mod judgement;
 mod outcome;
 #[cfg(test)]
@@ -12,6 +13,7 @@ mod tests;
 mod trail;
 
 pub use crate::detector::search::FIRST_PEAK_PART;
+pub use earlier::shared_slopes;
 pub use judgement::{Judgement, Neighbourhood, Sample, compared_slopes};
 pub use outcome::follows;
 pub use trail::Trail;
@@ -24,6 +26,7 @@ use crate::detector::along::Along;
 use crate::detector::describe::{self, Described, Describing};
 use crate::detector::field::{MotionField, motion_field};
 use crate::detector::pipeline::choice::{Choice, Chooser};
+use crate::detector::pipeline::earlier::Earlier;
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, sigma_d};
 use crate::detector::search::SEARCH_PART;
 use crate::detector::search::around_field::SlopesAround;
@@ -38,12 +41,19 @@ use std::time::Instant;
 
 /// Finds the features of a burst whose frames are merged already; callers use [`crate::detect`].
 pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, Error> {
-    Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), false, monitor)?.detection)
+    Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), false, None, monitor)?.detection)
 }
 
-/// Finds the features of a burst and keeps the data that explains them.
-pub(crate) fn search_with_trail(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Trail, Error> {
-    Ok(search_all(burst, params, &OF_PROCESS, budget_beside_kept(), true, monitor)?.ready())
+/// Finds the features of a burst and keeps the data that explains them. What an `earlier` search of it left at the same
+/// slopes is taken over; the result is the same to the bit, but in the tally, samples there that are no keypoints are
+/// counted as the earlier search rejected them.
+pub(crate) fn search_with_trail(
+    burst: &Burst,
+    params: &DetectorParams,
+    earlier: Option<&Trail>,
+    monitor: &Monitor,
+) -> Result<Trail, Error> {
+    Ok(search_all(burst, params, &OF_PROCESS, budget_beside_kept(), true, earlier, monitor)?.ready())
 }
 
 /// Memory of a search while trails are kept, which already have their part of the budget; bytes.
@@ -59,6 +69,7 @@ fn search_all(
     account: &Account,
     budget: Option<u64>,
     keeps: bool,
+    earlier: Option<&Trail>,
     monitor: &Monitor,
 ) -> Result<Trail, Error> {
     let started = Instant::now();
@@ -66,32 +77,43 @@ fn search_all(
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(Wanted { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
-        let mut inputs = Inputs::new(burst, params, monitor)?;
+        let earlier = earlier.and_then(|trail| Earlier::of(trail, burst, params));
+        let mut inputs = match &earlier {
+            Some(earlier) => earlier.inputs(params),
+            None => Inputs::new(burst, params, monitor)?,
+        };
         let grid = params.used_slopes();
         let field = motion_field(&inputs.planes(), &inputs.times, &grid, monitor)?.map(Arc::new);
         if let (SearchSlopes::Field, Some(field)) = (params.search, &field) {
             inputs.around = Some(Arc::new(SlopesAround::new(field, grid, burst.size())));
         }
         let noise_secs = started.elapsed().as_secs_f32();
-        search_inputs(inputs, field, &plan, keeps, StageTimes { noise_secs, ..StageTimes::default() }, monitor)
+        let times = StageTimes { noise_secs, ..StageTimes::default() };
+        search_inputs(inputs, field, &plan, keeps, earlier.as_ref(), times, monitor)
     })
 }
 
-/// Detects in frames whose noise is known. `times` are those of the steps before.
+/// Detects in frames whose noise is known, by what an `earlier` search of them left. `times` are those of the steps before.
 fn search_inputs(
     inputs: Inputs,
     field: Option<Arc<MotionField>>,
     plan: &Plan,
     keeps: bool,
+    earlier: Option<&Earlier<'_>>,
     mut times: StageTimes,
     monitor: &Monitor,
 ) -> Result<Trail, Error> {
     let search = Search::new(&inputs, monitor);
-    let mut tally = Tally::default();
     let started = Instant::now();
-    let searched = search.octaves(&inputs.octaves(), &plan.search, &mut tally)?;
+    let known = earlier.filter(|_| plan.search.len() == 1).and_then(|earlier| earlier.known(&search));
+    let mut tallies =
+        known.as_ref().map_or_else(|| vec![Tally::default(); search.grid.len()], |known| known.tallies.clone());
+    let searched = search.octaves(&inputs.octaves(), &plan.search, known.as_ref(), &mut tallies)?;
     times.search_secs = started.elapsed().as_secs_f32();
-    let outcome = Outcome::new(&search, searched, &plan.describe, tally, keeps, field);
+    let mut outcome = Outcome::new(&search, searched, &plan.describe, tallies, keeps, field);
+    if let (Some(earlier), Some(known)) = (earlier, &known) {
+        earlier.describe(&search.grid, known, &mut outcome);
+    }
     let passing = outcome.all();
     let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
     drop(search);
@@ -154,6 +176,11 @@ impl Trail {
         Ok(Some(judged))
     }
 
+    /// Number of slopes that a search of `burst` with `params` would take over from this one.
+    pub fn known_slopes(&self, burst: &Burst, params: &DetectorParams) -> usize {
+        Earlier::of(self, burst, params).map_or(0, |_| shared_slopes(params, &self.outcome.params))
+    }
+
     /// A new search of the same frames in another order: the frame at place i among those that took part gets the
     /// time of that at place `order[i]`. Noise model, gates, slopes and the field of motion stay, and all features are
     /// kept.
@@ -168,7 +195,7 @@ impl Trail {
         let wanted = Wanted { params: &params, frames: inputs.times.frame_count, size: inputs.size_image };
         let (plan, _share) = OF_PROCESS.plan(wanted, budget_beside_kept())?;
         plan.run(|| {
-            Ok(search_inputs(inputs, self.outcome.field.clone(), &plan, false, StageTimes::default(), monitor)?
+            Ok(search_inputs(inputs, self.outcome.field.clone(), &plan, false, None, StageTimes::default(), monitor)?
                 .detection)
         })
     }
@@ -209,10 +236,10 @@ impl Search<'_> {
 
     /// First levels of each octave up to `last` at consecutive slopes; none for the first octave.
     fn first_levels(&self, last: i32, slopes: &Range<usize>) -> Result<Vec<FirstLevels>, Cancelled> {
-        let mut planes: Vec<Vec<Plane>> = (self.space.first_octave..=last).map(|_| Vec::new()).collect();
+        let mut planes: Vec<Vec<Arc<Plane>>> = (self.space.first_octave..=last).map(|_| Vec::new()).collect();
         for slope_index in slopes.clone() {
             let of_slope = self.stack(slope_index).first_levels(last, self.monitor)?;
-            planes[1..].iter_mut().zip(of_slope).for_each(|(planes, plane)| planes.push(plane));
+            planes[1..].iter_mut().zip(of_slope).for_each(|(planes, plane)| planes.push(Arc::new(plane)));
         }
         Ok(planes.into_iter().map(|planes| FirstLevels { first_slope: slopes.start, planes }).collect())
     }

@@ -13,7 +13,7 @@ use crate::detector::noise::gate_factor;
 use crate::detector::params::DetectorParams;
 use crate::detector::refine::edge_limit;
 use crate::detector::search::setup::{FirstLevels, Search, SlopeGroup};
-use crate::detector::search::{Evidence, FIRST_PEAK_PART, Searched, first_gate_part};
+use crate::detector::search::{Evidence, FIRST_PEAK_PART, FoundKeypoint, Searched, first_gate_part};
 use std::sync::{Arc, OnceLock};
 
 /// σ_D at the place of least noise, by octave, DoG level index and slope.
@@ -23,9 +23,12 @@ pub(super) type SigmaD = Vec<Vec<Vec<f32>>>;
 /// what is judged later, and `params` are as strict. (In noise with very light tails a higher gate may still be less
 /// strict; then a judgement tells so.)
 pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
-    searched.judged_as(params) == *params
-        && params.validate().is_ok()
-        && params.peak_threshold >= searched.peak_threshold
+    searched.judged_as(params) == *params && params.validate().is_ok() && are_as_strict(params, searched)
+}
+
+/// Whether no threshold of `params` is lower than that of `searched`.
+pub(super) fn are_as_strict(params: &DetectorParams, searched: &DetectorParams) -> bool {
+    params.peak_threshold >= searched.peak_threshold
         && edge_limit(params.edge_threshold) <= edge_limit(searched.edge_threshold)
         && gate_factor(params) >= gate_factor(searched)
 }
@@ -39,10 +42,10 @@ pub(super) struct Outcome {
     pub(super) bases: Option<Vec<FirstLevels>>,
     /// Groups of slopes in which first levels that were not kept are computed again.
     pub(super) groups: Vec<SlopeGroup>,
-    keypoints: Vec<Keypoint>,
+    pub(super) keypoints: Vec<Keypoint>,
     evidence: Vec<Evidence>,
-    /// Numbers of samples that the search rejected.
-    tally: Tally,
+    /// Numbers of samples that the search rejected, by slope.
+    pub(super) tallies: Vec<Tally>,
     /// The gate's factor and σ_D of the search; none where nothing is kept for later judgements.
     gate: Option<(f32, SigmaD)>,
     /// Features of each keypoint, once it was described; empty where nothing is kept for later judgements.
@@ -70,7 +73,7 @@ impl Outcome {
         search: &Search<'_>,
         Searched { keypoints, evidence, bases }: Searched,
         groups: &[SlopeGroup],
-        tally: Tally,
+        tallies: Vec<Tally>,
         keeps: bool,
         field: Option<Arc<MotionField>>,
     ) -> Self {
@@ -82,7 +85,7 @@ impl Outcome {
             rises: vec![OnceLock::new(); keypoints.len()],
             keypoints,
             evidence,
-            tally,
+            tallies,
             gate: keeps.then(|| (search.inputs.gate_factor, sigma_d(search))),
             means: Along::no_means(search.inputs),
             field,
@@ -92,21 +95,54 @@ impl Outcome {
     /// All keypoints of the search.
     pub(super) fn all(&self) -> PassingKeypoints {
         let numbers = (0..self.keypoints.len() as u32).collect();
-        PassingKeypoints { keypoints: self.keypoints.clone(), numbers, tally: self.tally }
+        PassingKeypoints { keypoints: self.keypoints.clone(), numbers, tally: total(&self.tallies) }
     }
 
     /// The keypoints that `search` would find, whose σ_D is `sigma_d` and whose parameters [follow](follows) from this
     /// one's. `None` where it might find others: where one of its limits is lower.
     pub(super) fn passing(&self, search: &Search<'_>, sigma_d: &SigmaD) -> Option<PassingKeypoints> {
+        let slopes: Vec<Option<usize>> = (0..search.grid.len()).map(Some).collect();
+        let judged = self.judged(search, sigma_d, &slopes).filter(|_| follows(search.params, &self.params))?;
+        let (mut keypoints, mut numbers, mut tally) = (Vec::new(), Vec::new(), total(&self.tallies));
+        for (number, ((keypoint, _), failed)) in (0..).zip(judged) {
+            match failed {
+                Some(test) => tally.reject(test, 1),
+                None => {
+                    keypoints.push(keypoint);
+                    numbers.push(number);
+                }
+            }
+        }
+        Some(PassingKeypoints { keypoints, numbers, tally })
+    }
+
+    /// The keypoints at the slopes that `search` has too, each with the first test that it fails in `search`. For each
+    /// slope of `search` its index here is in `slopes`; keypoints get the index there. `None` where `search` might find
+    /// others at these slopes.
+    pub(super) fn judged(
+        &self,
+        search: &Search<'_>,
+        sigma_d: &SigmaD,
+        slopes: &[Option<usize>],
+    ) -> Option<Vec<(FoundKeypoint, Option<Test>)>> {
         let (params, factor) = (search.params, search.inputs.gate_factor);
-        let (own_factor, own_sigma_d) = self.gate.as_ref().filter(|_| follows(params, &self.params))?;
-        let (peak, first_part) = (FIRST_PEAK_PART * params.peak_threshold, first_gate_part(params));
-        let gates = sigma_d.iter().flatten().flatten().zip(own_sigma_d.iter().flatten().flatten());
-        if gates.into_iter().any(|(sigma_d, own)| factor * sigma_d < own_factor * own) {
+        let (own_factor, own_sigma_d) = self.gate.as_ref()?;
+        let has_lower_gate = |(sigma_d, own): (&Vec<f32>, &Vec<f32>)| {
+            let mut known = slopes.iter().zip(sigma_d).filter_map(|(own, sigma_d)| Some(((*own)?, sigma_d)));
+            known.any(|(index, sigma_d)| factor * sigma_d < own_factor * own[index])
+        };
+        if !are_as_strict(params, &self.params)
+            || sigma_d.iter().flatten().zip(own_sigma_d.iter().flatten()).any(has_lower_gate)
+        {
             return None;
         }
-        let (mut keypoints, mut numbers, mut tally) = (Vec::new(), Vec::new(), self.tally);
-        for (number, (keypoint, evidence)) in self.keypoints.iter().zip(&self.evidence).enumerate() {
+        let mut new_index = vec![None; self.tallies.len()];
+        for (new, own) in slopes.iter().enumerate().filter_map(|(new, own)| Some((new, (*own)?))) {
+            new_index[own] = Some(new);
+        }
+        let (peak, first_part) = (FIRST_PEAK_PART * params.peak_threshold, first_gate_part(params));
+        let judged = |(keypoint, evidence): (&Keypoint, &Evidence)| {
+            let keypoint = Keypoint { slope_index: new_index[keypoint.slope_index]?, ..*keypoint };
             let Evidence { sample_value, place_factor, edge_quotient } = *evidence;
             let of_octave = &sigma_d[(keypoint.octave - search.space.first_octave) as usize];
             let sigma_d_min = of_octave[(keypoint.level + 1) as usize][keypoint.slope_index];
@@ -116,14 +152,10 @@ impl Outcome {
                 sample >= first_part * factor * sigma_d_min && sample >= first_part * (factor * sigma_d);
             let of_sample = [(Test::PeakThreshold, sample >= peak), (Test::NoiseGate, is_above_gate)];
             let of_fit = search.limits(sigma_d).tests(keypoint.value, edge_quotient);
-            if let Some((test, _)) = of_sample.into_iter().chain(of_fit).find(|(_, passes)| !passes) {
-                tally.reject(test, 1);
-                continue;
-            }
-            keypoints.push(keypoint.with_noise(sigma_d));
-            numbers.push(number as u32);
-        }
-        Some(PassingKeypoints { keypoints, numbers, tally })
+            let failed = of_sample.into_iter().chain(of_fit).find(|(_, passes)| !passes);
+            Some(((keypoint.with_noise(sigma_d), *evidence), failed.map(|(test, _)| test)))
+        };
+        Some(self.keypoints.iter().zip(&self.evidence).filter_map(judged).collect())
     }
 
     /// Approximate bytes of the keypoints and of their features.
@@ -135,6 +167,12 @@ impl Outcome {
             + size_of_val(&self.keypoints[..])
             + size_of_val(&self.evidence[..])
     }
+}
+
+fn total(tallies: &[Tally]) -> Tally {
+    let mut total = Tally::default();
+    tallies.iter().for_each(|tally| total.merge(tally));
+    total
 }
 
 /// σ_D of a search at the place of least noise.

@@ -1,9 +1,13 @@
-//! A search in groups of slopes gives bitwise the same results as the whole search, and so does one that is cut first.
+//! A search in groups of slopes gives bitwise the same results as the whole search, and so do one that is cut first and
+//! one that goes on from another.
 
 use super::*;
 use crate::detector::feature::Feature;
 use crate::detector::memory::{Plan, Wanted, estimate};
-use crate::detector::params::{Distinct, Localisation, Method, NoiseGate, Rules, SlopeExtrema, SlopeNeighbours};
+use crate::detector::params::{
+    Distinct, FrameRange, Localisation, Method, NoiseGate, NoiseModelKind, Rules, SlopeAxis, SlopeExtrema,
+    SlopeNeighbours,
+};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::{Slope, SlopeGrid, Test};
 use crate::error::Error;
@@ -28,7 +32,7 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
 
 /// Searches with all of `budget` bytes, whatever other tests of this process take at the same time.
 fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, Error> {
-    search_all(burst, params, &Account::new(), budget, true, &Monitor::default())
+    search_all(burst, params, &Account::new(), budget, true, None, &Monitor::default())
 }
 
 /// Searches in all kinds of groups, and compares each result with the whole search's. Returns the numbers of groups.
@@ -314,4 +318,87 @@ fn a_search_around_the_field_is_the_same_on_any_threads_and_all_slopes_where_the
     assert!(on(1, &burst, SearchSlopes::Field) == on(3, &burst, SearchSlopes::Field));
     let short = two_motions(2);
     assert!(on(2, &short, SearchSlopes::Field) == on(2, &short, SearchSlopes::All));
+}
+
+/// Another range with steps of `step`: moved by whole steps, and perhaps with half of the step, or fewer slopes.
+fn axis_near(step: f32, ends: (i32, i32), is_finer: bool) -> SlopeAxis {
+    let (first, last) = (ends.0.min(ends.1), ends.0.max(ends.1) + 1);
+    let count = (last - first) as usize * if is_finer { 2 } else { 1 } + 1;
+    SlopeAxis::new(first as f32 * step..=last as f32 * step, count)
+}
+
+fn axes() -> impl Strategy<Value = (SlopeAxis, SlopeAxis)> {
+    let ends = || (-3i32..3, -3i32..3);
+    (prop_oneof![Just(0.54f32), Just(1.0 / 3.0), Just(0.7)], ends(), ends(), any::<bool>())
+        .prop_map(|(step, one, other, is_finer)| (axis_near(step, one, false), axis_near(step, other, is_finer)))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, rng_seed: RngSeed::Fixed(39), ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_search_that_goes_on_from_another_is_a_new_search(
+        (u, then_u) in axes(),
+        (v, then_v) in axes(),
+        (was_plane, is_plane) in any::<(bool, bool)>(),
+        turned in any::<bool>(),
+        gates in prop_oneof![
+            Just([NoiseGate::Auto; 2]),
+            Just([NoiseGate::Factor(4.0); 2]),
+            Just([NoiseGate::Factor(4.0), NoiseGate::Factor(5.0)])
+        ],
+        white in any::<bool>(),
+        max_features in prop_oneof![Just(0usize), Just(9)],
+        seed in 1u64..500,
+    ) {
+        let burst = scene(seed, (150, 110));
+        let grid = |u: SlopeAxis, v: SlopeAxis, is_plane: bool| SlopeGrid {
+            u,
+            v: if is_plane { v } else { SlopeAxis::ZERO },
+            direction_deg: if turned { 30.0 } else { 0.0 },
+        };
+        let noise_model = if white { NoiseModelKind::White } else { NoiseModelKind::Local };
+        let was = DetectorParams {
+            slopes: grid(u, v, was_plane), noise_gate: gates[0], noise_model, max_features, ..DetectorParams::default()
+        };
+        let then = DetectorParams { slopes: grid(then_u, then_v, is_plane), noise_gate: gates[1], ..was.clone() };
+        let quiet = Monitor::default();
+        let search = |earlier: Option<&Trail>, params: &DetectorParams| {
+            search_all(&burst, params, &Account::new(), None, true, earlier, &quiet).expect("valid").ready()
+        };
+        let (earlier, whole) = (search(None, &was), search(None, &then));
+        let found = search(Some(&earlier), &then);
+        prop_assert_eq!(found.keypoints(), whole.keypoints());
+        let (a, b) = (found.detection(), whole.detection());
+        prop_assert!(a.features == b.features && a.descriptors == b.descriptors && a.field == b.field);
+        prop_assert!(a.noise == b.noise && a.noise_gate_factor == b.noise_gate_factor);
+        prop_assert_eq!((a.tally.samples, a.tally.kept), (b.tally.samples, b.tally.kept));
+        prop_assert_eq!(of_features(&found, a.features.len()), of_features(&whole, a.features.len()));
+        assert_same_answers(&found, &whole);
+        // A chain of searches is no different.
+        let back = search(Some(&found), &was);
+        prop_assert_eq!(back.keypoints(), earlier.keypoints());
+    }
+}
+
+#[test]
+fn a_wider_range_searches_only_its_new_slopes() {
+    let burst = scene(4, (200, 150));
+    let params =
+        |slopes: SlopeGrid| DetectorParams { slopes, noise_gate: NoiseGate::Factor(4.0), ..DetectorParams::default() };
+    let was = search_within(&burst, &params(SlopeGrid::line(-3.0..=3.0, 7)), None).expect("valid").ready();
+    let known = |params: &DetectorParams| was.known_slopes(&burst, params);
+    assert_eq!(known(&params(SlopeGrid::line(-4.0..=4.0, 9))), 7);
+    assert_eq!(known(&params(SlopeGrid::line(-3.0..=3.0, 13))), 7);
+    assert_eq!(known(&params(SlopeGrid::line(-2.0..=4.0, 7))), 6);
+    assert_eq!(known(&params(SlopeGrid::line(-2.5..=2.5, 6))), 0);
+    let joint = DetectorParams { slope_extrema: SlopeExtrema::Joint, ..params(SlopeGrid::line(-4.0..=4.0, 9)) };
+    assert_eq!(known(&joint), 0, "its slopes are compared");
+    let fewer =
+        DetectorParams { frames: Some(FrameRange { start: 0, end: 4 }), ..params(SlopeGrid::line(-4.0..=4.0, 9)) };
+    assert_eq!(known(&fewer), 0, "other frames");
+    let white =
+        DetectorParams { noise_model: NoiseModelKind::White, ..params(SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3)) };
+    assert_eq!(known(&white), 0, "another noise model");
+    assert_eq!(known(&params(SlopeGrid::line(-5.0..=5.0, 11))), 0, "its noise is measured anew");
 }

@@ -27,7 +27,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// Key of a keypoint's sample: octave, level, slope and place.
-type SampleKey = (i32, i32, usize, [u32; 2]);
+pub(super) type SampleKey = (i32, i32, usize, [u32; 2]);
+
+pub(super) fn sample_key(keypoint: &Keypoint) -> SampleKey {
+    (keypoint.octave, keypoint.level, keypoint.slope_index, keypoint.sample)
+}
 
 /// Radius of the keypoints considered, in links of a chain: keypoints that remove one another form chains.
 const CHAIN_LINKS: f32 = 6.0;
@@ -66,8 +70,7 @@ impl Trail {
 
     /// Adds the lookup tables that questions need.
     pub(super) fn ready(mut self) -> Self {
-        let key = |k: &Keypoint| (k.octave, k.level, k.slope_index, k.sample);
-        self.by_sample = self.keypoints().iter().enumerate().map(|(index, k)| (key(k), index)).collect();
+        self.by_sample = self.keypoints().iter().map(sample_key).zip(0..).collect();
         let blob = |&index: &usize| (index, Blob::of(&self.keypoints()[index], &self.inputs.space));
         self.stayed = self.choice.distinct.iter().map(blob).collect();
         self.stayed.sort_by(|a, b| a.1.v.total_cmp(&b.1.v));
@@ -90,7 +93,7 @@ impl Trail {
         let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
         let means = self.outcome.means.iter().filter_map(OnceLock::get).flatten();
         let bases = self.outcome.bases.iter().flatten().flat_map(|levels| &levels.planes);
-        let planes: usize = bases.chain(means).map(plane).sum();
+        let planes: usize = bases.map(|level| plane(level)).chain(means.map(plane)).sum();
         let Detection { features, descriptors, .. } = &self.detection;
         let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.choice.ranked[..]);
         let of_keypoint = size_of::<(Keypoint, Verdict, SampleKey, usize)>();
@@ -295,7 +298,7 @@ impl Trail {
         let min = self.inputs.sigma_d(octave, level, slope, &offsets);
         // The place factor samples all frames that took part.
         let covering = coverage(&offsets, at.0, at.1, size).max(1);
-        min * (offsets.len() as f32 / covering as f32).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size)
+        min * ((offsets.len() as f32 / covering as f32).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size))
     }
 
     /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of

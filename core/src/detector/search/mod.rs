@@ -8,6 +8,7 @@
 
 pub(super) mod around_field;
 pub mod extrema;
+pub(super) mod known;
 pub(super) mod setup;
 pub mod slope_window;
 
@@ -18,6 +19,7 @@ use crate::detector::refine::{Fit, Limits, refine};
 use crate::detector::scale_space::planes::next_level;
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
+use crate::detector::search::known::Known;
 use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use crate::kernel::compact_kernel::PixelView;
@@ -29,6 +31,7 @@ use crate::plane::tile::{Region, Tile, cuts, split_mut};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Rows of a tile at most where not all slopes are searched everywhere: smaller tiles need fewer slopes.
 const TILE_ROWS_AROUND: usize = 100;
@@ -55,15 +58,17 @@ pub(crate) struct Evidence {
     pub(crate) edge_quotient: f64,
 }
 
-type FoundKeypoint = (Keypoint, Evidence);
+pub(crate) type FoundKeypoint = (Keypoint, Evidence);
 
 impl Search<'_> {
-    /// Searches one of the `groups` of slopes after the other; together they own every slope of the grid.
+    /// Searches one of the `groups` of slopes after the other; together they own every slope of the grid. Only the
+    /// others are searched of those that are `known`, for which there is one group. `tallies` are those of the slopes.
     pub(crate) fn octaves(
         &self,
         octaves: &Range<i32>,
         groups: &[SlopeGroup],
-        tally: &mut Tally,
+        known: Option<&Known<'_>>,
+        tallies: &mut [Tally],
     ) -> Result<Searched, Cancelled> {
         // By octave and tile.
         let mut found: Vec<Vec<Vec<FoundKeypoint>>> = octaves.clone().map(|_| Vec::new()).collect();
@@ -72,8 +77,13 @@ impl Search<'_> {
         for group in groups {
             let share = SEARCH_PART * group.visited.len() as f32 / visited as f32;
             let keeps = groups.len() == 1;
-            bases = self.group(octaves, group, keeps, &mut found, tally, done, share)?;
+            bases = self.group(octaves, group, known, keeps, &mut found, tallies, done, share)?;
             done += share;
+        }
+        if let Some(known) = known {
+            for (octave, tiles) in octaves.clone().zip(&mut found) {
+                known.merge_into(tiles, octave, self.tile_cuts(octave_size(self.inputs.size_image, octave)));
+            }
         }
         let (keypoints, evidence) = found.into_iter().flatten().flatten().unzip();
         Ok(Searched { keypoints, evidence, bases })
@@ -86,9 +96,10 @@ impl Search<'_> {
         &self,
         octaves: &Range<i32>,
         group: &SlopeGroup,
+        known: Option<&Known<'_>>,
         keeps: bool,
         found: &mut [Vec<Vec<FoundKeypoint>>],
-        tally: &mut Tally,
+        tallies: &mut [Tally],
         mut done: f32,
         share: f32,
     ) -> Result<Option<Vec<FirstLevels>>, Cancelled> {
@@ -102,7 +113,8 @@ impl Search<'_> {
             let share = share * pixels(octave) / all_pixels;
             let progress = |part: f32| self.monitor.report(Stage::Search { octave }, done + share * part);
             let last = bases.last().expect("the first octave's is there");
-            let (tiles, next) = self.octave(octave, group, last, octave + 1 < octaves.end, tally, &progress)?;
+            let wants_next = octave + 1 < octaves.end;
+            let (tiles, next) = self.octave(octave, group, known, last, wants_next, tallies, &progress)?;
             found.resize_with(tiles.len(), Vec::new);
             found.iter_mut().zip(tiles).for_each(|(found, tile)| found.extend(tile));
             if !keeps {
@@ -151,9 +163,10 @@ impl Search<'_> {
         &self,
         octave: i32,
         group: &SlopeGroup,
+        known: Option<&Known<'_>>,
         bases: &FirstLevels,
         wants_next: bool,
-        tally: &mut Tally,
+        tallies: &mut [Tally],
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<(Vec<Vec<FoundKeypoint>>, FirstLevels), Cancelled> {
         let size = octave_size(self.inputs.size_image, octave);
@@ -164,18 +177,24 @@ impl Search<'_> {
             let bank = self.space.bank(octave == self.space.first_octave, levels.clone());
             OctaveFilters::new(self.space, &bank, &levels, size)
         });
+        let tallies = Mutex::new(tallies);
         let job = Octave {
             octave,
             size,
             group,
+            known,
+            tallies: &tallies,
             bases,
             filters: OctaveFilters::new(self.space, bank, &self.space.all_levels(), size),
             next_only,
             sigma_d: self.sigma_d(octave),
         };
-        let mut next: Vec<Plane> = (0..if wants_next { group.visited.len() } else { 0 })
-            .map(|_| Plane::zeros(size.0 / 2, size.1 / 2))
-            .collect();
+        let of_next = if wants_next { group.visited.clone() } else { 0..0 };
+        let known_next = |index: usize| {
+            known.and_then(|known| known.first_level((octave + 1 - self.space.first_octave) as usize, index))
+        };
+        let made = of_next.clone().filter(|&index| known_next(index).is_none());
+        let mut next: Vec<Plane> = made.map(|_| Plane::zeros(size.0 / 2, size.1 / 2)).collect();
         let regions: Vec<Region> = rows
             .iter()
             .flat_map(|rows| columns.iter().map(|columns| Region { columns: columns.clone(), rows: rows.clone() }))
@@ -193,7 +212,7 @@ impl Search<'_> {
         }
         let finished = AtomicUsize::new(0);
         let steps = regions.len() * group.visited.len();
-        let results: Vec<(Vec<FoundKeypoint>, Tally)> = regions
+        let found: Vec<Vec<FoundKeypoint>> = regions
             .par_iter()
             .zip(next_parts)
             .map(|(region, next)| {
@@ -207,9 +226,9 @@ impl Search<'_> {
                 Ok(found)
             })
             .collect::<Result<_, Cancelled>>()?;
-        results.iter().for_each(|(_, of_tile)| tally.merge(of_tile));
-        let found = results.into_iter().map(|(found, _)| found).collect();
-        Ok((found, FirstLevels { first_slope: group.visited.start, planes: next }))
+        let mut next = next.into_iter().map(Arc::new);
+        let planes = of_next.filter_map(|index| known_next(index).or_else(|| next.next())).collect();
+        Ok((found, FirstLevels { first_slope: group.visited.start, planes }))
     }
 }
 
@@ -246,6 +265,9 @@ struct Octave<'a> {
     octave: i32,
     size: (usize, usize),
     group: &'a SlopeGroup,
+    known: Option<&'a Known<'a>>,
+    /// Numbers of samples by slope of the grid, to which each tile adds its own.
+    tallies: &'a Mutex<&'a mut [Tally]>,
     /// First level of the octave at the slopes that are visited; none for the first octave.
     bases: &'a FirstLevels,
     filters: OctaveFilters,
@@ -256,15 +278,16 @@ struct Octave<'a> {
 }
 
 impl Search<'_> {
-    /// `next` holds the tile's parts of the next octave's first level, one for each slope visited, or is empty.
+    /// `next` holds the tile's parts of the next octave's first level, one for each slope visited that is not known, or
+    /// is empty.
     fn tile(
         &self,
         job: &Octave<'_>,
         region: &Region,
-        mut next: Vec<Vec<&mut [f32]>>,
+        next: Vec<Vec<&mut [f32]>>,
         scratch: &mut TileScratch,
         slope_done: &dyn Fn(),
-    ) -> Result<(Vec<FoundKeypoint>, Tally), Cancelled> {
+    ) -> Result<Vec<FoundKeypoint>, Cancelled> {
         let held = region.widened(HELD, job.size);
         let inputs = job.filters.inputs(&held);
         let first = job.octave == self.space.first_octave;
@@ -274,7 +297,9 @@ impl Search<'_> {
             _ => STACKED_SLOPES,
         };
         let mut together = 0..0;
-        let (mut keypoints, mut tally) = (Vec::new(), Tally::default());
+        let (mut keypoints, mut tallies) = (Vec::new(), vec![Tally::default(); self.grid.len()]);
+        let (wants_next, mut next) = (!next.is_empty(), next.into_iter());
+        let is_known = |index: usize| job.known.is_some_and(|known| known.slopes[index].is_some());
         let SlopeGroup { own, visited } = job.group;
         scratch.window.begin(visited);
         let makes = self.makes(job, region);
@@ -304,10 +329,10 @@ impl Search<'_> {
                 searched = rows.end;
                 let part = Region { columns: region.columns.clone(), rows };
                 for part in self.parts_searched(job.octave, part, index) {
-                    own_slope_extrema(levels, &part, job.size, &thresholds, &mut tally, candidates);
+                    own_slope_extrema(levels, &part, job.size, &thresholds, &mut tallies[index], candidates);
                 }
             };
-            let keep = (!next.is_empty()).then_some(&mut *level);
+            let keep = wants_next.then_some(&mut *level);
             match (makes[index], &job.next_only) {
                 (Makes::Nothing, _) => window.leave_out(index),
                 (Makes::NextLevel, Some(filters)) => {
@@ -316,10 +341,11 @@ impl Search<'_> {
                 }
                 _ => {
                     dog_tile(&job.filters, pixels(), &held, filter, dog, keep, &mut search);
-                    self.compare(job, window, index, &mut tally);
+                    self.compare(job, window, index, &mut tallies[index]);
                 }
             }
-            if let Some(out) = next.get_mut(place).filter(|_| makes[index] != Makes::Nothing) {
+            let out = if is_known(index) { None } else { next.next() };
+            if let Some(mut out) = out.filter(|_| makes[index] != Makes::Nothing) {
                 let left = region.columns.start - level.region().columns.start;
                 for (v, row) in out.iter_mut().enumerate() {
                     let from = &level.row(region.rows.start + 2 * v)[left..];
@@ -327,19 +353,27 @@ impl Search<'_> {
                 }
             }
             for decided in window.decidable(index) {
-                self.decide(job, window, decided, &mut keypoints, &mut tally);
+                self.decide(job, window, decided, &mut keypoints, &mut tallies[decided]);
             }
             slope_done();
         }
         let inner = |range: &Range<usize>, n: usize| range.end.min(n - 1).saturating_sub(range.start.max(1));
         let of_slope = inner(&region.columns, job.size.0) * inner(&region.rows, job.size.1) * self.space.levels;
-        tally.not_searched = (own.len() * of_slope) as u64 - tally.samples;
-        Ok((keypoints, tally))
+        let mut of_all = job.tallies.lock().unwrap_or_else(PoisonError::into_inner);
+        for index in own.clone().filter(|&index| !is_known(index)) {
+            tallies[index].not_searched = of_slope as u64 - tallies[index].samples;
+        }
+        of_all.iter_mut().zip(&tallies).for_each(|(all, of_tile)| all.merge(of_tile));
+        Ok(keypoints)
     }
 
     /// What a tile makes of each slope of the grid.
     fn makes(&self, job: &Octave<'_>, region: &Region) -> Vec<Makes> {
-        let Some(around) = &self.inputs.around else { return vec![Makes::Samples; self.grid.len()] };
+        let Some(around) = &self.inputs.around else {
+            let is_known = |index: usize| job.known.is_some_and(|known| known.slopes[index].is_some());
+            let makes = |index: usize| if is_known(index) { Makes::Nothing } else { Makes::Samples };
+            return (0..self.grid.len()).map(makes).collect();
+        };
         let others = OtherSlopes::of(self.params);
         let all = others == OtherSlopes::Beaten(SlopeNeighbours::All);
         let searched = around.in_region(job.octave, region, others != OtherSlopes::Unseen);

@@ -89,6 +89,8 @@ impl<'a> Search<'a> {
 pub(crate) struct Inputs {
     /// Frames that take part, cleaned by the noise model.
     pub(crate) frames: Vec<Arc<Plane>>,
+    /// The frames that are used, as they were read.
+    pub(crate) read: Vec<Arc<Plane>>,
     pub(crate) times: FrameTimes,
     pub(crate) frames_used: Range<usize>,
     pub(crate) size_image: (usize, usize),
@@ -113,9 +115,11 @@ impl Inputs {
             return Err(refused.against_strict());
         }
         let times = FrameTimes { frame_count: frames_used.len(), kept };
+        let read = burst.frames[frames_used.clone()].to_vec();
         let (size_image, noise, gate_factor) = (burst.size(), Arc::new(model), gate_factor(params));
         Ok(Self {
             frames,
+            read,
             times,
             frames_used,
             size_image,
@@ -172,7 +176,8 @@ impl Inputs {
 }
 
 /// Noise of the burst by the model in the parameters, and the frames that are searched: with [`NoiseModelKind::White`],
-/// or where there is too little data for a local model, all that are used, unchanged.
+/// or where there is too little data for a local model, all that are used, unchanged. What the scene may move by is read
+/// off the range that [encloses](SlopeGrid::enclosing) the slopes, so that a search of a few more has the same noise.
 pub(in crate::detector) fn known_noise(
     burst: &Burst,
     params: &DetectorParams,
@@ -183,7 +188,7 @@ pub(in crate::detector) fn known_noise(
     let frames = &burst.frames[used.clone()];
     let local = match params.noise_model {
         NoiseModelKind::Local => {
-            let slopes: Vec<Slope> = params.used_slopes().slopes().collect();
+            let slopes: Vec<Slope> = params.used_slopes().enclosing(frames.len()).slopes().collect();
             let octaves = searched_octaves(params, burst.size());
             let search = ForSearch { space, octaves, slopes: &slopes, flicker: params.flicker };
             examine(frames, burst.quantisation_step, &search, monitor)?
@@ -234,7 +239,8 @@ impl SlopeGroup {
 #[derive(Debug, Default)]
 pub(crate) struct FirstLevels {
     pub(crate) first_slope: usize,
-    pub(crate) planes: Vec<Plane>,
+    /// Shared with the searches that [go on](super::known) from this one.
+    pub(crate) planes: Vec<Arc<Plane>>,
 }
 
 impl FirstLevels {

@@ -208,7 +208,7 @@ pub fn refined_slope(grid: &SlopeGrid, others: OtherSlopes, index: usize, around
         (false, true) => (0.0, peak_offset(around[0][1], around[1][1], around[2][1])),
         (true, true) => peak_offset_2d(*around),
     };
-    grid.at(i as f32 + di, j as f32 + dj)
+    grid.beside(index, di, dj)
 }
 
 #[cfg(test)]

@@ -214,7 +214,6 @@ impl Stacked<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
 
     /// Frames with a Gaussian blob of standard deviation `blob` px that moves by `slope`, at (90.3, 70.6) at mid-burst.
     fn moving(slope: Slope, blob: f32) -> Vec<Plane> {
