@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
@@ -31,7 +32,8 @@ Array = TypeVar("Array", bound=NDArray[Any])
 class Detection:
     """Features of a burst, strongest first, as arrays of one row a feature.
 
-    Made by `detect`. ``len(d)`` is their number. The arrays are made once and cannot be written to.
+    Made by `detect`. ``len(d)`` is their number, and ``d[d.snr > 10]`` are some of them. The arrays are made once and
+    cannot be written to.
     """
 
     def __init__(self, burst: Burst, raw: _burstscope.RawDetection) -> None:
@@ -170,6 +172,23 @@ class Detection:
 
     def __len__(self) -> int:
         return len(self._raw)
+
+    def __getitem__(self, rows: Union[int, slice, Sequence[int], NDArray[Any]]) -> Detection:
+        """Some of the features, by number, slice, mask [n] or indices, in that order: ``found[found.snr > 10]``.
+
+        They can be matched, saved and drawn as all can; `report` and `tally` stay those of the search.
+
+        Raises
+        ------
+        IndexError
+            A number beyond the features, or a mask of another length.
+        """
+        numbers = np.atleast_1d(np.arange(len(self))[rows])
+        return Detection(self._burst, self._raw.subset(numbers.tolist()))
+
+    def __iter__(self) -> Iterator[Detection]:
+        """Each feature by itself, strongest first."""
+        return (self[number] for number in range(len(self)))
 
     def __repr__(self) -> str:
         rejected = self.tally["samples"] - self.tally["kept"]

@@ -12,7 +12,7 @@ use burstscope::detector::view::{coverage_view, dog_view, noise_map, stack_view}
 use burstscope::detector::{Feature, Method, Quantity, Slope, SlopeGrid};
 use burstscope::error::Error;
 use burstscope::export::ExportFormat;
-use burstscope::{Burst, DetectorParams, Monitor, Plane};
+use burstscope::{Burst, Detection, DetectorParams, Monitor, Plane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -91,6 +91,15 @@ impl RawDetection {
         let slopes: Vec<f32> = self.searched.detection.slopes.slopes().flat_map(|s| [s.u, s.v]).collect();
         let count = slopes.len() / 2;
         PyArray1::from_vec(py, slopes).reshape([count, 2])
+    }
+
+    /// The features with these numbers, which are below the number of features, in this order.
+    fn subset(&self, numbers: Vec<usize>) -> Self {
+        let mut searched = self.searched.clone();
+        let Detection { features, descriptors, .. } = &self.searched.detection;
+        searched.detection.features = numbers.iter().map(|&number| features[number]).collect();
+        searched.detection.descriptors = numbers.iter().map(|&number| descriptors[number]).collect();
+        Self { searched, document: self.document.clone() }
     }
 
     /// Writes the features to a file.

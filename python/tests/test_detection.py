@@ -49,6 +49,23 @@ def test_the_bits_are_those_of_the_command(
         assert found.report[name] == theirs[name], name
 
 
+def test_some_of_the_features_are_a_detection_too(found: bs.Detection, tmp_path: Path) -> None:
+    n = len(found)
+    some = found[found.sigma > np.median(found.sigma)]
+    assert 0 < len(some) < n
+    np.testing.assert_array_equal(some.descriptors, found.descriptors[found.sigma > np.median(found.sigma)])
+    np.testing.assert_array_equal(found[2:5].xy, found.xy[2:5])
+    np.testing.assert_array_equal(found[[3, 1]].snr, found.snr[[3, 1]])
+    np.testing.assert_array_equal(found[-1].xy, found.xy[-1:])
+    assert [len(one) for one in found[:3]] == [1, 1, 1] and len(found[:0]) == 0
+    assert bs.match(found[:5], found[:5]).pairs.shape[1] == 2
+    with np.load(some.save(tmp_path / "some.npz")) as npz:
+        assert len(npz["features"]) == len(some)
+    for wrong in (n, np.zeros(n + 1, dtype=bool)):
+        with pytest.raises(IndexError):
+            found[wrong]
+
+
 def test_arrays_have_one_row_a_feature_and_are_fixed(found: bs.Detection) -> None:
     n = len(found)
     assert n > 5
