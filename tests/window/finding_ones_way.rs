@@ -1,10 +1,10 @@
 //! Palette, shortcuts, menus, themes.
 
-use crate::support::Start;
-use burstscope::app::actions::{ACTIONS, ActionId};
+use crate::support::{Start, Window};
+use burstscope::app::actions::{ACTIONS, ActionId, Menu};
 use burstscope::app::project::cursor::ViewKind;
 use burstscope::app::project::look::FeaturesShown;
-use egui::Key;
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
 #[test]
@@ -95,9 +95,7 @@ fn escape_closes_a_drop_down_and_nothing_else() {
 #[test]
 fn a_slow_click_is_a_click() {
     let mut window = Start::without_auto_detect().open();
-    window.app_mut().model.focused_mut().cursor.slope.u = 1.0;
-    window.settle();
-    let button = window.harness.get_by_role_and_label(egui::accesskit::Role::Button, "Zero").rect().center();
+    let button = window.harness.get_by_role_and_label(egui::accesskit::Role::Button, "▶ Play").rect().center();
     window.harness.drag_at(button);
     let pressed = window.harness.ctx.input(|i| i.time);
     while window.harness.ctx.input(|i| i.time) < pressed + 1.5 {
@@ -105,7 +103,7 @@ fn a_slow_click_is_a_click() {
     }
     window.harness.drop_at(button);
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.cursor().slope.u, 0.0);
+    assert!(window.app().model.playing);
 }
 
 #[test]
@@ -149,4 +147,55 @@ fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
     window.key(Key::Escape);
     window.harness.run_steps(3);
     assert!(window.shows("px/frame\nresponse"), "it comes back");
+}
+
+/// Scrolls an open menu to its end, where it is longer than the window.
+fn scroll_to_end(window: &mut Window, inside: egui::Pos2) {
+    window.harness.hover_at(inside);
+    for _ in 0..12 {
+        let delta = egui::vec2(0.0, -200.0);
+        let (unit, modifiers, phase) = (egui::MouseWheelUnit::Point, Modifiers::NONE, egui::TouchPhase::Move);
+        window.harness.event(egui::Event::MouseWheel { unit, delta, modifiers, phase });
+        window.harness.run_steps(4);
+    }
+}
+
+#[test]
+fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
+    for size in [[1280.0, 800.0], [960.0, 640.0], [720.0, 480.0]] {
+        let mut window = Start { size, ..Start::without_auto_detect() }.open();
+        for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(&window.app().model)).collect::<Vec<_>>() {
+            window.click(menu.label());
+            window.harness.run_steps(3);
+            let last = ACTIONS.iter().rfind(|action| action.menu == menu).expect("it has entries");
+            let entry = menu.submenu(last.group).unwrap_or(last.label);
+            let rect = |window: &Window| window.harness.get_all_by_label_contains(entry).last().expect("drawn").rect();
+            let at = rect(&window);
+            scroll_to_end(&mut window, egui::pos2(at.center().x, size[1] * 0.4));
+            let at = rect(&window);
+            let screen = window.harness.ctx.content_rect();
+            assert!(screen.contains_rect(at), "{size:?} {menu:?}: {entry} at {at:?}");
+            window.key(Key::Escape);
+            window.harness.run_steps(3);
+        }
+    }
+}
+
+#[test]
+fn menus_of_what_is_not_there_are_not_shown_and_groups_of_many_entries_are_folded() {
+    let mut window = Start::without_auto_detect().open();
+    let has = |window: &Window, label: &str| {
+        window.harness.query_by_role_and_label(egui::accesskit::Role::Button, label).is_some()
+    };
+    assert!(!has(&window, "Pair") && !has(&window, "Dataset") && has(&window, "Help"));
+    window.click("View");
+    window.harness.run_steps(3);
+    assert!(!has(&window, "Show winning slope"));
+    window.click("Picture");
+    window.harness.run_steps(3);
+    window.click("Show winning slope");
+    window.settle();
+    assert_eq!(window.app().model.cursor().kind, ViewKind::Motion);
+    window.ctrl(Key::Num2);
+    assert!(has(&window, "Pair"));
 }

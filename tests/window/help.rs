@@ -143,6 +143,8 @@ fn tooltips_of_kinds_of_picture_of_sliders_and_of_columns_lead_to_their_words() 
     ];
     for (role, label, word, meaning) in cases {
         let mut window = open();
+        window.key(Key::Num3);
+        window.settle();
         follow_the_tooltip(&mut window, role, label, word);
         assert!(window.shows(meaning), "{word}");
     }

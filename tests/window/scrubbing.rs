@@ -38,7 +38,7 @@ fn keys_step_through_the_grid_and_snap_to_it() {
     window.key(Key::ArrowLeft);
     assert_eq!(window.app().model.cursor().slope, Slope::new(0.0, 0.0));
     window.slide("Slope u", 1.8);
-    window.click("Snap");
+    window.key(Key::G);
     assert_eq!(window.app().model.cursor().slope, Slope::new(2.0, 0.0));
 }
 

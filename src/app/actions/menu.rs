@@ -16,24 +16,46 @@ pub fn menu_bar_ui(
     queue: &mut Queue,
     open_recent: &mut Option<Recent>,
 ) {
+    let mut item = |ui: &mut egui::Ui, action: &Action| {
+        item_ui(ui, model, queue, action.id);
+        if action.id == ActionId::OpenDemo {
+            recent_ui(ui, remembered, open_recent);
+        }
+    };
     egui::MenuBar::new().ui(ui, |ui| {
-        for menu in Menu::ALL {
+        for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(model)) {
+            let actions: Vec<&Action> = ACTIONS.iter().filter(|action| action.menu == menu).collect();
             ui.menu_button(menu.label(), |ui| {
-                ui.set_min_width(230.0);
-                let mut last_group = None;
-                for action in ACTIONS.iter().filter(|a| a.menu == menu) {
-                    if last_group.is_some_and(|g| g != action.group) {
-                        ui.separator();
+                within_window(ui, |ui| {
+                    let mut last = None;
+                    for group in actions.chunk_by(|a, b| a.group == b.group) {
+                        let submenu = menu.submenu(group[0].group);
+                        if last.is_some_and(|last| last != submenu.is_some() || submenu.is_none()) {
+                            ui.separator();
+                        }
+                        last = Some(submenu.is_some());
+                        match submenu {
+                            Some(name) => {
+                                let all = |ui: &mut egui::Ui| group.iter().for_each(|action| item(ui, action));
+                                ui.menu_button(name, |ui| within_window(ui, all));
+                            }
+                            None => group.iter().for_each(|action| item(ui, action)),
+                        }
                     }
-                    last_group = Some(action.group);
-                    item_ui(ui, model, queue, action.id);
-                    if action.id == ActionId::OpenDemo {
-                        recent_ui(ui, remembered, open_recent);
-                    }
-                }
+                });
             });
         }
     });
+}
+
+/// Space that a menu leaves at the lower edge of the window, points.
+const MENU_MARGIN: f32 = 24.0;
+
+/// Entries of a menu, which scroll where the window is lower.
+fn within_window(ui: &mut egui::Ui, entries: impl FnOnce(&mut egui::Ui)) {
+    ui.set_min_width(230.0);
+    let room = (ui.ctx().content_rect().bottom() - ui.next_widget_position().y - MENU_MARGIN).max(120.0);
+    egui::ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, entries);
 }
 
 pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
@@ -161,7 +183,8 @@ fn palette_row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: boo
     ui.add(button).on_hover_text(action.help)
 }
 
-/// Enabled actions whose label or help contains the letters of `text` in their order; the best match first.
+/// Enabled actions whose label and help have the words of `text`, or if none has, whose label has its letters in their
+/// order; the best match first.
 fn found_by(text: &str, model: &Model) -> Vec<&'static Action> {
     let mut possible: Vec<&Action> =
         ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != ActionId::Palette).collect();
@@ -170,10 +193,19 @@ fn found_by(text: &str, model: &Model) -> Vec<&'static Action> {
         possible.sort_by_key(|a| a.id != ActionId::Detect);
         return possible;
     }
-    let mut scored: Vec<(i32, &Action)> = possible
-        .into_iter()
-        .filter_map(|a| score(text, a.label).or_else(|| score(text, a.help).map(|s| s - 1000)).map(|s| (s, a)))
-        .collect();
+    let has_words = |text_of: &str| {
+        let text_of = text_of.to_lowercase();
+        text.split_whitespace().all(|word| text_of.contains(&word.to_lowercase()))
+    };
+    let by_words = |action: &&Action| match score(text, action.label) {
+        Some(score) if has_words(action.label) => Some(score),
+        _ => has_words(&format!("{} {}", action.label, action.help)).then_some(-1000),
+    };
+    let mut scored: Vec<(i32, &Action)> =
+        possible.iter().filter_map(|action| Some((by_words(action)?, *action))).collect();
+    if scored.is_empty() {
+        scored = possible.iter().filter_map(|action| Some((score(text, action.label)?, *action))).collect();
+    }
     scored.sort_by_key(|(score, _)| -score);
     scored.into_iter().map(|(_, action)| action).collect()
 }

@@ -1,5 +1,7 @@
 //! Registry of the actions: one row each.
 
+use crate::app::project::Model;
+use crate::app::project::workspace::Workspace;
 use crate::requests::ViewKind;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
@@ -35,6 +37,35 @@ impl Menu {
             Self::Pair => "Pair",
             Self::Dataset => "Dataset",
             Self::Help => "Help",
+        }
+    }
+
+    /// Name of the submenu that a group of this menu is folded into.
+    pub fn submenu(self, group: u8) -> Option<&'static str> {
+        Some(match (self, group) {
+            (Self::File, 2) => "Parameters",
+            (Self::File, 3) => "Export features",
+            (Self::File, 4) => "Export pictures",
+            (Self::File, 5) => "Export profile and matches",
+            (Self::View, 0) => "Workspace",
+            (Self::View, 1) => "Picture",
+            (Self::View, 5) => "Theme",
+            (Self::Panes, 1) => "Layout",
+            (Self::Detect, 1) => "Preset",
+            (Self::Detect, 4) => "Lab",
+            (Self::Help, 1) => "Examples",
+            _ => return None,
+        })
+    }
+
+    /// Whether there is what the menu is about. Its actions are found by their names, or by their keys, in any case.
+    pub fn has_content(self, model: &Model) -> bool {
+        match self {
+            Self::Pair => model.workspace == Workspace::Pair || model.slots.b.burst.is_some(),
+            Self::Dataset => {
+                model.datasets.open.is_some() || matches!(model.workspace, Workspace::Matches | Workspace::Trajectories)
+            }
+            _ => true,
         }
     }
 }

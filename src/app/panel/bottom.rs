@@ -22,10 +22,25 @@ const TABS: [(BottomTab, &str, &str); 7] = [
     (BottomTab::Compared, "Compared", "Features against a pinned result, features from a file, or the truth"),
 ];
 
+/// Whether `tab` has something to show, or is the chosen one.
+fn has_content(tab: BottomTab, model: &Model) -> bool {
+    let against = &model.slots[model.active_side()].against;
+    let is_filled = match tab {
+        BottomTab::Profile => model.measure.line.is_some(),
+        BottomTab::Region => model.measure.region.is_some(),
+        BottomTab::Compared => against.shown.is_some() || against.problem.is_some(),
+        _ => true,
+    };
+    is_filled || model.bottom_tab == tab
+}
+
 /// Draws the tabs; the open one closes the panel, any other opens it.
 fn tabs_ui(ui: &mut Ui, model: &mut Model) {
     let is_open = model.shows_bottom();
     for (tab, name, help) in TABS {
+        if !has_content(tab, model) {
+            continue;
+        }
         if ui.selectable_label(is_open && model.bottom_tab == tab, name).on_hover_text(help).clicked() {
             model.panels.bottom = Visibility::from(!is_open || model.bottom_tab != tab);
             model.bottom_tab = tab;

@@ -19,7 +19,9 @@ pub fn cursor_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         if model.cursor_params().slopes.is_plane() {
             slope_pad_ui(ui, model);
         }
-        scale_rows(ui, model);
+        if model.cursor().kind.about().of_scale {
+            scale_rows(ui, model);
+        }
     });
 }
 
@@ -71,8 +73,6 @@ fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 4.0;
         let play = if model.playing { "⏸ Pause" } else { "▶ Play" };
         button_ui(ui, model, queue, ActionId::Play, Some(play));
-        button_ui(ui, model, queue, ActionId::SnapSlope, Some("Snap"));
-        button_ui(ui, model, queue, ActionId::SlopeZero, Some("Zero"));
         button_ui(ui, model, queue, ActionId::BusiestSlope, Some("Most features"));
     });
 }
@@ -84,9 +84,10 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     let mut row = |label, help, range: std::ops::RangeInclusive<i32>, value| {
         CursorRow::whole(label, help, *range.start() as f32..=*range.end() as f32).ui(ui, value)
     };
-    let help = "Octave of the DoG: each is twice as coarse as the one before. Moving it shows the DoG, unless the pane shows a map at this octave.";
+    let help = "Octave of the DoG: each is twice as coarse as the one before. ";
     let is_other_octave = row("Octave", help, octaves, &mut octave);
-    let help = "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with. Moving it shows the DoG, unless the pane shows a map at this level.";
+    let help =
+        "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with.";
     if row("Level", help, levels, &mut level) || is_other_octave {
         let pane = model.focused_mut();
         (pane.cursor.octave, pane.cursor.level) = (octave as i32, level as i32);

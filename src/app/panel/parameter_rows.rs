@@ -16,6 +16,8 @@ pub struct ParamTable<'a, P> {
     pub error: Option<&'a Error>,
     pub defaults: P,
     pub frame_count: usize,
+    /// Name of a parameter, and what its value stands for, which is said beside it.
+    pub note: Option<(&'static str, String)>,
 }
 
 impl<P: Clone> ParamTable<'_, P> {
@@ -29,6 +31,9 @@ impl<P: Clone> ParamTable<'_, P> {
             params,
             |ui, params, label| {
                 field_ui(ui, (record.field)(params), &record.drag, label, self.frame_count);
+                if let Some((_, note)) = self.note.as_ref().filter(|(name, _)| *name == record.name) {
+                    ui.weak(note);
+                }
             },
             |ui, params| {
                 if reset_ui(ui, record, record.text(params) != default) {

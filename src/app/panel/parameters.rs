@@ -7,7 +7,7 @@ use crate::app::parts;
 use crate::app::project::Model;
 use crate::app::style;
 use crate::detector::params::{Param, doc};
-use crate::detector::{DetectorParams, SlopeChoice};
+use crate::detector::{DetectorParams, NoiseGate, SlopeChoice};
 use crate::inspect::words::capitalised;
 use crate::teach::Part;
 use egui::{Align, Layout, RichText, Ui};
@@ -35,7 +35,11 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             // Found slopes have no other default.
             defaults.slopes = given;
         }
-        let table = rows::ParamTable { error: error.as_ref(), defaults, frame_count: model.frame_count() };
+        // The gate of the search whose features are shown, where it chose by itself.
+        let found = model.slots.a.found.as_ref().filter(|found| found.params.noise_gate == model.params.noise_gate);
+        let chosen = found.filter(|found| !matches!(found.params.noise_gate, NoiseGate::Factor(_)));
+        let note = chosen.map(|found| (doc::NOISE_GATE.name, format!("{:.2}", found.detection.noise_gate_factor)));
+        let table = rows::ParamTable { error: error.as_ref(), defaults, frame_count: model.frame_count(), note };
         for record in BASIC {
             row_ui(ui, model, &table, &record);
         }
@@ -141,7 +145,8 @@ mod tests {
         let height = |mut choice: SlopeChoice, finding: Option<&str>| {
             let mut height = 0.0;
             let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
-                let table = rows::ParamTable { error: None, defaults: DetectorParams::default(), frame_count: 5 };
+                let table =
+                    rows::ParamTable { error: None, defaults: DetectorParams::default(), frame_count: 5, note: None };
                 let drawn = ui.vertical(|ui| {
                     ui.set_width(240.0);
                     slopes_ui(ui, &table, &mut choice, finding);

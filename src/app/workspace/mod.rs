@@ -42,6 +42,16 @@ pub struct WorkspaceWishes {
 /// In points; narrower windows have a menu.
 const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 
+/// Whether there is something for the workspace to show, or it is the open one.
+fn has_content(workspace: Workspace, model: &Model) -> bool {
+    let is_filled = match workspace {
+        Workspace::Matches | Workspace::Trajectories => model.datasets.open.is_some(),
+        Workspace::Lab => !model.lab.shown_results().is_empty(),
+        _ => true,
+    };
+    is_filled || model.workspace == workspace
+}
+
 /// Draws the switch between the workspaces, from the right end of a line: buttons, or a menu where there is no room.
 pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
     let is_narrow = model.window_width_points < MIN_WIDTH_WITH_SWITCH;
@@ -55,7 +65,12 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
                 WORKSPACES.into_iter().for_each(|(id, _)| item_ui(ui, model, queue, id));
             });
         } else {
-            for (id, _) in WORKSPACES.into_iter().rev() {
+            let (shown, more): (Vec<_>, Vec<_>) =
+                WORKSPACES.into_iter().partition(|(_, workspace)| has_content(*workspace, model));
+            if !more.is_empty() {
+                ui.menu_button("More ⏷", |ui| more.iter().for_each(|(id, _)| item_ui(ui, model, queue, *id)));
+            }
+            for (id, _) in shown.into_iter().rev() {
                 button_ui(ui, model, queue, id, None);
             }
         }

@@ -66,7 +66,7 @@ fn all_rows_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText) {
     let size = model.burst_of(Side::A).map(|open| open.burst.size());
     let error = model.pair.param_error.clone();
     let p = &mut model.pair.params;
-    let table = ParamTable { error: error.as_ref(), defaults: MatchParams::default(), frame_count: 0 };
+    let table = ParamTable { error: error.as_ref(), defaults: MatchParams::default(), frame_count: 0, note: None };
     for record in &doc::ALL {
         ui.add_enabled_ui((record.in_use)(p), |ui| {
             if *record == doc::CAMERA {
