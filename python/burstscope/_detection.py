@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from burstscope import _burstscope, _drawing
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import documented, texts
+from burstscope._values import documented, raw_burst, texts
 
 if TYPE_CHECKING:
     import cv2
@@ -318,8 +318,8 @@ def detect(
         ``None`` shows progress on a terminal and in a notebook, ``False`` nowhere; a function gets the name of the stage
         and the finished fraction (0 to 1), and cancels the work by raising an exception.
     **keywords
-        The parameters, below. Ranges of slopes are (min, max, count) or "MIN:MAX:COUNT", frames (a, b), a slice or
-        "A..B".
+        The parameters, below. Ranges of slopes are (min, max, count), evenly spaced slopes as of ``np.linspace``, one
+        number or "MIN:MAX:COUNT"; frames (a, b), a slice or "A..B".
 
     Returns
     -------
@@ -337,4 +337,4 @@ def detect(
     """
     with shown(progress) as tell:
         file = None if params is None else Path(params)
-        return Detection(burst, _burstscope.detect(burst._raw, file, texts(keywords), tell))
+        return Detection(burst, _burstscope.detect(raw_burst(burst), file, texts(keywords), tell))

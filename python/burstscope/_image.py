@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from burstscope import _burstscope
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import texts
+from burstscope._values import raw_burst, texts
+from burstscope._values import slope as slope_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -117,27 +118,27 @@ class Image(_Array):
 def _step(
     burst: Burst,
     kind: str,
-    slope: tuple[float, float],
+    slope: Union[float, tuple[float, float]],
     octave: int,
     level: int,
     progress: Progress,
     keywords: Any,
 ) -> NDArray[np.float32]:
-    asked = {"kind": kind, "slope": (float(slope[0]), float(slope[1])), "octave": octave, "level": level}
+    asked = {"kind": kind, "slope": slope_of(slope), "octave": octave, "level": level}
     with shown(progress) as tell:
-        return _burstscope.step_picture(burst._raw, asked, texts(keywords), tell)
+        return _burstscope.step_picture(raw_burst(burst), asked, texts(keywords), tell)
 
 
 def stack(
-    burst: Burst, slope: tuple[float, float], *, progress: Progress = None, **keywords: Unpack[DetectorKeywords]
+    burst: Burst, slope: Union[float, tuple[float, float]], *, progress: Progress = None, **keywords: Unpack[DetectorKeywords]
 ) -> Image:
     """The motion-stack image: the frames shifted by a slope and averaged, as ``burstscope stack``.
 
     Parameters
     ----------
     burst : Burst
-    slope : (u, v)
-        Pixels per frame, to the right and down; need not be on any grid.
+    slope : (u, v) or float
+        Pixels per frame, to the right and down; need not be on any grid. One number is u.
     progress : callable, False or None
         See `burstscope.detect`.
     **keywords
@@ -153,7 +154,7 @@ def stack(
 
 def dog(
     burst: Burst,
-    slope: tuple[float, float],
+    slope: Union[float, tuple[float, float]],
     *,
     octave: int = 0,
     level: int = 0,
@@ -165,8 +166,8 @@ def dog(
     Parameters
     ----------
     burst : Burst
-    slope : (u, v)
-        Pixels per frame, to the right and down.
+    slope : (u, v) or float
+        Pixels per frame, to the right and down. One number is u.
     octave, level : int
         Octave, and level in it, -1 to ``levels``. Pixel (i, j) lies at (i, j)·2^octave of the input image.
 
@@ -196,7 +197,7 @@ def merge(burst: Burst, *, frames: Any = None, progress: Progress = None) -> Ima
 
 
 def coverage(
-    burst: Burst, slope: tuple[float, float], *, progress: Progress = None, **keywords: Unpack[DetectorKeywords]
+    burst: Burst, slope: Union[float, tuple[float, float]], *, progress: Progress = None, **keywords: Unpack[DetectorKeywords]
 ) -> Image:
     """Share (0 to 1) of the frames that cover each pixel at a slope.
 

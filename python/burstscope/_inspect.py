@@ -11,7 +11,7 @@ from burstscope import _burstscope
 from burstscope._image import Image, noise_map
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import texts
+from burstscope._values import pair, raw_burst, texts
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -140,12 +140,12 @@ def _inspection(
     burst: Burst, params: str | os.PathLike[str] | None, keywords: Any, progress: Progress
 ) -> _burstscope.RawInspection:
     """The search of a burst with what questions need; the last one of a burst is kept."""
-    given = texts(keywords)
+    raw, given = raw_burst(burst), texts(keywords)
     file = None if params is None else Path(params)
     key = (str(file), file.stat().st_mtime_ns if file is not None and file.exists() else 0, tuple(given))
     if key not in burst._inspections:
         with shown(progress) as tell:
-            inspection = _burstscope.inspect(burst._raw, file, given, tell)
+            inspection = _burstscope.inspect(raw, file, given, tell)
         burst._inspections.clear()
         burst._inspections[key] = inspection
     kept: _burstscope.RawInspection = burst._inspections[key]
@@ -213,7 +213,7 @@ def probe(
     if (at is None) == (feature is None):
         raise ValueError("give either a place, such as (412, 230), or a feature")
     inspection = _inspection(burst, params, keywords, progress)
-    place = None if at is None else (float(at[0]), float(at[1]))
+    place = None if at is None else pair("at", at)
     with shown(progress) as tell:
         return Probe(inspection.probe(place, feature, price, tell))
 

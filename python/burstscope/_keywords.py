@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Literal, TypedDict, Union
+from typing import Any, Literal, TypedDict, Union
+
+from numpy.typing import NDArray
 
 Path = Union[str, "os.PathLike[str]"]
-Axis = Union[str, tuple[float, float, int]]
+Axis = Union[str, float, tuple[float, float, int], Sequence[float], NDArray[Any]]
 Frames = Union[str, tuple[int, int], slice, range]
 
 

@@ -15,7 +15,7 @@ from burstscope import _burstscope, _drawing
 from burstscope._detection import Detection, _fixed
 from burstscope._keywords import MatchKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import documented, texts
+from burstscope._values import documented, needed, texts
 
 if TYPE_CHECKING:
     import pycolmap
@@ -191,6 +191,7 @@ def match(
     ValueError
         A parameter that makes no sense.
     """
+    a, b = (needed(name, found, Detection, "make it, detect(burst)") for name, found in (("a", a), ("b", b)))
     with shown(progress) as tell:
         text = None if camera is None else _camera_text(camera)
         return Matches(a, b, _burstscope.match_features((a.burst._raw, a._raw), (b.burst._raw, b._raw), text, texts(keywords), tell))

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from burstscope._burstscope import RawBurst
 
 Given = list[tuple[str, str]]
+Kind = TypeVar("Kind")
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -18,6 +24,46 @@ def documented(keywords: Any) -> Callable[[Function], Function]:
         return function
 
     return with_keywords
+
+
+def needed(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:
+    """The argument ``name`` if it is of its kind; else an error that says what was given, and how to make one."""
+    if isinstance(value, kind):
+        return value
+    raise TypeError(f"{name}: a {kind.__name__} is needed, not {type(value).__name__}; {remedy}")
+
+
+def raw_burst(burst: Any) -> RawBurst:
+    """The frames of the argument ``burst``."""
+    from burstscope._burst import Burst
+
+    raw: RawBurst = needed("burst", burst, Burst, "make one, Burst(frames), or open one, open(path)")._raw
+    return raw
+
+
+def pair(name: str, value: Any) -> tuple[float, float]:
+    """Two numbers."""
+    try:
+        u, v = (float(part) for part in value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {value!r} is no pair of numbers; give two, such as (2.4, 0)") from None
+    return u, v
+
+
+def slope(value: Any) -> tuple[float, float]:
+    """A slope (u, v), or one number for a horizontal one."""
+    return pair("slope", (value, 0.0) if np.ndim(value) == 0 and not isinstance(value, str) else value)
+
+
+def _axis(name: str, values: Any) -> str:
+    """MIN:MAX:COUNT of evenly spaced slopes, such as ``np.linspace`` gives."""
+    slopes = np.asarray(values, dtype=np.float64)
+    if slopes.ndim != 1 or slopes.size == 0 or not np.isfinite(slopes).all():
+        raise ValueError(f"{name}: give slopes in a row, (min, max, count) or one number, in pixels per frame")
+    even = np.linspace(slopes[0], slopes[-1], slopes.size)
+    if slopes[0] > slopes[-1] or not np.allclose(slopes, even, rtol=0, atol=1e-6 * max(1.0, float(np.abs(slopes).max()))):
+        raise ValueError(f"{name}: the slopes are not evenly spaced from the smallest to the largest; give np.linspace(...)")
+    return f"{text(float(slopes[0]))}:{text(float(slopes[-1]))}:{slopes.size}"
 
 
 def text(value: Any) -> str:
@@ -53,7 +99,8 @@ def texts(keywords: Mapping[str, Any]) -> Given:
             continue
         if name == "frames" and isinstance(value, tuple):
             value = slice(*value)
-        given.append((name, text(value)))
+        is_row = name in ("slopes_u", "slopes_v") and (isinstance(value, list) or getattr(value, "ndim", 0) > 0)
+        given.append((name, _axis(name, value) if is_row else text(value)))
     return given
 
 

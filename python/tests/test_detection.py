@@ -66,6 +66,28 @@ def test_some_of_the_features_are_a_detection_too(found: bs.Detection, tmp_path:
             found[wrong]
 
 
+def test_slopes_may_be_arrays_or_numbers(chart: bs.Burst) -> None:
+    expected = bs.detect(chart, slopes_u=(-1, 1, 5))
+    for row in (np.linspace(-1, 1, 5), [-1, -0.5, 0, 0.5, 1], np.linspace(-1, 1, 5, dtype=np.float32)):
+        found = bs.detect(chart, slopes_u=row)
+        np.testing.assert_array_equal(found.xy, expected.xy)
+    np.testing.assert_array_equal(bs.stack(chart, 1.5), bs.stack(chart, (1.5, 0)))
+    for wrong, words in (([0, 1, 3], "not evenly spaced"), ([[0, 1]], "in a row"), ([1, 0], "not evenly spaced")):
+        with pytest.raises(ValueError, match=f"slopes_u: .*{words}"):
+            bs.detect(chart, slopes_u=wrong)  # type: ignore[arg-type]
+
+
+def test_what_is_no_burst_or_detection_is_said(chart: bs.Burst, found: bs.Detection) -> None:
+    with pytest.raises(TypeError, match="burst: a Burst is needed, not ndarray"):
+        bs.detect(np.zeros((3, 40, 40)))  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="b: a Detection is needed, not Burst"):
+        bs.match(found, chart)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="slope: .*give two"):
+        bs.stack(chart, (1, 2, 3))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="at: .*give two"):
+        bs.probe(chart, (1, 2, 3))  # type: ignore[arg-type]
+
+
 def test_arrays_have_one_row_a_feature_and_are_fixed(found: bs.Detection) -> None:
     n = len(found)
     assert n > 5
