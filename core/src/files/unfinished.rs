@@ -16,6 +16,8 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use tempfile::TempDir;
 
 const SUFFIX: &str = ".tmp";
+/// Number of folders that are begun, if other runs remove them before they are marked.
+const TRIES: usize = 8;
 /// Name of what is being completed.
 const NEW: &str = "new";
 /// Name of what it replaces, in the moment in which that is done.
@@ -45,13 +47,25 @@ impl Unfinished {
         if SEEN.lock().unwrap_or_else(PoisonError::into_inner).insert(known) {
             remove_abandoned(parent);
         }
-        let folder = tempfile::Builder::new().prefix(&format!("{HIDDEN_PREFIX}-")).suffix(SUFFIX).tempdir_in(parent)?;
-        let mut in_use = File::create_new(folder.path().join(Kind::Unfinished.file()))?;
-        // The mark is written when the file is locked. On a file system without locks nothing is removed either.
-        let _ = in_use.lock();
         let target = target.file_name().and_then(OsStr::to_str).map(str::to_owned);
-        in_use.write_all(claiming(Kind::Unfinished, &Making { target }).as_bytes())?;
-        Ok(Self { _in_use: in_use, folder })
+        let mark = claiming(Kind::Unfinished, &Making { target });
+        for _ in 0..TRIES {
+            let folder =
+                tempfile::Builder::new().prefix(&format!("{HIDDEN_PREFIX}-")).suffix(SUFFIX).tempdir_in(parent)?;
+            let path = folder.path().join(Kind::Unfinished.file());
+            let mut in_use = match File::create_new(&path) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                created => created?,
+            };
+            // The mark is written when the file is locked. On a file system without locks nothing is removed either.
+            let _ = in_use.lock();
+            in_use.write_all(mark.as_bytes())?;
+            // Until it was locked another run could take it for one that was killed before it had marked its folder.
+            if path.exists() {
+                return Ok(Self { _in_use: in_use, folder });
+            }
+        }
+        Err(io::Error::other("other runs remove what this one begins"))
     }
 
     /// Path of the file or folder that is to be completed; it does not exist yet.
@@ -107,6 +121,7 @@ pub fn remove_abandoned(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
         let hidden = entry.path();
         if !is_unfinished(&hidden) {
+            remove_unmarked(&hidden);
             continue;
         }
         let in_use = hidden.join(Kind::Unfinished.file());
@@ -131,6 +146,24 @@ pub fn remove_abandoned(parent: &Path) {
         let _ = std::fs::remove_file(&in_use);
         let _ = std::fs::remove_dir(&hidden);
     }
+}
+
+/// Removes a hidden folder that a run left which was killed before it had marked it: one with nothing in it, or with an
+/// empty file for the mark.
+fn remove_unmarked(hidden: &Path) {
+    let name = hidden.file_name().and_then(OsStr::to_str).unwrap_or_default();
+    let is_folder = std::fs::symlink_metadata(hidden).is_ok_and(|found| found.is_dir());
+    if !(name.starts_with(HIDDEN_PREFIX) && name.ends_with(SUFFIX) && is_folder) {
+        return;
+    }
+    let path = hidden.join(Kind::Unfinished.file());
+    let mark = OpenOptions::new().write(true).open(&path).ok();
+    if mark.as_ref().is_some_and(|mark| mark.try_lock().is_ok() && mark.metadata().is_ok_and(|found| found.len() == 0))
+    {
+        let _ = std::fs::remove_file(&path);
+    }
+    // It stays if anything else is in it.
+    let _ = std::fs::remove_dir(hidden);
 }
 
 #[cfg(test)]
@@ -159,7 +192,11 @@ mod tests {
         std::fs::create_dir(at(".burstscope-own.tmp")).expect("made");
         std::fs::write(at(".burstscope-own.tmp/in-use"), "mine").expect("written");
         std::fs::write(at(".burstscope-notes.tmp"), "mine").expect("written");
+        let unmarked = [at(".burstscope-empty.tmp"), at(".burstscope-unmarked.tmp")];
+        unmarked.iter().for_each(|folder| std::fs::create_dir(folder).expect("made"));
+        std::fs::write(unmarked[1].join(Kind::Unfinished.file()), "").expect("written");
         remove_abandoned(home.path());
+        assert!(unmarked.iter().all(|folder| !folder.exists()), "killed before they were marked");
         assert!(!begun.exists() && !replaced.exists() && used.folder.path().exists());
         assert!(at(".burstscope-own.tmp/in-use").exists() && at(".burstscope-notes.tmp").exists());
         assert_eq!(std::fs::read_to_string(holding.join("thesis.txt")).expect("there"), "precious");
