@@ -90,8 +90,11 @@ mod tests {
     use super::*;
     use crate::synth::random::Stream;
 
-    /// Places, inverse depths and motions of a camera that moves by (`e`, `e_z`), with `sigma` px/frame of noise.
-    fn scene(velocity: [f64; 3], sigma: f64, on_a_line: bool) -> (Vec<[f64; 2]>, Vec<f64>, Vec<(Slope, f32)>) {
+    /// Places, inverse depths and motions.
+    type Scene = (Vec<[f64; 2]>, Vec<f64>, Vec<(Slope, f32)>);
+
+    /// What a camera shows that moves by (`e`, `e_z`), with `sigma` px/frame of noise.
+    fn scene(velocity: [f64; 3], sigma: f64, on_a_line: bool) -> Scene {
         let mut random = Stream::new(3, 1);
         let (mut places, mut depths, mut motions) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..400 {
