@@ -52,8 +52,8 @@ class DetectorKeywords(TypedDict, total=False):
         [default: 5]
     first_octave : int
         The finest octave: 0 starts at the image's own resolution, −1 at the doubled image. −1 finds smaller
-        features, of which noise has many, for about four times the time; 1 and above skip fine scales.
-        [default: 0]
+        features, of which noise has many, for about four times the time; 1 and above bin the frames, skip fine
+        scales and take a fraction of the time. [default: 0]
     peak_threshold : float
         Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.
         Unit: of full scale. Raise it to keep only features of higher contrast; it knows nothing of the noise
@@ -92,10 +92,11 @@ class DetectorKeywords(TypedDict, total=False):
         Max ratio of the scales of two keypoints that count as the same blob. Raise it to let a keypoint remove
         others of more different sizes at its place. [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
-        places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors. Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF
-        and VLFeat, with its levels, thresholds and extrema set beside them. [default: burstscope]
+        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
+        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
+        that a joint extremum must beat, and the slope of descriptors. Burstscope's are the most accurate; the
+        others reproduce the code of the BuFF authors, LiFF and VLFeat, with its levels, thresholds and extrema
+        set beside them. [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all. Unit: features. Lower it to keep only the most reliable. [default: 0]
@@ -497,9 +498,9 @@ class EvaluateChartKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
-        places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors [default: burstscope]
+        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
+        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
+        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -646,9 +647,9 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
-        places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors [default: burstscope]
+        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
+        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
+        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -817,9 +818,9 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
-        places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors [default: burstscope]
+        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
+        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
+        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -963,9 +964,9 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
-        places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors [default: burstscope]
+        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
+        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
+        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -1134,9 +1135,9 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, where kernels end, how
-        places are found between samples, the slopes that a joint extremum must beat, and the slope of
-        descriptors [default: burstscope]
+        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
+        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
+        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]

@@ -92,7 +92,7 @@ impl Wanted<'_> {
     /// Memory that a search on `threads` threads needs, whatever the number of slopes; bytes.
     fn bytes_beside_slopes(self, threads: usize) -> u64 {
         let windows = threads.saturating_mul(WINDOW_BYTES).min(WINDOWS_BYTES);
-        // The cleaned frames, and their octaves together.
+        // The cleaned frames, and their octaves together, or those binned and the means of the octaves above.
         let of_frames = (self.frames as u64).saturating_mul(plane_bytes(self.size)).saturating_mul(7) / 3;
         of_frames.saturating_add(windows as u64)
     }

@@ -45,9 +45,9 @@ pub use feature::{Descriptor, Detection, Feature, Moves, REVISION, StageTimes, T
 pub use field::{Motion, MotionField, MotionLayer};
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
-    DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, Param, ParamChange, ParamDoc, Rules, SearchParams, SearchSlopes, SlopeChoice, SlopeExtrema,
-    SlopeNeighbours,
+    CoarseStart, DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method,
+    NoiseGate, NoiseModelKind, Param, ParamChange, ParamDoc, Rules, SearchParams, SearchSlopes, SlopeChoice,
+    SlopeExtrema, SlopeNeighbours,
 };
 pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows, shared_slopes};
 pub use quantity::Quantity;

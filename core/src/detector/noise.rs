@@ -182,7 +182,7 @@ fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
 /// variance 1 in each frame, where all frames cover the pixel.
 pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: &[FrameOffset]) -> f64 {
     // Where the first octave skips pixels the noise is white on the kept ones; lengths are then in those pixels.
-    let unit = 2f64.powi(space.first_octave.max(0));
+    let unit = space.skip() as f64;
     let input = SIGMA_INPUT / unit;
     let variance = |s: f64| (space.sigma_image(octave, s) / unit).powi(2) - input * input;
     let (low, high) = (variance(level), variance(level + 1.0));
@@ -254,7 +254,7 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::params::{Interpolation, Slope, SlopeGrid};
+    use crate::detector::params::{CoarseStart, Interpolation, Slope, SlopeGrid};
     use crate::detector::stack::frame_offsets;
     use crate::synth::random::Stream;
 
@@ -347,7 +347,7 @@ mod tests {
         let frames: Vec<&Plane> = frames.iter().collect();
         for (first_octave, size) in [(0, (300, 200)), (-1, (600, 400)), (1, (150, 100))] {
             for slope in [Slope::new(0.0, 0.0), Slope::new(0.5, 0.0), Slope::new(1.25, -0.75)] {
-                let space = ScaleSpace::new(3, first_octave, 4.0);
+                let space = ScaleSpace::starting(3, first_octave, CoarseStart::Skipped, 4.0);
                 let offsets = frame_offsets(4, slope, Interpolation::Linear);
                 let whole = Region { columns: 0..size.0, rows: 0..size.1 };
                 let bank = space.bank(true, space.all_levels());
@@ -365,6 +365,35 @@ mod tests {
                     let tolerance = if first_octave == 1 { 0.12 } else { 0.06 };
                     assert!((measured / predicted - 1.0).abs() < tolerance, "{first_octave} {slope:?} {level_index}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn noise_of_binned_frames_is_the_energy_of_their_impulse_responses() {
+        use crate::detector::scale_space::planes::{SlopeStack, dog_plane};
+        let monitor = Monitor::default();
+        for (first_octave, slope) in [(1, [0.0, 0.0]), (1, [0.5, 0.0]), (1, [1.25, -0.75]), (2, [0.4, 0.3])] {
+            let (space, step) = (ScaleSpace::new(3, first_octave, 4.0), 1usize << first_octave);
+            let offsets = frame_offsets(4, Slope::new(slope[0], slope[1]), Interpolation::Linear);
+            let (side, mut energy) = (80 * step, [0.0; 2]);
+            // One pixel of one frame, at each of the places that a kept pixel may have beside it.
+            for (t, phase) in (0..4).flat_map(|t| (0..step * step).map(move |phase| (t, phase))) {
+                let at = (side / 2 + phase % step, side / 2 + phase / step);
+                let of = |frame| Plane::from_fn(side, side, |u, v| f32::from(frame == t && (u, v) == at));
+                let frames = [0, 1, 2, 3].map(of);
+                let binned = space.binned(&frames.each_ref(), &monitor).expect("not cancelled");
+                let frames: Vec<&Plane> = binned.iter().collect();
+                let size_image = (side, side);
+                let base = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image }.base();
+                for (level, energy) in [1, 3].into_iter().zip(&mut energy) {
+                    let dog = dog_plane(&base, &space, (80, 80), level, &monitor).expect("not cancelled");
+                    *energy += dog.data().iter().map(|&x| f64::from(x).powi(2)).sum::<f64>();
+                }
+            }
+            for (level, energy) in [0.0, 2.0].into_iter().zip(energy) {
+                let ratio = (dog_noise_variance(&space, first_octave, level, &offsets) / energy).sqrt();
+                assert!((ratio - 1.0).abs() < 0.03, "{first_octave} {slope:?} {level}: {ratio}");
             }
         }
     }

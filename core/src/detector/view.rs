@@ -49,9 +49,12 @@ pub fn dog_view(
     monitor: &Monitor,
 ) -> Result<Plane, Error> {
     let octaves = check_level(params, burst.size(), octave, level)?;
-    let frames = used_frames(burst, params);
+    let (mut frames, space) = (used_frames(burst, params), ScaleSpace::of(params));
+    let binned = space.binned(&frames, monitor)?;
+    if !binned.is_empty() {
+        frames = binned.iter().collect();
+    }
     let offsets = frame_offsets(frames.len(), slope, params.rules.interpolation);
-    let space = ScaleSpace::of(params);
     let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: burst.size() };
     let size = octave_size(burst.size(), octave);
     let first_level;

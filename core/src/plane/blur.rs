@@ -82,6 +82,14 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
     Ok(sum)
 }
 
+/// The plane blurred by a triangle that reaches 0 at `half_width` pixels from each pixel, along columns and rows; beyond
+/// the plane the nearest pixel is repeated.
+pub(crate) fn triangle_blur(plane: &Plane, half_width: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
+    let area = (half_width * half_width) as f32;
+    let half = (0..half_width).map(|k| (half_width - k) as f32 / area).collect();
+    blurred_by_rows(plane, &GaussianKernel::of_half(half), monitor)
+}
+
 fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let (width, height) = plane.size();
     let reach = kernel.radius();

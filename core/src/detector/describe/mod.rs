@@ -68,9 +68,7 @@ impl Describing<'_> {
     /// `first` is the number of the first keypoint.
     pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
         let order = self.in_order(keypoints);
-        let Some(&(_, any)) = order.first() else { return Ok(Vec::new()) };
-        // The bases of all slopes have one scale.
-        let from = self.search.base(self.bases, self.octave, any.slope_index).sigma_octave();
+        let from = self.search.space.sigma_before(self.octave);
         let kernels: Vec<GaussianKernel> =
             (0..self.search.space.levels as i32).map(|level| self.kernel(level, from)).collect();
         let described: Vec<Vec<Described>> = order
@@ -132,7 +130,7 @@ impl Describing<'_> {
         let Search { inputs, space, params, .. } = self.search;
         let (size, pixel) = (octave_size(inputs.size_image, self.octave), octave_pixel(self.octave));
         let base = self.search.base(self.bases, self.octave, keypoint.slope_index);
-        let from = base.sigma_octave();
+        let from = space.sigma_before(self.octave);
         let kernel = &kernels[keypoint.level as usize];
         // Reach of the descriptor's square and of the neighbours that its gradients need, and of the kernel around
         // them.

@@ -184,20 +184,23 @@ pub fn tiles_of_octave(
     monitor: &Monitor,
 ) -> Result<Vec<TileMoments>, Cancelled> {
     monitor.check()?;
-    let first = octave == space.first_octave;
+    let is_first = octave == space.first_octave;
+    let is_skipped = space.skip() > 1;
     // Where the first octave skips pixels, its noise is white for the octaves after it.
-    if (space.first_octave > 0 && !first) || octave - space.first_octave >= OCTAVES {
+    if (is_skipped && !is_first) || octave - space.first_octave >= OCTAVES {
         return Ok(Vec::new());
     }
-    // Octaves after the first are made from means over squares; the base kernel accounts for their blur.
-    let halvings = (octave - space.first_octave.max(0)).max(0) as usize;
+    // Octaves that are binned or come after the first are made from means over squares; the base kernel accounts for
+    // their blur.
+    let first = is_first && !space.bins();
+    let halvings = if is_skipped { 0 } else { octave.max(0) as usize };
     let pyramids = sources.motion.pyramids;
     let (size, source) = if first || halvings == 0 {
         (octave_size(sources.frames[0].size(), octave), Source::Frames(sources.frames, octave))
     } else {
         (pyramids[0].level(halvings).size(), Source::Squares(pyramids, halvings))
     };
-    let (tile, wanted) = if first { (TILE, PIXELS) } else { (COARSE_TILE, COARSE_PIXELS) };
+    let (tile, wanted) = if is_first { (TILE, PIXELS) } else { (COARSE_TILE, COARSE_PIXELS) };
     let wanted = if sources.are_flattened { FOR_RARE * wanted } else { wanted };
     let regions = regions(size, tile, wanted);
     if regions.is_empty() {
@@ -379,7 +382,7 @@ mod tests {
 
     #[test]
     fn white_noise_passes_as_white_noise() {
-        for (first, frames) in [(0, 10), (-1, 10), (0, 2)] {
+        for (first, frames) in [(0, 10), (-1, 10), (0, 2), (1, 10)] {
             let space = ScaleSpace::new(3, first, 4.0);
             let noise = of_case(NoiseCase::White, frames, &space, first..4);
             for (octave, levels) in (first..).zip(&noise) {

@@ -181,6 +181,16 @@ pub enum Interpolation {
     Truncated,
 }
 
+/// Pixels of a first octave that is coarser than the input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CoarseStart {
+    /// Means of the pixels around, weighted by a triangle: no light is lost, and fine structures do not alias.
+    #[default]
+    Binned,
+    /// Every 2^octave-th pixel alone, as in VLFeat.
+    Skipped,
+}
+
 /// Method for the place, scale and slope of an extremum between the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Localisation {

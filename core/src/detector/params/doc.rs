@@ -129,7 +129,7 @@ params! {
 
     FIRST_OCTAVE: "first-octave", "First octave", "", "octave";
     "The finest octave: 0 starts at the image's own resolution, −1 at the doubled image.",
-    "−1 finds smaller features, of which noise has many, for about four times the time; 1 and above skip fine scales.",
+    "−1 finds smaller features, of which noise has many, for about four times the time; 1 and above bin the frames, skip fine scales and take a fraction of the time.",
     Param::<DetectorParams>::new("O", Stage::Response, |p| Field::I32(&mut p.first_octave))
         .within((Included(-1.0), Included(8.0)), "give -1 to 8");
 
@@ -195,7 +195,7 @@ params! {
         .used_if(|p| p.method == Method::Buff);
 
     RULES: "rules", "Rules", "", "rules";
-    "Details in which published codes differ: how frames are shifted between pixels, where kernels end, how places are found between samples, the slopes that a joint extremum must beat, and the slope of descriptors.",
+    "Details in which published codes differ: how frames are shifted between pixels, whether a coarse first octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes that a joint extremum must beat, and the slope of descriptors.",
     "Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF and VLFeat, with its levels, thresholds and extrema set beside them.",
     Param::<DetectorParams>::new("RULES", Stage::Stack, |p| Field::Word(&mut p.rules));
 

@@ -16,8 +16,8 @@ mod validate;
 pub use change::ParamChange;
 pub(crate) use choices::words;
 pub use choices::{
-    DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
-    SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
+    CoarseStart, DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
+    NoiseModelKind, SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
 };
 pub use doc::DetectorParams;
 pub(crate) use record::params;

@@ -1,6 +1,6 @@
 //! Rules in which the published codes differ from this detector.
 
-use super::{DescribeSlope, Interpolation, Localisation, SlopeNeighbours, Word};
+use super::{CoarseStart, DescribeSlope, Interpolation, Localisation, SlopeNeighbours, Word};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Details of the search that nobody sets one by one: users choose one of the [named](Rules::NAMED) sets, and tests of
@@ -11,6 +11,8 @@ pub struct Rules {
     pub slope_neighbours: SlopeNeighbours,
     /// Sampling of frames between pixels when they are shifted.
     pub interpolation: Interpolation,
+    /// Pixels of a first octave of 1 and above.
+    pub coarse_start: CoarseStart,
     /// End of the kernel of each blur from level to level, in its standard deviations; 1 to 8. At 4 it is exact to a
     /// thousandth. What a level sums up ends at 4.5 of its own in any case.
     pub kernel_cut: f32,
@@ -25,13 +27,18 @@ impl Rules {
     pub const BURSTSCOPE: Self = Self {
         slope_neighbours: SlopeNeighbours::Adjacent,
         interpolation: Interpolation::Linear,
+        coarse_start: CoarseStart::Binned,
         kernel_cut: 4.0,
         localisation: Localisation::Continuous,
         describe_slope: DescribeSlope::Refined,
     };
     /// Those of VLFeat's SIFT.
-    pub const VLFEAT: Self =
-        Self { localisation: Localisation::Quadratic, describe_slope: DescribeSlope::Grid, ..Self::BURSTSCOPE };
+    pub const VLFEAT: Self = Self {
+        coarse_start: CoarseStart::Skipped,
+        localisation: Localisation::Quadratic,
+        describe_slope: DescribeSlope::Grid,
+        ..Self::BURSTSCOPE
+    };
     /// Those of LiFF.
     pub const LIFF: Self = Self { interpolation: Interpolation::Truncated, ..Self::VLFEAT };
     /// Those of the BuFF authors' code, which misses some sizes of blobs by its kernels.

@@ -93,7 +93,8 @@ impl Trail {
         let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
         let means = self.outcome.means.iter().filter_map(OnceLock::get).flatten();
         let bases = self.outcome.bases.iter().flatten().flat_map(|levels| &levels.planes);
-        let planes: usize = bases.map(|level| plane(level)).chain(means.map(plane)).sum();
+        let bases = bases.map(|level| &**level);
+        let planes: usize = bases.chain(means).chain(&*self.inputs.binned).map(plane).sum();
         let Detection { features, descriptors, .. } = &self.detection;
         let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.choice.ranked[..]);
         let of_keypoint = size_of::<(Keypoint, Verdict, SampleKey, usize)>();

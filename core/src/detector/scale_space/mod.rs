@@ -6,20 +6,23 @@
 //! octave pixels. The input is taken to have σ = 0.5. Each level is blurred from the one before it by σ0·2^(s/S)·√(1 −
 //! 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, whose σ is twice the first
 //! level's. DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave −1 is the
-//! image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). Positive first octaves take every 2^o-th
-//! pixel.
+//! image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). A positive first octave o has every 2^o-th
+//! pixel of the mean of *binned* frames: each pixel the mean of those less than 2^o columns and rows away, weighted by a
+//! triangle, beyond the frame the nearest one. Binning commutes with shifts and sums, so each frame is binned once for
+//! all slopes. The codes that skip pixels instead ([`CoarseStart`]) lose their light, and alias.
 //!
 //! Everything is made in tiles; a tile includes the pixels around it that its filters need, so each value is bitwise
 //! independent of the tiles.
 
 pub(super) mod planes;
 
-use crate::detector::params::{DetectorParams, MIN_OCTAVE_SIDE};
+use crate::detector::params::{CoarseStart, DetectorParams, MIN_OCTAVE_SIDE};
 use crate::detector::stack::stack_row;
 use crate::kernel::gaussian_bank::{Axis, FilterBank, FilterScratch, filter_tile};
 use crate::kernel::stack::{FrameOffset, RowStacker};
+use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use crate::plane::blur::GaussianKernel;
+use crate::plane::blur::{GaussianKernel, triangle_blur};
 use crate::plane::tile::{Region, Tile};
 use std::ops::Range;
 
@@ -35,6 +38,8 @@ pub struct ScaleSpace {
     pub levels: usize,
     /// Index of the finest octave.
     pub first_octave: i32,
+    /// Pixels of a first octave coarser than the input.
+    pub coarse_start: CoarseStart,
     /// Radius at which kernels are cut, in standard deviations.
     pub kernel_cut: f64,
     /// Kernel from the input's σ to the first level of the first octave.
@@ -46,16 +51,51 @@ pub struct ScaleSpace {
 impl ScaleSpace {
     /// Scale space of a search with `params`.
     pub fn of(params: &DetectorParams) -> Self {
-        Self::new(params.levels as usize, params.first_octave, f64::from(params.rules.kernel_cut))
+        let (levels, cut) = (params.levels as usize, f64::from(params.rules.kernel_cut));
+        Self::starting(levels, params.first_octave, params.rules.coarse_start, cut)
     }
 
     /// Scale space of `levels` per octave from octave `first_octave` on; kernels end at `kernel_cut` of their σ.
     pub fn new(levels: usize, first_octave: i32, kernel_cut: f64) -> Self {
-        let input = SIGMA_INPUT * 2f64.powi(-first_octave);
-        let base = (SIGMA_BASE * SIGMA_BASE - input * input).max(0.0).sqrt();
+        Self::starting(levels, first_octave, CoarseStart::Binned, kernel_cut)
+    }
+
+    /// As [`Self::new`], with the pixels of a coarse first octave made by `coarse_start`.
+    pub fn starting(levels: usize, first_octave: i32, coarse_start: CoarseStart, kernel_cut: f64) -> Self {
         let step_kernels =
             (0..levels + 2).map(|s| GaussianKernel::with_cut(Self::step_sigma(levels, s), kernel_cut)).collect();
-        Self { levels, first_octave, base_kernel: GaussianKernel::with_cut(base, kernel_cut), step_kernels, kernel_cut }
+        let base_kernel = GaussianKernel::new(0.0);
+        let space = Self { levels, first_octave, coarse_start, base_kernel, step_kernels, kernel_cut };
+        let input = space.sigma_before(first_octave);
+        let base = (SIGMA_BASE * SIGMA_BASE - input * input).max(0.0).sqrt();
+        Self { base_kernel: GaussianKernel::with_cut(base, kernel_cut), ..space }
+    }
+
+    /// Whether the first octave is made from binned frames.
+    pub fn bins(&self) -> bool {
+        self.first_octave > 0 && self.coarse_start == CoarseStart::Binned
+    }
+
+    /// Number of input pixels from one kept pixel to the next where the first octave skips pixels; otherwise 1.
+    pub fn skip(&self) -> usize {
+        if self.bins() { 1 } else { 1 << self.first_octave.max(0) }
+    }
+
+    /// The frames as the first octave reads them if it bins; otherwise none, as it reads `frames` themselves.
+    pub fn binned(&self, frames: &[&Plane], monitor: &Monitor) -> Result<Vec<Plane>, Cancelled> {
+        let frames = if self.bins() { frames } else { &[] };
+        frames.iter().map(|frame| triangle_blur(frame, 1 << self.first_octave, monitor)).collect()
+    }
+
+    /// σ of the pixels from which `octave` is made, before any of its filters; octave pixels.
+    pub fn sigma_before(&self, octave: i32) -> f64 {
+        if octave != self.first_octave {
+            return SIGMA_BASE;
+        }
+        let pixel = 2f64.powi(octave);
+        // The triangle of half-width n has the variance (n² − 1)/6.
+        let triangle = if self.bins() { (pixel * pixel - 1.0) / 6.0 } else { 0.0 };
+        (SIGMA_INPUT * SIGMA_INPUT + triangle).sqrt() / pixel
     }
 
     fn sigma0(levels: usize) -> f64 {
@@ -115,7 +155,7 @@ pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<
 pub enum Base<'a> {
     /// Frames shifted by a slope's offsets: for the first octave.
     Frames {
-        /// Frames of one size, in time order.
+        /// Frames of one size, in time order; [binned](ScaleSpace::binned) where the scale space bins.
         frames: &'a [&'a Plane],
         /// [`crate::detector::stack::frame_offsets`] of the slope.
         offsets: &'a [FrameOffset],
@@ -161,14 +201,6 @@ impl Base<'_> {
                     write(v, &row);
                 }
             }
-        }
-    }
-
-    /// σ of the pixels from which the octave is made, in octave pixels.
-    pub fn sigma_octave(&self) -> f64 {
-        match self {
-            Self::Frames { octave, .. } => SIGMA_INPUT * 2f64.powi(-octave),
-            Self::Level(_) => SIGMA_BASE,
         }
     }
 }

@@ -33,6 +33,7 @@ pub(crate) struct Search<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) params: &'a DetectorParams,
     pub(crate) space: &'a ScaleSpace,
+    /// Frames as the first octave reads them.
     pub(crate) planes: Vec<&'a Plane>,
     pub(crate) grid: SlopeGrid,
     /// Offsets of the frames at each slope.
@@ -61,7 +62,7 @@ impl<'a> Search<'a> {
             inputs,
             params,
             space,
-            planes: inputs.planes(),
+            planes: inputs.first_planes(),
             grid,
             offsets: grid.slopes().map(|slope| inputs.offsets(slope)).collect(),
             banks: (space.bank(true, space.all_levels()), space.bank(false, space.all_levels())),
@@ -91,6 +92,8 @@ pub(crate) struct Inputs {
     pub(crate) frames: Vec<Arc<Plane>>,
     /// The frames that are used, as they were read.
     pub(crate) read: Vec<Arc<Plane>>,
+    /// The frames binned for the first octave; none where it reads them unbinned.
+    pub(crate) binned: Arc<[Plane]>,
     pub(crate) times: FrameTimes,
     pub(crate) frames_used: Range<usize>,
     pub(crate) size_image: (usize, usize),
@@ -117,9 +120,12 @@ impl Inputs {
         let times = FrameTimes { frame_count: frames_used.len(), kept };
         let read = burst.frames[frames_used.clone()].to_vec();
         let (size_image, noise, gate_factor) = (burst.size(), Arc::new(model), gate_factor(params));
+        let planes: Vec<&Plane> = frames.iter().map(|frame| &**frame).collect();
+        let binned = space.binned(&planes, monitor)?.into();
         Ok(Self {
             frames,
             read,
+            binned,
             times,
             frames_used,
             size_image,
@@ -138,6 +144,11 @@ impl Inputs {
 
     pub(crate) fn planes(&self) -> Vec<&Plane> {
         self.frames.iter().map(|frame| &**frame).collect()
+    }
+
+    /// The frames as the first octave reads them.
+    pub(crate) fn first_planes(&self) -> Vec<&Plane> {
+        if self.binned.is_empty() { self.planes() } else { self.binned.iter().collect() }
     }
 
     /// Whether slope `index` is searched at a place (u, v) of the input image.

@@ -4,8 +4,8 @@
 use super::probing::{cache, slopes_of};
 use burstscope_core::detector::feature::Keypoint;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample, SearchSlopes,
-    SlopeExtrema, SlopeGrid, SlopeNeighbours, Tally, Test, Trail,
+    CoarseStart, DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample,
+    SearchSlopes, SlopeExtrema, SlopeGrid, SlopeNeighbours, Tally, Test, Trail,
 };
 use burstscope_core::inspect::changes::{Spot, compare};
 use burstscope_core::inspect::telling::fate;
@@ -166,6 +166,7 @@ prop_compose! {
             slope_extrema: if joint { SlopeExtrema::Joint } else { SlopeExtrema::Each },
             rules: Rules {
                 slope_neighbours: if all { SlopeNeighbours::All } else { SlopeNeighbours::Adjacent },
+                coarse_start: if quadratic { CoarseStart::Skipped } else { CoarseStart::Binned },
                 localisation: if quadratic { Localisation::Quadratic } else { Localisation::Continuous },
                 interpolation,
                 ..Rules::default()
