@@ -405,7 +405,7 @@ fn a_wider_range_searches_only_its_new_slopes() {
 
 #[test]
 fn a_binned_start_finds_a_blob_where_the_frames_themselves_show_it() {
-    let slope = Slope::new(0.8, -0.5);
+    let slope = Slope::new(0.6, -0.4);
     // Blobs of scales of the first octave itself.
     for (first_octave, sigma, most_px) in [(1, 7.0, 0.02), (2, 11.0, 0.05)] {
         let frame = |t: usize| {
@@ -416,8 +416,12 @@ fn a_binned_start_finds_a_blob_where_the_frames_themselves_show_it() {
         let burst = Burst::from_planes("blob", (0..7).map(frame).collect());
         let strongest = |first_octave| {
             let slopes = SlopeGrid::plane(-1.0..=1.0, 5, -1.0..=1.0, 5);
-            let params = DetectorParams { slopes, first_octave, ..DetectorParams::default() };
-            search(&burst, &params, &Monitor::default()).expect("valid parameters").features[0]
+            // In frames without noise a local model takes the blob's motion for it.
+            let noise_model = NoiseModelKind::White;
+            let params = DetectorParams { slopes, first_octave, noise_model, ..DetectorParams::default() };
+            // By the response: without noise the ratio to it means nothing.
+            let found = search(&burst, &params, &Monitor::default()).expect("valid parameters").features;
+            found.into_iter().max_by(|a, b| a.response.abs().total_cmp(&b.response.abs())).expect("the blob")
         };
         let (fine, coarse) = (strongest(0), strongest(first_octave));
         for (place, truth, fine) in [(coarse.u, 91.3, fine.u), (coarse.v, 72.6, fine.v)] {
