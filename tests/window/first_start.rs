@@ -30,6 +30,16 @@ fn most_of_the_window_is_picture_at_the_first_start() {
 }
 
 #[test]
+fn the_first_start_has_no_more_controls_than_are_counted_here() {
+    let window = Start::first([1280.0, 800.0]).open();
+    let roles =
+        [Role::Button, Role::CheckBox, Role::Slider, Role::SpinButton, Role::ComboBox, Role::DisclosureTriangle];
+    let count: usize = roles.iter().map(|role| window.harness.query_all_by_role(*role).count()).sum();
+    // The bound only falls.
+    assert!(count <= 64, "{count} controls");
+}
+
+#[test]
 fn a_smaller_window_is_nearly_all_picture() {
     first_start_shows([960.0, 640.0], 0.75, "first_start_960");
 }
