@@ -17,6 +17,9 @@ pub fn word_link_ui(ui: &mut Ui, word: &Word) {
     if ui.link(format!("Glossary: {}", word.word)).clicked() {
         ui.ctx().data_mut(|data| data.insert_temp(asked_id(), word.name.clone()));
     }
+    if let Some(origin) = word.origin {
+        ui.add(Label::new(egui::RichText::new(origin.help()).small().weak()).wrap());
+    }
 }
 
 /// Name of the entry whose link was clicked; returned once.

@@ -13,6 +13,36 @@ fn pictures() -> impl Iterator<Item = &'static str> {
     ViewKind::ALL.into_iter().map(|kind| kind.about().key).chain(["slice", "difference"])
 }
 
+/// Source of a notion, so that nobody cites the paper for what is not in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Origin {
+    Buff,
+    Liff,
+    Sift,
+    Ours,
+}
+
+impl Origin {
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Buff => "BuFF paper",
+            Self::Liff => "LiFF",
+            Self::Sift => "SIFT",
+            Self::Ours => "ours",
+        }
+    }
+
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Buff => "Of the BuFF paper: Ravendran, Bryson, Dansereau, arXiv 2209.09470",
+            Self::Liff => "Of LiFF, which the BuFF paper follows: Dansereau, Girod, Wetzstein, CVPR 2019",
+            Self::Sift => "Of SIFT, which BuFF and LiFF follow: Lowe, IJCV 60, 2004",
+            Self::Ours => "Of this program, not of the paper; docs/METHOD.md says why, and what it measured",
+        }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Word {
@@ -24,6 +54,8 @@ pub struct Word {
     pub word: String,
     /// Symbol in the paper, if there is one.
     pub symbol: Option<String>,
+    /// Source of the notion; none for terms of everybody.
+    pub origin: Option<Origin>,
     /// Explanation, in CommonMark.
     #[serde(deserialize_with = "text")]
     pub text: String,
@@ -110,6 +142,11 @@ mod tests {
         let glossary = Glossary::read(TEXT).expect("good");
         for doc in parameters() {
             assert!(glossary.of_parameter(doc.name).is_some(), "{} is not explained", doc.name);
+        }
+        // Nobody is to cite the paper for a parameter of ours.
+        for doc in crate::detector::params::doc::ALL.iter().filter(|doc| doc.name != "frames") {
+            let word = glossary.of_parameter(doc.name).expect("explained");
+            assert!(word.origin.is_some(), "{}: nobody knows whose '{}' is", doc.name, word.word);
         }
         for picture in pictures() {
             assert!(glossary.of_picture(picture).is_some(), "the picture {picture} is not explained");

@@ -28,6 +28,7 @@ mod real;
 mod reconstructing;
 mod recovering;
 mod remaking;
+mod samples;
 mod support;
 mod teaching;
 mod trajectories;

@@ -100,6 +100,9 @@ fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) -
         if let Some(symbol) = &word.symbol {
             ui.label(RichText::new(symbol).monospace().weak()).on_hover_text("Symbol in the paper");
         }
+        if let Some(origin) = word.origin {
+            ui.label(RichText::new(origin.label()).small().weak()).on_hover_text(origin.help());
+        }
     });
     let clicked = ui.push_id(&word.name, |ui| captions.ui(ui, &word.text)).inner;
     ui.add_space(8.0);

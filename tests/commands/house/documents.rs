@@ -46,7 +46,7 @@ pub(super) fn targets(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Documents of the project, with their texts.
-pub(super) fn documents() -> Vec<(PathBuf, String)> {
+pub fn documents() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let in_docs = fs::read_dir(root.join("docs")).expect("a folder").map(|entry| entry.expect("an entry").path());
     let read = |path: PathBuf| {

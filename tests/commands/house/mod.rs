@@ -4,7 +4,7 @@
 mod circles;
 mod counts;
 mod dependencies;
-mod documents;
+pub mod documents;
 mod floors;
 mod notices;
 mod reading;

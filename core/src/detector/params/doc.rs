@@ -195,9 +195,9 @@ params! {
         .used_if(|p| p.method == Method::Buff);
 
     RULES: "rules", "Rules", "", "rules";
-    "Details in which published codes differ: how frames are shifted between pixels, whether a coarse first octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes that a joint extremum must beat, and the slope of descriptors.",
-    "Burstscope's are the most accurate; the others reproduce the code of the BuFF authors, LiFF and VLFeat, with its levels, thresholds and extrema set beside them.",
-    Param::<DetectorParams>::new("RULES", Stage::Stack, |p| Field::Word(&mut p.rules));
+    "Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4 levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds, gate, noise, extrema, distinct, orientations and describe scales; those given besides count.",
+    "Burstscope's find most in the dark; the others show what the published methods find, down to how their codes shift frames, end kernels and place features.",
+    Param::<DetectorParams>::new("RULES", Stage::Stack, |p| Field::Word(p));
 
     MAX_FEATURES: "max-features", "Max features", "features", "feature";
     "Keep only this many features, the strongest by response times the square root of the signal-to-noise ratio; 0 keeps all.",

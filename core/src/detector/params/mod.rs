@@ -2,7 +2,7 @@
 //!
 //! Each parameter has one record ([`Param`], all of them in [`doc::ALL`]), from which its option, its row in the
 //! window, its checks and its help are made. A parameter file is TOML with the fields of [`DetectorParams`]; a missing
-//! field has its default.
+//! field has its default, or what goes with the rules that the file chooses.
 
 mod change;
 mod choices;
@@ -25,6 +25,8 @@ pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
 pub use rules::Rules;
 pub use searched::{AUTO, SearchParams, SlopeChoice};
 pub use slope_grid::{MAX_SLOPES, Slope, SlopeAxis, SlopeGrid};
+
+use toml::Table;
 
 impl DetectorParams {
     /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
@@ -77,9 +79,20 @@ impl DetectorParams {
     /// # Errors
     /// TOML's error with its place, or the first parameter that makes no sense.
     pub fn from_toml(text: &str) -> Result<Self, String> {
-        let params: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+        let _: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+        // Errors of the text have a place, those of a table have none.
+        let params = Self::of_table(text.parse().map_err(|e: toml::de::Error| e.to_string())?)?;
         params.validate().map_err(|e| e.to_string())?;
         Ok(params)
+    }
+
+    /// Parameters of a file's table. What is missing is that of the rules it chooses.
+    fn of_table(table: Table) -> Result<Self, String> {
+        let given: Self = table.clone().try_into().map_err(|e: toml::de::Error| e.to_string())?;
+        let base = Self::default().under(given.rules);
+        let mut whole = Table::try_from(&base).expect("parameters are plain values, which TOML can always hold");
+        whole.extend(table);
+        whole.try_into().map_err(|e: toml::de::Error| e.to_string())
     }
 
     /// Text of the parameter file, which [`Self::from_toml`] reads back.
@@ -105,6 +118,17 @@ mod tests {
         assert_eq!(params.used_frames(20), 2..9);
         assert!(params.slopes.is_plane());
         assert_eq!(DetectorParams::from_toml(&params.to_toml()), Ok(params));
+    }
+
+    #[test]
+    fn rules_of_a_file_bring_what_the_file_does_not_say() {
+        let params = DetectorParams::from_toml("rules = \"buff\"\nlevels = 5\n").expect("valid");
+        assert_eq!(params, DetectorParams { levels: 5, ..DetectorParams::default().under(Rules::BUFF) });
+        assert_eq!(DetectorParams::from_toml(&params.to_toml()), Ok(params.clone()));
+        let search = SearchParams::from_toml("rules = \"buff\"").expect("valid");
+        assert_eq!(search.detector, DetectorParams::default().under(Rules::BUFF));
+        let given = [(doc::LEVELS, "5"), (doc::RULES, "buff")];
+        assert_eq!(SearchParams::default().with_texts(given).expect("valid").detector, params);
     }
 
     #[test]

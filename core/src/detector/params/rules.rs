@@ -1,6 +1,12 @@
 //! Rules in which the published codes differ from this detector.
+//!
+//! A choice of rules is one of whose detector it is: it sets the [details](Rules) that have no parameter of their own,
+//! and the [parameters that go with them](DetectorParams::under), which can then be set one by one.
 
-use super::{CoarseStart, DescribeSlope, Interpolation, Localisation, SlopeNeighbours, Word};
+use super::{
+    CoarseStart, DescribeSlope, DetectorParams, Distinct, Flicker, Interpolation, Localisation, NoiseGate,
+    NoiseModelKind, SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
+};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Details of the search that nobody sets one by one: users choose one of the [named](Rules::NAMED) sets, and tests of
@@ -53,6 +59,71 @@ impl Rules {
         [(Self::BURSTSCOPE, "burstscope"), (Self::BUFF, "buff"), (Self::LIFF, "liff"), (Self::VLFEAT, "vlfeat")];
 }
 
+impl DetectorParams {
+    /// These parameters under other `rules`: the tests of candidates, the noise and the description are those of their
+    /// detector. Method, frames, slopes, octaves and the number of features stay.
+    ///
+    /// [BuFF](Rules::BUFF) are the joint extrema of the paper (Ravendran et al., §III-C) with its 4 levels and edge
+    /// threshold of 10, a peak threshold of 0.0003 of full scale, and one descriptor; the paper knows no noise gate.
+    /// [LiFF](Rules::LIFF) and [VLFeat](Rules::VLFEAT) have 3 levels and up to 4 orientations, and no peak threshold
+    /// until one is given. Under rules without a name all other parameters stay.
+    pub fn under(self, rules: Rules) -> Self {
+        let published = Self {
+            levels: 3,
+            peak_threshold: 0.0,
+            noise_gate: NoiseGate::Factor(0.0),
+            noise_model: NoiseModelKind::White,
+            flicker: Flicker::Off,
+            edge_threshold: 10.0,
+            search: SearchSlopes::All,
+            slope_extrema: SlopeExtrema::Joint,
+            distinct: Distinct::Off,
+            max_orientations: 4,
+            describe_scales: 1,
+            ..Self::default()
+        };
+        let named = if rules == Rules::BURSTSCOPE {
+            Self::default()
+        } else if rules == Rules::BUFF {
+            Self { levels: 4, peak_threshold: 0.0003, max_orientations: 1, ..published }
+        } else if rules == Rules::LIFF || rules == Rules::VLFEAT {
+            published
+        } else {
+            self.clone()
+        };
+        Self {
+            method: self.method,
+            frames: self.frames,
+            octaves: self.octaves,
+            first_octave: self.first_octave,
+            max_features: self.max_features,
+            slopes: self.slopes,
+            rules,
+            ..named
+        }
+    }
+}
+
+/// The choice of the rules, with the parameters that go with them.
+impl Word for DetectorParams {
+    fn word(&self) -> &'static str {
+        self.rules.word()
+    }
+
+    fn words(&self) -> &'static [(&'static str, &'static str)] {
+        self.rules.words()
+    }
+
+    fn set_word(&mut self, word: &str) -> bool {
+        let mut rules = self.rules;
+        let is_known = rules.set_word(word);
+        if is_known {
+            *self = std::mem::take(self).under(rules);
+        }
+        is_known
+    }
+}
+
 impl Default for Rules {
     fn default() -> Self {
         Self::BURSTSCOPE
@@ -66,7 +137,7 @@ impl Word for Rules {
     }
 
     fn words(&self) -> &'static [(&'static str, &'static str)] {
-        &[("burstscope", "Burstscope"), ("buff", "BuFF authors"), ("liff", "LiFF"), ("vlfeat", "VLFeat")]
+        &[("burstscope", "Burstscope"), ("buff", "Paper (BuFF)"), ("liff", "LiFF"), ("vlfeat", "VLFeat")]
     }
 
     fn set_word(&mut self, word: &str) -> bool {
@@ -93,6 +164,25 @@ impl<'de> Deserialize<'de> for Rules {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rules_bring_their_parameters_and_leave_what_is_searched() {
+        let mine = DetectorParams {
+            slopes: crate::detector::SlopeGrid::line(-2.0..=2.0, 5),
+            first_octave: -1,
+            max_features: 7,
+            levels: 6,
+            ..DetectorParams::default()
+        };
+        let paper = mine.clone().under(Rules::BUFF);
+        assert_eq!((paper.slopes, paper.first_octave, paper.max_features), (mine.slopes, -1, 7));
+        assert_eq!((paper.slope_extrema, paper.distinct, paper.levels), (SlopeExtrema::Joint, Distinct::Off, 4));
+        assert_eq!((paper.noise_gate, paper.edge_threshold), (NoiseGate::Factor(0.0), 10.0));
+        let back = paper.under(Rules::BURSTSCOPE);
+        assert_eq!(back, DetectorParams { levels: DetectorParams::default().levels, ..mine.clone() });
+        let own = Rules { kernel_cut: 3.0, ..Rules::VLFEAT };
+        assert_eq!(mine.clone().under(own), DetectorParams { rules: own, ..mine });
+    }
 
     #[test]
     fn each_name_stands_for_its_rules_and_others_are_refused() {

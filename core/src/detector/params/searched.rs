@@ -79,7 +79,8 @@ impl SearchParams {
     /// These parameters with the `given` values in place of their own, as typed on the command line; checked.
     ///
     /// Slopes are found from each burst unless ranges are given here or in these parameters; a direction alone
-    /// restricts the search to a line in that direction. An axis of slopes that is missing is that of these parameters,
+    /// restricts the search to a line in that direction. Rules come first, with the
+    /// [parameters that go with them](DetectorParams::under). An axis of slopes that is missing is that of these parameters,
     /// or 0 where they have no ranges.
     ///
     /// # Errors
@@ -89,7 +90,9 @@ impl SearchParams {
         given: impl IntoIterator<Item = (Param<DetectorParams>, &'a str)>,
     ) -> Result<Self, Error> {
         let mut params = self;
-        let (slopes, others): (Vec<_>, Vec<_>) = given.into_iter().partition(|(record, _)| *record == doc::SLOPES);
+        let (slopes, mut others): (Vec<_>, Vec<_>) = given.into_iter().partition(|(record, _)| *record == doc::SLOPES);
+        // Rules bring other parameters with them, which what is given besides replaces.
+        others.sort_by_key(|(record, _)| *record != doc::RULES);
         let ranges = others.iter().find(|(record, _)| *record == doc::SLOPES_U || *record == doc::SLOPES_V);
         let error = |problem: String, remedy: &str| Error::param(doc::SLOPES.name, problem, remedy.to_owned());
         for (_, text) in slopes {
@@ -145,7 +148,7 @@ impl SearchParams {
         if slopes.is_auto() {
             table.remove(FIELD);
         }
-        let detector = table.try_into::<DetectorParams>().map_err(|e| e.to_string())?;
+        let detector = DetectorParams::of_table(table)?;
         Ok(Self { detector, slopes })
     }
 

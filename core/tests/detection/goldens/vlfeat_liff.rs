@@ -113,12 +113,8 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
         method: Method::Sift,
         first_octave,
         peak_threshold: peak_of_255 / 255.0,
-        noise_gate: NoiseGate::Factor(0.0),
-        rules: Rules::VLFEAT,
-        max_orientations: 4,
         octaves: 16,
-        levels: 3,
-        ..as_published()
+        ..DetectorParams::default().under(Rules::VLFEAT)
     };
     let ours = detect(&burst, &params, &Monitor::default()).expect("valid parameters");
     let text = std::fs::read_to_string(golden.join(format!("{name}.frame"))).expect("the frames are there");
@@ -163,12 +159,8 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: f32) {
         slopes: SlopeGrid::line(-4.0..=4.0, 9),
         first_octave,
         peak_threshold: 0.02,
-        noise_gate: NoiseGate::Factor(0.0),
-        rules: Rules::LIFF,
-        max_orientations: 4,
         octaves: 16,
-        levels: 3,
-        ..as_published()
+        ..DetectorParams::default().under(Rules::LIFF)
     };
     let ours = detect(&burst, &params, &Monitor::default()).expect("valid parameters");
     let text = std::fs::read_to_string(golden.join("features.csv")).expect("the features are there");
