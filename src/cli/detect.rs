@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use crate::burst::RawColour;
     use crate::cli::commands::{Cli, Command};
-    use crate::detector::{DetectorParams, Distinct, NoiseGate, Slope, SlopeChoice, SlopeGrid};
+    use crate::detector::{DetectorParams, Distinct, NoiseGate, Rules, Slope, SlopeChoice, SlopeGrid};
     use crate::requests::detect_line;
     use clap::Parser;
 
@@ -187,8 +187,9 @@ mod tests {
         let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
         let apart = DetectorParams { distinct: Distinct::Radius(1.4), ..DetectorParams::default() };
         let still = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..DetectorParams::default() };
-        let cases: [SearchParams; 6] =
-            [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into()];
+        let paper = DetectorParams { levels: 5, ..DetectorParams::default().under(Rules::BUFF) };
+        let cases: [SearchParams; 7] =
+            [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into(), paper.into()];
         let calibration = OpenOptions {
             bias: Some("dark frames/b.tiff".into()),
             full_scale: Some(4095.0),

@@ -58,10 +58,11 @@ fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {
             }
         }
     }
+    let implied = DetectorParams::implied_by(params.detector.rules);
     let said = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
     for record in doc::ALL.iter().filter(|record| !said.contains(record)) {
         let own = record.text(&params.detector);
-        if own != record.text(&DetectorParams::default()) {
+        if own != record.text(&implied) {
             options.push((record.name, own));
         }
     }

@@ -42,7 +42,10 @@ fn nothing_given_is_the_default() {
 /// Every option with a value that is not the default, and the parameters that follow.
 pub(in crate::cli) fn everything() -> (Vec<String>, DetectorParams) {
     let (mut arguments, mut expected) = (Vec::new(), DetectorParams::default());
-    for record in doc::ALL.into_iter().filter(|record| *record != doc::SLOPES) {
+    let mut records: Vec<_> = doc::ALL.into_iter().filter(|record| *record != doc::SLOPES).collect();
+    // Rules bring others with them, which those given replace.
+    records.sort_by_key(|record| *record != doc::RULES);
+    for record in records {
         let mut sample = DetectorParams::default();
         let default = record.text(&sample);
         let words = (record.field)(&mut sample).words().unwrap_or_default().iter().map(|(word, _)| *word);

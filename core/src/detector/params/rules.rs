@@ -102,6 +102,11 @@ impl DetectorParams {
             ..named
         }
     }
+
+    /// Values that need not be given beside `rules`: those that they bring, and for the rules themselves the default.
+    pub fn implied_by(rules: Rules) -> Self {
+        Self { rules: Rules::default(), ..Self::default().under(rules) }
+    }
 }
 
 /// The choice of the rules, with the parameters that go with them.
@@ -117,7 +122,7 @@ impl Word for DetectorParams {
     fn set_word(&mut self, word: &str) -> bool {
         let mut rules = self.rules;
         let is_known = rules.set_word(word);
-        if is_known {
+        if is_known && rules != self.rules {
             *self = std::mem::take(self).under(rules);
         }
         is_known
