@@ -4,7 +4,7 @@
 //! [`prepare`] is the part of a method before the search: for the merge it makes one frame of the burst.
 
 use crate::baseline::merge_burst;
-use crate::burst::{Burst, Declared, OpenOptions};
+use crate::burst::{Burst, Info, OpenOptions};
 use crate::detector::pipeline;
 use crate::detector::slopes::resolve;
 use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeFinding, memory};
@@ -74,8 +74,8 @@ impl PreparedSearch {
 /// Checks, before the burst that `inputs` name is opened, that there is memory for its search; the error says the least
 /// that it needs, and changes that would lower it. A file that cannot be read passes: opening it reports the error.
 pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), Error> {
-    match Declared::of(inputs, options) {
-        Ok(Declared { frames, size }) => memory::check_before_opening(params, frames, size),
+    match Info::of(inputs, options, &Monitor::default()) {
+        Ok(info) => memory::check_before_opening(params, info.frames, (info.width, info.height)),
         Err(_) => Ok(()),
     }
 }

@@ -237,6 +237,10 @@ def open(
     linearise: bool = False,
     accept_damaged: bool = False,
     raw_colour: Literal["luma", "green", "red", "blue"] = "luma",
+    mosaic: Literal["rggb", "grbg", "gbrg", "bggr"] | None = None,
+    raw: str | None = None,
+    axis: str | None = None,
+    array: str | None = None,
     progress: Progress = None,
 ) -> Burst:
     """Opens a burst from files, as the window and the commands do.
@@ -245,7 +249,7 @@ def open(
     ----------
     *paths : path
         A folder of frames (in natural order), several image files (in the order given), a multi-page TIFF, raw files
-        (DNG and others), a ``.npy`` stack [N, H, W], or the name of a built-in burst: ``demo``, ``demo-later``.
+        (DNG and others), a ``.npy`` stack [N, H, W], ``.npz``, FITS, SER, Y4M, a film (with ``ffmpeg``), or the name of a built-in burst: ``demo``, ``demo-later``.
     bias, flat : path, optional
         Bias and flat frame, or stacks or folders of them, which are averaged.
     full_scale : float, optional
@@ -257,7 +261,15 @@ def open(
     accept_damaged : bool
         Take damaged JPEG frames as far as they can be decoded; `Burst.notes` name them.
     raw_colour : {"luma", "green", "red", "blue"}
-        What is taken of the 2×2 colours of raw frames.
+        What is taken of the 2×2 colours of raw frames and mosaics.
+    mosaic : {"rggb", "grbg", "gbrg", "bggr"}, optional
+        Mosaic of colours of frames whose files do not say that they have one.
+    raw : str, optional
+        Shape of files without header, such as ``"1600x1200:u16le"``.
+    axis : str, optional
+        Axis of the frames in a file that has others than time: ``"T"``, ``"Z"``, ``"C"``, ``"T,C=1"``, ``"first"``.
+    array : str, optional
+        Array of an ``.npz`` archive, or image of a FITS file, that holds the frames.
     progress : callable, False or None
         See `burstscope.detect`.
 
@@ -280,6 +292,10 @@ def open(
         "linearise": linearise,
         "accept_damaged": accept_damaged,
         "raw_colour": raw_colour,
+        "mosaic": mosaic,
+        "raw": raw,
+        "axis": axis,
+        "array": array,
     }
     with shown(progress) as tell:
         return Burst._of(_burstscope.RawBurst.open(path_texts(paths), calibration, tell))

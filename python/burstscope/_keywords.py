@@ -384,8 +384,19 @@ class NoisyKeywords(TypedDict, total=False):
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
     raw_colour : ['luma', 'green', 'red', 'blue']
-        What is taken of the 2×2 colours of raw frames: luma, the mean of the four, green, the mean of two, red
-        or blue [default: luma]
+        What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
+        of two, red or blue [default: luma]
+    mosaic : ['rggb', 'grbg', 'gbrg', 'bggr']
+        Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
+        without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
+    raw : Union[str, float]
+        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
+        u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
+    axis : Union[str, float]
+        Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
+        such as T,C=1; first or last of an array
+    array : Union[str, float]
+        Array of an .npz archive, or image of a FITS file, that holds the frames
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -405,6 +416,10 @@ class NoisyKeywords(TypedDict, total=False):
     linearise: bool
     accept_damaged: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
+    mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
+    raw: Union[str, float]
+    axis: Union[str, float]
+    array: Union[str, float]
     threads: Union[str, float]
     memory: str
 
@@ -676,8 +691,19 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
     raw_colour : ['luma', 'green', 'red', 'blue']
-        What is taken of the 2×2 colours of raw frames: luma, the mean of the four, green, the mean of two, red
-        or blue [default: luma]
+        What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
+        of two, red or blue [default: luma]
+    mosaic : ['rggb', 'grbg', 'gbrg', 'bggr']
+        Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
+        without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
+    raw : Union[str, float]
+        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
+        u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
+    axis : Union[str, float]
+        Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
+        such as T,C=1; first or last of an array
+    array : Union[str, float]
+        Array of an .npz archive, or image of a FITS file, that holds the frames
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -730,6 +756,10 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     linearise: bool
     accept_damaged: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
+    mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
+    raw: Union[str, float]
+    axis: Union[str, float]
+    array: Union[str, float]
     threads: Union[str, float]
     memory: str
 
@@ -1164,8 +1194,19 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
     raw_colour : ['luma', 'green', 'red', 'blue']
-        What is taken of the 2×2 colours of raw frames: luma, the mean of the four, green, the mean of two, red
-        or blue [default: luma]
+        What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
+        of two, red or blue [default: luma]
+    mosaic : ['rggb', 'grbg', 'gbrg', 'bggr']
+        Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
+        without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
+    raw : Union[str, float]
+        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
+        u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
+    axis : Union[str, float]
+        Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
+        such as T,C=1; first or last of an array
+    array : Union[str, float]
+        Array of an .npz archive, or image of a FITS file, that holds the frames
     threads : Union[str, float]
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -1224,6 +1265,10 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     linearise: bool
     accept_damaged: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
+    mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
+    raw: Union[str, float]
+    axis: Union[str, float]
+    array: Union[str, float]
     threads: Union[str, float]
     memory: str
 

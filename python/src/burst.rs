@@ -2,7 +2,7 @@
 
 use crate::lent::LentArray;
 use crate::work::run;
-use burstscope::burst::{ArrayFrame, Arrays, Burst, OpenOptions, RawColour};
+use burstscope::burst::{ArrayFrame, Arrays, AxisChoice, Burst, Dump, Mosaic, OpenOptions, RawColour};
 use burstscope::cli::Failure;
 use burstscope::plane::Plane;
 use burstscope::requests::BurstSource;
@@ -35,6 +35,14 @@ pub(crate) struct Calibration {
     accept_damaged: bool,
     #[pyo3(item)]
     raw_colour: String,
+    #[pyo3(item)]
+    mosaic: Option<String>,
+    #[pyo3(item)]
+    raw: Option<String>,
+    #[pyo3(item)]
+    axis: Option<String>,
+    #[pyo3(item)]
+    array: Option<String>,
 }
 
 impl Calibration {
@@ -42,6 +50,13 @@ impl Calibration {
         let raw_colour: RawColour = serde_json::from_value(self.raw_colour.clone().into()).map_err(|_| {
             PyValueError::new_err(format!("raw_colour: '{}'; give luma, green, red or blue", self.raw_colour))
         })?;
+        let mosaic = self.mosaic.map(|mosaic| {
+            serde_json::from_value::<Mosaic>(mosaic.clone().into())
+                .map_err(|_| PyValueError::new_err(format!("mosaic: '{mosaic}'; give rggb, grbg, gbrg or bggr")))
+        });
+        let raw = self.raw.map(|raw| raw.parse::<Dump>().map_err(|e| PyValueError::new_err(format!("raw: {e}"))));
+        let axis =
+            self.axis.map(|axis| axis.parse::<AxisChoice>().map_err(|e| PyValueError::new_err(format!("axis: {e}"))));
         Ok(OpenOptions {
             bias: self.bias,
             flat: self.flat,
@@ -50,6 +65,10 @@ impl Calibration {
             linearise: self.linearise,
             accept_damaged: self.accept_damaged,
             raw_colour,
+            mosaic: mosaic.transpose()?,
+            raw: raw.transpose()?,
+            axis: axis.transpose()?,
+            array: self.array,
             ..OpenOptions::default()
         })
     }

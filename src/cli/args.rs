@@ -1,9 +1,9 @@
 //! Arguments that several commands share (how bursts are opened, cut and searched, what is printed and written over),
 //! and those of the plain commands: names, kinds and help texts. Checks of their combinations are elsewhere.
 
-use super::choices::{COMBINES, RAW_COLOURS, words};
+use super::choices::{COMBINES, MOSAICS, RAW_COLOURS, words};
 use super::search_options::SearchArgs;
-use crate::burst::{OpenOptions, RawColour};
+use crate::burst::{AxisChoice, Dump, Mosaic, OpenOptions, RawColour};
 use crate::detector::params::doc;
 use crate::detector::{Combine, FrameRange, Slope, memory};
 use crate::export::ExportFormat;
@@ -11,7 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-crossing', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
+pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], .npz, FITS, SER, Y4M, film (with ffmpeg), file without header (--raw), 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-crossing', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
 
 /// How long sequences of frames are cut into bursts.
 #[derive(Debug, Clone, Copy, Default, Args)]
@@ -188,10 +188,25 @@ pub struct CalibrationArgs {
     /// grey. The notes say which they are [default: such a frame is an error].
     #[arg(long)]
     pub accept_damaged: bool,
-    /// What is taken of the 2×2 colours of raw frames: luma, the mean of the four, green, the mean of two, red or blue
-    /// [default: luma].
+    /// What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean of two,
+    /// red or blue [default: luma].
     #[arg(long, value_name = "COLOUR", value_parser = words::<RawColour>(RAW_COLOURS))]
     pub raw_colour: Option<RawColour>,
+    /// Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files without
+    /// header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner.
+    #[arg(long, value_name = "PATTERN", value_parser = words::<Mosaic>(MOSAICS))]
+    pub mosaic: Option<Mosaic>,
+    /// Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8, u16le,
+    /// u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed.
+    #[arg(long, value_name = "WxH:TYPE[+BYTES]")]
+    pub raw: Option<Dump>,
+    /// Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others such as
+    /// T,C=1; first or last of an array.
+    #[arg(long, value_name = "AXIS")]
+    pub axis: Option<AxisChoice>,
+    /// Array of an .npz archive, or image of a FITS file, that holds the frames.
+    #[arg(long, value_name = "NAME")]
+    pub array: Option<String>,
 }
 
 impl CalibrationArgs {
@@ -204,6 +219,10 @@ impl CalibrationArgs {
             linearise: self.linearise,
             accept_damaged: self.accept_damaged,
             raw_colour: self.raw_colour.unwrap_or_default(),
+            mosaic: self.mosaic,
+            raw: self.raw,
+            axis: self.axis.clone(),
+            array: self.array.clone(),
             ..OpenOptions::default()
         }
     }

@@ -4,6 +4,7 @@ pub(super) use crate::synth::options::words;
 
 pub(super) const IMAGE_KINDS: &[&str] = &["middle", "merged"];
 pub(super) const RAW_COLOURS: &[&str] = &["luma", "green", "red", "blue"];
+pub(super) const MOSAICS: &[&str] = &["rggb", "grbg", "gbrg", "bggr"];
 #[cfg(feature = "colmap")]
 pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "OPENCV"];
 pub(super) const COMBINES: &[&str] =
@@ -21,6 +22,7 @@ mod tests {
     fn every_word_is_known_to_its_type() {
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
         assert!(RAW_COLOURS.iter().all(|w| read_word::<crate::burst::RawColour>(w).is_ok()));
+        assert!(MOSAICS.iter().all(|w| read_word::<crate::burst::Mosaic>(w).is_ok()));
         assert!(COMBINES.iter().all(|w| read_word::<crate::detector::Combine>(w).is_ok()));
     }
 

@@ -11,6 +11,7 @@ use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
 #[cfg(feature = "app")]
 use super::film::FilmArgs;
+use super::info::InfoArgs;
 use super::match_bursts::MatchArgs;
 use super::probe::{ProbeArgs, SlopesArgs};
 use super::recover::RecoverArgs;
@@ -34,6 +35,7 @@ use std::path::PathBuf;
         burstscope night/ later/                         two bursts side by side, with their matches\n  \
         burstscope nights/                               a folder of bursts: a dataset\n  \
         burstscope film/ --burst-length 7                a long sequence, cut into bursts\n  \
+        burstscope info night.ser                        what a file is: frames, size, bits, times\n  \
         burstscope detect night/ --out found             features of a burst as CSV\n  \
         burstscope detect nights/ --slopes-u -6:6:25 --out found --format csv,npz\n  \
         burstscope stack night/ --slope -2.1,0 --out sign.tiff\n  \
@@ -70,6 +72,8 @@ pub struct Cli {
 pub enum Command {
     /// Find the features of one or many bursts.
     Detect(DetectArgs),
+    /// Say what an input is: frames, size, bits, times, and what was guessed.
+    Info(InfoArgs),
     /// Match the features of two bursts, verify the matches, and draw them.
     Match(MatchArgs),
     /// Write the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.

@@ -63,7 +63,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.run.output)?;
-    let inputs = resolve_bursts(&args.inputs, args.sequence)?;
+    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration.options())?;
     let options = open_options(&inputs, &args.run.calibration)?;
     job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
     let folder = job.take_folder(&inputs, &[])?;
@@ -133,7 +133,7 @@ pub(super) fn detect_burst(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::burst::RawColour;
+    use crate::burst::{Mosaic, RawColour};
     use crate::cli::commands::{Cli, Command};
     use crate::detector::{DetectorParams, Distinct, NoiseGate, Rules, Slope, SlopeChoice, SlopeGrid};
     use crate::requests::detect_line;
@@ -196,6 +196,10 @@ mod tests {
             black_level: Some(-2.5),
             linearise: true,
             raw_colour: RawColour::Green,
+            mosaic: Some(Mosaic::Grbg),
+            raw: "1600x1200:mono12p+16".parse().ok(),
+            axis: "T,C=1".parse().ok(),
+            array: Some("left eye".to_owned()),
             ..OpenOptions::default()
         };
         for params in cases {

@@ -103,9 +103,10 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
         ..BurstFramesStudy::default()
     };
     let console = Console::new(&args.run.output)?;
+    let options = args.run.calibration.options();
     let inputs = match &args.second {
-        Some(second) => resolve_pair(input, second)?,
-        None => vec![resolve_one(&[input.to_owned()], "evaluate frames")?],
+        Some(second) => resolve_pair(input, second, &options)?,
+        None => vec![resolve_one(&[input.to_owned()], "evaluate frames", &options)?],
     };
     let options = open_options(&inputs, &args.run.calibration)?;
     let rules = rules(args, &inputs);

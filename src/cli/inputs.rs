@@ -67,8 +67,9 @@ impl Input {
     }
 }
 
-/// Resolves `arguments` to bursts, in their order; all files come at the place of the first file.
-pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
+/// Resolves `arguments`, opened with `options`, to bursts, in their order; all files come at the place of the first
+/// file.
+pub(super) fn resolve(arguments: &[PathBuf], options: &OpenOptions) -> Vec<Input> {
     let mut inputs = Vec::new();
     let mut files_done = false;
     for argument in arguments {
@@ -78,7 +79,7 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
             let name = path_text(Path::new(argument.file_stem().unwrap_or(argument.as_os_str())));
             inputs.push(Input { name, source: Ok(BurstSource::Paths(vec![argument.clone()])) });
         } else if argument.is_dir() {
-            inputs.extend(look(std::slice::from_ref(argument)));
+            inputs.extend(look(std::slice::from_ref(argument), options));
         } else if !files_done {
             files_done = true;
             let files: Vec<PathBuf> = arguments
@@ -86,7 +87,7 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
                 .filter(|a| Input::built_in(a).is_none() && !a.is_dir() && !is_case(a))
                 .cloned()
                 .collect();
-            inputs.extend(resolve_files(&files));
+            inputs.extend(resolve_files(&files, options));
         }
     }
     make_file_names_unique(inputs.iter_mut().map(|i| &mut i.name));
@@ -94,8 +95,12 @@ pub(super) fn resolve(arguments: &[PathBuf]) -> Vec<Input> {
 }
 
 /// Resolves `arguments` to bursts; with `sequence`, to the bursts into which their sequences are cut.
-pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Vec<Input>, Failure> {
-    let inputs = resolve(arguments);
+pub(super) fn resolve_bursts(
+    arguments: &[PathBuf],
+    sequence: SequenceArgs,
+    options: &OpenOptions,
+) -> Result<Vec<Input>, Failure> {
+    let inputs = resolve(arguments, options);
     let Some(length) = sequence.burst_length else {
         return Ok(inputs);
     };
@@ -111,7 +116,7 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
             bursts.push(input);
             continue;
         };
-        match cut_sequence(&BurstFiles { name: input.name.clone(), paths }, cut) {
+        match cut_sequence(&BurstFiles { name: input.name.clone(), paths }, cut, options) {
             Err(error) => bursts.push(Input { name: input.name, source: Err(error) }),
             Ok(sources) => bursts.extend(sources.into_iter().map(found).map(|burst| {
                 let name = if several { name_among_several(&input.name, &burst.name) } else { burst.name };
@@ -124,20 +129,22 @@ pub(super) fn resolve_bursts(arguments: &[PathBuf], sequence: SequenceArgs) -> R
 }
 
 /// A missing file makes the burst of single pictures fail, whose frame it may be, but not stacks.
-fn resolve_files(files: &[PathBuf]) -> Vec<Input> {
+fn resolve_files(files: &[PathBuf], options: &OpenOptions) -> Vec<Input> {
     let (present, missing): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(|f| f.exists());
     if missing.is_empty() || present.is_empty() {
         return if present.is_empty() {
-            missing.iter().flat_map(|m| look(std::slice::from_ref(m))).collect()
+            missing.iter().flat_map(|m| look(std::slice::from_ref(m), options)).collect()
         } else {
-            look(files)
+            look(files, options)
         };
     }
-    match find_bursts(&present) {
-        Ok(sources) if present.len() > 1 && sources.len() == present.len() => {
-            sources.into_iter().map(found).chain(missing.iter().flat_map(|m| look(std::slice::from_ref(m)))).collect()
-        }
-        _ => look(files),
+    match find_bursts(&present, options) {
+        Ok(sources) if present.len() > 1 && sources.len() == present.len() => sources
+            .into_iter()
+            .map(found)
+            .chain(missing.iter().flat_map(|m| look(std::slice::from_ref(m), options)))
+            .collect(),
+        _ => look(files, options),
     }
 }
 
@@ -145,8 +152,8 @@ fn found(burst: BurstFiles) -> Input {
     Input { name: burst.name, source: Ok(BurstSource::Paths(burst.paths)) }
 }
 
-fn look(paths: &[PathBuf]) -> Vec<Input> {
-    match find_entries(paths) {
+fn look(paths: &[PathBuf], options: &OpenOptions) -> Vec<Input> {
+    match find_entries(paths, options) {
         Ok(Entries { bursts, strays }) => {
             let stray = |path: PathBuf| Input { name: name_of(&path), source: Err(Error::stray(&path)) };
             bursts.into_iter().map(found).chain(strays.into_iter().map(stray)).collect()
@@ -159,8 +166,8 @@ fn name_of(path: &Path) -> String {
     path_text(Path::new(path.file_name().unwrap_or(path.as_os_str())))
 }
 
-pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input, Failure> {
-    let mut inputs = resolve(arguments);
+pub(super) fn resolve_one(arguments: &[PathBuf], command: &str, options: &OpenOptions) -> Result<Input, Failure> {
+    let mut inputs = resolve(arguments, options);
     match (inputs.pop(), inputs.is_empty()) {
         (Some(input), true) => Ok(input),
         (last, _) => {
@@ -173,8 +180,8 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str) -> Result<Input,
     }
 }
 
-pub(super) fn resolve_pair(a: &Path, b: &Path) -> Result<Vec<Input>, Failure> {
-    let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match");
+pub(super) fn resolve_pair(a: &Path, b: &Path, options: &OpenOptions) -> Result<Vec<Input>, Failure> {
+    let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match", options);
     let mut inputs = vec![one(a)?, one(b)?];
     make_file_names_unique(inputs.iter_mut().map(|i| &mut i.name));
     Ok(inputs)
@@ -189,6 +196,10 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
         ("full-scale", options.full_scale.is_some()),
         ("black-level", options.black_level.is_some()),
         ("linearise", options.linearise),
+        ("mosaic", options.mosaic.is_some()),
+        ("raw", options.raw.is_some()),
+        ("axis", options.axis.is_some()),
+        ("array", options.array.is_some()),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) if inputs.iter().any(Input::is_built_in) => {
@@ -240,7 +251,7 @@ impl BurstSearchArgs {
         outputs: &[Option<&PathBuf>],
     ) -> Result<OneBurst, Failure> {
         let console = Console::new(&self.output)?;
-        let input = resolve_one(inputs, command)?;
+        let input = resolve_one(inputs, command, &self.calibration.options())?;
         let options = open_options(std::slice::from_ref(&input), &self.calibration)?;
         let rules = overwrite.rules(std::slice::from_ref(&input), &options, &[self.search.file.params.as_ref()]);
         outputs.iter().flatten().try_for_each(|path| rules.check(path))?;
@@ -273,18 +284,20 @@ mod tests {
             picture(&home.path().join(format!("f{t}.png")));
         }
         let file = |t: usize| home.path().join(format!("f{t}.png"));
-        let inputs = resolve(&[DEMO.into(), file(1), folder.clone(), file(0), DEMO.into(), home.path().join("gone")]);
+        let plain = OpenOptions::default();
+        let inputs =
+            resolve(&[DEMO.into(), file(1), folder.clone(), file(0), DEMO.into(), home.path().join("gone")], &plain);
         let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();
         // The path that does not exist may be a frame of the burst of single files, so that burst is broken.
         assert_eq!((names[0], names[2], names[3], inputs.len()), ("demo", "night", "demo_2", 4));
         assert!(inputs[1].source.is_err());
-        let inputs = resolve(&[file(2), file(0), file(1)]);
+        let inputs = resolve(&[file(2), file(0), file(1)], &plain);
         assert_eq!(inputs[0].paths(), [file(2), file(0), file(1)], "files keep their order");
-        assert!(resolve_one(&[DEMO.into(), folder.clone()], "stack").is_err());
+        assert!(resolve_one(&[DEMO.into(), folder.clone()], "stack", &plain).is_err());
         // Two pictures are two bursts of one frame each, not the frames of one.
-        let pair = resolve_pair(&file(0), &folder).expect("two bursts");
+        let pair = resolve_pair(&file(0), &folder, &plain).expect("two bursts");
         assert_eq!((pair[0].name.as_str(), pair[1].name.as_str()), ("f0", "night"));
-        assert_eq!(resolve_pair(&folder, &folder).expect("two bursts")[1].name, "night_2");
+        assert_eq!(resolve_pair(&folder, &folder, &plain).expect("two bursts")[1].name, "night_2");
     }
 
     #[test]
@@ -296,6 +309,7 @@ mod tests {
         }
         let film = |name: &str| home.path().join(name);
         let args = |length, burst_step| SequenceArgs { burst_length: Some(length), burst_step };
+        let resolve_bursts = |inputs: &[PathBuf], sequence| resolve_bursts(inputs, sequence, &OpenOptions::default());
         let names = |inputs: &[Input]| inputs.iter().map(|i| i.name.clone()).collect::<Vec<_>>();
         let bursts = resolve_bursts(&[film("day")], args(3, Some(1))).expect("cut");
         assert_eq!(names(&bursts), ["f1", "f2", "f3"]);

@@ -24,6 +24,7 @@ mod failure;
 pub mod figures;
 #[cfg(feature = "app")]
 pub mod film;
+pub mod info;
 mod inputs;
 pub mod match_bursts;
 pub mod matching_args;
@@ -131,6 +132,7 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Film(args)) => film::run(args),
         Some(Command::Case(args)) => case::run(args),
         Some(Command::Slopes(args)) => probe::run_slopes(args),
+        Some(Command::Info(args)) => info::run(args),
         Some(Command::Stack(args)) => stack::run(args),
         Some(Command::Synth(args)) => synth::run(args),
         Some(Command::Evaluate(args)) => evaluate::run(args),

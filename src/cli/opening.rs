@@ -3,16 +3,16 @@
 use super::args::SequenceArgs;
 use super::failure::{Failure, complain};
 use super::inputs::{Input, resolve, resolve_one};
-use crate::burst::SequenceCut;
+use crate::burst::{OpenOptions, SequenceCut};
 use crate::dataset::DatasetSource;
 use crate::error::ErrorKind;
 use std::path::PathBuf;
 
 /// `None` where they are not two bursts: two files may be frames of one, and a folder of bursts is a dataset.
-pub(super) fn two_of(arguments: &[PathBuf]) -> Option<[Input; 2]> {
+pub(super) fn two_of(arguments: &[PathBuf], options: &OpenOptions) -> Option<[Input; 2]> {
     let [first, second] = arguments else { return None };
-    let inputs = resolve(arguments);
-    let each = |argument: &PathBuf| resolve(std::slice::from_ref(argument)).len() == 1;
+    let inputs = resolve(arguments, options);
+    let each = |argument: &PathBuf| resolve(std::slice::from_ref(argument), options).len() == 1;
     let two: [Input; 2] = inputs.try_into().ok()?;
     (each(first) && each(second)).then_some(two)
 }
@@ -26,7 +26,11 @@ pub(super) enum Opening {
 }
 
 /// A session file, one burst, two bursts if each argument is one, or a dataset if there are more or it is cut.
-pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Result<Opening, Failure> {
+pub(super) fn what_to_open(
+    arguments: &[PathBuf],
+    sequence: SequenceArgs,
+    options: &OpenOptions,
+) -> Result<Opening, Failure> {
     let SequenceArgs { burst_length, burst_step } = sequence;
     if let [one] = arguments
         && one.is_file()
@@ -34,11 +38,11 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs) -> Res
     {
         return Ok(Opening::Session(one.clone()));
     }
-    let inputs = resolve(arguments);
+    let inputs = resolve(arguments, options);
     if inputs.len() < 2 && burst_length.is_none() {
-        return Ok(Opening::Burst(resolve_one(arguments, "the window")?));
+        return Ok(Opening::Burst(resolve_one(arguments, "the window", options)?));
     }
-    if let Some(two) = two_of(arguments).filter(|_| burst_length.is_none()) {
+    if let Some(two) = two_of(arguments, options).filter(|_| burst_length.is_none()) {
         return Ok(Opening::Two(two));
     }
     if let Some(length) = burst_length {
@@ -82,11 +86,11 @@ mod tests {
         }
         let names = |two: [Input; 2]| two.map(|input| input.name);
         assert_eq!(
-            two_of(&[folder.clone(), "demo-later".into()]).map(names),
+            two_of(&[folder.clone(), "demo-later".into()], &OpenOptions::default()).map(names),
             Some(["night".into(), "demo-later".into()])
         );
-        assert!(two_of(&[file(0), file(1)]).is_none(), "two pictures are frames of one burst");
-        assert!(two_of(std::slice::from_ref(&folder)).is_none());
+        assert!(two_of(&[file(0), file(1)], &OpenOptions::default()).is_none(), "two pictures are frames of one burst");
+        assert!(two_of(std::slice::from_ref(&folder), &OpenOptions::default()).is_none());
     }
 
     #[test]
@@ -97,10 +101,13 @@ mod tests {
             std::fs::create_dir(film(name)).expect("made");
             (0..4).for_each(|t| picture(&film(name).join(format!("{t}.png"))));
         }
-        let open =
-            |paths: &[PathBuf], burst_length| what_to_open(paths, SequenceArgs { burst_length, burst_step: None });
+        let open = |paths: &[PathBuf], burst_length| {
+            what_to_open(paths, SequenceArgs { burst_length, burst_step: None }, &OpenOptions::default())
+        };
         let dataset = |opening: Result<Opening, Failure>| match opening.expect("found") {
-            Opening::Dataset(source) => source.bursts().expect("bursts").into_iter().map(|b| b.name).collect(),
+            Opening::Dataset(source) => {
+                source.bursts(&OpenOptions::default()).expect("bursts").into_iter().map(|b| b.name).collect()
+            }
             Opening::Burst(_) | Opening::Two(_) | Opening::Session(_) => Vec::new(),
         };
         assert!(matches!(open(&[film("a")], None), Ok(Opening::Burst(_))));
@@ -118,7 +125,7 @@ mod tests {
         let home = tempfile::tempdir().expect("a folder");
         let file = home.path().join("night.burstscope.toml");
         std::fs::write(&file, "version = 3\nburst = \"demo\"\n").expect("written");
-        let open = |paths: &[PathBuf]| what_to_open(paths, SequenceArgs::default());
+        let open = |paths: &[PathBuf]| what_to_open(paths, SequenceArgs::default(), &OpenOptions::default());
         assert!(matches!(open(std::slice::from_ref(&file)), Ok(Opening::Session(path)) if path == file));
         let gone = home.path().join("gone.toml");
         assert!(

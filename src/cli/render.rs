@@ -24,8 +24,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let calibration = args.calibration.options();
     let settings = [args.search.file.params.as_ref()].into_iter().chain(args.inputs.iter().map(Some));
-    let rules = args.overwrite.rules(&resolve(&args.inputs), &calibration, &settings.collect::<Vec<_>>());
-    let Sources { source, second, dataset, session } = sources_of(what_to_open(&args.inputs, args.sequence)?)?;
+    let rules = args.overwrite.rules(&resolve(&args.inputs, &calibration), &calibration, &settings.collect::<Vec<_>>());
+    let Sources { source, second, dataset, session } =
+        sources_of(what_to_open(&args.inputs, args.sequence, &calibration)?)?;
     let options = RenderOptions {
         source: source.unwrap_or(BurstSource::Demo),
         second,

@@ -37,7 +37,7 @@ pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
 fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let params = args.params;
     let console = Console::new(&args.output)?;
-    let inputs = resolve(&args.inputs);
+    let inputs = resolve(&args.inputs, &args.calibration.options());
     let options = open_options(&inputs, &args.calibration)?;
     OutputRules::new(opened(&inputs, &options, &[]), Overwrite::Refuse).check_folder(&args.out)?;
     let exposure = params.exposure(&levels_of(&inputs, &options, &console)?)?;

@@ -37,7 +37,7 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     }
     let demo = [PathBuf::from(DEMO)];
     let inputs = if cli.inputs.is_empty() { &demo[..] } else { &cli.inputs };
-    let opening = what_to_open(inputs, cli.sequence)?;
+    let opening = what_to_open(inputs, cli.sequence, &calibration)?;
     if !has_display() {
         return match opening {
             Opening::Burst(input) => without_display(input, None, params, calibration),
@@ -127,7 +127,7 @@ fn dataset_without_display(
     calibration: OpenOptions,
 ) -> Result<(), Failure> {
     let (file, console) = begin_without_display(&source.label(), "the bursts are listed")?;
-    for burst in source.bursts()? {
+    for burst in source.bursts(&calibration)? {
         match burst.files().map(|files| files.len()) {
             Ok(count) => {
                 console.say(&format!("{}: {count} {}\n", burst.name, if count == 1 { "file" } else { "files" }))?;

@@ -4,6 +4,7 @@
 use crate::burst::{OpenOptions, RawColour};
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice};
+use serde::Serialize;
 use std::path::PathBuf;
 
 const OUT: &str = "features";
@@ -23,12 +24,23 @@ pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenO
 }
 
 fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<String>)> {
-    let OpenOptions { bias, flat, full_scale, black_level, linearise, accept_damaged, raw_colour, limits: _ } =
-        calibration;
+    let OpenOptions {
+        bias,
+        flat,
+        full_scale,
+        black_level,
+        linearise,
+        accept_damaged,
+        raw_colour,
+        mosaic,
+        raw,
+        axis,
+        array,
+        limits: _,
+    } = calibration;
     let path = |path: &Option<PathBuf>| path.as_ref().map(|path| Some(path.display().to_string()));
     let number = |level: &Option<f32>| level.map(|level| Some(level.to_string()));
-    let colour = serde_json::to_value(raw_colour).ok().filter(|_| *raw_colour != RawColour::default());
-    let colour = colour.and_then(|colour| Some(colour.as_str()?.to_owned()));
+    let colour = Some(raw_colour).filter(|colour| **colour != RawColour::default()).and_then(word);
     let all = [
         ("bias", path(bias)),
         ("flat", path(flat)),
@@ -37,8 +49,17 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         ("linearise", linearise.then_some(None)),
         ("accept-damaged", accept_damaged.then_some(None)),
         ("raw-colour", colour.map(Some)),
+        ("mosaic", mosaic.as_ref().and_then(word).map(Some)),
+        ("raw", raw.map(|raw| Some(raw.to_string()))),
+        ("axis", axis.as_ref().map(|axis| Some(axis.to_string()))),
+        ("array", array.clone().map(Some)),
     ];
     all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
+}
+
+/// Word of a value that is one of a few.
+fn word(value: &impl Serialize) -> Option<String> {
+    Some(serde_json::to_value(value).ok()?.as_str()?.to_owned())
 }
 
 fn options(params: &SearchParams) -> Vec<(&'static str, Option<String>)> {

@@ -67,7 +67,7 @@ impl BurstSource {
             }
             Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),
             Err(error) if error.kind == ErrorKind::SeveralBursts => {
-                let found = find_bursts(self.paths()).unwrap_or_default();
+                let found = find_bursts(self.paths(), options).unwrap_or_default();
                 Err(JobError::Several(found.into_iter().map(|found| BurstSource::Paths(found.paths)).collect()))
             }
             Err(error) => Err(error.into()),

@@ -1,6 +1,6 @@
 //! Source of a burst, and how the burst is read or made from it: the same for the window and the commands.
 
-use crate::burst::{Burst, OpenOptions, files_at};
+use crate::burst::{Burst, Info, OpenOptions, files_at};
 use crate::error::Error;
 use crate::export::case::{is_case, read_case};
 use crate::monitor::Monitor;
@@ -95,6 +95,16 @@ impl BurstSource {
                 of.check()
             }
         }
+    }
+
+    /// Describes the burst; one that is built in or lies in a case is made or read for that.
+    pub fn info(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Info, Error> {
+        let kind = match self {
+            Self::Paths(paths) if matches!(&paths[..], [path] if is_case(path)) => "case",
+            Self::Paths(paths) => return Info::of(paths, options, monitor),
+            _ => "made by Burstscope",
+        };
+        Ok(Info::of_burst(&self.burst(options, monitor)?, kind))
     }
 
     /// Reads or makes the burst on the calling thread, with the calibration in `options`; built-in bursts need none.

@@ -84,3 +84,35 @@ fn pictures_for_screens_are_said_to_be_so() {
     let words = run_badly(home.path(), &["detect", "film.mp4", "--out", "found"], 1);
     assert!(words.contains("ffmpeg -i 'film.mp4' frames/frame_%05d.png"), "{words}");
 }
+
+#[test]
+fn info_says_what_an_input_is_and_a_dump_is_searched_as_it_says() {
+    let home = tempfile::tempdir().expect("a folder");
+    spotted(home.path());
+    // The same frames without a header.
+    let mut dump = vec![7; 5];
+    for t in 0..6 {
+        let frame = image::open(home.path().join(format!("night/{t}.png"))).expect("opens").into_luma16();
+        dump.extend(frame.as_raw().iter().flat_map(|value| value.to_be_bytes()));
+    }
+    std::fs::write(home.path().join("night.raw"), dump).expect("written");
+    let said = run_badly(home.path(), &["info", "night.raw"], 1);
+    assert!(said.contains("--raw WIDTHxHEIGHT:TYPE") && said.contains("night.raw"), "{said}");
+    let shape = ["--raw", "160x120:u16be+5"];
+    let text = run_well(home.path(), &["info", "night", "night.raw", shape[0], shape[1], "--json"]);
+    let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    for (burst, kind) in document["bursts"].as_array().expect("two").iter().zip(["PNG", "headerless"]) {
+        assert_eq!((burst["kind"].as_str(), burst["samples"].as_str()), (Some(kind), Some("16 bit")));
+        assert_eq!([&burst["frames"], &burst["width"], &burst["height"]].map(|n| n.as_u64()), [6, 160, 120].map(Some));
+    }
+    assert!(run_well(home.path(), &["info", "demo"]).contains("made by Burstscope"));
+    let stack = |input: &str, options: &[&str]| {
+        let arguments = ["stack", input, "--slope", "0,0", "--out", "stack.tiff", "--force", "--quiet"];
+        run_well(home.path(), &[&arguments, options].concat());
+        std::fs::read(home.path().join("stack.tiff")).expect("written")
+    };
+    assert!(stack("night", &[]) == stack("night.raw", &shape), "the same frames have the same stack");
+    let wrong = run_badly(home.path(), &["info", "demo", "--raw", "1x1:u8"], 2);
+    assert!(wrong.contains("--raw: built-in bursts"), "{wrong}");
+    assert!(run_badly(home.path(), &["info", "night.raw", "--raw", "1600"], 2).contains("WIDTHxHEIGHT:TYPE"));
+}

@@ -44,7 +44,7 @@ fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
 fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstFiles> {
     let source =
         burstscope::dataset::DatasetSource { paths: vec![home.join("film")], burst_length: Some(5), burst_step: None };
-    source.bursts().unwrap()
+    source.bursts(&burstscope::burst::OpenOptions::default()).unwrap()
 }
 
 #[test]

@@ -101,7 +101,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     window.settle();
     let found = features(&window);
     let params = few_slopes();
-    for (burst, found) in source.bursts().unwrap().iter().zip(&found) {
+    for (burst, found) in source.bursts(&burstscope::burst::OpenOptions::default()).unwrap().iter().zip(&found) {
         let open = burstscope::burst::OpenOptions::default();
         let opened = burstscope::Burst::open_with(&burst.paths, &open, &Monitor::default()).unwrap();
         let expected = burstscope::detect(&opened, &params, &Monitor::default()).unwrap();

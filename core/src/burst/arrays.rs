@@ -85,6 +85,7 @@ impl Burst {
             frame_names: (0..count).map(|t| format!("frame {t}")).collect(),
             origins: (0..count).map(|t| (frames.path.clone(), t)).collect(),
             frames: frames.frames,
+            taken: Vec::new(),
         };
         calibrated(raw, calibration, Vec::new(), options, monitor)
     }

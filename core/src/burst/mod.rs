@@ -7,17 +7,23 @@
 mod arrays;
 mod decode;
 mod error;
+mod info;
+mod layout;
 mod notes;
+mod number;
 mod open;
 mod options;
 mod source;
+mod times;
 
 pub use arrays::{ArrayFrame, Arrays};
 pub use decode::{DecodeWorker, LUMA_WEIGHTS, serve_decoding};
+pub use info::Info;
+pub use layout::{Axis, AxisChoice, Dump, Mosaic};
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
 pub use source::{
-    BurstFiles, Declared, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
+    BurstFiles, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,
 };
 
@@ -48,6 +54,8 @@ pub struct Burst {
     pub suggested_full_scale: Option<f32>,
     /// Remarks on the files of single frames: damage that was accepted, file types that contradict the names.
     pub remarks: Vec<Remark>,
+    /// Guesses and choices about the files, as clauses: which axis is that of the frames, which array was taken.
+    pub taken: Vec<String>,
     /// Files or folders that it was opened from; empty for synthetic bursts.
     pub sources: Vec<PathBuf>,
 }
@@ -67,6 +75,7 @@ impl Burst {
             binning: 1,
             suggested_full_scale: None,
             remarks: Vec::new(),
+            taken: Vec::new(),
             sources: Vec::new(),
         }
     }

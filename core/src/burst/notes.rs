@@ -110,6 +110,7 @@ impl Burst {
             let text = format!("no value of these 16-bit files is above {value}, as of a camera of {bits} bits");
             notes.push(Note { text, option: Some("full-scale"), value: Some(*value) });
         }
+        notes.extend(self.taken.iter().map(|text| Note { text: text.clone(), option: None, value: None }));
         let damaged: Vec<String> = self.damaged_frames().map(|(name, reason)| format!("{name} ({reason})")).collect();
         let misnamed = self.remarks.iter().filter_map(|remark| match remark.kind {
             RemarkKind::Misnamed(kind) => Some(format!("{} is {kind}", self.frame_names[remark.frame])),

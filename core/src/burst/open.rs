@@ -22,9 +22,9 @@ impl Burst {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
 
-    /// Opens one burst: a folder of frames (in natural order), a multi-page TIFF, a `.npy` stack, or several files that
-    /// are its frames (in the order given). One single picture is a burst of one frame, which is enough for SIFT but
-    /// has no slopes.
+    /// Opens one burst: a folder of frames (in natural order), a file that holds several (a multi-page TIFF, a `.npy`
+    /// stack, a film), or several files that are its frames (in the order given). One single picture is a burst of one
+    /// frame, which is enough for SIFT but has no slopes.
     ///
     /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
     /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
@@ -89,6 +89,7 @@ pub(super) fn calibrated(
         binning,
         suggested_full_scale,
         remarks,
+        taken: raw.taken,
         sources,
     })
 }
@@ -117,11 +118,13 @@ pub(super) struct RawBurst {
     pub frame_names: Vec<String>,
     /// File of each frame, and the frame's index in it.
     pub origins: Vec<(PathBuf, usize)>,
+    /// Guesses and choices about the files.
+    pub taken: Vec<String>,
 }
 
 fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, Error> {
     let limits = &options.limits;
-    let source = only_burst(inputs)?;
+    let source = only_burst(inputs, options)?;
     let files = source.files()?;
     let first = files.first().ok_or_else(Error::nothing_given)?;
     let (header, decoded) = decode::header(first, options, monitor)?;
@@ -142,7 +145,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
         let page = |t: usize| PathBuf::from(format!("{} (frame {t})", first.display()));
         check_samples(&frames, options, page)?;
         let origins = (0..frames.len()).map(|t| (first.clone(), t)).collect();
-        return Ok(RawBurst { name: source.name, frames, frame_names, origins });
+        return Ok(RawBurst { name: source.name, frames, frame_names, origins, taken: header.taken });
     }
     let size = (header.width, header.height);
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
@@ -159,7 +162,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     check_samples(&frames, options, |t| files[t].clone())?;
     let frame_names = files.iter().map(|f| file_name(f)).collect();
     let origins = files.into_iter().map(|f| (f, 0)).collect();
-    Ok(RawBurst { name: source.name, frames, frame_names, origins })
+    Ok(RawBurst { name: source.name, frames, frame_names, origins, taken: header.taken })
 }
 
 /// Checks that the frames' values have a common unit; `path` gives the path of a frame.

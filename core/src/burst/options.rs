@@ -1,8 +1,10 @@
-//! Options for opening a burst: calibration, encoding, the colour that is taken of raw frames, and the largest size.
+//! Options for opening a burst: calibration, encoding, the colour that is taken of raw frames, how pixels lie in files
+//! that do not say it, and the largest size.
 //!
 //! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
 //! cannot take the machine's memory.
 
+use super::layout::{AxisChoice, Dump, Mosaic};
 use crate::error::{Error, ErrorKind};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
@@ -33,15 +35,27 @@ pub struct OpenOptions {
     /// Whether JPEG frames whose data is damaged or ends early are accepted as far as they can be decoded; the rest of
     /// such a frame is grey. [`super::Burst::remarks`] lists them.
     pub accept_damaged: bool,
-    /// Colour that is taken of a raw frame.
+    /// Colour that is taken of a raw frame, and of others with a mosaic.
     pub raw_colour: RawColour,
+    /// Mosaic of colours of frames whose files do not say that they have one; they are binned as raw frames are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mosaic: Option<Mosaic>,
+    /// Shape of files without header.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub raw: Option<Dump>,
+    /// Axis along which the frames of a file follow one another, where that is not time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<AxisChoice>,
+    /// Array of an archive, or image of a FITS file, that holds the frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub array: Option<String>,
     /// Limits of the burst's size.
     #[serde(skip)]
     pub limits: Limits,
 }
 
 impl OpenOptions {
-    /// Whether every option but the limits has its default: nothing is calibrated.
+    /// Whether every option but the limits has its default: nothing is calibrated, and files are taken as they are.
     pub fn is_plain(&self) -> bool {
         *self == Self { limits: self.limits, ..Self::default() }
     }

@@ -4,13 +4,13 @@
 //! than subfolders of pictures is a dataset: each of those is a burst, and its own pictures are listed apart, as
 //! strays. A subfolder that cannot be read is listed as a burst, whose opening gives the error. A multi-page TIFF or a
 //! `.npy` stack is a burst; several single pictures, in the order in which they are named, are the frames of one burst.
+//! Films, archives and files without header are taken in a folder that holds no pictures.
 //! [`cut_sequence`] makes a burst of every N frames of a long recording; each lists its own files and is opened alone.
 
-use super::decode;
+use super::decode::{self, Rank};
 use super::options::OpenOptions;
 use crate::error::{Error, ErrorKind};
 use crate::files::path_text;
-use crate::monitor::Monitor;
 use std::cmp::Ordering;
 use std::collections::HashSet;
 use std::ops::Range;
@@ -46,17 +46,17 @@ pub fn supported_extensions() -> Vec<&'static str> {
 }
 
 /// Bursts that `inputs` name, in natural order (folders and stacks named one by one keep their order). Reads folders
-/// and the headers of possible stacks, no pixels.
+/// and the headers of possible stacks as `options` say, no pixels.
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
-pub fn find_bursts(inputs: &[PathBuf]) -> Result<Vec<BurstFiles>, Error> {
-    Ok(find_entries(inputs)?.bursts)
+pub fn find_bursts(inputs: &[PathBuf], options: &OpenOptions) -> Result<Vec<BurstFiles>, Error> {
+    Ok(find_entries(inputs, options)?.bursts)
 }
 
 /// The burst that `inputs` name, if they name one.
-pub(super) fn only_burst(inputs: &[PathBuf]) -> Result<BurstFiles, Error> {
-    let mut bursts = find_bursts(inputs)?;
+pub(super) fn only_burst(inputs: &[PathBuf], options: &OpenOptions) -> Result<BurstFiles, Error> {
+    let mut bursts = find_bursts(inputs, options)?;
     if bursts.len() > 1 {
         const FEW: usize = 8;
         let names: Vec<&str> = bursts.iter().take(FEW).map(|burst| &*burst.name).collect();
@@ -77,7 +77,7 @@ pub struct Entries {
 }
 
 /// Finds bursts as [`find_bursts`], and the pictures that belong to none.
-pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, Error> {
+pub fn find_entries(inputs: &[PathBuf], options: &OpenOptions) -> Result<Entries, Error> {
     if inputs.is_empty() {
         return Err(Error::nothing_given());
     }
@@ -99,7 +99,7 @@ pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, Error> {
     }
     let mut entries = Entries::default();
     for folder in &folders {
-        let found = entries_of_folder(folder, true)?;
+        let found = entries_of_folder(folder, true, options)?;
         if found.bursts.is_empty() {
             let problem = "this folder holds no pictures, nor do its subfolders";
             let remedy = format!("a burst is a folder of {} files", supported_extensions().join(", "));
@@ -109,26 +109,34 @@ pub fn find_entries(inputs: &[PathBuf]) -> Result<Entries, Error> {
         entries.strays.extend(found.strays);
     }
     if !files.is_empty() {
-        entries.bursts.extend(bursts_of_files(files)?);
+        entries.bursts.extend(bursts_of_files(files, options)?);
     }
     make_names_unique(&mut entries.bursts);
     Ok(entries)
 }
 
-fn entries_of_folder(folder: &Path, look_into_subfolders: bool) -> Result<Entries, Error> {
-    let (pictures, subfolders) = list(folder)?;
-    if pictures.len() > 1 && pictures.iter().all(|p| is_stack(p)) {
+fn entries_of_folder(folder: &Path, look_into_subfolders: bool, options: &OpenOptions) -> Result<Entries, Error> {
+    let (mut pictures, subfolders) = list(folder)?;
+    // Archives and logs lie beside folders of pictures; in a dataset they are none of its bursts.
+    let is_other = pictures.first().and_then(|path| decode::rank(path)) == Some(Rank::Other);
+    if is_other && !look_into_subfolders && options.raw.is_none() {
+        pictures.clear();
+    }
+    if pictures.len() > 1 && pictures.iter().all(|p| is_stack(p, options)) {
         return Ok(Entries { bursts: pictures.into_iter().map(stack_source).collect(), strays: Vec::new() });
     }
     let mut bursts = Vec::new();
-    if look_into_subfolders && pictures.len() < subfolders.len() {
+    if look_into_subfolders && (is_other || pictures.len() < subfolders.len()) {
         for subfolder in &subfolders {
-            match entries_of_folder(subfolder, false) {
+            match entries_of_folder(subfolder, false, options) {
                 Ok(found) => bursts.extend(found.bursts),
                 // Opening it gives the error.
                 Err(_) => bursts.push(folder_source(subfolder)),
             }
         }
+    }
+    if is_other && !bursts.is_empty() {
+        return Ok(Entries { bursts, strays: Vec::new() });
     }
     if pictures.len() < bursts.len() {
         return Ok(Entries { bursts, strays: pictures });
@@ -141,15 +149,15 @@ fn folder_source(folder: &Path) -> BurstFiles {
     BurstFiles { name: folder_name(folder), paths: vec![folder.into()] }
 }
 
-fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, Error> {
+fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<BurstFiles>, Error> {
     if let [single] = &files[..] {
         return Ok(vec![stack_source(single.clone())]);
     }
-    if files.iter().all(|f| is_stack(f)) {
+    if files.iter().all(|f| is_stack(f, options)) {
         return Ok(files.into_iter().map(stack_source).collect());
     }
-    if let Some(path) = files.iter().find(|f| is_stack(f)) {
-        return Err(Error::stack_among_frames(path, decode::frame_count(path).unwrap_or(2)));
+    if let Some(path) = files.iter().find(|f| is_stack(f, options)) {
+        return Err(Error::stack_among_frames(path, decode::frame_count(path, options).unwrap_or(2)));
     }
     let parent = files[0].parent().unwrap_or(Path::new(""));
     let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
@@ -158,8 +166,8 @@ fn bursts_of_files(files: Vec<PathBuf>) -> Result<Vec<BurstFiles>, Error> {
 }
 
 /// Whether the file holds more than one frame. False for a file that cannot be read: opening it gives the error.
-pub(super) fn is_stack(path: &Path) -> bool {
-    decode::frame_count(path).is_ok_and(|frames| frames > 1)
+pub(super) fn is_stack(path: &Path, options: &OpenOptions) -> bool {
+    decode::frame_count(path, options).is_ok_and(|frames| frames > 1)
 }
 
 fn stack_source(path: PathBuf) -> BurstFiles {
@@ -177,9 +185,10 @@ pub(super) fn folder_name(folder: &Path) -> String {
     named(folder).or_else(|| named(&std::fs::canonicalize(folder).ok()?)).unwrap_or_else(|| "burst".into())
 }
 
-/// Pictures and subfolders of a folder, each in natural order, without hidden files and those of other kinds.
+/// Pictures and subfolders of a folder, each in natural order, without hidden files and those of other kinds. Without
+/// pictures, the films; without these, the archives and the files without header.
 fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Error> {
-    let (mut pictures, mut subfolders) = (Vec::new(), Vec::new());
+    let (mut found, mut subfolders) = (Vec::<(Rank, PathBuf)>::new(), Vec::new());
     let entries = std::fs::read_dir(folder).map_err(|e| Error::from_io(folder, &e))?;
     for entry in entries {
         let entry = entry.map_err(|e| Error::from_io(folder, &e))?;
@@ -190,17 +199,15 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Error> {
         // Follows links. A broken link with a picture's extension counts as a picture, so that opening names it.
         match std::fs::metadata(&path) {
             Ok(metadata) if metadata.is_dir() => subfolders.push(path),
-            _ if has_picture_extension(&path) => pictures.push(path),
-            _ => {}
+            _ => found.extend(decode::rank(&path).map(|rank| (rank, path))),
         }
     }
+    let first = found.iter().map(|(rank, _)| *rank).min();
+    let mut pictures: Vec<PathBuf> =
+        found.into_iter().filter(|(rank, _)| Some(*rank) == first).map(|one| one.1).collect();
     pictures.sort_by(|a, b| natural_order(a, b));
     subfolders.sort_by(|a, b| natural_order(a, b));
     Ok((pictures, subfolders))
-}
-
-fn has_picture_extension(path: &Path) -> bool {
-    path.extension().is_some_and(|e| decode::extensions().any(|known| e.eq_ignore_ascii_case(known)))
 }
 
 /// Natural order of file names; names that differ only in leading zeros are ordered by their bytes, so that the order
@@ -267,10 +274,10 @@ impl SequenceCut {
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
-pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<BurstFiles>, Error> {
+pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptions) -> Result<Vec<BurstFiles>, Error> {
     let frames = sequence.files()?;
-    if let Some(path) = frames.iter().find(|f| is_stack(f)) {
-        let held = decode::frame_count(path).unwrap_or(2);
+    if let Some(path) = frames.iter().find(|f| is_stack(f, options)) {
+        let held = decode::frame_count(path, options).unwrap_or(2);
         let problem = format!("a sequence is cut into bursts between its files, but this one file holds {held} frames");
         let remedy = "save each frame as a file of its own";
         return Err(Error::new(ErrorKind::Request, problem, remedy).about(path));
@@ -293,27 +300,6 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut) -> Result<Vec<Burst
 /// Name of a burst of one of several sequences.
 pub fn name_among_several(sequence: &str, burst: &str) -> String {
     format!("{sequence}_{burst}")
-}
-
-/// Number and size of a burst's frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Declared {
-    /// Number of frames, at least 1.
-    pub frames: usize,
-    /// Size (columns, rows) of the first frame; the opener refuses others.
-    pub size: (usize, usize),
-}
-
-impl Declared {
-    /// Reads the header of the first frame of the burst that `inputs` name, as
-    /// [`Burst::open_with`](super::Burst::open_with) takes them.
-    pub fn of(inputs: &[PathBuf], options: &OpenOptions) -> Result<Self, Error> {
-        let files = only_burst(inputs)?.files()?;
-        let first = files.first().ok_or_else(Error::nothing_given)?;
-        let (header, _) = decode::header(first, options, &Monitor::default())?;
-        let frames = if files.len() == 1 { header.frames } else { files.len() };
-        Ok(Self { frames, size: (header.width, header.height) })
-    }
 }
 
 #[cfg(test)]
@@ -348,18 +334,5 @@ mod tests {
             let next = ranges.len() * step + length;
             prop_assert!(next > frames);
         }
-    }
-
-    #[test]
-    fn frames_and_size_are_those_of_the_opened_burst() {
-        let home = tempfile::tempdir().expect("a folder");
-        for t in 0..3 {
-            let path = home.path().join(format!("{t}.png"));
-            image::GrayImage::from_pixel(9, 7, image::Luma([9])).save(path).expect("written");
-        }
-        let of = |path: PathBuf| Declared::of(&[path], &OpenOptions::default());
-        assert_eq!(of(home.path().to_path_buf()), Ok(Declared { frames: 3, size: (9, 7) }));
-        assert_eq!(of(home.path().join("1.png")), Ok(Declared { frames: 1, size: (9, 7) }));
-        assert!(of(home.path().join("gone.png")).is_err());
     }
 }

@@ -114,7 +114,7 @@ impl FeatureStore {
             let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
             Ok(stamps.iter().map(FileStamp::content).collect())
         };
-        let settings = json!({
+        let mut settings = json!({
             // Through text, because that is the file's form: a number may look different as a value.
             DETECTOR_KEY: job.detector.to_toml(),
             "bias": contents(&job.open.bias)?,
@@ -125,6 +125,12 @@ impl FeatureStore {
             "linearise": job.open.linearise,
             "accept_damaged": job.open.accept_damaged,
         });
+        // Absent where they are not given, as in records of versions that did not have them.
+        let layout =
+            json!({ "mosaic": job.open.mosaic, "raw": job.open.raw, "axis": job.open.axis, "array": job.open.array });
+        for (name, value) in layout.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null()) {
+            settings[name] = value.clone();
+        }
         if !may_begin(folder, Kind::Dataset, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
             let problem = "this folder holds files, but no dataset that was begun by this command";
             return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));

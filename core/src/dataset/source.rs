@@ -1,6 +1,6 @@
 //! The source of a dataset: its paths, and the cutting of long sequences.
 
-use crate::burst::{BurstFiles, Entries, SequenceCut, cut_sequence, find_entries, name_among_several};
+use crate::burst::{BurstFiles, Entries, OpenOptions, SequenceCut, cut_sequence, find_entries, name_among_several};
 use crate::error::Error;
 use crate::export::{make_file_names_unique, safe_file_name};
 use serde::{Deserialize, Serialize};
@@ -26,18 +26,18 @@ impl DatasetSource {
         Self { paths, burst_length: None, burst_step: None }
     }
 
-    /// Lists the bursts, in order, each with a unique name. No pixel is read.
+    /// Lists the bursts as `options` open them, in order, each with a unique name. No pixel is read.
     ///
     /// # Errors
     /// A path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
     /// too short for it.
-    pub fn bursts(&self) -> Result<Vec<BurstFiles>, Error> {
-        self.entries().map(|found| found.bursts)
+    pub fn bursts(&self, options: &OpenOptions) -> Result<Vec<BurstFiles>, Error> {
+        self.entries(options).map(|found| found.bursts)
     }
 
     /// As [`Self::bursts`], with the pictures beside them that belong to none.
-    pub fn entries(&self) -> Result<Entries, Error> {
-        let Entries { bursts: sequences, strays } = find_entries(&self.paths)?;
+    pub fn entries(&self, options: &OpenOptions) -> Result<Entries, Error> {
+        let Entries { bursts: sequences, strays } = find_entries(&self.paths, options)?;
         let Some(length) = self.burst_length else {
             return Ok(Entries { bursts: with_unique_names(sequences), strays });
         };
@@ -45,7 +45,7 @@ impl DatasetSource {
         let several = sequences.len() > 1;
         let mut bursts = Vec::new();
         for sequence in &sequences {
-            bursts.extend(cut_sequence(sequence, cut)?.into_iter().map(|burst| match several {
+            bursts.extend(cut_sequence(sequence, cut, options)?.into_iter().map(|burst| match several {
                 true => BurstFiles { name: name_among_several(&sequence.name, &burst.name), ..burst },
                 false => burst,
             }));
@@ -90,7 +90,7 @@ mod tests {
     }
 
     fn names(source: &DatasetSource) -> Vec<String> {
-        source.bursts().expect("bursts").into_iter().map(|b| b.name).collect()
+        source.bursts(&OpenOptions::default()).expect("bursts").into_iter().map(|b| b.name).collect()
     }
 
     #[test]
@@ -112,7 +112,7 @@ mod tests {
             (DatasetSource::of_bursts(vec![home.path().join("gone")]), "gone"),
             (DatasetSource::of_bursts(Vec::new()), "nothing"),
         ] {
-            let error = wrong.bursts().expect_err(words).to_string();
+            let error = wrong.bursts(&OpenOptions::default()).expect_err(words).to_string();
             assert!(error.contains(words), "{error}");
         }
         assert_eq!(nights.default_folder(), Some(home.path().join("nights-burstscope")));

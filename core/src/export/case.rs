@@ -300,6 +300,7 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
         binning: case.binning,
         suggested_full_scale: None,
         remarks: Vec::new(),
+        taken: Vec::new(),
         sources: vec![path.to_owned()],
     };
     Ok((case, burst))

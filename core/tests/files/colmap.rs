@@ -33,8 +33,8 @@ pub fn walk(home: &Path) -> Vec<BurstFiles> {
     let (burst, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
     let film = home.join("film");
     write_burst(&film, &burst, &truth, &Monitor::default()).expect("written");
-    let sequence = &find_bursts(&[film]).expect("one sequence")[0];
-    cut_sequence(sequence, SequenceCut::new(5, None).expect("a cut")).expect("three bursts")
+    let sequence = &find_bursts(&[film], &OpenOptions::default()).expect("one sequence")[0];
+    cut_sequence(sequence, SequenceCut::new(5, None).expect("a cut"), &OpenOptions::default()).expect("three bursts")
 }
 
 /// A job with few slopes and an unknown camera.

@@ -23,9 +23,10 @@ fn the_memory_of_an_export_does_not_grow_with_the_number_of_bursts() {
     let (film, truth) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
     let folder = home.path().join("film");
     write_burst(&folder, &film, &truth, &Monitor::default()).expect("written");
-    let sequence = &find_bursts(&[folder]).expect("one sequence")[0];
+    let sequence = &find_bursts(&[folder], &OpenOptions::default()).expect("one sequence")[0];
     // Bursts of one frame, in which noise gives many features.
-    let bursts = cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut")).expect("bursts");
+    let bursts =
+        cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut"), &OpenOptions::default()).expect("bursts");
     let params = DetectorParams {
         method: Method::Sift,
         noise_gate: NoiseGate::Factor(0.25),

@@ -48,7 +48,7 @@ fn look(
     monitor: &Monitor,
 ) -> Result<OpenDataset, JobError> {
     monitor.report(Stage::Open, 0.0);
-    let Entries { bursts, strays } = source.entries()?;
+    let Entries { bursts, strays } = source.entries(&open)?;
     monitor.check()?;
     let frames_of_one = match &bursts[..] {
         [one] => one.files().ok().map(|files| files.len()),

@@ -91,7 +91,8 @@ pub(super) fn decode(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         part,
         expected: expected.map(|expected| (expected.first.to_string_lossy().into_owned(), expected.size)),
-        options: OpenOptions { bias: None, flat: None, ..options.clone() },
+        // The mosaic is binned here.
+        options: OpenOptions { bias: None, flat: None, mosaic: None, ..options.clone() },
         limits: options.limits,
         memory_bytes: budget.memory_bytes,
         cpu_seconds: budget.cpu_seconds,
@@ -99,25 +100,9 @@ pub(super) fn decode(
     let clock = Duration::from_secs(budget.cpu_seconds.saturating_mul(CLOCK_FACTOR));
     let (mut stdin, mut stdout, stderr) = running.pipes();
     let until = Instant::now() + clock;
-    let child = &running.child;
-    // Ends the child when the work is cancelled or takes too long; ends itself when `over` is dropped.
-    let (over, is_over) = mpsc::channel::<()>();
-    let watch = move || {
-        while is_over.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
-            if monitor.is_cancelled() || Instant::now() >= until {
-                let _ = child.lock().unwrap_or_else(PoisonError::into_inner).kill();
-                return;
-            }
-        }
-    };
-    let answer = std::thread::scope(|scope| {
-        let _over = over; // also when the reading unwinds
-        let watching = std::thread::Builder::new().spawn_scoped(scope, watch);
-        watching.map_err(|e| Error::unread(path, format!("a thread could not be started: {e}")))?;
-        // Writing to a child that has already ended fails; its last output is read below.
-        let answer = send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, &options.limits));
-        Ok::<_, Error>(answer)
-    })?;
+    // Writing to a child that has already ended fails; its last output is read below.
+    let ask = || send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, &options.limits));
+    let answer = running.watched(path, monitor, Some(until), ask)?;
     // The child ends when its input is closed.
     drop(stdin);
     monitor.check()?;
@@ -144,7 +129,8 @@ enum Ending {
     FromOutside(i32),
 }
 
-struct Running {
+/// A child process, which is killed when it is dropped.
+pub(super) struct Running {
     child: Mutex<Child>,
 }
 
@@ -152,9 +138,14 @@ impl Running {
     fn start(worker: &DecodeWorker, path: &Path) -> Result<Self, Error> {
         let mut command = Command::new(&worker.program);
         command.args(&worker.arguments).arg(path);
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // One thread, and one arena of the allocator: more would take address space that the file needs.
         command.env("RAYON_NUM_THREADS", "1").env("MALLOC_ARENA_MAX", "1").env("RUST_BACKTRACE", "0");
+        Self::spawn(command, path)
+    }
+
+    /// Starts `command`, which decodes the file `path`, with pipes and without a terminal.
+    pub(super) fn spawn(mut command: Command, path: &Path) -> Result<Self, Error> {
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
@@ -168,7 +159,43 @@ impl Running {
         Ok(Self { child: Mutex::new(command.spawn().map_err(failed)?) })
     }
 
-    fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
+    /// Does `work` while another thread kills the child when the work is cancelled or lasts longer than `until`.
+    pub(super) fn watched<T>(
+        &self,
+        path: &Path,
+        monitor: &Monitor,
+        until: Option<Instant>,
+        work: impl FnOnce() -> T,
+    ) -> Result<T, Error> {
+        // The watch ends when `over` is dropped.
+        let (over, is_over) = mpsc::channel::<()>();
+        let watch = move || {
+            while is_over.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
+                if monitor.is_cancelled() || until.is_some_and(|until| Instant::now() >= until) {
+                    self.kill();
+                    return;
+                }
+            }
+        };
+        std::thread::scope(|scope| {
+            let _over = over; // also when the work unwinds
+            let watching = std::thread::Builder::new().spawn_scoped(scope, watch);
+            watching.map_err(|e| Error::unread(path, format!("a thread could not be started: {e}")))?;
+            Ok(work())
+        })
+    }
+
+    pub(super) fn kill(&self) {
+        // Fails for a child that has ended.
+        let _ = self.child.lock().unwrap_or_else(PoisonError::into_inner).kill();
+    }
+
+    /// Waits for the end of the child; whether it ended well.
+    pub(super) fn ends_well(&mut self) -> bool {
+        self.child.get_mut().unwrap_or_else(PoisonError::into_inner).wait().is_ok_and(|status| status.success())
+    }
+
+    pub(super) fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
         let pipes = child.stdin.take().zip(child.stdout.take()).zip(child.stderr.take());
         let ((stdin, stdout), stderr) = pipes.expect("it was started with these pipes, and nobody took them");

@@ -29,8 +29,10 @@ pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limi
     let mut decoder = decoder(path, file, &bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
+    let color = decoder.color_type();
     let (width, height) = turned_size((width as usize, height as usize), orientation(&mut decoder));
-    Ok(Header { width, height, frames: 1 })
+    let (samples, is_colour) = samples_of(color);
+    Ok(Header::new(name(format), (width, height), 1, samples, is_colour))
 }
 
 pub(super) fn frame(
@@ -79,7 +81,8 @@ pub(super) fn frame(
         let is_photograph = is_byte && (channels > 2 || matches!(format, ImageFormat::Jpeg | ImageFormat::WebP));
         let encoding = if is_photograph && !options.linearise { Encoding::Srgb } else { Encoding::Linear };
         let plane = turned(Plane::from_vec(size.0, size.1, values), orientation);
-        RawFrame { encoding, damage, ..RawFrame::linear(plane, FileScale::Range(largest)) }
+        let is_colour = channels > 2;
+        RawFrame { encoding, damage, is_colour, ..RawFrame::linear(plane, FileScale::Range(largest)) }
     };
     match color {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
@@ -94,13 +97,19 @@ pub(super) fn frame(
             let values = read::<f32>(decoder, values).map_err(failure)?;
             let values = grey_from_interleaved(&values, channels, Curve::Linear(1.0));
             let frame = frame_of_plane(path, 0, Plane::from_vec(size.0, size.1, values), false)?;
-            Ok(RawFrame { plane: turned(frame.plane, orientation), ..frame })
+            Ok(RawFrame { plane: turned(frame.plane, orientation), is_colour: true, ..frame })
         }
         other => {
             let reason = format!("its pixels are {other:?}; save it as grey or RGB of 8 or 16 bit");
             Err(Error::unsupported(path, name(format), reason))
         }
     }
+}
+
+/// Name of the samples of a colour type, and whether there are colours.
+fn samples_of(color: ColorType) -> (String, bool) {
+    let bits = color.bits_per_pixel() / u16::from(color.channel_count());
+    (if bits == 32 { "floats of 32 bit".to_owned() } else { format!("{bits} bit") }, color.has_color())
 }
 
 /// Checks that a PNM of numbers in decimal digits does not end with a digit: its last number may have lost others.

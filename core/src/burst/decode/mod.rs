@@ -4,31 +4,42 @@
 //! Before any decoder runs, the sizes that the file declares are checked ([`look`]). Third-party decoders run in a
 //! child process ([`child`], [`serve`]) where they could take much memory, and always for raw files.
 
+mod axes;
 mod child;
+mod dump;
+mod film;
+mod fits;
 mod image;
 mod jpeg;
 mod look;
+mod mosaic;
 mod npy;
-mod npy_header;
+mod npz;
 mod pixels;
+mod plain;
 #[cfg(feature = "raw")]
 mod raw;
+mod ser;
 mod serve;
 mod tiff;
 mod wire;
+mod y4m;
 
 pub use child::DecodeWorker;
-pub(super) use look::extensions;
+pub(super) use look::{Rank, extensions, rank};
 pub use pixels::LUMA_WEIGHTS;
 pub use serve::serve_decoding;
 
-use super::options::{Encoding, OpenOptions};
+use super::layout::Mosaic;
+use super::options::{Encoding, Limits, OpenOptions};
+use super::times::Times;
 use crate::error::Error;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::memory::{self};
 use ::image::ImageFormat::WebP;
 use look::{Directories, Kind, check_webp, is_video};
+use plain::Plain;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -39,7 +50,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Unit of a file's values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) enum FileScale {
-    /// Integers of 8 or 16 bit: the largest value of the type. The plane is already divided by it.
+    /// Integers of up to 16 bit: the largest value of the type. The plane is already divided by it.
     Range(f32),
     /// Values as the sensor gave them: the plane is a fraction of the range from black to white.
     #[cfg_attr(not(feature = "raw"), allow(dead_code))] // only raw frames are of this kind
@@ -57,16 +68,14 @@ pub(super) enum FileScale {
 
 impl FileScale {
     /// Name of the file's samples; frames whose samples differ are not in one unit. A raw file declares its own white.
-    pub(super) fn samples(self) -> &'static str {
+    pub(super) fn samples(self) -> String {
         match self {
-            Self::Range(1.0) => "1 bit",
-            Self::Range(127.0) => "8 bit with a sign",
-            Self::Range(255.0) => "8 bit",
-            Self::Range(32767.0) => "16 bit with a sign",
-            Self::Range(_) => "16 bit",
-            Self::Raw { .. } => "raw values",
-            Self::Data { integer: true, .. } => "integers of 32 or 64 bit",
-            Self::Data { integer: false, .. } => "floats",
+            Self::Range(127.0) => "8 bit with a sign".to_owned(),
+            Self::Range(32767.0) => "16 bit with a sign".to_owned(),
+            Self::Range(largest) => format!("{} bit", (largest as u32).checked_ilog2().map_or(1, |bits| bits + 1)),
+            Self::Raw { .. } => "raw values".to_owned(),
+            Self::Data { integer: true, .. } => "integers of 32 or 64 bit".to_owned(),
+            Self::Data { integer: false, .. } => "floats".to_owned(),
         }
     }
 }
@@ -82,21 +91,49 @@ pub(super) struct RawFrame {
     pub damage: Option<String>,
     /// The kind of its file, where the extension names another.
     pub misnamed: Option<&'static str>,
+    /// Whether the file has colours for each pixel.
+    pub is_colour: bool,
+    /// Mosaic of colours that its file declares; it is not binned yet.
+    pub mosaic: Option<Mosaic>,
 }
 
 impl RawFrame {
     /// Frame whose values are proportional to light, as far as the file tells.
     pub(super) fn linear(plane: Plane, scale: FileScale) -> Self {
-        Self { plane, scale, encoding: Encoding::Linear, binning: 1, damage: None, misnamed: None }
+        let (encoding, damage, misnamed, mosaic) = (Encoding::Linear, None, None, None);
+        Self { plane, scale, encoding, binning: 1, damage, misnamed, is_colour: false, mosaic }
     }
 }
 
-/// Sizes that a file declares, before any pixel is read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Declarations of a file, before any pixel is read.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
+    /// Name of its kind.
+    pub kind: &'static str,
+    /// Size before a mosaic is binned.
     pub width: usize,
     pub height: usize,
     pub frames: usize,
+    /// Name of its samples, such as "16 bit".
+    pub samples: String,
+    pub is_colour: bool,
+    pub mosaic: Option<Mosaic>,
+    pub times: Times,
+    /// Guesses and choices, for the user.
+    pub taken: Vec<String>,
+}
+
+impl Header {
+    fn new(
+        kind: &'static str,
+        (width, height): (usize, usize),
+        frames: usize,
+        samples: String,
+        is_colour: bool,
+    ) -> Self {
+        let (mosaic, times, taken) = (None, Times::default(), Vec::new());
+        Self { kind, width, height, frames, samples, is_colour, mosaic, times, taken }
+    }
 }
 
 /// Size that a frame must have, and the file that it comes from.
@@ -118,19 +155,20 @@ impl Expected<'_> {
     }
 }
 
-/// Number of frames in the file, for a TIFF at most 2; reads as little as possible.
-pub(super) fn frame_count(path: &Path) -> Result<usize, Error> {
+/// Number of frames in the file, for a TIFF and a film at most 2; reads as little as possible.
+pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize, Error> {
     // Extensions are tried first, because this is called for every picture of a folder.
     if let Some(Kind::Raw | Kind::Picture(_)) = Kind::named(path) {
         return Ok(1);
     }
     // A thumbnail may lie between two pages.
     const PAGES: usize = 3;
-    let input = InputFile::open(path, PAGES)?;
+    let input = InputFile::open(path, PAGES, options)?;
     guarded(path, input.kind, || match input.kind {
         Kind::Raw | Kind::Picture(_) => Ok(1),
-        Kind::Npy => Ok(npy_header::read(path, &input.file, &OpenOptions::default().limits)?.frames),
+        Kind::Film => Ok(2),
         Kind::Tiff => tiff::frame_count(path, input.file),
+        _ => Ok(plain(path, input, &OpenOptions { limits: Limits::default(), ..options.clone() })?.places.len()),
     })
 }
 
@@ -141,21 +179,18 @@ pub(super) fn header(
     options: &OpenOptions,
     monitor: &Monitor,
 ) -> Result<(Header, Option<RawFrame>), Error> {
-    let limits = &options.limits;
-    let input = InputFile::open(path, usize::MAX)?;
+    let input = InputFile::open(path, usize::MAX, options)?;
     guarded(path, input.kind, || match input.kind {
         Kind::Raw => {
             let misnamed = input.misnamed;
             let frame = RawFrame { misnamed, ..raw_frame(path, &input, None, options, monitor)? };
-            let (width, height) = frame.plane.size();
-            Ok((Header { width, height, frames: 1 }, Some(frame)))
+            let header = Header::new(input.kind.name(), frame.plane.size(), 1, frame.scale.samples(), false);
+            Ok((header, Some(frame)))
         }
-        Kind::Npy => {
-            let npy_header::NpyHeader { width, height, frames, .. } = npy_header::read(path, &input.file, limits)?;
-            Ok((Header { width, height, frames }, None))
-        }
-        Kind::Tiff => Ok((tiff::header(path, input.file, limits)?, None)),
-        Kind::Picture(format) => Ok((image::header(path, input.file, format, limits)?, None)),
+        Kind::Film => Ok((film::header(path, options, monitor)?, None)),
+        Kind::Tiff => Ok((tiff::header(path, input.file, options)?, None)),
+        Kind::Picture(format) => Ok((image::header(path, input.file, format, &options.limits)?, None)),
+        _ => Ok((plain(path, input, options)?.header(), None)),
     })
 }
 
@@ -165,36 +200,52 @@ pub(super) fn frame(
     options: &OpenOptions,
     monitor: &Monitor,
 ) -> Result<RawFrame, Error> {
-    let input = InputFile::open(path, usize::MAX)?;
+    let input = InputFile::open(path, usize::MAX, options)?;
     let misnamed = input.misnamed;
     let frame = guarded(path, input.kind, || match input.kind {
         Kind::Raw => raw_frame(path, &input, expected, options, monitor),
-        Kind::Npy => npy::frame(path, input.file, expected, &options.limits),
+        Kind::Film => Err(Error::stack_among_frames(path, 2)),
         Kind::Tiff => tiff::frame(path, input, expected, options, monitor),
         Kind::Picture(format) => image::frame(path, input, format, expected, options, monitor),
+        _ => plain(path, input, options)?.only(path, expected, options),
     })?;
-    Ok(RawFrame { misnamed, ..frame })
+    mosaic::applied(path, RawFrame { misnamed, ..frame }, options)
 }
 
 pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
-    let input = InputFile::open(path, usize::MAX)?;
+    let input = InputFile::open(path, usize::MAX, options)?;
     let misnamed = input.misnamed;
-    let mut frames = match input.kind {
-        Kind::Npy => guarded(path, input.kind, || npy::stack(path, input.file, &options.limits, ticker)),
+    let frames = match input.kind {
+        Kind::Film => guarded(path, input.kind, || film::stack(path, options, ticker)),
         Kind::Tiff => guarded(path, input.kind, || tiff::stack(path, input, options, ticker)),
         Kind::Raw | Kind::Picture(_) => {
             let frame = frame(path, None, options, ticker.monitor());
             ticker.tick();
-            frame.map(|frame| vec![frame])
+            return frame.map(|frame| vec![frame]);
         }
+        _ => guarded(path, input.kind, || plain(path, input, options)?.stack(path, options, ticker)),
     }?;
-    frames.iter_mut().for_each(|frame| frame.misnamed = misnamed);
-    Ok(frames)
+    let finished = |frame| mosaic::applied(path, RawFrame { misnamed, ..frame }, options);
+    frames.into_par_iter().map(finished).collect()
+}
+
+/// Pixels of a file that holds plain numbers.
+fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain, Error> {
+    let InputFile { mut file, length, kind, .. } = input;
+    match kind {
+        Kind::Npy => npy::ArrayHeader::read(path, kind.name(), &mut file)?.plain(path, kind.name(), length, options),
+        Kind::Npz => npz::plain(path, file, options),
+        Kind::Y4m => y4m::plain(path, file, length, options),
+        Kind::Ser => ser::plain(path, file, length, options),
+        Kind::Fits => fits::plain(path, file, length, options),
+        Kind::Dump => dump::plain(path, length, options),
+        Kind::Raw | Kind::Film | Kind::Tiff | Kind::Picture(_) => unreachable!("these have decoders of their own"),
+    }
 }
 
 /// Decodes one page of a TIFF, which is frame `frame` of its burst.
 fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, Error> {
-    let input = InputFile::open(path, usize::MAX)?;
+    let input = InputFile::open(path, usize::MAX, options)?;
     guarded(path, Kind::Tiff, || tiff::page(path, input, page, frame, options))
 }
 
@@ -235,7 +286,7 @@ struct InputFile {
 impl InputFile {
     /// Opens a regular file that is not empty, tells its kind and checks the sizes that it declares; of a TIFF, the
     /// first `pages` pages only.
-    fn open(path: &Path, pages: usize) -> Result<Self, Error> {
+    fn open(path: &Path, pages: usize, options: &OpenOptions) -> Result<Self, Error> {
         let read_error = |e: std::io::Error| Error::from_io(path, &e);
         let metadata = std::fs::metadata(path).map_err(read_error)?;
         if !metadata.is_file() {
@@ -251,13 +302,14 @@ impl InputFile {
         // A raw file may use a video container.
         let named = Kind::named(path);
         let is_raw = named == Some(Kind::Raw);
-        if is_video(&start) && !is_raw {
-            return Err(look::video(path));
-        }
-        let begins_as = Kind::of(&start);
+        // By chance a dump begins like another file; one whose shape is given is taken for what its name says.
+        let is_dump = named.is_none_or(|kind| kind == Kind::Dump) && (options.raw.is_some());
+        let begins_as = if is_dump { Some(Kind::Dump) } else { Kind::of(&start) };
         let mut kind = match begins_as {
             None | Some(Kind::Tiff) if is_raw => Kind::Raw,
             Some(kind) => kind,
+            None if is_video(&start) => Kind::Film,
+            None if named == Some(Kind::Dump) => Kind::Dump,
             None => return Err(look::unknown(path, &start)),
         };
         let mut reader = BufReader::with_capacity(512, &mut file);
@@ -273,7 +325,7 @@ impl InputFile {
             check_webp(&mut reader, length).map_err(|e| Error::from_read(path, kind.name(), &e))?;
         }
         file.seek(SeekFrom::Start(0)).map_err(read_error)?;
-        let misnamed = named.filter(|named| *named != kind).map(|_| kind.name());
+        let misnamed = named.filter(|named| *named != kind && *named != Kind::Dump).map(|_| kind.name());
         Ok(Self { file, length, kind, misnamed, directories })
     }
 }

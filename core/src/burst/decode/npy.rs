@@ -1,139 +1,268 @@
-//! `.npy` arrays: a stack `[frames, rows, columns]` or one frame `[rows, columns]`, of any integer or float type in
-//! either byte order, in C or Fortran order. Booleans become 0 and 1.
+//! `.npy` arrays, of any integer or float type in either byte order, in C or Fortran order: a stack, one frame, with or
+//! without colours. Booleans become 0 and 1.
+//!
+//! The header is a Python dictionary such as `{'descr': '<u2', 'fortran_order': False, 'shape': (10, 480, 640), }`. It
+//! is read here rather than by a library, because a stack is read frame by frame, and because a hostile header must
+//! neither take memory nor nest without end. Format:
+//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use super::npy_header::{self, NpyHeader};
-use super::{Expected, FileScale, RawFrame, frame_of_plane};
-use crate::burst::decode::{Ticker, in_order};
-use crate::burst::options::Limits;
-use crate::error::Error;
-use crate::monitor::Monitor;
-use crate::plane::{Plane, memory};
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use super::plain::{Index, Plain};
+use crate::burst::layout::{Axis, AxisChoice};
+use crate::burst::number::Number;
+use crate::burst::options::OpenOptions;
+use crate::error::{Error, ErrorKind};
+use std::io::Read;
 use std::path::Path;
 
-/// Bytes that are read and converted at once: a multiple of every value's size, and small enough for the cache.
-const BLOCK_BYTES: usize = 1 << 18;
+/// Largest header allowed, bytes. Longer ones are of structured arrays, which are no pictures.
+const MAX_HEADER_BYTES: usize = 4096;
 
-pub(super) fn frame(
-    path: &Path,
-    file: File,
-    expected: Option<Expected<'_>>,
-    limits: &Limits,
-) -> Result<RawFrame, Error> {
-    let header = npy_header::read(path, &file, limits)?;
-    if header.frames != 1 {
-        return Err(Error::stack_among_frames(path, header.frames));
-    }
-    Expected::check(expected, path, (header.width, header.height))?;
-    let mut frames = stack(path, file, limits, &Ticker::new(&Monitor::default(), 1))?;
-    Ok(frames.remove(0))
+/// Code of each type in the header.
+const DTYPES: [(&str, Number); 12] = [
+    ("b1", Number::Bool),
+    ("u1", Number::U8),
+    ("u2", Number::U16),
+    ("u4", Number::U32),
+    ("u8", Number::U64),
+    ("i1", Number::I8),
+    ("i2", Number::I16),
+    ("i4", Number::I32),
+    ("i8", Number::I64),
+    ("f2", Number::F16),
+    ("f4", Number::F32),
+    ("f8", Number::F64),
+];
+
+/// Header of an array.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ArrayHeader {
+    descr: String,
+    fortran_order: bool,
+    pub shape: Vec<u64>,
+    /// Bytes before the values.
+    data_offset: u64,
 }
 
-pub(super) fn stack(path: &Path, file: File, limits: &Limits, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
-    let header = npy_header::read(path, &file, limits)?;
-    let planes = if header.fortran_order {
-        read_fortran(path, file, &header, ticker)?
-    } else {
-        in_order(header.frames, |t| {
-            let frame = read_frame(path, &header, t, ticker)?;
-            ticker.tick();
-            Ok(frame)
-        })?
-    };
-    let is_integer = !header.code.starts_with('f');
-    let frame = |(t, values)| {
-        let plane = Plane::from_vec(header.width, header.height, values);
-        match header.range {
-            Some(full_scale) => Ok(RawFrame::linear(plane, FileScale::Range(full_scale))),
-            None => frame_of_plane(path, t, plane, is_integer),
+impl ArrayHeader {
+    /// Reads the header with which `reader` begins; `kind` is the name of the file's kind.
+    pub(super) fn read(path: &Path, kind: &str, reader: &mut impl Read) -> Result<Self, Error> {
+        let corrupt = |reason: &str| Error::corrupt(path, kind, reason);
+        let fail = |e: std::io::Error| Error::from_read(path, kind, &e);
+        let mut start = [0u8; 10];
+        reader.read_exact(&mut start).map_err(fail)?;
+        if !start.starts_with(MAGIC) {
+            return Err(corrupt("its array does not begin as one"));
         }
-    };
-    planes.into_iter().enumerate().map(frame).collect()
-}
-
-fn read_frame(path: &Path, header: &NpyHeader, t: usize, ticker: &Ticker<'_>) -> Result<Vec<f32>, Error> {
-    let fail = |e: std::io::Error| Error::from_read(path, "NPY", &e);
-    let count = header.width * header.height;
-    let bytes = count * header.value_bytes;
-    let mut file = File::open(path).map_err(fail)?;
-    file.seek(SeekFrom::Start(header.data_offset + (t * bytes) as u64)).map_err(fail)?;
-    let mut values = memory::with_capacity(count);
-    let mut block = vec![0u8; BLOCK_BYTES.min(bytes)];
-    let mut left = bytes;
-    while left > 0 {
-        ticker.check()?;
-        let block = &mut block[..BLOCK_BYTES.min(left)];
-        file.read_exact(block).map_err(fail)?;
-        convert(block, header, &mut values);
-        left -= block.len();
+        let (mut header_bytes, mut data_offset) = (usize::from(u16::from_le_bytes([start[8], start[9]])), 10);
+        match start[6] {
+            1 => {}
+            2 | 3 => {
+                let mut high = [0u8; 2];
+                reader.read_exact(&mut high).map_err(fail)?;
+                header_bytes |= usize::from(u16::from_le_bytes(high)) << 16;
+                data_offset = 12;
+            }
+            version => return Err(corrupt(&format!("version {version} of the format is unknown"))),
+        }
+        if header_bytes > MAX_HEADER_BYTES {
+            return Err(corrupt("its header is too long"));
+        }
+        let mut text = vec![0u8; header_bytes];
+        reader.read_exact(&mut text).map_err(fail)?;
+        let text = std::str::from_utf8(&text).map_err(|_| corrupt("its header is not text"))?;
+        let (descr, fortran_order, shape) = parse(text).ok_or_else(|| corrupt("its header cannot be understood"))?;
+        Ok(Self { descr, fortran_order, shape, data_offset: data_offset + header_bytes as u64 })
     }
-    Ok(values)
+
+    /// Whether it has the number of axes that frames have.
+    pub(super) fn is_of_frames(&self) -> bool {
+        (2..=4).contains(&self.shape.len()) && DTYPES.iter().any(|(code, _)| self.descr.get(1..) == Some(*code))
+    }
+
+    /// Its frames. `length` is that of the file or the member, bytes; a shape beyond the limits is refused.
+    pub(super) fn plain(
+        &self,
+        path: &Path,
+        kind: &'static str,
+        length: u64,
+        options: &OpenOptions,
+    ) -> Result<Plain, Error> {
+        let (order, code) = self.descr.split_at_checked(1).unwrap_or(("", ""));
+        let number = DTYPES.iter().find(|(known, _)| *known == code).map(|(_, number)| *number);
+        let number = number.ok_or_else(|| {
+            let descr = &self.descr;
+            let reason =
+                format!("its values are of the type '{descr}'; save integers or floats, such as uint16 or float32");
+            Error::unsupported(path, kind, reason)
+        })?;
+        let big_endian = match order {
+            "<" | "|" | "=" => false,
+            ">" => true,
+            _ => return Err(Error::corrupt(path, kind, "its byte order is unknown")),
+        };
+        let (mut indices, taken) = meaning(&self.shape, options.axis.as_ref()).map_err(|remedy| {
+            let problem = format!("this array has the shape {:?}", self.shape);
+            Error::new(ErrorKind::Unsupported, problem, remedy).about(path)
+        })?;
+        let length_of = |index| indices.iter().find(|(own, _)| *own == index).map_or(1, |(_, length)| *length);
+        let (frames, height, width, channels) =
+            (length_of(Index::Frame), length_of(Index::Row), length_of(Index::Column), length_of(Index::Colour));
+        let step = number.bytes(height.saturating_mul(width).saturating_mul(channels));
+        let bytes = (self.data_offset, step, length);
+        let places = Plain::places_in(path, kind, (frames, height, width), bytes, &options.limits)?;
+        if !self.fortran_order {
+            indices.reverse();
+        }
+        let in_order = [Index::Colour, Index::Column, Index::Row, Index::Frame];
+        let is_in_order = indices
+            .iter()
+            .filter(|(_, length)| *length > 1)
+            .map(|(index, _)| in_order.iter().position(|own| own == index))
+            .is_sorted();
+        let scattered = indices.iter().map(|(index, length)| (*index, *length as usize));
+        Ok(Plain {
+            big_endian,
+            channels: channels as usize,
+            is_encoded: channels > 1 && number == Number::U8,
+            taken: taken.into_iter().collect(),
+            scattered: if is_in_order { Vec::new() } else { scattered.collect() },
+            ..Plain::new(kind, (width as usize, height as usize), places, number)
+        })
+    }
 }
 
-/// Reads all frames of an array in Fortran order, where the frame index runs fastest and the column slowest.
-fn read_fortran(path: &Path, mut file: File, header: &NpyHeader, ticker: &Ticker<'_>) -> Result<Vec<Vec<f32>>, Error> {
-    let fail = |e: std::io::Error| Error::from_read(path, "NPY", &e);
-    let (frames, height, width) = (header.frames, header.height, header.width);
-    let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(width * height)).collect();
-    file.seek(SeekFrom::Start(header.data_offset)).map_err(fail)?;
-    let mut left = frames * height * width * header.value_bytes;
-    let mut block = vec![0u8; BLOCK_BYTES.min(left)];
-    let mut values = Vec::new();
-    let (mut t, mut v, mut u) = (0, 0, 0);
-    while left > 0 {
-        ticker.check()?;
-        let block = &mut block[..BLOCK_BYTES.min(left)];
-        file.read_exact(block).map_err(fail)?;
-        values.clear();
-        convert(block, header, &mut values);
-        for &value in &values {
-            planes[t][v * width + u] = value;
-            t += 1;
-            if t == frames {
-                (t, v) = (0, v + 1);
-                if v == height {
-                    (v, u) = (0, u + 1);
+/// First bytes of every array.
+pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// Axes of an array as indices with their lengths, and a word about what was guessed.
+type Meaning = (Vec<(Index, u64)>, Option<String>);
+
+/// Meaning of the axes of an array. The error is a remedy.
+fn meaning(shape: &[u64], axis: Option<&AxisChoice>) -> Result<Meaning, String> {
+    use Index::{Colour, Column, Frame, Row};
+    /// The last axis is taken for that of the frames where it is this many times shorter than the others.
+    const SHORTER: u64 = 8;
+    let axis = axis.map(|choice| choice.along);
+    let usual =
+        "a stack is [frames, rows, columns], one frame is [rows, columns], and [frames, rows, columns, 3] has colours";
+    let (indices, taken): (&[Index], _) = match *shape {
+        _ if !matches!(axis, None | Some(Axis::First | Axis::Last)) => {
+            return Err("the axes of an array have no names; say --axis first or --axis last".to_owned());
+        }
+        [_, _] => (&[Row, Column], None),
+        [0, ..] => return Err(usual.to_owned()),
+        [_, _, _] if axis == Some(Axis::First) => (&[Frame, Row, Column], None),
+        [_, _, _] if axis == Some(Axis::Last) => (&[Row, Column, Frame], None),
+        [first, middle, last] if last > 0 && last.saturating_mul(SHORTER) <= first.min(middle) => {
+            if matches!(last, 3 | 4) {
+                return Err(format!(
+                    "it may be a picture with {last} colours or {last} frames: say --axis last for frames, or save a picture as [1, rows, columns, {last}]"
+                ));
+            }
+            let words = "the last axis, which is by far the shortest, is taken for that of the frames; --axis first takes the first";
+            (&[Row, Column, Frame], Some(words.to_owned()))
+        }
+        [_, _, _] => (&[Frame, Row, Column], None),
+        [_, 1, _, _] => (&[Frame, Colour, Row, Column], None),
+        [_, _, _, 1] => (&[Frame, Row, Column, Colour], None),
+        [_, _, _, 3 | 4] => (
+            &[Frame, Row, Column, Colour],
+            Some("the last axis is taken for that of the colours, whose luma is used".to_owned()),
+        ),
+        _ => return Err(usual.to_owned()),
+    };
+    Ok((indices.iter().copied().zip(shape.iter().copied()).collect(), taken))
+}
+
+fn parse(text: &str) -> Option<(String, bool, Vec<u64>)> {
+    let mut rest = text.trim().strip_prefix('{')?.trim_start();
+    let (mut descr, mut fortran_order, mut shape) = (None, None, None);
+    while !rest.starts_with('}') {
+        let (key, after) = quoted(rest)?;
+        rest = after.trim_start().strip_prefix(':')?.trim_start();
+        match key {
+            "descr" => {
+                // A structured type is a list: not a picture, but named in the error.
+                let (value, after) = if rest.starts_with('[') { (rest, "}") } else { quoted(rest)? };
+                (descr, rest) = (Some(value.trim().to_owned()), after);
+                if value.starts_with('[') {
+                    return Some((descr?, false, Vec::new()));
                 }
             }
+            "fortran_order" => {
+                let (value, after) = [(true, "True"), (false, "False")]
+                    .iter()
+                    .find_map(|(value, word)| Some((*value, rest.strip_prefix(word)?)))?;
+                (fortran_order, rest) = (Some(value), after);
+            }
+            "shape" => {
+                let (list, after) = rest.strip_prefix('(')?.split_once(')')?;
+                let numbers = list.split(',').map(str::trim).filter(|n| !n.is_empty());
+                // Old versions of Python write long integers with an L.
+                shape = Some(numbers.map(|n| n.trim_end_matches('L').parse().ok()).collect::<Option<Vec<u64>>>()?);
+                rest = after;
+            }
+            _ => return None,
         }
-        left -= block.len();
+        rest = rest.trim_start();
+        rest = rest.strip_prefix(',').unwrap_or(rest).trim_start();
     }
-    (0..frames).for_each(|_| ticker.tick());
-    Ok(planes)
+    Some((descr?, fortran_order?, shape?))
 }
 
-/// Appends the values of `bytes`, divided by the type's range if it has one.
-fn convert(bytes: &[u8], header: &NpyHeader, values: &mut Vec<f32>) {
-    let divisor = header.range.unwrap_or(1.0);
-    macro_rules! from {
-        ($type:ty) => {{
-            const SIZE: usize = size_of::<$type>();
-            let (chunks, _) = bytes.as_chunks::<SIZE>();
-            if header.big_endian {
-                values.extend(chunks.iter().map(|c| <$type>::from_be_bytes(*c) as f32 / divisor));
-            } else {
-                values.extend(chunks.iter().map(|c| <$type>::from_le_bytes(*c) as f32 / divisor));
-            }
-        }};
-    }
-    match header.code {
-        "b1" => values.extend(bytes.iter().map(|b| f32::from(u8::from(*b != 0)))),
-        "u1" => from!(u8),
-        "u2" => from!(u16),
-        "u4" => from!(u32),
-        "u8" => from!(u64),
-        "i1" => from!(i8),
-        "i2" => from!(i16),
-        "i4" => from!(i32),
-        "i8" => from!(i64),
-        "f4" => from!(f32),
-        "f8" => from!(f64),
-        "f2" => {
-            let (chunks, _) = bytes.as_chunks::<2>();
-            let bits = |c: &[u8; 2]| if header.big_endian { u16::from_be_bytes(*c) } else { u16::from_le_bytes(*c) };
-            values.extend(chunks.iter().map(|c| half::f16::from_bits(bits(c)).to_f32()));
+/// A quoted word and the text after it.
+fn quoted(text: &str) -> Option<(&str, &str)> {
+    let quote = text.chars().next().filter(|c| *c == '\'' || *c == '"')?;
+    text[1..].split_once(quote)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn headers_of_numpy_are_understood() {
+        let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 480, 640), }            \n";
+        assert_eq!(parse(text), Some(("<f4".into(), false, vec![3, 480, 640])));
+        let text = "{\"shape\":(5L,),\"fortran_order\":True,\"descr\":\"|u1\"}";
+        assert_eq!(parse(text), Some(("|u1".into(), true, vec![5])));
+        assert_eq!(parse("{'descr': '<f4', 'fortran_order': False, 'shape': ()}"), Some(("<f4".into(), false, vec![])));
+        for wrong in ["", "{", "{}", "{'descr': '<f4'}", "{'descr': 3}", "{'shape': (-1,)}", "((((((((", "{'x': 1}"] {
+            assert_eq!(parse(wrong), None, "{wrong}");
         }
-        other => unreachable!("{other} is not in the table of types"),
+    }
+
+    #[test]
+    fn axes_are_told_apart_by_their_lengths() {
+        use Index::{Colour, Column, Frame, Row};
+        let of = |shape: &[u64], axis: Option<&str>| {
+            let axis = axis.map(|text| text.parse::<AxisChoice>().expect("an axis"));
+            let found = meaning(shape, axis.as_ref())?;
+            Ok::<_, String>((found.0.iter().map(|(index, _)| *index).collect::<Vec<_>>(), found.1.is_some()))
+        };
+        assert_eq!(of(&[480, 640], None), Ok((vec![Row, Column], false)));
+        assert_eq!(of(&[200, 480, 120], None), Ok((vec![Frame, Row, Column], false)));
+        assert_eq!(of(&[480, 640, 10], None), Ok((vec![Row, Column, Frame], true)));
+        assert_eq!(of(&[480, 640, 10], Some("first")), Ok((vec![Frame, Row, Column], false)));
+        assert_eq!(of(&[9, 9, 9], Some("last")), Ok((vec![Row, Column, Frame], false)));
+        assert_eq!(of(&[5, 1, 480, 640], None), Ok((vec![Frame, Colour, Row, Column], false)));
+        assert_eq!(of(&[5, 480, 640, 3], None), Ok((vec![Frame, Row, Column, Colour], true)));
+        assert!(of(&[480, 640, 3], None).is_err_and(|remedy| remedy.contains("3 frames")));
+        for (bad, axis) in
+            [(&[5, 2, 480, 640][..], None), (&[5], None), (&[5, 4, 4], Some("T")), (&[1, 1, 1, 1, 1], None)]
+        {
+            assert!(of(bad, axis).is_err(), "{bad:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_header_panics(text in "\\PC{0,60}", cut in 0usize..60) {
+            let _ = parse(&text);
+            let good = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 480, 640), }";
+            let _ = parse(&good[..cut]);
+            let _ = parse(&format!("{}{text}{}", &good[..cut], &good[cut..]));
+        }
     }
 }

@@ -1,11 +1,11 @@
 //! Raw frames: a sensor's own values, by `rawler` (DNG, and the other formats that it knows).
 //!
-//! Filling in the colours of the mosaic of 2×2 (demosaicing) would make noise that neighbours share. So the four pixels
-//! of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken; places, scales and slopes
-//! are in binned pixels. Values under black stay negative; nothing is stretched, balanced or clipped. The active area
-//! is taken, not the crop that the camera recommends. The black and white levels, which become 0 and 1, are the file's
-//! unless given; black may differ by colour, column and row (DNG's `BlackLevelDeltaH` and `BlackLevelDeltaV`).
+//! Squares of the mosaic become pixels ([`super::mosaic`]). Values under black stay negative; nothing is stretched,
+//! balanced or clipped. The active area is taken, not the crop that the camera recommends. The black and white levels,
+//! which become 0 and 1, are the file's unless given; black may differ by colour, column and row (DNG's
+//! `BlackLevelDeltaH` and `BlackLevelDeltaV`).
 
+use super::mosaic::binned;
 use super::pixels::turned;
 use super::{Expected, FileScale, RawFrame};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
@@ -94,16 +94,8 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
                 mosaic.width, mosaic.height, mosaic.name
             ));
         }
-        let (width, height) = (area.d.w / 2, area.d.h / 2);
-        if width == 0 || height == 0 {
-            return Err("its active area is smaller than a square of the mosaic".to_owned());
-        }
-        let is_wanted = |&(u, v): &(usize, usize)| colour.index().is_none_or(|c| c == colour_at(u, v));
-        let wanted: Vec<(usize, usize)> = (0..4).map(|k| (k % 2, k / 2)).filter(is_wanted).collect();
-        let share = 1.0 / wanted.len() as f32;
-        let plane = Plane::from_fn(width, height, |u, v| {
-            wanted.iter().map(|(du, dv)| at(2 * u + du, 2 * v + dv, 0)).sum::<f32>() * share
-        });
+        let plane = binned((area.d.w, area.d.h), colour, colour_at, |u, v| at(u, v, 0));
+        let plane = plane.ok_or("its active area is smaller than a square of the mosaic")?;
         return Ok((plane, 2));
     }
     let plane = match raw.cpp {
@@ -115,18 +107,6 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
         samples => return Err(format!("it has {samples} values a pixel; one or three can be opened")),
     };
     Ok((plane, 1))
-}
-
-impl RawColour {
-    /// Index of the colour (red, green, blue) that is taken; `None` for all.
-    fn index(self) -> Option<usize> {
-        match self {
-            Self::Luma => None,
-            Self::Red => Some(0),
-            Self::Green => Some(1),
-            Self::Blue => Some(2),
-        }
-    }
 }
 
 /// Black of each column and row above the level of its colour. Empty where the file gives none.

@@ -4,12 +4,14 @@
 //! A page in planes and tiles is assembled here, tile by tile: the library (tiff 0.11.3) panics where the size of such
 //! a page is no multiple of the tile's.
 
+use super::axes;
 use super::child::{self, Budget};
 use super::pixels::{turned, turned_size};
 use super::wire::Part;
 use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes};
 use crate::burst::decode::{Ticker, in_order};
+use crate::burst::layout::AxisChoice;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::error::{Error, ErrorKind};
 use crate::monitor::Monitor;
@@ -25,16 +27,18 @@ use tiff::{ColorType, TiffResult};
 /// Number of frames, 2 standing for any larger number: reads no further than the second.
 pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, Error> {
     let limits = Limits { max_frames: 1, ..Limits::default() };
-    match Pages::read(path, file, &limits) {
+    match Pages::read(path, file, &limits, None) {
         Ok(pages) => Ok(pages.list.len()),
         Err(error) if matches!(error.kind, ErrorKind::TooLarge | ErrorKind::Mismatch) => Ok(2),
         Err(error) => Err(error),
     }
 }
 
-pub(super) fn header(path: &Path, file: File, limits: &Limits) -> Result<Header, Error> {
-    let Pages { size: (width, height), list } = Pages::read(path, file, limits)?;
-    Ok(Header { width, height, frames: list.len() })
+pub(super) fn header(path: &Path, file: File, options: &OpenOptions) -> Result<Header, Error> {
+    let Pages { size, list, samples, is_colour, taken } =
+        Pages::read(path, file, &options.limits, options.axis.as_ref())?;
+    let header = Header::new("TIFF", size, list.len(), samples, is_colour);
+    Ok(Header { taken: taken.into_iter().collect(), ..header })
 }
 
 pub(super) fn frame(
@@ -44,7 +48,7 @@ pub(super) fn frame(
     options: &OpenOptions,
     monitor: &Monitor,
 ) -> Result<RawFrame, Error> {
-    let pages = Pages::read(path, input.file, &options.limits)?;
+    let pages = Pages::read(path, input.file, &options.limits, options.axis.as_ref())?;
     let [page] = pages.list[..] else {
         return Err(Error::stack_among_frames(path, pages.list.len()));
     };
@@ -60,7 +64,7 @@ pub(super) fn page(
     frame: usize,
     options: &OpenOptions,
 ) -> Result<RawFrame, Error> {
-    let pages = Pages::read(path, input.file, &options.limits)?;
+    let pages = Pages::read(path, input.file, &options.limits, options.axis.as_ref())?;
     if !pages.list.contains(&page) {
         return Err(Error::corrupt(path, "TIFF", format!("it has no page {} any more", page + 1)));
     }
@@ -73,7 +77,7 @@ pub(super) fn stack(
     options: &OpenOptions,
     ticker: &Ticker<'_>,
 ) -> Result<Vec<RawFrame>, Error> {
-    let pages = Pages::read(path, input.file, &options.limits)?.list;
+    let pages = Pages::read(path, input.file, &options.limits, options.axis.as_ref())?.list;
     // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
     let runs: Vec<&[usize]> = pages.chunks(run).collect();
@@ -107,14 +111,22 @@ fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, 
 struct Pages {
     /// Size (columns, rows) of all pages.
     size: (usize, usize),
+    /// Pages that are frames, in their order.
     list: Vec<usize>,
+    /// Type of the samples of the first page.
+    samples: String,
+    is_colour: bool,
+    /// Word about which pages were chosen.
+    taken: Option<String>,
 }
 
 impl Pages {
-    fn read(path: &Path, file: File, limits: &Limits) -> Result<Self, Error> {
+    fn read(path: &Path, file: File, limits: &Limits, axis: Option<&AxisChoice>) -> Result<Self, Error> {
         let fail = |e| failure(path, e);
         let mut decoder = decoder(path, file, limits)?;
-        let announced = announced_images(&mut decoder);
+        let description = description(&mut decoder);
+        let announced = description.as_deref().and_then(announced_images);
+        let (samples, is_colour) = samples_of(&mut decoder).map_err(fail)?;
         let (mut size, mut list) = (None, Vec::new());
         for page in 0.. {
             if !is_thumbnail(&mut decoder) {
@@ -143,7 +155,13 @@ impl Pages {
             );
             return Err(Error::unsupported(path, "TIFF", reason));
         }
-        Ok(Self { size, list })
+        let (mut taken, mut list) = (None, list);
+        if list.len() > 1 {
+            let refused = |(problem, remedy)| Error::new(ErrorKind::Unsupported, problem, remedy).about(path);
+            let (frames, words) = axes::frames_of(description.as_deref(), list.len(), axis).map_err(refused)?;
+            (taken, list) = (words, frames.into_iter().map(|index| list[index]).collect());
+        }
+        Ok(Self { size, list, samples, is_colour, taken })
     }
 }
 
@@ -231,12 +249,31 @@ fn is_thumbnail(decoder: &mut FileDecoder) -> bool {
     matches!(decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType), Ok(Some(kind)) if kind & 1 == 1)
 }
 
-/// Number of images that ImageJ wrote into its description.
-fn announced_images(decoder: &mut FileDecoder) -> Option<usize> {
-    // Its lines are few and short.
+/// Beginning of the description of the current page.
+fn description(decoder: &mut FileDecoder) -> Option<String> {
+    // What is looked for are few and short lines, or the beginning of a long text.
     let mut beginning = vec![0; 1 << 16];
     decoder.image_ifd().find_tag_bytes(Tag::ImageDescription, &mut beginning, 0).ok()??;
-    let text = String::from_utf8_lossy(beginning.split(|byte| *byte == 0).next()?);
+    Some(String::from_utf8_lossy(beginning.split(|byte| *byte == 0).next()?).into_owned())
+}
+
+/// Type of the samples of the current page, and whether they are colours.
+fn samples_of(decoder: &mut FileDecoder) -> TiffResult<(String, bool)> {
+    let color = decoder.colortype()?;
+    let format =
+        decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).ok().flatten().and_then(|list| list.first().copied());
+    let bits = color.bit_depth();
+    let samples = match format {
+        Some(3) => format!("floats of {bits} bit"),
+        _ if bits > 16 => format!("integers of {bits} bit"),
+        Some(2) => format!("{bits} bit with a sign"),
+        _ => format!("{bits} bit"),
+    };
+    Ok((samples, matches!(color, ColorType::RGB(_) | ColorType::RGBA(_))))
+}
+
+/// Number of images that ImageJ wrote into its description.
+fn announced_images(text: &str) -> Option<usize> {
     text.starts_with("ImageJ=").then_some(())?;
     text.lines().find_map(|line| line.strip_prefix("images=")?.trim().parse().ok())
 }
@@ -288,7 +325,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
     };
     let is_photograph = channels > 2 && kind.range == Some(255.0) && !options.linearise;
     let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
-    Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, ..decoded })
+    Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, is_colour: channels > 2, ..decoded })
 }
 
 /// One value a pixel; `None` where there are too few samples.

@@ -45,6 +45,7 @@ struct FrameHead {
     encoding: Encoding,
     binning: usize,
     damage: Option<String>,
+    is_colour: bool,
 }
 
 pub(super) fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
@@ -68,8 +69,8 @@ pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T
 
 pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, Error>) -> io::Result<()> {
     match reply {
-        Ok(RawFrame { plane, scale, encoding, binning, damage, misnamed: _ }) => {
-            let head = FrameHead { size: plane.size(), scale, encoding, binning, damage };
+        Ok(RawFrame { plane, scale, encoding, binning, damage, is_colour, misnamed: _, mosaic: _ }) => {
+            let head = FrameHead { size: plane.size(), scale, encoding, binning, damage, is_colour };
             send(to, &Ok::<_, Error>(head))?;
             to.write_all(bytemuck::cast_slice(plane.data()))
         }
@@ -80,7 +81,7 @@ pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, Error>) ->
 /// Receives the reply about the file `path`. The outer error is of a reply that is damaged or cut off, the inner one is
 /// the child's error about the file, or of a frame beyond `limits`.
 pub(super) fn receive_reply(from: &mut impl Read, path: &Path, limits: &Limits) -> io::Result<Result<RawFrame, Error>> {
-    let FrameHead { size, scale, encoding, binning, damage } = match receive(from)? {
+    let FrameHead { size, scale, encoding, binning, damage, is_colour } = match receive(from)? {
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
     };
@@ -90,7 +91,7 @@ pub(super) fn receive_reply(from: &mut impl Read, path: &Path, limits: &Limits) 
     let mut values: Vec<f32> = memory::zeroed(size.0 * size.1);
     from.read_exact(bytemuck::cast_slice_mut(&mut values))?;
     let plane = Plane::from_vec(size.0, size.1, values);
-    Ok(Ok(RawFrame { plane, scale, encoding, binning, damage, misnamed: None }))
+    Ok(Ok(RawFrame { encoding, binning, damage, is_colour, ..RawFrame::linear(plane, scale) }))
 }
 
 #[cfg(test)]

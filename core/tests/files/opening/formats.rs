@@ -3,7 +3,7 @@
 
 use super::support::{assert_close, folder, grey8, open, raw_tiff, save, tiff_pages};
 use burstscope_core::burst::{
-    Burst, BurstFiles, LUMA_WEIGHTS, SequenceCut, cut_sequence, find_bursts, supported_extensions,
+    Burst, BurstFiles, LUMA_WEIGHTS, OpenOptions, SequenceCut, cut_sequence, find_bursts, supported_extensions,
 };
 use burstscope_core::error::ErrorKind;
 use image::{ImageBuffer, Luma, LumaA, Rgb, Rgba};
@@ -262,7 +262,7 @@ fn tiffs_of_rarer_layouts() {
 }
 
 fn names(inputs: &[PathBuf]) -> Vec<String> {
-    find_bursts(inputs).expect("bursts").into_iter().map(|s| s.name).collect()
+    find_bursts(inputs, &OpenOptions::default()).expect("bursts").into_iter().map(|s| s.name).collect()
 }
 
 fn first_values(burst: &Burst) -> Vec<u32> {
@@ -319,7 +319,7 @@ fn a_dataset_is_a_folder_of_burst_folders() {
     fs::write(folder.path().join("README.md"), "text").expect("written");
     let dataset = [folder.path().to_path_buf()];
     assert_eq!(names(&dataset), ["burst1", "burst2", "burst10"]);
-    for source in find_bursts(&dataset).expect("bursts") {
+    for source in find_bursts(&dataset, &OpenOptions::default()).expect("bursts") {
         assert_eq!(open(&source.paths).expect("opens").name, source.name);
     }
     let error = open(&dataset).expect_err("three bursts");
@@ -332,24 +332,25 @@ fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     for t in 0..12 {
         save(&folder.path().join(format!("f{t}.png")), &grey8(3, 2, t));
     }
-    let sequence = &find_bursts(&[folder.path().to_path_buf()]).expect("one sequence")[0];
+    let sequence = &find_bursts(&[folder.path().to_path_buf()], &OpenOptions::default()).expect("one sequence")[0];
     let cut = SequenceCut::new(5, None).expect("a cut");
-    let bursts = cut_sequence(sequence, cut).expect("two bursts");
+    let bursts = cut_sequence(sequence, cut, &OpenOptions::default()).expect("two bursts");
     assert_eq!(bursts.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["f2", "f7"]);
     assert_eq!(first_values(&open(&bursts[1].paths).expect("opens")), [5, 6, 7, 8, 9]);
     // Bursts of single frames, for SIFT on each of them.
-    let frames = cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut")).expect("twelve");
+    let frames =
+        cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut"), &OpenOptions::default()).expect("twelve");
     assert_eq!(first_values(&open(&frames[10].paths).expect("opens")), [10]);
     // Frames in one file are not cut.
     let path = folder.path().join("film.tif");
     stack(&path);
     let film = BurstFiles { name: "film".into(), paths: vec![path.clone()] };
-    let error = cut_sequence(&film, cut).expect_err("a stack");
+    let error = cut_sequence(&film, cut, &OpenOptions::default()).expect_err("a stack");
     assert!(
         error.problem.contains("this one file holds 2 frames") && error.subject == path.display().to_string(),
         "{error}"
     );
-    let error = cut_sequence(sequence, cut).expect_err("a stack among frames");
+    let error = cut_sequence(sequence, cut, &OpenOptions::default()).expect_err("a stack among frames");
     assert!(error.problem.contains("this one file holds"), "{error}");
 }
 
@@ -422,7 +423,14 @@ fn every_supported_ending_can_be_opened() {
         let burst = Burst::open(&path).expect(extension);
         assert_eq!(burst.size(), (3, 2), "{extension}");
     }
-    assert_eq!(Burst::open(folder.path()).expect("all together").len(), supported_extensions().len());
+    // Beside pictures lie films, archives and files without header, which are none of the frames.
+    let apart = [
+        "fits", "fit", "fts", "ser", "y4m", "npz", "mp4", "mkv", "avi", "mov", "webm", "mpg", "gif", "raw", "bin",
+        "dat",
+    ];
+    let together = Burst::open(folder.path()).expect("all together");
+    assert_eq!(together.len() + apart.len(), supported_extensions().len());
+    assert!(together.frame_names.iter().all(|name| !apart.iter().any(|end| name.ends_with(&format!(".{end}")))));
 }
 
 #[test]

@@ -48,6 +48,7 @@ fn samples() -> &'static [(&'static str, Vec<u8>)] {
         samples.push(("raw.dng", super::dng::Dng::new((12, 10), |u, v| (64 + 31 * u + 7 * v) as u16).bytes()));
         samples.push(("planar.tif", raw_tiff(false, (4, 3), &[8, 8, 8], &[(262, 2), (284, 2)], &planes)));
         samples.push(("big_endian.tif", raw_tiff(true, (4, 3), &[32], &[(262, 1), (339, 3)], &[&[0; 48]])));
+        samples.extend(super::plain::samples());
         samples
     })
 }
@@ -75,7 +76,8 @@ fn open(name: &str, bytes: &[u8]) -> Result<Burst, Error> {
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).expect("written");
     let limits = Limits { max_side_px: 512, max_pixels: 1 << 16, max_frames: 16, max_bytes: 1 << 22 };
-    Burst::open_with(&[path], &OpenOptions { limits, ..OpenOptions::default() }, &Monitor::default())
+    let raw = name.ends_with(".raw").then(|| "3x2:u16le".parse().expect("a shape"));
+    Burst::open_with(&[path], &OpenOptions { limits, raw, ..OpenOptions::default() }, &Monitor::default())
 }
 
 fn check(name: &str, answer: Result<Burst, Error>) {

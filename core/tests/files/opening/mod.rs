@@ -11,6 +11,7 @@ mod formats;
 mod fuzz;
 mod options;
 mod photographs;
+mod plain;
 #[cfg(feature = "raw")]
 mod raw;
 mod support;

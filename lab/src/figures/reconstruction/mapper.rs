@@ -122,7 +122,7 @@ mod with_database {
     }
 
     fn bursts_in(folder: &Path) -> Result<Vec<BurstFiles>, Error> {
-        DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts()
+        DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts(&OpenOptions::default())
     }
 
     /// Runs the mapper to its end, or ends it once `monitor` was cancelled. Returns its last line if it gave up:

@@ -7,6 +7,7 @@ mod directories;
 
 pub(super) use directories::Directories;
 
+use super::{fits, npy, ser, y4m};
 use crate::error::{Error, ErrorKind};
 use image::ImageFormat::{Bmp, Jpeg, Png, Pnm, WebP};
 use std::io::{self, Read, Seek, SeekFrom};
@@ -58,27 +59,51 @@ pub(super) enum Kind {
     /// Values as the sensor gave them, in one of many formats, which the decoder tells apart.
     Raw,
     Npy,
+    Npz,
     Tiff,
+    Fits,
+    Ser,
+    Y4m,
+    /// A film in a container that `ffmpeg` reads.
+    Film,
+    /// Values without a header.
+    Dump,
     Picture(image::ImageFormat),
 }
 
-/// Each kind, its name in messages, and its extensions.
-const KINDS: [(Kind, &str, &[&str]); 8] = [
-    (Kind::Picture(Png), "PNG", &["png"]),
-    (Kind::Tiff, "TIFF", &["tif", "tiff"]),
-    (Kind::Npy, "NPY", &["npy"]),
-    (Kind::Picture(Jpeg), "JPEG", &["jpg", "jpeg"]),
-    (Kind::Picture(Pnm), "PNM", &["pgm", "ppm", "pnm", "pbm", "pam"]),
-    (Kind::Picture(WebP), "WebP", &["webp"]),
-    (Kind::Picture(Bmp), "BMP", &["bmp"]),
+/// Kinds of files of one folder of which those of the first rank that is there are frames: beside pictures lie films of
+/// them, results and lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::burst) enum Rank {
+    Picture,
+    Film,
+    Other,
+}
+
+/// Each kind, its name in messages, its rank and its extensions.
+const KINDS: [(Kind, &str, Rank, &[&str]); 14] = [
+    (Kind::Picture(Png), "PNG", Rank::Picture, &["png"]),
+    (Kind::Tiff, "TIFF", Rank::Picture, &["tif", "tiff"]),
+    (Kind::Npy, "NPY", Rank::Picture, &["npy"]),
+    (Kind::Picture(Jpeg), "JPEG", Rank::Picture, &["jpg", "jpeg"]),
+    (Kind::Picture(Pnm), "PNM", Rank::Picture, &["pgm", "ppm", "pnm", "pbm", "pam"]),
+    (Kind::Picture(WebP), "WebP", Rank::Picture, &["webp"]),
+    (Kind::Picture(Bmp), "BMP", Rank::Picture, &["bmp"]),
     (
         Kind::Raw,
         "raw",
+        Rank::Picture,
         &[
             "dng", "nef", "nrw", "cr2", "cr3", "crw", "arw", "raf", "orf", "rw2", "rwl", "pef", "srw", "3fr", "fff",
             "iiq", "kdc", "dcr", "mrw", "erf", "mef", "mos", "x3f",
         ],
     ),
+    (Kind::Fits, "FITS", Rank::Film, &["fits", "fit", "fts"]),
+    (Kind::Ser, "SER", Rank::Film, &["ser"]),
+    (Kind::Y4m, "Y4M", Rank::Film, &["y4m"]),
+    (Kind::Npz, "NPZ", Rank::Other, &["npz"]),
+    (Kind::Film, "film", Rank::Other, &["mp4", "mkv", "avi", "mov", "webm", "mpg", "gif"]),
+    (Kind::Dump, "headerless", Rank::Other, &["raw", "bin", "dat"]),
 ];
 
 /// Extensions (lower case) of all files that this program can open.
@@ -87,9 +112,15 @@ pub(in crate::burst) fn extensions() -> impl Iterator<Item = &'static str> {
     KINDS.iter().filter(move |(kind, ..)| can_open(*kind)).flat_map(|(.., extensions)| extensions.iter().copied())
 }
 
+/// Rank of a file in its folder, by its name; `None` for files that cannot be opened.
+pub(in crate::burst) fn rank(path: &Path) -> Option<Rank> {
+    let kind = Kind::named(path).filter(|kind| cfg!(feature = "raw") || *kind != Kind::Raw)?;
+    KINDS.iter().find(|(own, ..)| *own == kind).map(|(_, _, rank, _)| *rank)
+}
+
 impl Kind {
     pub(super) fn name(self) -> &'static str {
-        KINDS.iter().find(|(kind, ..)| *kind == self).map_or("picture", |(_, name, _)| name)
+        KINDS.iter().find(|(kind, ..)| *kind == self).map_or("picture", |(_, name, ..)| name)
     }
 
     pub(super) fn named(path: &Path) -> Option<Self> {
@@ -99,8 +130,15 @@ impl Kind {
 
     /// Kind that the first bytes show.
     pub(super) fn of(start: &[u8]) -> Option<Self> {
-        if start.starts_with(b"\x93NUMPY") {
-            return Some(Self::Npy);
+        let magics = [
+            (npy::MAGIC, Self::Npy),
+            (b"PK\x03\x04", Self::Npz),
+            (fits::MAGIC, Self::Fits),
+            (ser::MAGIC, Self::Ser),
+            (y4m::MAGIC, Self::Y4m),
+        ];
+        if let Some((_, kind)) = magics.into_iter().find(|(magic, _)| start.starts_with(magic)) {
+            return Some(kind);
         }
         if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic)) {
             return Some(Self::Tiff);
@@ -130,11 +168,37 @@ pub(super) fn is_video(start: &[u8]) -> bool {
         .any(|magic| at(0, magic))
 }
 
-pub(super) fn video(path: &Path) -> Error {
-    let quoted = path.display().to_string().replace('\'', r"'\''");
-    let remedy = format!("make frames of it first: mkdir frames && ffmpeg -i '{quoted}' frames/frame_%05d.png");
-    Error::new(ErrorKind::Unsupported, "this is a video", remedy)
-}
+/// Formats that others read: first bytes, name, and the way to frames, in which FILE is the path.
+const OF_OTHERS: [(&[u8], &str, &str); 11] = [
+    (
+        b"\x89HDF\r\n\x1a\n",
+        "an HDF5 file (also MATLAB's .mat of version 7.3)",
+        "save its frames as an array: python3 -c \"import h5py, numpy; numpy.save('frames.npy', h5py.File('FILE')['NAME'][:])\"; h5py.File('FILE').keys() has the names",
+    ),
+    (
+        b"MATLAB 5.0 MAT",
+        "a MATLAB file",
+        "save its frames as an array: python3 -c \"import scipy.io, numpy; numpy.save('frames.npy', scipy.io.loadmat('FILE')['NAME'])\"",
+    ),
+    (b"#ROSBAG V", "a ROS 1 bag", ROS),
+    (b"\x89MCAP0\r\n", "a bag in MCAP", ROS),
+    (b"SQLite format 3\0", "a database, as ROS 2 records them", ROS),
+    (b"\x1f\x8b", "a file that gzip compressed", "unpack it first: gunzip --keep 'FILE'"),
+    (
+        b"v/1\x01",
+        "an OpenEXR picture",
+        "save it as TIFF: python3 -c \"import imageio.v3 as i; i.imwrite('frame.tiff', i.imread('FILE').astype('float32'))\"",
+    ),
+    (b"\0\0\0\x0cjP  ", "a JPEG 2000 picture", "convert it to a 16-bit PNG: opj_decompress -i 'FILE' -o frame.png"),
+    (b"\0\0\0\x0cJXL ", "a JPEG XL picture", "convert it to a 16-bit PNG: djxl 'FILE' frame.png"),
+    (b"ZISRAWFILE", "a CZI file of microscopes", MICROSCOPE),
+    (b"\xda\xce\xbe\x0a", "an ND2 file of microscopes", MICROSCOPE),
+];
+
+const ROS: &str = "save its pictures as an array: python3 -c \"import numpy; from rosbags.highlevel import AnyReader; from rosbags.image import message_to_cvimage; \
+     from pathlib import Path; r = AnyReader([Path('FILE')]); r.open(); numpy.save('frames.npy', [message_to_cvimage(r.deserialize(m, c.msgtype)) \
+     for c, _, m in r.messages() if c.topic == 'TOPIC'])\"";
+const MICROSCOPE: &str = "convert it to OME-TIFF: bfconvert 'FILE' frames.ome.tiff";
 
 /// Error for a file that begins with `start`, which is no kind that can be decoded.
 pub(super) fn unknown(path: &Path, start: &[u8]) -> Error {
@@ -142,6 +206,11 @@ pub(super) fn unknown(path: &Path, start: &[u8]) -> Error {
     if start.get(1..4) == Some(b"PNG") || start.get(12..16) == Some(b"IHDR") {
         let reason = "its first bytes are changed, as by a transfer as text or of seven bits";
         return Error::corrupt(path, "PNG", reason);
+    }
+    if let Some((_, name, way)) = OF_OTHERS.iter().find(|(magic, ..)| start.starts_with(magic)) {
+        let remedy = way.replace("FILE", &path.display().to_string());
+        return Error::new(ErrorKind::Unsupported, format!("this is {name}, which is not opened here"), remedy)
+            .about(path);
     }
     if let Some(named) = Kind::named(path) {
         let kind = named.name();
@@ -151,5 +220,10 @@ pub(super) fn unknown(path: &Path, start: &[u8]) -> Error {
     }
     let extensions = extensions().collect::<Vec<_>>().join(", ");
     let problem = format!("this is not a picture of a kind that can be opened ({extensions})");
-    Error::new(ErrorKind::Unsupported, problem, "convert it to PNG or TIFF, or remove it").about(path)
+    Error::new(
+        ErrorKind::Unsupported,
+        problem,
+        "convert it to PNG or TIFF, say its shape with --raw if it has no header, or remove it",
+    )
+    .about(path)
 }

@@ -1,0 +1,172 @@
+//! Films, decoded by the `ffmpeg` of this machine: it writes them as Y4M to a pipe, with all bits of their luma.
+//!
+//! The program is started without a shell, may read this file and no address of a network, and is killed when the work
+//! is cancelled or done. Memory holds the frames and a block of the pipe.
+
+use super::child::Running;
+use super::y4m::Film;
+use super::{Header, RawFrame, Ticker};
+use crate::burst::options::OpenOptions;
+use crate::burst::times::Times;
+use crate::error::{Error, ErrorKind};
+use crate::monitor::Monitor;
+use std::ffi::OsString;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const KIND: &str = "film";
+/// Arguments that decode each frame once and keep its bits.
+const FRAMES: [&str; 7] = ["-fps_mode", "passthrough", "-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
+/// Arguments that list the frames with their times, without decoding them.
+const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
+
+/// The `ffmpeg` that is found first in `PATH`; the error says the command that keeps the bits.
+fn ffmpeg(path: &Path) -> Result<PathBuf, Error> {
+    let name = format!("ffmpeg{}", std::env::consts::EXE_SUFFIX);
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let found = std::env::split_paths(&folders).filter(|folder| folder.is_absolute()).map(|folder| folder.join(&name));
+    found.into_iter().find(|program| program.is_file()).ok_or_else(|| missing(path))
+}
+
+fn missing(path: &Path) -> Error {
+    let quoted = |path: &Path| path.display().to_string().replace('\'', r"'\''");
+    let remedy = format!(
+        "ffmpeg decodes it and is not in PATH: install it, or convert the film elsewhere, with all its bits: \
+         ffmpeg -i '{}' -fps_mode passthrough -strict -1 '{}'",
+        quoted(path),
+        quoted(&path.with_extension("y4m"))
+    );
+    Error::new(ErrorKind::Unsupported, "this is a film", remedy)
+}
+
+/// Runs `ffmpeg` over the film `path` and reads what it writes; `is_whole` where that is read to its end.
+fn run<T>(
+    path: &Path,
+    arguments: &[&str],
+    is_whole: bool,
+    options: &OpenOptions,
+    monitor: &Monitor,
+    read: impl FnOnce(&mut dyn BufRead) -> Result<T, Error>,
+) -> Result<T, Error> {
+    monitor.check()?;
+    let mut command = Command::new(ffmpeg(path)?);
+    let mut input = OsString::from("file:");
+    input.push(path);
+    command.args(["-nostdin", "-v", "error", "-protocol_whitelist", "file"]);
+    if !options.accept_damaged {
+        command.arg("-xerror");
+    }
+    command.arg("-i").arg(input).args(["-map", "0:v:0"]).args(arguments);
+    let mut running = Running::spawn(command, path)?;
+    let (stdin, stdout, stderr) = running.pipes();
+    drop(stdin);
+    let (answer, words) = std::thread::scope(|scope| {
+        let words = scope.spawn(move || last_words(stderr));
+        let answer = running.watched(path, monitor, None, || read(&mut BufReader::with_capacity(1 << 16, stdout)));
+        if !is_whole || !matches!(answer, Ok(Ok(_))) {
+            running.kill();
+        }
+        (answer, words.join().unwrap_or_default())
+    });
+    monitor.check()?;
+    let failed = is_whole && !running.ends_well();
+    match answer? {
+        // A limit, or a value that is not finite, is not the program's failure.
+        Err(error) if words.is_empty() || error.kind != ErrorKind::Damaged => Err(error),
+        Ok(answer) if !failed => Ok(answer),
+        _ => Err(Error::corrupt(path, KIND, format!("ffmpeg says: {words}"))),
+    }
+}
+
+/// The first line that is written to `stderr`; the others are read too, so that their writer never waits.
+fn last_words(stderr: impl Read) -> String {
+    const MAX_WORDS_BYTES: u64 = 2000;
+    let mut stderr = stderr;
+    let mut words = Vec::new();
+    let _ = (&mut stderr).take(MAX_WORDS_BYTES).read_to_end(&mut words);
+    let _ = io::copy(&mut stderr, &mut io::sink());
+    String::from_utf8_lossy(&words).lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
+}
+
+/// Size, number of frames and times, without decoding more than the first.
+pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header, Error> {
+    let times = run(path, &LIST, true, options, monitor, |reader| times(path, reader, options))?;
+    let film = run(path, &FRAMES, false, options, monitor, |reader| Film::read(path, &mut BufReader::new(reader)))?;
+    let (width, height) = (film.size.0 as u64, film.size.1 as u64);
+    options.limits.check_frame(path, width, height)?;
+    options.limits.check_burst(path, times.seconds.len() as u64, width, height)?;
+    let plain = film.plain(vec![0; times.seconds.len()]);
+    Ok(Header { kind: KIND, times, ..plain.header() })
+}
+
+/// Times of the frames of a list: lines of words, and of a stream's number, two times, a duration, a length and a
+/// checksum for each frame.
+fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<Times, Error> {
+    let (mut unit_s, mut seconds) = (1.0, Vec::new());
+    for line in reader.take(1 << 26).lines() {
+        let line = line.map_err(|e| Error::from_read(path, KIND, &e))?;
+        if let Some(unit) = line.strip_prefix("#tb 0:") {
+            let parts =
+                unit.trim().split_once('/').and_then(|(a, b)| Some((a.parse::<f64>().ok()?, b.parse::<f64>().ok()?)));
+            unit_s = parts.filter(|(_, b)| *b > 0.0).map_or(1.0, |(a, b)| a / b);
+        } else if !line.starts_with('#') {
+            let shown = line.split(',').nth(2).and_then(|field| field.trim().parse::<f64>().ok());
+            seconds.push(shown.ok_or_else(|| Error::corrupt(path, KIND, "a frame has no time"))? * unit_s);
+            options.limits.check_burst(path, seconds.len() as u64, 1, 1)?;
+        }
+    }
+    // Packets come in the order of decoding.
+    seconds.sort_by(f64::total_cmp);
+    let first = *seconds.first().ok_or_else(|| Error::corrupt(path, KIND, "it has no frame"))?;
+    seconds.iter_mut().for_each(|time| *time -= first);
+    Ok(Times { seconds, is_absolute: false })
+}
+
+pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
+    run(path, &FRAMES, true, options, ticker.monitor(), |reader| {
+        let mut reader = BufReader::new(reader);
+        let film = Film::read(path, &mut reader)?;
+        let (width, height) = (film.size.0 as u64, film.size.1 as u64);
+        options.limits.check_frame(path, width, height)?;
+        let plain = film.plain(vec![0]);
+        let mut frames = Vec::new();
+        while Film::next_frame(path, &mut reader)? {
+            options.limits.check_burst(path, frames.len() as u64 + 1, width, height)?;
+            frames.push(plain.read(path, frames.len(), &mut reader, options, ticker)?);
+            let skipped = io::copy(&mut (&mut reader).take(film.rest_bytes()), &mut io::sink());
+            if skipped.map_err(|e| Error::from_read(path, KIND, &e))? < film.rest_bytes() {
+                return Err(Error::corrupt(path, KIND, "its last frame is not whole"));
+            }
+        }
+        if frames.is_empty() {
+            return Err(Error::corrupt(path, KIND, "it has no frame"));
+        }
+        Ok(frames)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_ffmpeg_the_error_says_the_command() {
+        let words = missing(Path::new("it's.mp4")).to_string();
+        assert!(words.contains(r"-i 'it'\''s.mp4'") && words.ends_with(r"-strict -1 'it'\''s.y4m'"), "{words}");
+    }
+
+    #[test]
+    fn lists_of_frames_are_in_the_order_of_their_times() {
+        let list = "#software: Lavf\n#tb 0: 1/25\n#media_type 0: video\n0, 0, 2, 1, 90, 0x1\n0, 1, 4, 1, 90, 0x2\n0, 2, 3, 1, 9, 0x3\n";
+        let read = |text: &str| times(Path::new("a.mp4"), &mut text.as_bytes(), &OpenOptions::default());
+        let seconds = read(list).expect("times").seconds;
+        assert!(
+            seconds.iter().zip([0.0, 0.04, 0.08]).all(|(found, expected)| (found - expected).abs() < 1e-12),
+            "{seconds:?}"
+        );
+        for bad in ["", "#tb 0: 1/25\n", "0, 1\n", "words\n"] {
+            assert!(read(bad).expect_err(bad).to_string().contains("a.mp4"));
+        }
+    }
+}

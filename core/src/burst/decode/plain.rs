@@ -1,0 +1,286 @@
+//! Frames that lie in a file as plain numbers, at known places: what the readers of `.npy`, `.npz`, FITS, SER, Y4M and
+//! files without header have in common. Each frame is read in blocks, several frames at a time.
+
+use super::{Expected, FileScale, Header, RawFrame, Ticker, frame_of_plane, in_order};
+use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
+use crate::burst::layout::Mosaic;
+use crate::burst::number::{Number, Scaling};
+use crate::burst::options::{Encoding, Limits, OpenOptions};
+use crate::burst::times::Times;
+use crate::error::Error;
+use crate::monitor::Monitor;
+use crate::plane::{Plane, memory};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::Path;
+use zip::ZipArchive;
+
+/// Bytes that are read and converted at once: whole numbers of every size, whole groups of packed ones, and few enough
+/// for the cache.
+const BLOCK_BYTES: usize = 15 << 14;
+
+/// Index of an array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Index {
+    Frame,
+    Row,
+    Column,
+    Colour,
+}
+
+/// Pixels of a file, and the way they are read.
+#[derive(Debug, Clone)]
+pub(super) struct Plain {
+    /// Name of the file's kind in messages.
+    pub kind: &'static str,
+    /// Size (columns, rows) of a frame.
+    pub size: (usize, usize),
+    /// Place of each frame's first byte; in an archive, from the start of its member.
+    pub places: Vec<u64>,
+    pub number: Number,
+    pub big_endian: bool,
+    /// Samples of a pixel, side by side: 1, or 3 (colours) or 4 (with alpha).
+    pub channels: usize,
+    /// Whether blue comes first.
+    pub is_bgr: bool,
+    /// Value that is full scale; `None` for floats and long integers.
+    pub white: Option<f32>,
+    /// Conversion of numbers to values, where these differ.
+    pub scaling: Option<Scaling>,
+    /// Whether values are encoded for screens.
+    pub is_encoded: bool,
+    pub mosaic: Option<Mosaic>,
+    pub times: Times,
+    /// Guesses and choices, for the user.
+    pub taken: Vec<String>,
+    /// Lengths of an array whose frames are not one after the other, the index that runs fastest first; empty for
+    /// others.
+    pub scattered: Vec<(Index, usize)>,
+    /// Index of the member of an archive that holds the pixels.
+    pub member: Option<usize>,
+}
+
+impl Plain {
+    /// Grey frames of `size`, whose numbers are their values.
+    pub(super) fn new(kind: &'static str, size: (usize, usize), places: Vec<u64>, number: Number) -> Self {
+        Self {
+            kind,
+            size,
+            places,
+            number,
+            big_endian: false,
+            channels: 1,
+            is_bgr: false,
+            white: number.range(),
+            scaling: None,
+            is_encoded: false,
+            mosaic: None,
+            times: Times::default(),
+            taken: Vec::new(),
+            scattered: Vec::new(),
+            member: None,
+        }
+    }
+
+    pub(super) fn header(self) -> Header {
+        let samples = self.white.map_or_else(|| self.number.words(), |white| FileScale::Range(white).samples());
+        let (is_colour, mosaic) = (self.channels > 2, self.mosaic);
+        Header {
+            mosaic,
+            times: self.times,
+            taken: self.taken,
+            ..Header::new(self.kind, self.size, self.places.len(), samples, is_colour)
+        }
+    }
+
+    fn samples(&self) -> usize {
+        self.size.0 * self.size.1 * self.channels
+    }
+
+    /// The frame of a file that has one.
+    pub(super) fn only(
+        &self,
+        path: &Path,
+        expected: Option<Expected<'_>>,
+        options: &OpenOptions,
+    ) -> Result<RawFrame, Error> {
+        if self.places.len() != 1 {
+            return Err(Error::stack_among_frames(path, self.places.len()));
+        }
+        Expected::check(expected, path, self.size)?;
+        Ok(self.stack(path, options, &Ticker::new(&Monitor::default(), 1))?.remove(0))
+    }
+
+    pub(super) fn stack(
+        &self,
+        path: &Path,
+        options: &OpenOptions,
+        ticker: &Ticker<'_>,
+    ) -> Result<Vec<RawFrame>, Error> {
+        let fail = |e: io::Error| Error::from_read(path, self.kind, &e);
+        let one_by_one = |reader: &mut dyn Read| {
+            let frames = 0..self.places.len();
+            frames.map(|t| self.read(path, t, reader, options, ticker)).collect()
+        };
+        let from = |reader: &mut dyn Read| {
+            if self.scattered.is_empty() {
+                one_by_one(reader)
+            } else {
+                self.read_scattered(path, reader, options, ticker)
+            }
+        };
+        if let Some(member) = self.member {
+            let mut archive = ZipArchive::new(File::open(path).map_err(fail)?).map_err(|e| fail(e.into()))?;
+            let mut reader = archive.by_index(member).map_err(|e| fail(e.into()))?;
+            io::copy(&mut (&mut reader).take(self.places[0]), &mut io::sink()).map_err(fail)?;
+            return from(&mut reader);
+        }
+        let at = |place: u64| {
+            let mut file = File::open(path)?;
+            file.seek(SeekFrom::Start(place))?;
+            Ok(file)
+        };
+        if !self.scattered.is_empty() {
+            return from(&mut at(self.places[0]).map_err(fail)?);
+        }
+        in_order(self.places.len(), |t| self.read(path, t, &mut at(self.places[t]).map_err(fail)?, options, ticker))
+    }
+
+    /// Reads frame `t`, with which `reader` begins.
+    pub(super) fn read(
+        &self,
+        path: &Path,
+        t: usize,
+        reader: &mut dyn Read,
+        options: &OpenOptions,
+        ticker: &Ticker<'_>,
+    ) -> Result<RawFrame, Error> {
+        let count = self.samples();
+        // Colours are weighted, and an encoding is undone, after the conversion.
+        let whole = self.channels > 1 || self.is_encoded && options.linearise;
+        let mut values = memory::with_capacity(count);
+        self.convert_all(path, reader, count, whole, ticker, |converted| values.extend_from_slice(converted))?;
+        values.truncate(count); // of packed numbers the last group may be fuller
+        let frame = self.frame_of(path, t, values, whole, options)?;
+        ticker.tick();
+        Ok(frame)
+    }
+
+    /// Reads and converts `count` numbers block by block.
+    fn convert_all(
+        &self,
+        path: &Path,
+        reader: &mut dyn Read,
+        count: usize,
+        whole: bool,
+        ticker: &Ticker<'_>,
+        mut take: impl FnMut(&[f32]),
+    ) -> Result<(), Error> {
+        let divisor = if whole { 1.0 } else { self.white.unwrap_or(1.0) };
+        let mut left = self.number.bytes(count as u64) as usize;
+        let mut block = vec![0u8; BLOCK_BYTES.min(left)];
+        let mut values = Vec::new();
+        while left > 0 {
+            ticker.check()?;
+            let block = &mut block[..BLOCK_BYTES.min(left)];
+            reader.read_exact(block).map_err(|e| Error::from_read(path, self.kind, &e))?;
+            values.clear();
+            self.number.convert(block, self.big_endian, self.scaling, divisor, &mut values);
+            take(&values);
+            left -= block.len();
+        }
+        Ok(())
+    }
+
+    /// Frame of the samples of frame `t`; `whole` where they are not yet divided by the full scale.
+    fn frame_of(
+        &self,
+        path: &Path,
+        t: usize,
+        mut values: Vec<f32>,
+        whole: bool,
+        options: &OpenOptions,
+    ) -> Result<RawFrame, Error> {
+        if self.is_bgr {
+            values.chunks_exact_mut(self.channels).for_each(|pixel| pixel.swap(0, 2));
+        }
+        if whole {
+            let curve = Curve::of(self.white.unwrap_or(1.0), self.is_encoded && options.linearise);
+            values = grey_from_interleaved(&values, self.channels, curve);
+        }
+        let plane = Plane::from_vec(self.size.0, self.size.1, values);
+        let frame = match self.white {
+            Some(white) if self.scaling.is_none() => RawFrame::linear(plane, FileScale::Range(white)),
+            white => {
+                let is_integer = !self.number.is_float() && self.scaling.is_none_or(|scaling| scaling.factor == 1.0);
+                let frame = frame_of_plane(path, t, plane, is_integer)?;
+                RawFrame { scale: white.map_or(frame.scale, FileScale::Range), ..frame }
+            }
+        };
+        let encoding = if self.is_encoded && !options.linearise { Encoding::Srgb } else { Encoding::Linear };
+        Ok(RawFrame { encoding, mosaic: self.mosaic, is_colour: self.channels > 2, ..frame })
+    }
+
+    /// Reads an array whose frames are not one after the other.
+    fn read_scattered(
+        &self,
+        path: &Path,
+        reader: &mut dyn Read,
+        options: &OpenOptions,
+        ticker: &Ticker<'_>,
+    ) -> Result<Vec<RawFrame>, Error> {
+        let frames = self.places.len();
+        let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(self.samples())).collect();
+        // Distance of two samples of a frame that differ by one in an index.
+        let step = |index| match index {
+            Index::Frame => 0,
+            Index::Colour => 1,
+            Index::Column => self.channels,
+            Index::Row => self.channels * self.size.0,
+        };
+        let axes: Vec<(bool, usize, usize)> =
+            self.scattered.iter().map(|(index, length)| (*index == Index::Frame, *length, step(*index))).collect();
+        let mut at = vec![0; axes.len()];
+        let (mut t, mut place) = (0, 0);
+        let whole = self.channels > 1;
+        self.convert_all(path, reader, frames * self.samples(), whole, ticker, |values| {
+            for value in values {
+                planes[t][place] = *value;
+                for (at, (is_frame, length, step)) in at.iter_mut().zip(&axes) {
+                    let (counter, by) = if *is_frame { (&mut t, 1) } else { (&mut place, *step) };
+                    *at += 1;
+                    *counter += by;
+                    if *at < *length {
+                        break;
+                    }
+                    *counter -= by * *length;
+                    *at = 0;
+                }
+            }
+        })?;
+        let frames = planes.into_iter().enumerate().map(|(t, values)| {
+            ticker.tick();
+            self.frame_of(path, t, values, whole, options)
+        });
+        frames.collect()
+    }
+
+    /// Checks the size of the frames against the limits, and their bytes against the `there` bytes from the first
+    /// one on. `step` is the distance of two frames.
+    pub(super) fn places_in(
+        path: &Path,
+        kind: &str,
+        (frames, height, width): (u64, u64, u64),
+        (first, step, length): (u64, u64, u64),
+        limits: &Limits,
+    ) -> Result<Vec<u64>, Error> {
+        limits.check_frame(path, width, height)?;
+        limits.check_burst(path, frames, width, height)?;
+        let (wanted, there) = (frames.saturating_mul(step), length.saturating_sub(first));
+        if there < wanted {
+            let reason = format!("{wanted} bytes of values are announced, {there} are there");
+            return Err(Error::corrupt(path, kind, reason));
+        }
+        Ok((0..frames).map(|t| first + t * step).collect())
+    }
+}

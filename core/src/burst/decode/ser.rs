@@ -1,0 +1,102 @@
+//! SER films of astronomical cameras: a header of 178 bytes, frames of 8 to 16 bits of grey, mosaic or colours, and
+//! the time of each frame behind the last.
+//!
+//! Format: <http://www.grischa-hahn.homepage.t-online.de/astro/ser/>. The description says of the field
+//! LittleEndian that 1 stands for numbers whose low byte comes first, but the first programs wrote 0 for these, and all
+//! others followed them. So 1 is read as big endian here, as Siril reads it.
+
+use super::plain::Plain;
+use crate::burst::layout::Mosaic;
+use crate::burst::number::Number;
+use crate::burst::options::OpenOptions;
+use crate::burst::times::Times;
+use crate::error::Error;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+const KIND: &str = "SER";
+/// First bytes of every film.
+pub(super) const MAGIC: &[u8] = b"LUCAM-RECORDER";
+const HEADER_BYTES: usize = 178;
+/// Ticks of 100 ns of a second.
+const TICKS_A_SECOND: u64 = 10_000_000;
+/// Ticks from the start of the year 1 to that of 1970.
+const TICKS_TO_1970: u64 = 621_355_968_000_000_000;
+
+pub(super) fn plain(path: &Path, mut file: File, length: u64, options: &OpenOptions) -> Result<Plain, Error> {
+    let fail = |e: std::io::Error| Error::from_read(path, KIND, &e);
+    let mut header = [0; HEADER_BYTES];
+    file.read_exact(&mut header).map_err(fail)?;
+    // Six numbers follow the first word and the camera's.
+    let number = |index: usize| {
+        let at = 18 + 4 * index;
+        u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
+    };
+    let [colour, low_byte_last, width, height, bits, frames] = std::array::from_fn(number);
+    let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
+    if !(1..=16).contains(&bits) {
+        return Err(corrupt(format!("PixelDepthPerPlane is {bits} bits, and 1 to 16 are possible")));
+    }
+    let (channels, mosaic) = match colour {
+        0 => (1, None),
+        8 => (1, Some(Mosaic::Rggb)),
+        9 => (1, Some(Mosaic::Grbg)),
+        10 => (1, Some(Mosaic::Gbrg)),
+        11 => (1, Some(Mosaic::Bggr)),
+        100 | 101 => (3, None),
+        16..=19 => {
+            let reason = "its mosaic is of cyan, yellow, green and magenta; save it as RGB";
+            return Err(Error::unsupported(path, KIND, reason));
+        }
+        _ => return Err(corrupt(format!("ColorID is {colour}, which is none of the format"))),
+    };
+    if frames == 0 {
+        return Err(corrupt("FrameCount is 0".to_owned()));
+    }
+    let shape = (u64::from(frames), u64::from(height), u64::from(width));
+    let kind = if bits > 8 { Number::U16 } else { Number::U8 };
+    let step = kind.bytes(shape.1.saturating_mul(shape.2).saturating_mul(channels as u64));
+    let places = Plain::places_in(path, KIND, shape, (HEADER_BYTES as u64, step, length), &options.limits)?;
+    let end = HEADER_BYTES as u64 + step * shape.0;
+    let mut taken = Vec::new();
+    if mosaic.is_some() {
+        taken.push("the mosaic of colours is what the file says; squares of 2×2 pixels become one".to_owned());
+    }
+    if bits > 8 {
+        let order = if low_byte_last == 1 { "high" } else { "low" };
+        taken.push(format!(
+            "the {order} byte of a number is taken for the first, as programs write the field LittleEndian"
+        ));
+    }
+    Ok(Plain {
+        big_endian: low_byte_last == 1,
+        channels,
+        is_bgr: colour == 101,
+        white: Some(((1u32 << bits) - 1) as f32),
+        mosaic,
+        times: times(path, &mut file, end, length, frames as usize)?,
+        taken,
+        ..Plain::new(KIND, (width as usize, height as usize), places, kind)
+    })
+}
+
+/// Times behind the last frame, which ends at `end`; none where the file has none or they make no sense.
+fn times(path: &Path, file: &mut File, end: u64, length: u64, frames: usize) -> Result<Times, Error> {
+    if length.saturating_sub(end) < 8 * frames as u64 {
+        return Ok(Times::default());
+    }
+    let mut bytes = vec![0; 8 * frames];
+    file.seek(SeekFrom::Start(end)).map_err(|e| Error::from_read(path, KIND, &e))?;
+    file.read_exact(&mut bytes).map_err(|e| Error::from_read(path, KIND, &e))?;
+    let ticks: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
+    if ticks[0] < TICKS_TO_1970 || !ticks.is_sorted() {
+        return Ok(Times::default());
+    }
+    let seconds = |ticks: u64| {
+        let ticks = ticks - TICKS_TO_1970;
+        // The whole seconds and the rest each keep their digits.
+        (ticks / TICKS_A_SECOND) as f64 + (ticks % TICKS_A_SECOND) as f64 / TICKS_A_SECOND as f64
+    };
+    Ok(Times { seconds: ticks.into_iter().map(seconds).collect(), is_absolute: true })
+}

@@ -1,0 +1,180 @@
+//! Description of a burst by what its files declare, before any pixel is read: what the command `info` prints.
+
+use super::Burst;
+use super::decode::{self, Header};
+use super::options::OpenOptions;
+use super::source::only_burst;
+use super::times::{Times, time_text};
+use crate::error::Error;
+use crate::monitor::Monitor;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Description of a burst.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Info {
+    /// Name of the burst.
+    pub name: String,
+    /// Kind of its (first) file, such as "PNG" or "FITS".
+    pub kind: String,
+    /// Number of files.
+    pub files: usize,
+    /// Number of frames, at least 1.
+    pub frames: usize,
+    /// Columns of a frame as it is opened.
+    pub width: usize,
+    /// Rows of a frame as it is opened.
+    pub height: usize,
+    /// Samples of the first file, such as "16 bit".
+    pub samples: String,
+    /// Whether the file has colours for each pixel, whose luma is taken.
+    pub is_colour: bool,
+    /// Sensor pixels along a side of one pixel of the frames: 1 unless a mosaic of colours is binned.
+    pub binning: usize,
+    /// Time of each frame from the first one, seconds; empty where the files do not say it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub times_s: Vec<f64>,
+    /// Time of the first frame (UTC), where the files say it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub begins: Option<String>,
+    /// Guesses and choices about the files, as sentences.
+    pub taken: Vec<String>,
+}
+
+impl Info {
+    /// Describes the burst that `inputs` name, as [`Burst::open_with`] takes them. Reads headers; of a raw file, which
+    /// declares little, the frame.
+    pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
+        let source = only_burst(inputs, options)?;
+        let files = source.files()?;
+        let first = files.first().ok_or_else(Error::nothing_given)?;
+        let (header, decoded) = decode::header(first, options, monitor)?;
+        let Header { kind, width, height, frames, samples, is_colour, mosaic, times, taken } = header;
+        let is_mosaic = decoded.is_none() && options.mosaic.or(mosaic).is_some();
+        let binning = if is_mosaic { 2 } else { decoded.map_or(1, |frame| frame.binning) };
+        // The frame of a raw file is binned already.
+        let (width, height) = if is_mosaic { (width / 2, height / 2) } else { (width, height) };
+        let frames = if files.len() == 1 { frames } else { files.len() };
+        let times =
+            if files.len() == 1 || times.seconds.is_empty() { times } else { times_of(&files, options, monitor)? };
+        let begin = times.seconds.first().copied().unwrap_or_default();
+        Ok(Self {
+            name: source.name,
+            kind: kind.to_owned(),
+            files: files.len(),
+            frames,
+            width,
+            height,
+            samples,
+            is_colour,
+            binning,
+            begins: (times.is_absolute && !times.seconds.is_empty()).then(|| time_text(begin)),
+            times_s: times.seconds.iter().map(|time| time - begin).collect(),
+            taken,
+        })
+    }
+
+    /// Describes a burst that is open, of which nothing but its frames is known.
+    pub fn of_burst(burst: &Burst, kind: &str) -> Self {
+        let (width, height) = burst.size();
+        Self {
+            name: burst.name.clone(),
+            kind: kind.to_owned(),
+            files: 0,
+            frames: burst.len(),
+            width,
+            height,
+            samples: "floats of 32 bit".to_owned(),
+            is_colour: false,
+            binning: burst.binning,
+            times_s: Vec::new(),
+            begins: None,
+            taken: Vec::new(),
+        }
+    }
+
+    /// Description for people, a line for each subject.
+    pub fn text(&self) -> String {
+        let files = match self.files {
+            0 | 1 => String::new(),
+            files => format!(" in {files} files"),
+        };
+        let plural = if self.frames == 1 { "" } else { "s" };
+        let mut text = format!(
+            "{}: {} frame{plural} of {} × {}{files}\n  file    {}, {}{}\n",
+            self.name,
+            self.frames,
+            self.width,
+            self.height,
+            self.kind,
+            self.samples,
+            if self.is_colour { ", colours (luma is taken)" } else { "" }
+        );
+        if self.binning > 1 {
+            text += &format!("  pixels  each of {0}×{0} of the mosaic of colours\n", self.binning);
+        }
+        text += &format!("  times   {}\n", self.times());
+        self.taken.iter().for_each(|taken| text += &format!("  note    {taken}\n"));
+        text
+    }
+
+    fn times(&self) -> String {
+        let begins = self.begins.as_ref().map_or(String::new(), |begins| format!("from {begins}"));
+        let steps: Vec<f64> = self.times_s.windows(2).map(|two| two[1] - two[0]).collect();
+        let Some(last) = self.times_s.last().filter(|_| !steps.is_empty()) else {
+            return if begins.is_empty() { "not in the file".to_owned() } else { begins };
+        };
+        let (min, max) = steps.iter().fold((f64::MAX, f64::MIN), |(min, max), step| (min.min(*step), max.max(*step)));
+        let mean = last / steps.len() as f64;
+        let separator = if begins.is_empty() { "" } else { ", " };
+        format!("{begins}{separator}{last:.3} s in all, {mean:.6} s between frames ({min:.6} … {max:.6})")
+    }
+}
+
+/// Times of frames of which each has a file; none where one file has none.
+fn times_of(files: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Times, Error> {
+    let mut all = Times { seconds: Vec::with_capacity(files.len()), is_absolute: true };
+    for file in files {
+        monitor.check()?;
+        let times = decode::header(file, options, monitor)?.0.times;
+        let Some(time) = times.seconds.first().filter(|_| times.is_absolute) else { return Ok(Times::default()) };
+        all.seconds.push(*time);
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_and_size_are_those_of_the_opened_burst() {
+        let home = tempfile::tempdir().expect("a folder");
+        for t in 0..3 {
+            let path = home.path().join(format!("{t}.png"));
+            image::GrayImage::from_pixel(9, 7, image::Luma([9])).save(path).expect("written");
+        }
+        let of = |path: PathBuf| Info::of(&[path], &OpenOptions::default(), &Monitor::default());
+        let shape = |info: &Info| (info.frames, info.width, info.height);
+        let whole = of(home.path().to_path_buf()).expect("described");
+        assert_eq!((shape(&whole), whole.files, &*whole.kind, &*whole.samples), ((3, 9, 7), 3, "PNG", "8 bit"));
+        assert!(whole.text().contains("3 frames of 9 × 7 in 3 files"), "{}", whole.text());
+        assert_eq!(shape(&of(home.path().join("1.png")).expect("described")), (1, 9, 7));
+        assert!(of(home.path().join("gone.png")).is_err());
+    }
+
+    #[test]
+    fn times_are_said_in_words() {
+        let burst = Burst::from_planes("night", vec![crate::plane::Plane::zeros(2, 2)]);
+        let mut info = Info::of_burst(&burst, "made");
+        assert!(info.text().contains("not in the file"));
+        (info.times_s, info.begins) = (vec![0.0, 0.5, 1.5], Some("2021-03-01T22:00:00.000Z".to_owned()));
+        let text = info.text();
+        assert!(
+            text.contains(
+                "from 2021-03-01T22:00:00.000Z, 1.500 s in all, 0.750000 s between frames (0.500000 … 1.000000)"
+            ),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,269 @@
+//! Statements of the user on how pixels lie in a file that does not say it itself: the shape of a file without header,
+//! the mosaic of colours, and the axis along which frames follow one another.
+
+use super::number::Number;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// Shape of a file without header: frames of one size, one after the other, from a place in the file on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Dump {
+    /// Size (columns, rows) of a frame.
+    pub(super) size: (usize, usize),
+    pub(super) number: Number,
+    pub(super) big_endian: bool,
+    /// Bytes before the first frame.
+    pub(super) skip: u64,
+}
+
+/// Names of the numbers of files without header, of which little endian is the usual one.
+const TYPES: [(&str, Number, bool); 9] = [
+    ("u8", Number::U8, false),
+    ("u16le", Number::U16, false),
+    ("u16be", Number::U16, true),
+    ("f32", Number::F32, false),
+    ("mono10p", Number::U10p, false),
+    ("mono12p", Number::U12p, false),
+    ("mono10packed", Number::U10Packed, false),
+    ("mono12packed", Number::U12Packed, false),
+    ("f32be", Number::F32, true),
+];
+
+impl FromStr for Dump {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let read = || {
+            let (shape, kind) = text.split_once(':')?;
+            let (width, height) = shape.split_once('x')?;
+            let (kind, skip) = kind.split_once('+').unwrap_or((kind, "0"));
+            let (_, number, big_endian) = *TYPES.iter().find(|(name, ..)| *name == kind)?;
+            let side = |text: &str| text.parse().ok().filter(|side: &usize| *side > 0);
+            Some(Self { size: (side(width)?, side(height)?), number, big_endian, skip: skip.parse().ok()? })
+        };
+        read().ok_or_else(|| {
+            let names = TYPES.map(|(name, ..)| name).join(", ");
+            format!("'{text}' is not WIDTHxHEIGHT:TYPE, such as 1600x1200:u16le, or with +BYTES before the first frame; types are {names}")
+        })
+    }
+}
+
+impl fmt::Display for Dump {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { size: (width, height), number, big_endian, skip } = self;
+        let name =
+            TYPES.iter().find(|(_, own, order)| own == number && order == big_endian).map_or("", |found| found.0);
+        write!(f, "{width}x{height}:{name}")?;
+        if *skip > 0 { write!(f, "+{skip}") } else { Ok(()) }
+    }
+}
+
+/// Sizes of usual sensors and pictures, columns and rows.
+const USUAL_SIZES: [(usize, usize); 29] = [
+    (1600, 1200),
+    (640, 480),
+    (1280, 960),
+    (1920, 1080),
+    (1280, 1024),
+    (1440, 1080),
+    (2048, 1536),
+    (2448, 2048),
+    (1936, 1216),
+    (1920, 1200),
+    (2592, 1944),
+    (4096, 3000),
+    (5472, 3648),
+    (1024, 768),
+    (1280, 720),
+    (800, 600),
+    (720, 540),
+    (752, 480),
+    (320, 240),
+    (512, 512),
+    (1024, 1024),
+    (2048, 2048),
+    (256, 256),
+    (2064, 1544),
+    (3840, 2160),
+    (4000, 3000),
+    (1936, 1096),
+    (3096, 2080),
+    (346, 260),
+];
+
+impl Dump {
+    /// Bytes of a frame.
+    pub(super) fn frame_bytes(&self) -> u64 {
+        self.number.bytes((self.size.0 as u64).saturating_mul(self.size.1 as u64))
+    }
+
+    /// Shapes of usual sensors that fill a file of `length` bytes with up to `max_frames` frames, with the number of
+    /// frames; those of the fewest frames first.
+    pub(super) fn likely(length: u64, max_frames: u64) -> Vec<(Self, u64)> {
+        let whole = |(dump, _): &(Self, u64)| length.is_multiple_of(dump.frame_bytes());
+        let sizes = USUAL_SIZES.iter().flat_map(|size| TYPES.iter().map(move |kind| (*size, *kind)));
+        let mut found: Vec<(Self, u64)> = sizes
+            .filter(|(_, (name, ..))| ["u8", "u16le", "f32", "mono12p"].contains(name))
+            .map(|(size, (_, number, big_endian))| Self { size, number, big_endian, skip: 0 })
+            .map(|dump| (dump, length / dump.frame_bytes()))
+            .filter(|(_, frames)| (1..=max_frames).contains(frames))
+            .filter(whole)
+            .collect();
+        found.sort_by_key(|(_, frames)| *frames);
+        found
+    }
+}
+
+/// Mosaic of colours before a sensor: the colours of a square of 2×2 pixels, row by row from the corner of the frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mosaic {
+    /// Red and green, green and blue.
+    Rggb,
+    /// Green and red, blue and green.
+    Grbg,
+    /// Green and blue, red and green.
+    Gbrg,
+    /// Blue and green, green and red.
+    Bggr,
+}
+
+impl Mosaic {
+    /// Colour of a pixel: 0 red, 1 green, 2 blue.
+    pub(super) fn colour_at(self, u: usize, v: usize) -> usize {
+        let square = match self {
+            Self::Rggb => [0, 1, 1, 2],
+            Self::Grbg => [1, 0, 2, 1],
+            Self::Gbrg => [1, 2, 0, 1],
+            Self::Bggr => [2, 1, 1, 0],
+        };
+        square[2 * (v % 2) + u % 2]
+    }
+}
+
+/// Axis of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Time.
+    T,
+    /// Depth: the slices of a volume.
+    Z,
+    /// Channel: wavelengths or dyes.
+    C,
+    /// The first axis of an array whose axes have no names.
+    First,
+    /// The last axis of such an array.
+    Last,
+}
+
+const AXES: [(&str, Axis); 5] =
+    [("T", Axis::T), ("Z", Axis::Z), ("C", Axis::C), ("first", Axis::First), ("last", Axis::Last)];
+
+impl Axis {
+    pub(super) fn name(self) -> &'static str {
+        AXES.iter().find(|(_, axis)| *axis == self).map_or("", |found| found.0)
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        AXES.iter().find(|(own, _)| own.eq_ignore_ascii_case(name)).map(|found| found.1)
+    }
+}
+
+/// Axis along which frames follow one another, and the places on others, such as `T,C=1`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct AxisChoice {
+    pub(super) along: Axis,
+    pub(super) at: Vec<(Axis, usize)>,
+}
+
+impl FromStr for AxisChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let read = || {
+            let mut parts = text.split(',');
+            let along = Axis::named(parts.next()?)?;
+            let at = parts.map(|part| {
+                let (axis, place) = part.split_once('=')?;
+                let axis = Axis::named(axis).filter(|axis| matches!(axis, Axis::T | Axis::Z | Axis::C))?;
+                Some((axis, place.parse().ok()?))
+            });
+            Some(Self { along, at: at.collect::<Option<_>>()? })
+        };
+        read().ok_or_else(|| {
+            format!(
+                "'{text}' is no axis: T, Z or C, with places on the others such as T,C=1; of a .npy array first or last"
+            )
+        })
+    }
+}
+
+impl fmt::Display for AxisChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.along.name())?;
+        self.at.iter().try_for_each(|(axis, place)| write!(f, ",{}={place}", axis.name()))
+    }
+}
+
+macro_rules! as_text {
+    ($($type:ty)*) => { $(
+        impl TryFrom<String> for $type {
+            type Error = String;
+
+            fn try_from(text: String) -> Result<Self, String> {
+                text.parse()
+            }
+        }
+
+        impl From<$type> for String {
+            fn from(value: $type) -> Self {
+                value.to_string()
+            }
+        }
+    )* };
+}
+
+as_text!(Dump AxisChoice);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_read_and_written_and_nonsense_is_refused() {
+        for text in ["1600x1200:u16le", "3x2:mono12packed+16", "640x480:f32be"] {
+            assert_eq!(text.parse::<Dump>().map(|dump| dump.to_string()), Ok(text.to_owned()));
+        }
+        for bad in [
+            "",
+            "1600x1200",
+            "0x2:u8",
+            "3x2:u12",
+            "3x2:u8+",
+            "-3x2:u8",
+            "3x2:u8+-1",
+            "3:u8",
+            "99999999999999999999x2:u8",
+        ] {
+            assert!(bad.parse::<Dump>().is_err(), "{bad}");
+        }
+        for text in ["T", "Z,C=1", "T,C=0,Z=12", "last"] {
+            assert_eq!(text.parse::<AxisChoice>().map(|axis| axis.to_string()), Ok(text.to_owned()));
+        }
+        for bad in ["", "X", "T,", "T,C", "T,C=x", "T,last=1"] {
+            assert!(bad.parse::<AxisChoice>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn likely_shapes_fill_the_file() {
+        let length = 1600 * 1200 * 2 * 10;
+        let likely = Dump::likely(length, 4096);
+        assert!(likely.iter().any(|(dump, frames)| dump.to_string() == "1600x1200:u16le" && *frames == 10));
+        assert!(likely.iter().all(|(dump, frames)| dump.frame_bytes() * frames == length));
+        assert!(Dump::likely(length + 1, 4096).is_empty());
+    }
+}

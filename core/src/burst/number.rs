@@ -1,0 +1,193 @@
+//! Types of the numbers in files that hold pixels without compression, and their conversion to floats.
+
+/// Type of a number in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Number {
+    /// A byte: 0, or anything else for 1.
+    Bool,
+    U8,
+    U16,
+    U32,
+    U64,
+    I8,
+    I16,
+    I32,
+    I64,
+    F16,
+    F32,
+    F64,
+    /// Four numbers of 10 bits in five bytes, lowest bits first (GenICam `Mono10p`).
+    U10p,
+    /// Two numbers of 12 bits in three bytes, lowest bits first (GenICam `Mono12p`).
+    U12p,
+    /// Two numbers of 10 bits in three bytes, the lowest bits of both in the middle one (GigE Vision `Mono10Packed`).
+    U10Packed,
+    /// Two numbers of 12 bits in three bytes, the lowest bits of both in the middle one (GigE Vision `Mono12Packed`).
+    U12Packed,
+}
+
+/// Values of numbers: `offset + factor × number`; NaN for the number `blank`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scaling {
+    pub factor: f64,
+    pub offset: f64,
+    pub blank: Option<i64>,
+}
+
+impl Scaling {
+    fn value(self, number: f64) -> f32 {
+        if self.blank.is_some_and(|blank| blank as f64 == number) {
+            return f32::NAN;
+        }
+        (self.factor * number + self.offset) as f32
+    }
+}
+
+impl Number {
+    /// Bits of a number in the file, those of its share of a padding included.
+    fn bits(self) -> usize {
+        match self {
+            Self::Bool | Self::U8 | Self::I8 => 8,
+            Self::U10p => 10,
+            Self::U12p | Self::U10Packed | Self::U12Packed => 12,
+            Self::U16 | Self::I16 | Self::F16 => 16,
+            Self::U32 | Self::I32 | Self::F32 => 32,
+            Self::U64 | Self::I64 | Self::F64 => 64,
+        }
+    }
+
+    /// Bytes of `count` numbers; packed ones begin and end with a whole byte.
+    pub(super) fn bytes(self, count: u64) -> u64 {
+        count.saturating_mul(self.bits() as u64).div_ceil(8)
+    }
+
+    /// Largest number, where that is the full scale: of types of up to 16 bits, whose range sensors fill.
+    pub(super) fn range(self) -> Option<f32> {
+        match self {
+            Self::Bool => Some(1.0),
+            Self::U8 => Some(255.0),
+            Self::U16 => Some(65535.0),
+            Self::I8 => Some(127.0),
+            Self::I16 => Some(32767.0),
+            Self::U10p | Self::U10Packed => Some(1023.0),
+            Self::U12p | Self::U12Packed => Some(4095.0),
+            Self::U32 | Self::U64 | Self::I32 | Self::I64 | Self::F16 | Self::F32 | Self::F64 => None,
+        }
+    }
+
+    pub(super) fn is_float(self) -> bool {
+        matches!(self, Self::F16 | Self::F32 | Self::F64)
+    }
+
+    /// Name of the type for the user, such as "16 bit".
+    pub(super) fn words(self) -> String {
+        match self {
+            Self::Bool => "1 bit".to_owned(),
+            Self::U10p | Self::U10Packed => "10 bit".to_owned(),
+            Self::I8 | Self::I16 => format!("{} bit with a sign", self.bits()),
+            Self::U32 | Self::U64 | Self::I32 | Self::I64 => format!("integers of {} bit", self.bits()),
+            Self::F16 | Self::F32 | Self::F64 => format!("floats of {} bit", self.bits()),
+            Self::U8 | Self::U16 | Self::U12p | Self::U12Packed => format!("{} bit", self.bits()),
+        }
+    }
+
+    /// Appends the values of `bytes`, scaled and divided by `divisor`, to `values`. A block of numbers begins with a
+    /// whole group of packed ones; a last group that is not whole is filled up with zeros.
+    pub(super) fn convert(
+        self,
+        bytes: &[u8],
+        big_endian: bool,
+        scaling: Option<Scaling>,
+        divisor: f32,
+        values: &mut Vec<f32>,
+    ) {
+        macro_rules! from {
+            ($type:ty) => {{
+                const SIZE: usize = size_of::<$type>();
+                let (chunks, _) = bytes.as_chunks::<SIZE>();
+                // The conversion is chosen here, not for each number, so that the loops are vectorised.
+                match (scaling, big_endian) {
+                    (None, true) => {
+                        values.extend(chunks.iter().map(|c| <$type>::from_be_bytes(*c) as f32 / divisor));
+                    }
+                    (None, false) => {
+                        values.extend(chunks.iter().map(|c| <$type>::from_le_bytes(*c) as f32 / divisor));
+                    }
+                    (Some(s), true) => {
+                        values.extend(chunks.iter().map(|c| s.value(<$type>::from_be_bytes(*c) as f64) / divisor));
+                    }
+                    (Some(s), false) => {
+                        values.extend(chunks.iter().map(|c| s.value(<$type>::from_le_bytes(*c) as f64) / divisor));
+                    }
+                }
+            }};
+        }
+        let mut packed = |group: usize, numbers: fn([u64; 5]) -> [u64; 4]| {
+            let count = if group == 5 { 4 } else { 2 };
+            for chunk in bytes.chunks(group) {
+                let byte = std::array::from_fn(|i| chunk.get(i).copied().map_or(0, u64::from));
+                values.extend(numbers(byte)[..count].iter().map(|number| *number as f32 / divisor));
+            }
+        };
+        match self {
+            Self::Bool => values.extend(bytes.iter().map(|b| f32::from(u8::from(*b != 0)) / divisor)),
+            Self::U8 => from!(u8),
+            Self::U16 => from!(u16),
+            Self::U32 => from!(u32),
+            Self::U64 => from!(u64),
+            Self::I8 => from!(i8),
+            Self::I16 => from!(i16),
+            Self::I32 => from!(i32),
+            Self::I64 => from!(i64),
+            Self::F32 => from!(f32),
+            Self::F64 => from!(f64),
+            Self::F16 => {
+                let (chunks, _) = bytes.as_chunks::<2>();
+                let bits = |c: &[u8; 2]| if big_endian { u16::from_be_bytes(*c) } else { u16::from_le_bytes(*c) };
+                values.extend(chunks.iter().map(|c| half::f16::from_bits(bits(c)).to_f32() / divisor));
+            }
+            Self::U10p => packed(5, |b| {
+                let all = b[0] | b[1] << 8 | b[2] << 16 | b[3] << 24 | b[4] << 32;
+                std::array::from_fn(|i| all >> (10 * i) & 0x3ff)
+            }),
+            Self::U12p => packed(3, |b| [b[0] | (b[1] & 15) << 8, b[1] >> 4 | b[2] << 4, 0, 0]),
+            Self::U10Packed => packed(3, |b| [b[0] << 2 | b[1] & 3, b[2] << 2 | b[1] >> 4 & 3, 0, 0]),
+            Self::U12Packed => packed(3, |b| [b[0] << 4 | b[1] & 15, b[2] << 4 | b[1] >> 4, 0, 0]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(number: Number, bytes: &[u8], big_endian: bool) -> Vec<f32> {
+        let mut values = Vec::new();
+        number.convert(bytes, big_endian, None, 1.0, &mut values);
+        values
+    }
+
+    #[test]
+    fn packed_numbers_are_those_of_the_standards() {
+        // Pixel 0 is 0xabc, pixel 1 is 0x123 (12 bit); 0x2ab and 0x1cd, 0x001, 0x3ff (10 bit).
+        assert_eq!(values(Number::U12p, &[0xbc, 0x3a, 0x12], false), [2748.0, 291.0]);
+        assert_eq!(values(Number::U12Packed, &[0xab, 0x3c, 0x12], false), [2748.0, 291.0]);
+        assert_eq!(values(Number::U10Packed, &[0xaa, 0x13, 0x73], false), [683.0, 461.0]);
+        let four = 0x2ab | 0x1cd << 10 | 0x001u64 << 20 | 0x3ff << 30;
+        assert_eq!(values(Number::U10p, &four.to_le_bytes()[..5], false), [683.0, 461.0, 1.0, 1023.0]);
+        assert_eq!((Number::U10p.bytes(5), Number::U12p.bytes(3), Number::U16.bytes(3)), (7, 5, 6));
+        // The last group of an odd number of pixels.
+        assert_eq!(values(Number::U12p, &[0xbc, 0x3a, 0x12, 0xbc, 0x0a], false)[..3], [2748.0, 291.0, 2748.0]);
+    }
+
+    #[test]
+    fn numbers_are_scaled_and_blanks_become_nan() {
+        let mut found = Vec::new();
+        let scaling = Scaling { factor: 2.0, offset: 32768.0, blank: Some(-1) };
+        Number::I16.convert(&[0x80, 0, 0xff, 0xff, 0, 5], true, Some(scaling), 2.0, &mut found);
+        assert_eq!((found[0], found[2]), (-16384.0, 16389.0));
+        assert!(found[1].is_nan());
+        assert_eq!(values(Number::U16, &[1, 2], true), [258.0]);
+        assert_eq!(values(Number::F16, &[0, 0x3c], false), [1.0]);
+    }
+}

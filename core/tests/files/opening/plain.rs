@@ -1,0 +1,462 @@
+//! Files of plain numbers: without header, `.npz`, shapes of arrays, FITS, SER, Y4M, films, and the axes of TIFFs. The
+//! files in `samples/` were written by tifffile, numpy, astropy, serfilesreader and ffmpeg; their value number i is
+//! 7·i + 3 unless a test says another, and the expected values are those that the same tools read.
+
+use super::support::{assert_close, folder, grey8, save};
+use burstscope_core::Monitor;
+use burstscope_core::burst::{Burst, Encoding, Info, Mosaic, OpenOptions, RawColour, find_bursts};
+use burstscope_core::error::{Error, ErrorKind};
+use ndarray::{Array3, Array4};
+use ndarray_npy::write_npy;
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Bytes of a file of another program; one that is stored compressed is unpacked.
+macro_rules! sample {
+    ($name:literal) => {
+        include_bytes!(concat!("samples/", $name)).as_slice()
+    };
+    ($name:literal, gz) => {
+        &unpacked(include_bytes!(concat!("samples/", $name, ".gz")))
+    };
+}
+
+fn unpacked(bytes: &[u8]) -> Vec<u8> {
+    let mut whole = Vec::new();
+    flate2::read::GzDecoder::new(bytes).read_to_end(&mut whole).expect("unpacked");
+    whole
+}
+
+/// The samples, for the tests with damaged files.
+pub fn samples() -> Vec<(&'static str, Vec<u8>)> {
+    vec![
+        ("mono12.ser", sample!("mono12.ser").to_vec()),
+        ("grey16.y4m", sample!("grey16.y4m").to_vec()),
+        ("c420.y4m", sample!("c420.y4m").to_vec()),
+        ("two.npz", sample!("two.npz").to_vec()),
+        ("stored.npz", sample!("stored.npz").to_vec()),
+        ("cube_u16.fits", sample!("cube_u16.fits", gz).to_vec()),
+        ("extensions.fits", sample!("extensions.fits", gz).to_vec()),
+        ("scaled.fits", sample!("scaled.fits", gz).to_vec()),
+        ("dump.raw", (0..24).collect()),
+    ]
+}
+
+struct Opened {
+    path: PathBuf,
+    _folder: tempfile::TempDir,
+}
+
+impl Opened {
+    fn new(name: &str, bytes: &[u8]) -> Self {
+        let folder = folder();
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("written");
+        Self { path, _folder: folder }
+    }
+
+    fn open(&self, options: &OpenOptions) -> Result<Burst, Error> {
+        Burst::open_with(std::slice::from_ref(&self.path), options, &Monitor::default())
+    }
+
+    fn info(&self, options: &OpenOptions) -> Info {
+        Info::of(std::slice::from_ref(&self.path), options, &Monitor::default()).expect("described")
+    }
+
+    /// The message of its failure, which names the file.
+    fn failure(&self, options: &OpenOptions) -> String {
+        let message = self.open(options).expect_err("refused").to_string();
+        assert!(message.contains(self.path.file_name().expect("a name").to_str().expect("text")), "{message}");
+        message
+    }
+}
+
+fn plain() -> OpenOptions {
+    OpenOptions::default()
+}
+
+fn raw(shape: &str) -> OpenOptions {
+    OpenOptions { raw: Some(shape.parse().expect("a shape")), ..plain() }
+}
+
+fn axis(axis: &str) -> OpenOptions {
+    OpenOptions { axis: Some(axis.parse().expect("an axis")), ..plain() }
+}
+
+fn array(name: &str) -> OpenOptions {
+    OpenOptions { array: Some(name.to_owned()), ..plain() }
+}
+
+/// Values of all frames, in the files' unit.
+fn values(burst: &Burst) -> Vec<f32> {
+    burst.frames.iter().flat_map(|frame| frame.data().iter().map(|v| v * burst.full_scale)).collect()
+}
+
+fn numbered(range: std::ops::Range<usize>) -> Vec<f32> {
+    range.map(|i| (7 * i + 3) as f32).collect()
+}
+
+#[test]
+fn files_without_header_have_the_shape_that_is_said() {
+    let words: Vec<u16> = (0..12).map(|i| 1000 * i + 7).collect();
+    let expected: Vec<f32> = words.iter().map(|v| f32::from(*v)).collect();
+    let little = Opened::new("a.raw", &words.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+    let burst = little.open(&raw("3x2:u16le")).expect("two frames");
+    assert_eq!((burst.len(), burst.size(), burst.full_scale), (2, (3, 2), 65535.0));
+    assert_close(&values(&burst), &expected);
+    assert_eq!(little.open(&raw("4x3:u16le")).expect("one frame").len(), 1);
+    let behind =
+        Opened::new("b.bin", &[&[9; 5][..], &words.iter().flat_map(|v| v.to_be_bytes()).collect::<Vec<_>>()].concat());
+    assert_close(&values(&behind.open(&raw("3x2:u16be+5")).expect("skipped")), &expected);
+    let floats =
+        Opened::new("c.dat", &[0.25f32, 0.5, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+    assert_eq!(floats.open(&raw("2x2:f32")).expect("opens").frames[0].data(), [0.25, 0.5, 1.0, 0.0]);
+    // Any name, as many programs give none.
+    let nameless = Opened::new("dump", &[1, 2, 3, 4, 5, 6]);
+    assert_close(&values(&nameless.open(&raw("3x1:u8")).expect("opens")), &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    let packed = Opened::new("p.raw", &[0xbc, 0x3a, 0x12, 0xbc, 0x3a, 0x12]);
+    let burst = packed.open(&raw("2x1:mono12p")).expect("opens");
+    assert_eq!((burst.len(), burst.full_scale), (2, 4095.0));
+    assert_close(&values(&burst), &[2748.0, 291.0, 2748.0, 291.0]);
+    // A file that begins like a picture by chance.
+    let chance = Opened::new("chance.raw", b"BM\x89PNG\r\n\x1a\n\0\0");
+    assert_eq!(chance.open(&raw("4x3:u8")).expect("opens").len(), 1);
+}
+
+#[test]
+fn folders_of_files_without_header_are_frames_or_bursts() {
+    let home = folder();
+    for t in 0..3u8 {
+        fs::write(home.path().join(format!("f{t}.raw")), [t; 12]).expect("written");
+    }
+    let paths = [home.path().to_path_buf()];
+    let burst = Burst::open_with(&paths, &raw("4x3:u8"), &Monitor::default()).expect("three frames");
+    assert_eq!((burst.len(), burst.frame_names[2].as_str()), (3, "f2.raw"));
+    assert_eq!(find_bursts(&paths, &raw("2x3:u8")).expect("bursts").len(), 3, "each holds two frames");
+    // In a dataset, files of which nobody says that they are frames are no burst; nor is what lies beside its folders.
+    let parent = folder();
+    fs::create_dir(parent.path().join("logs")).expect("made");
+    fs::create_dir(parent.path().join("night")).expect("made");
+    fs::write(parent.path().join("logs/run.dat"), [0; 12]).expect("written");
+    fs::write(parent.path().join("points.npz"), sample!("two.npz")).expect("written");
+    save(&parent.path().join("night/p.png"), &grey8(4, 3, 0));
+    let names = |options: &OpenOptions| -> Vec<String> {
+        let found = find_bursts(&[parent.path().to_path_buf()], options).expect("bursts");
+        found.into_iter().map(|burst| burst.name).collect()
+    };
+    assert_eq!((names(&plain()), names(&raw("4x3:u8"))), (vec!["night".into()], vec!["logs".into(), "night".into()]));
+    // Beside pictures they are no frames.
+    save(&home.path().join("p.png"), &grey8(4, 3, 0));
+    assert_eq!(Burst::open(home.path()).expect("a picture").frame_names, ["p.png"]);
+}
+
+#[test]
+fn files_without_header_are_refused_with_their_likely_shapes() {
+    let file = Opened::new("night.raw", &vec![0; 640 * 480 * 2 * 3]);
+    let message = file.failure(&plain());
+    assert!(message.contains("--raw") && message.contains("640x480:u16le (3 frames)"), "{message}");
+    let message = file.failure(&raw("641x480:u16le"));
+    assert!(message.contains("no whole number of frames of 641x480:u16le"), "{message}");
+    assert!(Opened::new("odd.bin", &[0; 7]).failure(&plain()).contains("no usual size fills its 7 bytes"));
+    assert!(file.failure(&raw("640x480:u16le+99999999")).contains("0 bytes"));
+}
+
+#[test]
+fn a_mosaic_is_binned_in_every_kind_of_file() {
+    // Green, red, blue, green.
+    let square = [40u8, 10, 90, 60];
+    let bytes: Vec<u8> = (0..4).flat_map(|v| (0..4).map(move |u| square[2 * (v % 2) + u % 2])).collect();
+    let home = folder();
+    let image = image::GrayImage::from_raw(4, 4, bytes.clone()).expect("sixteen values");
+    for name in ["m.png", "m.tif"] {
+        save(&home.path().join(name), &image);
+    }
+    fs::write(home.path().join("m.raw"), &bytes).expect("written");
+    let array = Array3::from_shape_vec((1, 4, 4), bytes).expect("sixteen values");
+    write_npy(home.path().join("m.npy"), &array).expect("written");
+    for name in ["m.png", "m.tif", "m.raw", "m.npy"] {
+        for (colour, expected) in
+            [(RawColour::Luma, 50.0), (RawColour::Green, 50.0), (RawColour::Red, 10.0), (RawColour::Blue, 90.0)]
+        {
+            let options = OpenOptions { mosaic: Some(Mosaic::Grbg), raw_colour: colour, ..raw("4x4:u8") };
+            let paths = [home.path().join(name)];
+            let burst = Burst::open_with(&paths, &options, &Monitor::default()).expect(name);
+            assert_eq!((burst.size(), burst.binning), ((2, 2), 2), "{name}");
+            assert_close(&values(&burst), &[expected; 4]);
+            let info = Info::of(&paths, &options, &Monitor::default()).expect(name);
+            assert_eq!((info.width, info.height, info.binning), (2, 2, 2), "{name}");
+        }
+    }
+    let colours = home.path().join("c.png");
+    save(&colours, &image::RgbImage::from_pixel(4, 4, image::Rgb([1, 2, 3])));
+    let options = OpenOptions { mosaic: Some(Mosaic::Rggb), ..plain() };
+    let error = Burst::open_with(&[colours], &options, &Monitor::default()).expect_err("colours");
+    assert!(error.kind == ErrorKind::Unsupported && error.problem.contains("colours already"), "{error}");
+}
+
+#[test]
+fn arrays_have_frames_first_or_last_and_colours() {
+    let home = folder();
+    let path = home.path().join("a.npy");
+    let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &Monitor::default());
+    let last = Array3::from_shape_fn((24, 16, 2), |(v, u, t)| (v * 100 + u * 5 + t) as u16);
+    write_npy(&path, &last).expect("written");
+    let burst = open(&plain()).expect("opens");
+    assert_eq!((burst.len(), burst.size()), (2, (16, 24)));
+    let at = |t: usize, u, v| (burst.frames[t].at(u, v) * 65535.0).round();
+    assert_eq!((at(0, 3, 7), at(1, 3, 7), at(1, 15, 23)), (715.0, 716.0, 2376.0));
+    assert!(burst.notes().iter().any(|note| note.text.contains("last axis")), "it is told");
+    assert_eq!(open(&axis("first")).expect("as it is said").size(), (2, 16));
+    // A picture with colours or frames: nobody knows.
+    write_npy(&path, &Array3::<u8>::zeros((24, 32, 3))).expect("written");
+    assert!(open(&plain()).expect_err("either").to_string().contains("3 colours or 3 frames"));
+    assert_eq!(open(&axis("last")).expect("frames").len(), 3);
+    let colours = Array4::from_shape_fn((2, 3, 4, 3), |(t, v, u, c)| (t * 60 + v * 10 + u + [0, 1, 2][c]) as u8);
+    write_npy(&path, &colours).expect("written");
+    let burst = open(&plain()).expect("opens");
+    assert_eq!((burst.len(), burst.size(), burst.encoding), (2, (4, 3), Encoding::Srgb));
+    let luma = |base: f32| base + 0.7152 + 2.0 * 0.0722;
+    assert!((burst.frames[1].at(2, 1) * 255.0 - luma(72.0)).abs() < 1e-3);
+    write_npy(&path, &Array4::from_shape_fn((5, 1, 3, 4), |(t, _, v, u)| (t * 60 + v * 10 + u) as u8))
+        .expect("written");
+    let burst = open(&plain()).expect("opens");
+    assert_eq!((burst.len(), (burst.frames[2].at(3, 1) * 255.0).round()), (5, 133.0));
+}
+
+#[test]
+fn archives_hold_one_array_of_frames() {
+    let two = Opened::new("two.npz", sample!("two.npz"));
+    let burst = two.open(&plain()).expect("times are no frames");
+    assert_eq!((burst.len(), burst.size()), (3, (5, 4)));
+    assert_close(&values(&burst), &numbered(0..60));
+    assert!(burst.notes().iter().any(|note| note.text.contains("'frames' is taken")), "{:?}", burst.notes());
+    assert_eq!(two.info(&plain()).kind, "NPZ");
+    assert!(two.failure(&array("other")).contains("frames [3, 4, 5], times [3]"));
+    assert!(two.failure(&array("times")).contains("[3]"));
+    let stored = Opened::new("stored.npz", sample!("stored.npz"));
+    let burst = stored.open(&plain()).expect("opens");
+    assert_eq!((burst.len(), burst.full_scale), (2, 164.0));
+    assert_close(&values(&burst), &numbered(0..24));
+    let home = folder();
+    let path = home.path().join("both.npz");
+    let mut npz = ndarray_npy::NpzWriter::new(fs::File::create(&path).expect("created"));
+    npz.add_array("a", &Array3::<u8>::ones((2, 3, 4))).expect("written");
+    npz.add_array("b", &Array3::<u8>::zeros((5, 3, 4))).expect("written");
+    npz.finish().expect("written");
+    let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &Monitor::default());
+    assert!(open(&plain()).expect_err("two").to_string().contains("--array NAME"));
+    assert_eq!(open(&array("b")).expect("chosen").len(), 5);
+}
+
+#[test]
+fn channels_and_depths_are_never_taken_for_time() {
+    let files: [(&str, &[u8], usize); 3] = [
+        ("imagej_tcyx.tif", sample!("imagej_tcyx.tif"), 3),
+        ("ome_tzyx.ome.tif", sample!("ome_tzyx.ome.tif"), 3),
+        ("shaped_tcyx.tif", sample!("shaped_tcyx.tif"), 2),
+    ];
+    for (name, bytes, others) in files {
+        let file = Opened::new(name, bytes);
+        let other = if name.contains("tz") { "Z" } else { "C" };
+        let message = file.failure(&plain());
+        assert!(message.contains(&format!("{others} ")) && message.contains("--axis T"), "{message}");
+        let frame = |page: usize| -> Vec<f32> {
+            let wrapped = |v: f32| if name.starts_with("imagej") { v } else { v % 256.0 };
+            numbered(20 * page..20 * (page + 1)).into_iter().map(wrapped).collect()
+        };
+        let times = 6 / others;
+        let burst = file.open(&axis("T")).expect(name);
+        assert_eq!(burst.len(), times, "{name}");
+        assert_close(&values(&burst)[20..40], &frame(others));
+        let burst = file.open(&axis(&format!("T,{other}=1"))).expect(name);
+        assert_close(&values(&burst)[20..40], &frame(others + 1));
+        let burst = file.open(&axis(&format!("{other},T=1"))).expect(name);
+        assert_eq!(burst.len(), others, "{name}");
+        assert_close(&values(&burst)[..20], &frame(others));
+        assert!(burst.notes().iter().any(|note| note.text.contains("T=1")), "{:?}", burst.notes());
+        assert_eq!(file.info(&axis("T")).frames, times);
+        file.failure(&axis(if other == "Z" { "C" } else { "Z" }));
+    }
+}
+
+#[test]
+fn fits_images_are_those_that_astropy_reads() {
+    let cube = Opened::new("cube.fits", sample!("cube_u16.fits", gz));
+    let burst = cube.open(&plain()).expect("opens");
+    assert_eq!((burst.len(), burst.size(), burst.full_scale), (3, (5, 4), 65535.0));
+    assert_close(&values(&burst), &numbered(0..60).iter().map(|v| v + 40_000.0).collect::<Vec<_>>());
+    let extensions = Opened::new("extensions.fits", sample!("extensions.fits", gz));
+    let burst = extensions.open(&plain()).expect("opens");
+    assert_close(&values(&burst), &numbered(0..20).iter().map(|v| v / 8.0).collect::<Vec<_>>());
+    assert!(burst.notes().iter().any(|note| note.text.contains("SCI")), "{:?}", burst.notes());
+    for name in ["DQ", "1"] {
+        let burst = extensions.open(&array(name)).expect("chosen");
+        assert_close(&values(&burst), &numbered(0..20).iter().map(|v| -v).collect::<Vec<_>>());
+    }
+    assert!(extensions.failure(&array("ERR")).contains("SCI, DQ"));
+    let scaled = Opened::new("scaled.fits", sample!("scaled.fits", gz));
+    let burst = scaled.open(&plain()).expect("opens");
+    assert_close(&values(&burst), &numbered(0..20).iter().map(|v| v * 0.5 + 10.0).collect::<Vec<_>>());
+    let info = scaled.info(&plain());
+    assert_eq!((info.kind.as_str(), info.begins.as_deref()), ("FITS", Some("2021-03-01T22:00:15.250Z")));
+    let compressed = Opened::new("compressed.fits", sample!("compressed.fits", gz));
+    assert!(compressed.failure(&plain()).contains("funpack"));
+}
+
+#[test]
+fn damage_of_fits_names_the_keyword() {
+    let whole = unpacked(include_bytes!("samples/cube_u16.fits.gz"));
+    let changed = |from: &str, to: &str| {
+        let mut bytes = whole.clone();
+        let at = bytes.windows(from.len()).position(|part| part == from.as_bytes()).expect(from);
+        bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
+        Opened::new("bad.fits", &bytes).failure(&plain())
+    };
+    assert!(changed("NAXIS   =                    3", "NAXIS   =                    x").contains("NAXIS is 'x'"));
+    assert!(changed("NAXIS2  =                    4", "NAXIS2  =                   -4").contains("NAXIS2"));
+    assert!(changed("BITPIX  =                   16", "BITPIX  =                   17").contains("BITPIX is 17"));
+    assert!(changed("BZERO   =                32768", "BZERO   =                 many").contains("BZERO is 'many'"));
+    assert!(changed("NAXIS1  =                    5", "NAXIS1  =              9999999").contains("9999999×4"));
+    assert!(changed("END     ", "EMD     ").contains("too early"));
+    // The third axis is wavelengths.
+    let mut bytes = whole.clone();
+    let at = bytes.windows(8).position(|part| part == b"END     ").expect("an end");
+    let card = format!("{:<80}END", "CTYPE3  = 'WAVE    '");
+    bytes[at..at + card.len()].copy_from_slice(card.as_bytes());
+    let spectral = Opened::new("spectral.fits", &bytes);
+    assert!(spectral.failure(&plain()).contains("differ in WAVE"));
+    assert_eq!(spectral.open(&axis("last")).expect("asked for").len(), 3);
+    // An undefined value is located.
+    let card = format!("{:<80}END", "BLANK   =                -32768");
+    bytes[at..at + card.len()].copy_from_slice(card.as_bytes());
+    bytes[2880..2882].copy_from_slice(&(-32768i16).to_be_bytes());
+    assert!(Opened::new("blank.fits", &bytes).failure(&plain()).contains("frame 0 has NaN at pixel (0, 0)"));
+}
+
+#[test]
+fn ser_films_have_times_bits_and_mosaics() {
+    let ser = Opened::new("jupiter.ser", sample!("mono12.ser"));
+    let expected: Vec<f32> = numbered(0..36).iter().map(|v| (v * 31.0) % 4096.0).collect();
+    let burst = ser.open(&plain()).expect("opens");
+    assert_eq!((burst.len(), burst.size(), burst.full_scale), (3, (4, 3), 4095.0));
+    assert_close(&values(&burst), &expected);
+    let info = ser.info(&plain());
+    assert_eq!((info.samples.as_str(), info.begins.as_deref()), ("12 bit", Some("2021-03-01T22:00:00.000Z")));
+    assert!((info.times_s[1] - 0.0333333).abs() < 1e-6 && (info.times_s[2] - 0.07).abs() < 1e-6, "{:?}", info.times_s);
+    let with = |changes: &[(usize, u32)]| {
+        let mut bytes = sample!("mono12.ser").to_vec();
+        changes.iter().for_each(|(at, value)| bytes[*at..at + 4].copy_from_slice(&value.to_le_bytes()));
+        Opened::new("bad.ser", &bytes)
+    };
+    let (colour, order, width, height, bits, frames) = (18, 22, 26, 30, 34, 38);
+    let swapped = with(&[(order, 1)]).open(&OpenOptions { full_scale: Some(65535.0), ..plain() }).expect("opens");
+    let first = (expected[0] as u16).swap_bytes();
+    assert_close(&values(&swapped)[..1], &[f32::from(first)]);
+    let mosaic = with(&[(colour, 8)]).open(&plain()).expect("opens");
+    assert_eq!((mosaic.size(), mosaic.binning), ((2, 1), 2));
+    assert_close(&values(&mosaic)[..1], &[(expected[0] + expected[1] + expected[4] + expected[5]) / 4.0]);
+    // 36 numbers of 16 bits are 8 pixels of three bytes, three times.
+    let rgb = [(bits, 8), (width, 4), (height, 2)];
+    let of = |id| with(&[&rgb[..], &[(colour, id)]].concat()).open(&plain()).expect("opens");
+    assert_eq!((of(100).size(), of(100).len()), ((4, 2), 3));
+    let bytes = &sample!("mono12.ser")[178..181];
+    let luma =
+        |r: usize, b: usize| 0.2126 * f32::from(bytes[r]) + 0.7152 * f32::from(bytes[1]) + 0.0722 * f32::from(bytes[b]);
+    assert_close(&values(&of(100))[..1], &[luma(0, 2)]);
+    assert_close(&values(&of(101))[..1], &[luma(2, 0)]);
+    for (changes, word) in [
+        (&[(bits, 17)][..], "PixelDepthPerPlane"),
+        (&[(colour, 7)], "ColorID is 7"),
+        (&[(colour, 16)], "cyan"),
+        (&[(frames, 0)], "FrameCount"),
+        (&[(frames, 2000)], "bytes of values are announced"),
+        (&[(width, u32::MAX), (height, u32::MAX)], "4294967295×4294967295"),
+    ] {
+        let message = with(changes).failure(&plain());
+        assert!(message.contains(word), "{message}");
+    }
+}
+
+#[test]
+fn films_of_y4m_give_their_luma() {
+    let grey = Opened::new("grey.y4m", sample!("grey16.y4m"));
+    let burst = grey.open(&plain()).expect("opens");
+    assert_eq!((burst.len(), burst.size(), burst.full_scale, burst.encoding), (3, (16, 12), 65535.0, Encoding::Linear));
+    let expected: Vec<f32> = numbered(0..576).iter().map(|v| v * 50.0 % 65536.0).collect();
+    assert_close(&values(&burst), &expected);
+    let colour = Opened::new("colour.y4m", sample!("c420.y4m"));
+    let burst = colour.open(&plain()).expect("opens");
+    assert_eq!((burst.len(), burst.encoding), (3, Encoding::Srgb));
+    assert_close(&values(&burst), &numbered(0..576).iter().map(|v| v % 219.0 + 16.0).collect::<Vec<_>>());
+    let info = colour.info(&plain());
+    assert!((info.times_s[2] - 2.0 * 1001.0 / 30000.0).abs() < 1e-9, "{:?}", info.times_s);
+    let ten = Opened::new("ten.y4m", sample!("c422p10.y4m"));
+    let burst = ten.open(&plain()).expect("opens");
+    assert_eq!((burst.len(), burst.full_scale), (2, 1023.0));
+    assert_close(&values(&burst), &numbered(0..96).iter().map(|v| v % 1024.0).collect::<Vec<_>>());
+    let changed = |from: &str, to: &str| {
+        let text = sample!("c420.y4m");
+        let at = text.windows(from.len()).position(|part| part == from.as_bytes()).expect(from);
+        let bytes = [&text[..at], to.as_bytes(), &text[at + from.len()..]].concat();
+        Opened::new("bad.y4m", &bytes).failure(&plain())
+    };
+    assert!(changed("W16", "Wide").contains("no number of pixels W"));
+    assert!(changed("C420jpeg", "C410").contains("colours are 410"));
+    assert!(changed(" Ip", " It").contains("interlaced"));
+    assert!(changed("FRAME", "FROM").contains("FRAME"));
+    assert!(changed("H12", "H0").contains("no pixels"));
+    let cut = sample!("c420.y4m");
+    assert!(Opened::new("cut.y4m", &cut[..cut.len() - 1]).failure(&plain()).contains("ends within frame 2"));
+}
+
+#[needs::program("ffmpeg")]
+#[test]
+fn films_are_decoded_by_ffmpeg_with_all_bits() {
+    let film = Opened::new("it's a film.mkv", sample!("grey16.mkv"));
+    let burst = film.open(&plain()).expect("opens");
+    let expected: Vec<f32> = numbered(0..576).iter().map(|v| v * 50.0 % 65536.0).collect();
+    assert_eq!((burst.len(), burst.size(), burst.full_scale), (3, (16, 12), 65535.0));
+    assert_close(&values(&burst), &expected);
+    let info = film.info(&plain());
+    assert_eq!((info.kind.as_str(), info.frames), ("film", 3));
+    assert!((info.times_s[2] - 0.08).abs() < 1e-3, "{:?}", info.times_s);
+    let cancelled = Monitor::default();
+    cancelled.cancel();
+    let paths = [film.path.clone()];
+    assert!(Burst::open_with(&paths, &plain(), &cancelled).expect_err("cancelled").is_cancelled());
+    let cut = sample!("grey16.mkv");
+    assert!(Opened::new("cut.mkv", &cut[..cut.len() / 2]).failure(&plain()).contains("ffmpeg says"));
+}
+
+#[test]
+fn formats_of_others_are_refused_with_what_reads_them() {
+    let starts: [(&str, &[u8], &str); 6] = [
+        ("a.h5", b"\x89HDF\r\n\x1a\n\0\0", "h5py"),
+        ("a.mat", b"MATLAB 5.0 MAT-file, Platform", "scipy.io"),
+        ("a.bag", b"#ROSBAG V2.0\n", "rosbags"),
+        ("a.mcap", b"\x89MCAP0\r\n\x01", "rosbags"),
+        ("a.db3", b"SQLite format 3\0", "rosbags"),
+        ("a.fits.gz", b"\x1f\x8b\x08\0", "gunzip"),
+    ];
+    for (name, start, way) in starts {
+        let message = Opened::new(name, start).failure(&plain());
+        assert!(message.contains(way), "{message}");
+    }
+}
+
+#[test]
+fn what_is_not_asked_for_is_read_by_name() {
+    // Results and lists beside frames are no frames.
+    let home = folder();
+    (0..3).for_each(|t| save(&home.path().join(format!("{t}.png")), &grey8(4, 3, t)));
+    for (name, bytes) in
+        [("features.npz", sample!("two.npz")), ("times.dat", b"0 1 2"), ("all.mp4", b"\0\0\0\x18ftypisom")]
+    {
+        fs::write(home.path().join(name), bytes).expect("written");
+    }
+    assert_eq!(Burst::open(home.path()).expect("opens").len(), 3);
+    let of = |name: &str| Info::of(&[home.path().join(name)], &plain(), &Monitor::default());
+    assert!(of("times.dat").is_err() && of("0.png").is_ok_and(|info| info.kind == "PNG"));
+    assert!(Path::new(&of("0.png").expect("described").name).extension().is_none());
+}

@@ -1,0 +1,70 @@
+//! `info`: what an input is, from the headers of its files.
+
+use super::args::{CalibrationArgs, INPUT_HELP, OutputArgs};
+use super::console::Console;
+use super::failure::Failure;
+use super::inputs::{open_options, resolve};
+use super::report::FailureReport;
+use crate::burst::Info;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Say what an input is: its bursts, and of each the kind, the frames, their size, bits and times, and what was guessed.
+///
+/// Headers are read, no pixels (of a raw file, which declares little, the frame). The options that say how files are
+/// opened are those of the other commands.
+#[derive(Debug, Args)]
+#[command(after_long_help = INFO_HELP)]
+pub struct InfoArgs {
+    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    pub inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub calibration: CalibrationArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const INFO_HELP: &str = "\
+JSON (--json):
+  {\"version\", \"command\": \"info\", \"bursts\": [{\"inputs\": [path], \"name\", \"kind\", \"files\", \"frames\", \"width\", \"height\", \"samples\", \"is_colour\",
+     \"binning\", \"times_s\": [s from the first frame] and \"begins\" (UTC) where the files say it, \"taken\": [what was guessed or chosen]}],
+   \"failures\": [{\"name\", \"error\"}]}";
+
+#[derive(Serialize)]
+struct InfoReport {
+    bursts: Vec<BurstInfo>,
+    failures: Vec<FailureReport>,
+}
+
+#[derive(Serialize)]
+struct BurstInfo {
+    inputs: Vec<String>,
+    #[serde(flatten)]
+    info: Info,
+}
+
+pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
+    let console = Console::new(&args.output)?;
+    let inputs = resolve(&args.inputs, &args.calibration.options());
+    let options = open_options(&inputs, &args.calibration)?;
+    let mut report = InfoReport { bursts: Vec::new(), failures: Vec::new() };
+    for input in inputs {
+        let name = input.name.clone();
+        let described = input.source.clone().and_then(|source| source.info(&options, &console.monitor));
+        match described {
+            Ok(info) => {
+                let info = Info { name, ..info };
+                console.say(&info.text())?;
+                report.bursts.push(BurstInfo { inputs: input.path_texts(), info });
+            }
+            Err(error) if error.is_cancelled() => return Err(Failure::Interrupted),
+            Err(error) => {
+                console.complain(&format!("{name}: {error}"));
+                report.failures.push(FailureReport { name, error: error.to_string() });
+            }
+        }
+    }
+    console.say_document("info", &report)?;
+    if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
+}
