@@ -32,7 +32,7 @@ pub fn place_text(readout: &Readout) -> String {
 }
 
 pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
-    let picture = model.panes.get(id)?.picture.as_ref()?;
+    let picture = model.picture_in(id)?;
     let (width, height) = picture.plane.size();
     let rgba = picture.rgba(&model.display_of(id));
     Some(egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw()))
@@ -47,14 +47,14 @@ pub fn is_asked(ctx: &egui::Context) -> bool {
     asked && !ctx.egui_wants_keyboard_input() && !text_is_selected
 }
 
-pub fn copy_row(ctx: &egui::Context, model: &mut Model, widgets: &PaneWidgets) {
+/// Returns the note about what was copied.
+pub fn copy_row(ctx: &egui::Context, model: &Model, widgets: &PaneWidgets) -> Option<String> {
     let readouts = model.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
     let value = readouts.into_iter().next().map(|readout| value_text(&readout));
-    if let Some(text) = selected_text(model).or(value) {
-        let what = text.lines().last().unwrap_or_default().replace('\t', "  ");
-        model.messages.note(format!("Copied {what}"));
-        ctx.copy_text(text);
-    }
+    let text = selected_text(model).or(value)?;
+    let what = text.lines().last().unwrap_or_default().replace('\t', "  ");
+    ctx.copy_text(text);
+    Some(format!("Copied {what}"))
 }
 
 fn selected_text(model: &Model) -> Option<String> {
@@ -64,16 +64,15 @@ fn selected_text(model: &Model) -> Option<String> {
     }
 }
 
-pub fn copy_command(ctx: &egui::Context, model: &mut Model) {
+/// Returns the note about what was copied, or why there is no command.
+pub fn copy_command(ctx: &egui::Context, model: &Model) -> Option<Result<String, &'static str>> {
     let side = model.active_side();
-    let Some(burst) = model.burst_of(side) else { return };
-    match command_text(&burst.source, side, model) {
-        Ok(line) => {
-            model.messages.note(format!("Copied {line}"));
-            ctx.copy_text(line);
-        }
-        Err(why) => model.messages.error("Copy as command", why),
-    }
+    let burst = model.burst_of(side)?;
+    Some(command_text(&burst.source, side, model).map(|line| {
+        let note = format!("Copied {line}");
+        ctx.copy_text(line);
+        note
+    }))
 }
 
 fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<String, &'static str> {
@@ -86,11 +85,9 @@ fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<Strin
     Ok(detect_line(&inputs, &model.asked_of(side), &calibration))
 }
 
-pub fn copy_picture(ctx: &egui::Context, model: &mut Model) {
-    if let Some(image) = picture_of(model, model.focus()) {
-        ctx.copy_image(image);
-        model.messages.note("Copied the picture");
-    }
+pub fn copy_picture(ctx: &egui::Context, model: &Model) -> Option<String> {
+    ctx.copy_image(picture_of(model, model.focus())?);
+    Some("Copied the picture".to_owned())
 }
 
 #[cfg(test)]

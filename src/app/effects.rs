@@ -3,6 +3,7 @@
 use super::actions::{self, ActionId};
 use super::dataset::CutDialog;
 use super::dialogs::Question;
+use super::document::Action;
 use super::window::BurstscopeApp;
 use super::{clipboard, files};
 use crate::app::project::Effect;
@@ -15,6 +16,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl BurstscopeApp {
+    pub(super) fn run(&mut self, ctx: &egui::Context, action: Action) {
+        if let Action::Do(id) = action {
+            self.run_action(ctx, id);
+            return;
+        }
+        let effects = actions::apply(action, &mut self.model, &self.engine);
+        self.apply(effects);
+    }
+
     /// Runs an action, as if it had been chosen from a menu. A disabled action does nothing.
     pub fn run_action(&mut self, ctx: &egui::Context, id: ActionId) {
         if !actions::enabled(id, &self.model) || self.overlays.open(id, &self.model) {
@@ -30,14 +40,21 @@ impl BurstscopeApp {
             ActionId::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             ActionId::OneToOne => model.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
             ActionId::ProbePlace => actions::probe_here(model, widgets),
-            ActionId::CopyRow => clipboard::copy_row(ctx, model, widgets),
-            ActionId::CopyCommand => clipboard::copy_command(ctx, model),
-            ActionId::CopyPicture => clipboard::copy_picture(ctx, model),
+            ActionId::CopyRow => self.note(clipboard::copy_row(ctx, &self.model, &self.widgets)),
+            ActionId::CopyCommand => match clipboard::copy_command(ctx, model) {
+                Some(Err(why)) => model.messages.error("Copy as command", why),
+                copied => self.note(copied.and_then(Result::ok)),
+            },
+            ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, &self.model)),
             _ => {
-                let effect = actions::change(id, model, engine);
-                self.apply(effect);
+                let effects = actions::apply(id.into(), model, engine);
+                self.apply(effects);
             }
         }
+    }
+
+    pub(super) fn note(&mut self, note: Option<String>) {
+        note.into_iter().for_each(|note| self.model.messages.note(note));
     }
 
     pub(super) fn apply(&mut self, effects: impl IntoIterator<Item = Effect>) {

@@ -140,7 +140,7 @@ pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model
             model.lay_over(side, first);
             model.bottom_tab = BottomTab::Compared;
         }
-        Purpose::LoadParams => load_params(&first, model),
+        Purpose::LoadParams => model.as_step(|model| load_params(&first, model)),
         _ => {}
     }
 }
@@ -200,10 +200,10 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::MatchPicture) => match_picture_work(model),
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
         Purpose::Export(ExportKind::CurvesCsv) => {
-            let text = curves_csv(&shown_plots(&model.lab));
+            let text = curves_csv(&shown_plots(model));
             Ok(work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes()))))
         }
-        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(&model.lab)))),
+        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(model)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(ExportKind::FilmGif) => {
             let film = model.film_to_export().ok_or("there is no burst; open one first")?;

@@ -11,6 +11,7 @@ pub mod canvas;
 pub mod clipboard;
 pub mod dataset;
 pub mod dialogs;
+pub mod document;
 mod effects;
 pub mod figure;
 mod files;

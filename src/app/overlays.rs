@@ -7,13 +7,13 @@ use super::dialogs::{PathField, ReplaceFile};
 use super::figure::FilmDialog;
 use super::files;
 use super::lesson::Lessons;
+use crate::app::document::Action;
 use crate::app::panel::glossary::GlossaryWindow;
 use crate::app::panel::modals::CalibrationChoice;
 use crate::app::project::Model;
 use crate::app::project::effect::{Effect, Purpose};
 use crate::app::project::side::Side;
 use crate::burst::OpenOptions;
-use crate::engine::Engine;
 use crate::requests::{BurstId, BurstSource};
 use std::path::PathBuf;
 
@@ -87,14 +87,7 @@ impl Overlays {
             || !self.choice.is_empty()
     }
 
-    pub fn ui(
-        &mut self,
-        ctx: &egui::Context,
-        model: &mut Model,
-        lessons: &mut Lessons,
-        engine: &Engine,
-        queue: &mut Queue,
-    ) -> Vec<Effect> {
+    pub fn ui(&mut self, ctx: &egui::Context, model: &Model, lessons: &mut Lessons, queue: &mut Queue) -> Vec<Effect> {
         let mut effects = Vec::new();
         self.palette.ui(ctx, model, queue);
         menu::sheet_ui(ctx, &mut self.sheet_open);
@@ -104,16 +97,18 @@ impl Overlays {
         if lessons.open.is_some() && !self.are_modal(lessons) {
             super::lesson::highlights_ui(ctx);
         }
-        super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut model.figure, queue);
+        let mut figure = model.figure;
+        super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut figure, queue);
+        queue.set(&model.figure, figure, Action::SetFigure);
         self.film.ui(ctx, model, queue);
         match crate::app::panel::modals::calibration_ui(ctx, &mut self.calibration) {
             Some(CalibrationChoice::Choose(purpose)) => effects.push(Effect::Ask(purpose)),
-            Some(CalibrationChoice::Apply(options)) => effects.push(model.calibrate(options, engine)),
+            Some(CalibrationChoice::Apply(options)) => queue.push(Action::Calibrate(options)),
             None => {}
         }
         effects.extend(self.path_ui(ctx, model));
         if let Some(burst) = crate::app::panel::modals::chooser_ui(ctx, &mut self.choice) {
-            model.open(self.choice_side, burst, engine);
+            queue.push(Action::Open(self.choice_side, burst));
         }
         if let Some(dialog) = &mut self.cut {
             let (source, stay) = dialog.ui(ctx);
@@ -121,13 +116,13 @@ impl Overlays {
                 self.cut = None;
             }
             if let Some(source) = source {
-                model.open_dataset(source, engine);
+                queue.push(Action::OpenDataset(source));
             }
         }
         if super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.datasets) {
-            model.detect_all(engine);
+            queue.push(Action::DetectAllAnyway);
         }
-        crate::app::panel::status::messages_ui(ctx, &mut model.messages);
+        crate::app::panel::status::messages_ui(ctx, &model.messages, queue);
         effects
     }
 

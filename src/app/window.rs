@@ -6,6 +6,7 @@ use super::canvas::Readout;
 use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
 use super::dialogs::{Desk, FileAnswer, Question};
+use super::document::Action;
 use super::files::{drop_places, purpose_of_dropped};
 use super::inspector::{PaneWidgets, PlaceValue};
 use super::lesson::{Captions, Lessons, Wish, lesson_ui};
@@ -14,9 +15,8 @@ use super::overlays::Overlays;
 use super::pane::PaneId;
 use super::panel::probe::{PlaneTexture, ProbePanel};
 use super::panel::selection::SelectionState;
-use super::project::panes::CursorBefore;
 use super::project::side::Side;
-use super::project::{Effect, Model, history};
+use super::project::{Effect, Model};
 use super::recovery::Recovery;
 use super::session::Restoring;
 use super::settings::{Recent, Settings};
@@ -129,11 +129,9 @@ impl BurstscopeApp {
         ctx.set_theme(self.model.theme);
         self.model.window_width_points = ctx.content_rect().width();
         self.model.refresh_workspace();
-        let cursor_before = CursorBefore::of(&self.model);
         self.take_answers(&ctx);
         self.take_dropped_files(&ctx);
-        let before = history::Settings::of(&self.model);
-        let mut queue = Queue::new();
+        let mut queue = Queue::default();
         // While a dialog is open, or is being opened by the system, only the dialog gets keys.
         let recovery_asks = self.recovery.as_ref().is_some_and(Recovery::is_asking);
         if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.desk.is_asking() {
@@ -143,31 +141,42 @@ impl BurstscopeApp {
                 queue.push(ActionId::Palette);
             }
             if clipboard::is_asked(&ctx) {
-                clipboard::copy_row(&ctx, &mut self.model, &self.widgets);
+                self.note(clipboard::copy_row(&ctx, &self.model, &self.widgets));
             }
         }
-        if let Some(rest) = self.model.step_play() {
+        if let Some((slope, rest)) = self.model.step_play() {
+            let focus = self.model.focus();
+            slope.into_iter().for_each(|slope| queue.push(Action::PlaySlope(focus, slope)));
             ctx.request_repaint_after(rest);
         }
         let wish = self.layout_ui(ui, &mut queue);
-        let effects = self.overlays.ui(&ctx, &mut self.model, &mut self.lessons, &self.engine, &mut queue);
+        let effects = self.overlays.ui(&ctx, &self.model, &mut self.lessons, &mut queue);
         self.apply(effects);
-        for id in queue {
-            self.run_action(&ctx, id);
-            self.model.refresh_workspace();
-        }
+        self.act(&ctx, queue);
         self.go_on_with_lesson(&ctx, wish);
         self.model.check_params();
         self.model.check_pair();
-        self.model.lead_cursors(cursor_before);
-        let goes_on = ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
-        self.model.keep_history(before, goes_on);
+        self.model.close_step(ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down()));
         self.model.refresh_listed();
         self.model.pair.refresh_listed();
         self.forget_closed_panes();
         self.model.ask(&self.engine, ctx.input(|i| i.pointer.any_down()));
         self.thumbnails.request(&self.engine, &self.model.calibration);
         self.keep_session(&ctx);
+    }
+
+    /// Applies the actions of this pass. What they change is drawn in the next one.
+    fn act(&mut self, ctx: &egui::Context, queue: Queue) {
+        let pointed = self.model.pointed();
+        let mut is_changed = false;
+        for action in queue {
+            is_changed |= !matches!(action, Action::Point(_));
+            self.run(ctx, action);
+            self.model.refresh_workspace();
+        }
+        if is_changed || pointed != self.model.pointed() {
+            ctx.request_repaint();
+        }
     }
 
     fn take_answers(&mut self, ctx: &egui::Context) {
@@ -221,9 +230,9 @@ impl BurstscopeApp {
     }
 
     fn forget_closed_panes(&mut self) {
-        let Model { panes, wanted_pictures, .. } = &mut self.model;
-        self.widgets.retain(|id| panes.get(id).is_some());
-        wanted_pictures.retain(|id, _| panes.get(*id).is_some());
+        let Model { document, pictures, .. } = &mut self.model;
+        self.widgets.retain(|id| document.panes.get(id).is_some());
+        pictures.retain(|id, _| document.panes.get(*id).is_some());
     }
 
     fn keep_session(&mut self, ctx: &egui::Context) {
@@ -267,13 +276,12 @@ impl BurstscopeApp {
             self.model.messages.forget_note();
         }
         self.offers_ui(ui, bar(ui), queue);
-        let mut open_burst = None;
         if self.model.datasets.open.is_some() && self.model.panels.filmstrip {
             Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
-                open_burst = filmstrip::filmstrip_ui(ui, &mut self.model, &mut self.thumbnails, queue);
+                filmstrip::filmstrip_ui(ui, &self.model, &mut self.thumbnails, queue);
             });
         }
-        let wish = self.lesson_panel_ui(ui);
+        let wish = self.lesson_panel_ui(ui, queue);
         let mut start_lesson = None;
         if self.model.slots.a.burst.is_none() && self.model.workspace.needs_burst() {
             CentralPanel::default().show(ui, |ui| {
@@ -288,12 +296,9 @@ impl BurstscopeApp {
             }
         }
         self.drop_hint_ui(ui);
-        if let Some(place) = open_burst {
-            self.model.open_burst_at(place, &self.engine);
-        }
         match open_recent {
             Some(Recent::Burst(source)) => self.restoring.open(source, &mut self.model, &self.engine),
-            Some(Recent::Dataset(source)) => self.model.open_dataset(source, &self.engine),
+            Some(Recent::Dataset(source)) => queue.push(Action::OpenDataset(source)),
             None => {}
         }
         self.apply(start_lesson.map(Effect::StartLesson));
@@ -312,7 +317,7 @@ impl BurstscopeApp {
         if self.overlays.offers_cut(&self.model) {
             let (frames, length) = (self.model.frame_count(), self.settings.burst_length);
             match Panel::top("cut offer").frame(bar).show(ui, |ui| cut_offer_ui(ui, frames, length)).inner {
-                Some(CutChoice::Cut) => self.model.cut_open_burst(length, &self.engine),
+                Some(CutChoice::Cut) => queue.push(Action::CutOpenBurst(length)),
                 Some(CutChoice::Ask) => queue.push(ActionId::CutSequence),
                 Some(CutChoice::Keep) => self.overlays.keep_whole(&self.model),
                 None => {}
@@ -320,7 +325,7 @@ impl BurstscopeApp {
         }
     }
 
-    fn lesson_panel_ui(&mut self, ui: &mut egui::Ui) -> Option<Wish> {
+    fn lesson_panel_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<Wish> {
         self.lessons.open.as_ref()?;
         let width = (0.27 * ui.available_width()).clamp(290.0, 360.0);
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 12, right: 10, top: 8, bottom: 2 });
@@ -328,7 +333,7 @@ impl BurstscopeApp {
             .frame(frame)
             .default_size(width)
             .size_range(270.0..=520.0)
-            .show(ui, |ui| lesson_ui(ui, &mut self.lessons, &mut self.model, &mut self.captions))
+            .show(ui, |ui| lesson_ui(ui, &mut self.lessons, &self.model, &mut self.captions, queue))
             .inner;
         if let Some(word) = &clicks.word {
             self.overlays.glossary.open(Some(word));
@@ -338,7 +343,7 @@ impl BurstscopeApp {
 
     fn workspace_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) {
         let mut parts = WorkspaceParts {
-            model: &mut self.model,
+            model: &self.model,
             widgets: &mut self.widgets,
             pair: &mut self.pair_panels,
             selection: &mut self.selection,
@@ -347,14 +352,7 @@ impl BurstscopeApp {
             lab_picture: &mut self.lab_picture,
             queue,
         };
-        let wishes = workspace_ui(ui, &mut parts);
-        wishes.changes.into_iter().for_each(|change| self.model.change_panes(change));
-        if wishes.compare_again {
-            self.model.compare_trajectories_again(&self.engine);
-        }
-        if let Some(label) = wishes.camera {
-            self.model.look_at_camera(&label, &self.engine);
-        }
+        workspace_ui(ui, &mut parts);
     }
 
     fn drop_hint_ui(&self, ui: &egui::Ui) {

@@ -50,7 +50,8 @@ fn type_snrs(window: &mut Window, text: &str) {
 fn run(window: &mut Window) {
     window.click("Run study");
     window.wait("the study is finished", |app| {
-        !app.model.lab.wanted.is_pending() && app.model.lab.current.as_ref().is_some_and(|result| result.is_whole)
+        !app.model.studies.wanted.is_pending()
+            && app.model.studies.current.as_ref().is_some_and(|result| result.is_whole)
     });
     window.settle();
 }
@@ -71,7 +72,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     let mut window = lab([1280.0, 800.0]);
     run(&mut window);
     let report = expected().run(&Monitor::default()).unwrap();
-    let result = window.app().model.lab.current.clone().unwrap();
+    let result = window.app().model.studies.current.clone().unwrap();
     assert_eq!(result.study, Study::Chart(Box::new(expected())));
     assert_eq!(result.report, StudyReport::Chart(Box::new(report.clone())));
     for plot in result.report.plots(0) {
@@ -85,7 +86,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     window.click("▶");
     window.settle();
     let score = &report.rows[0].methods[0].charts[1];
-    let shown = window.app().model.lab.current_chart().expect("a chart");
+    let shown = window.app().model.current_chart().expect("a chart");
     assert_eq!((shown.of.seed, shown.looked.truth.features.len()), (score.seed, 12));
     // At the threshold of the curves, and for everything detected.
     assert!(window.shows(&format!("{} found", score.true_positives)));
@@ -117,13 +118,13 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     window.app_mut().model.params.edge_threshold = 8.0;
     window.app_mut().model.lab.methods = vec![BurstMethod::SiftMean];
     run(&mut window);
-    let shown = window.app().model.lab.shown_results().len();
+    let shown = window.app().model.lab_results().len();
     assert_eq!(shown, 2);
     let both = "Plot: ROC at SNR 0.5, 4 curves";
     assert!(window.harness.query_by_role_and_label(Role::Image, both).is_some());
     window.snapshot("lab_kept_curves");
     window.click("Remove");
-    assert!(window.app().model.lab.kept.is_empty());
+    assert!(window.app().model.studies.kept.is_empty());
 }
 
 #[test]
@@ -131,13 +132,13 @@ fn a_study_that_is_cancelled_leaves_the_curves_so_far() {
     let mut window = lab([1280.0, 800.0]);
     window.app_mut().model.lab.seeds = 500;
     window.click("Run study");
-    window.wait("some charts are finished", |app| app.model.lab.current.is_some());
+    window.wait("some charts are finished", |app| app.model.studies.current.is_some());
     window.run_action("cancel study");
-    window.wait("it has stopped", |app| !app.model.lab.wanted.is_pending());
-    let result = window.app().model.lab.current.as_ref().unwrap();
+    window.wait("it has stopped", |app| !app.model.studies.wanted.is_pending());
+    let result = window.app().model.studies.current.as_ref().unwrap();
     assert!(!result.is_whole && !result.report.plots(0).is_empty());
     assert!(window.shows("Curves so far"));
-    assert!(window.app().model.lab.problem.is_none());
+    assert!(window.app().model.studies.problem.is_none());
 }
 
 #[test]
@@ -146,7 +147,7 @@ fn errors_have_plots_of_their_own_and_are_written_as_a_table() {
     window.click("Errors");
     type_snrs(&mut window, "1, 4");
     run(&mut window);
-    let result = window.app().model.lab.current.clone().unwrap();
+    let result = window.app().model.studies.current.clone().unwrap();
     let titles: Vec<String> = result.report.plots(0).into_iter().map(|plot| plot.title).collect();
     assert_eq!(titles, ["Errors of place", "Errors of scale", "Errors of slope"]);
     window.snapshot("lab_errors");
@@ -169,12 +170,12 @@ fn the_number_of_frames_is_studied_on_charts_and_on_the_open_burst() {
     run(&mut window);
     let study = FramesStudy { charts: ChartStudy { snrs: vec![0.9], ..expected() }, frame_counts: vec![2, 4, 8] };
     let report = StudyReport::Frames(Box::new(study.run(&Monitor::default()).unwrap()));
-    assert_eq!(window.app().model.lab.current.as_ref().unwrap().report, report);
+    assert_eq!(window.app().model.studies.current.as_ref().unwrap().report, report);
     window.snapshot("lab_frames");
 
     window.click("Frames of A");
     run(&mut window);
-    let StudyReport::BurstFrames(report) = window.app().model.lab.current.clone().unwrap().report else {
+    let StudyReport::BurstFrames(report) = window.app().model.studies.current.clone().unwrap().report else {
         panic!("a report on the open burst");
     };
     assert_eq!(report.rows.iter().map(|row| row.frames).collect::<Vec<_>>(), [2, 4, 8]);
@@ -196,7 +197,7 @@ fn nonsense_is_said_in_place_and_cannot_be_run() {
     type_snrs(&mut window, "0.5, dark");
     assert!(window.shows("'dark' is no ratio"));
     window.click("Run study");
-    assert!(!window.app().model.lab.wanted.is_pending());
+    assert!(!window.app().model.studies.wanted.is_pending());
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     let rows: Vec<&str> = text.lines().skip(1).collect();
     // The stack is the second pane; the frame shows the line half a frame later, moved along its slope.
     let model = &window.app().model;
-    let stack = model.focused().picture.as_ref().unwrap().plane.clone();
+    let stack = model.picture().unwrap().plane.clone();
     let expected = profile(&stack, line.from_image.into(), line.to_image.into(), 1.0);
     let of_stack: Vec<&&str> = rows.iter().filter(|row| row.starts_with("\"2  Stack")).collect();
     assert_eq!((of_stack.len(), rows.len()), (expected.len(), 2 * expected.len()));
@@ -84,7 +84,7 @@ fn a_rectangle_is_measured_in_all_linked_panes() {
     let model = &window.app().model;
     assert_eq!(model.bottom_tab, BottomTab::Region);
     let rect = model.measure.region.expect("a rectangle was drawn").rect_image;
-    let stack = model.focused().picture.as_ref().unwrap().plane.clone();
+    let stack = model.picture().unwrap().plane.clone();
     let pixels = |low: f32, high: f32| (low + 0.5).floor() as usize..(high + 0.5).ceil() as usize;
     let region = Region { columns: pixels(rect.min.x, rect.max.x), rows: pixels(rect.min.y, rect.max.y) };
     let expected = region_statistics(&stack, &region).unwrap();

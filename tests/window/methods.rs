@@ -96,7 +96,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let model = &window.app().model;
     let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let params = Contender::Buff1d.params(&model.params);
-    let plane = |id| model.panes.get(id).unwrap().picture.clone().unwrap().plane;
+    let plane = |id| model.picture_in(id).unwrap().plane.clone();
     let cursor = model.panes.get(dog).unwrap().cursor;
     let monitor = Monitor::default();
     assert_eq!(*plane(stack), stack_view(burst, &params, cursor.slope, &monitor).unwrap());
@@ -107,7 +107,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let [sift] = pane(&window, Contender::Sift)[..] else { panic!("one pane") };
     let model = &window.app().model;
     let params = Contender::Sift.params(&model.params);
-    let plane = model.panes.get(sift).unwrap().picture.clone().unwrap().plane;
+    let plane = model.picture_in(sift).unwrap().plane.clone();
     let expected = dog_view(burst_of(&window), &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
     assert_eq!(*plane, expected);
     window.snapshot("methods_split");

@@ -394,7 +394,7 @@ fn both_bursts_their_difference_a_wipe_and_a_flip() {
     let [a, b, difference] = shown(&window)[..] else { panic!("three panes") };
     let model = &window.app().model;
     assert_eq!(model.panes.get(difference).unwrap().content, Content::Difference(a, b));
-    let plane = |id: PaneId| model.panes.get(id).unwrap().picture.clone().unwrap().plane;
+    let plane = |id: PaneId| model.picture_in(id).unwrap().plane.clone();
     assert_eq!(plane(difference).at(90, 70), plane(a).at(90, 70) - plane(b).at(90, 70));
     window.snapshot("two_bursts_difference");
     // The pane of A with the picture of B over it.

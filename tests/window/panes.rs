@@ -54,7 +54,7 @@ fn every_kind_of_picture_is_what_the_library_makes() {
     let model = &window.app().model;
     let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let planes: Vec<_> =
-        shown(&window).iter().map(|id| model.panes.get(*id).unwrap().picture.clone().unwrap().plane).collect();
+        shown(&window).iter().map(|id| model.picture_in(*id).unwrap().plane.clone()).collect();
     let (cursor, params, monitor) = (*model.cursor(), &model.params, Monitor::default());
     assert_eq!(planes[0], burst.frames[cursor.frame]);
     assert_eq!(*planes[1], stack_view(burst, params, cursor.slope, &monitor).unwrap());
@@ -121,10 +121,10 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
     window.settle();
     assert_eq!(slopes(&window), [-0.5, 0.5, 1.5, 2.5, 2.0]);
     let model = &window.app().model;
-    let last = model.panes.get(shown(&window)[0]).unwrap();
+    let last = model.picture_in(shown(&window)[0]).unwrap();
     let burst = &model.slots.a.burst.as_ref().unwrap().burst;
     let expected = stack_view(burst, &model.params, Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
-    assert_eq!(*last.picture.clone().unwrap().plane, expected);
+    assert_eq!(*last.plane, expected);
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
     let focus = model.panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
     assert_eq!(model.panes.get(focus).unwrap().content, Content::Difference(rest[0], rest[1]));
-    let plane = |id: PaneId| model.panes.get(id).unwrap().picture.clone().unwrap().plane;
+    let plane = |id: PaneId| model.picture_in(id).unwrap().plane.clone();
     assert_eq!(plane(focus).at(100, 80), plane(rest[0]).at(100, 80) - plane(rest[1]).at(100, 80));
 }
 
@@ -261,9 +261,9 @@ fn a_pane_shows_the_other_burst() {
     window.key(Key::Escape);
     window.settle();
     let model = &window.app().model;
-    let pane = model.panes.get(shown(&window)[1]).unwrap();
-    assert_eq!(pane.side, Side::B);
-    assert_eq!(pane.picture.as_ref().unwrap().request.burst.id, model.burst_of(Side::B).unwrap().id);
+    let id = shown(&window)[1];
+    assert_eq!(model.panes.get(id).unwrap().side, Side::B);
+    assert_eq!(model.picture_in(id).unwrap().request.burst.id, model.burst_of(Side::B).unwrap().id);
     // Closing B also closes the pane.
     window.run_action("close b");
     window.settle();

@@ -162,10 +162,11 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     window.app_mut().model.lab.planted.copies = 6;
     window.click("Run study");
     window.wait("the study is finished", |app| {
-        !app.model.lab.wanted.is_pending() && app.model.lab.current.as_ref().is_some_and(|result| result.is_whole)
+        !app.model.studies.wanted.is_pending()
+            && app.model.studies.current.as_ref().is_some_and(|result| result.is_whole)
     });
     window.settle();
-    let result = window.app().model.lab.current.clone().expect("a result");
+    let result = window.app().model.studies.current.clone().expect("a result");
     let StudyReport::Recover(report) = &result.report else { panic!("a report of planted things") };
     assert_eq!(report.copies_done, 6);
     let of_command = match &result.study {
@@ -179,10 +180,10 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
         assert!(window.shows(&format!("Planted things found against {title}")), "{title}");
     }
     window.click("Keep curves");
-    assert_eq!(window.app().model.lab.shown_results().len(), 2);
+    assert_eq!(window.app().model.lab_results().len(), 2);
     window.click("Next missed");
     window.settle();
-    let thing = window.app().model.lab.selected_thing().expect("one was missed").clone();
+    let thing = window.app().model.selected_thing().expect("one was missed").clone();
     assert!(thing.found.is_none() && window.shows("Missed, "));
     window.snapshot("lab_in_this_burst");
     window.click("Probe planted thing");

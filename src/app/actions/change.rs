@@ -5,7 +5,7 @@ use crate::app::canvas::View;
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::Tool;
-use crate::app::pane::{Direction, Link, Preset};
+use crate::app::pane::{Direction, Link, Pane, Preset};
 use crate::app::project::against::With;
 use crate::app::project::cursor::{ViewKind, snapped, stepped};
 use crate::app::project::effect::{ExportKind, Purpose};
@@ -19,7 +19,7 @@ use crate::engine::Engine;
 use crate::requests::{BurstSource, ProbeQuestion};
 use crate::synth::Example;
 
-pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
+pub(super) fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
     use ActionId as A;
     if let Some(purpose) = asked_files(id, model.active_side()) {
         return Some(Effect::Ask(purpose));
@@ -48,7 +48,7 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
         }
         A::Cancel => model.cancel_searches(),
         A::CancelDataset => model.datasets.wanted.cancel(),
-        A::CancelStudy => model.lab.wanted.cancel(),
+        A::CancelStudy => model.studies.wanted.cancel(),
         A::CancelFigures => model.figures.cancel(),
         A::Match => {
             if let Some(wanted) = model.wanted_matches() {
@@ -59,7 +59,7 @@ pub fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect
         A::MatchSelected => model.match_selected(engine),
         A::RunStudy => model.run_study(engine),
         A::OpenChart => {
-            if let Some(chart) = model.lab.selected_chart().and_then(|chart| chart.params()) {
+            if let Some(chart) = model.selected_chart().and_then(|chart| chart.params()) {
                 model.workspace = Workspace::Inspect;
                 model.open(Side::A, BurstSource::Chart(Box::new(chart)), engine);
             }
@@ -201,7 +201,6 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::ClosePane => model.change_panes(Change::Close(model.focus())),
         A::GoToFeature if model.workspace == Workspace::Pair => {
             model.go_to_match();
-            model.cursors_are_set();
         }
         A::GoToFeature => model.go_to_selected(),
         A::BurstAsA => model.choose_open_burst(Side::A),
@@ -229,11 +228,14 @@ fn change_values(id: ActionId, model: &mut Model) {
             model.show_against(side, (!on).then_some(With::Truth));
             model.bottom_tab = BottomTab::Compared;
         }
-        A::KeepCurves => model.lab.keep_current(),
+        A::KeepCurves => model.studies.keep_current(),
         A::MeasureLine => model.measure.toggle(Tool::Line),
         A::MeasureRegion => model.measure.toggle(Tool::Region),
         A::ClearMeasure => model.measure.clear(),
-        A::ClearSelection if model.measure.tool != Tool::Pan => model.measure.toggle(model.measure.tool),
+        A::ClearSelection if model.measure.tool != Tool::Pan => {
+            let tool = model.measure.tool;
+            model.measure.toggle(tool);
+        }
         A::NextPane => model.panes.focus_next(true),
         A::PreviousPane => model.panes.focus_next(false),
         A::NextLayout => model.panes.next_over(),
@@ -312,41 +314,40 @@ fn move_cursor(model: &mut Model, id: ActionId) {
         A::SnapSlope => Some(snapped(&grid, slope)),
         _ => None,
     };
+    let focus = model.focus();
     if let Some(slope) = slope {
         model.playing = false;
-        let pane = model.focused_mut();
-        pane.cursor.slope = slope;
-        pane.show_slope();
+        model.show_slope(focus, slope);
     }
     if id == A::BusiestSlope {
         model.playing = false;
-        model.go_to_busiest_slope(model.focus());
-        model.focused_mut().show_slope();
+        model.go_to_busiest_slope(focus);
+        model.lead(focus, Pane::show_slope);
     }
-    let pane = model.focused_mut();
-    let cursor = &mut pane.cursor;
-    match id {
-        A::FramePrevious => cursor.frame = cursor.frame.saturating_sub(1),
-        A::FrameNext => cursor.frame += 1,
-        A::OctaveFiner => cursor.octave -= 1,
-        A::OctaveCoarser => cursor.octave += 1,
-        A::LevelDown => cursor.level -= 1,
-        A::LevelUp => cursor.level += 1,
-        _ => {}
-    }
-    // A key that moves through frames or scales also shows a frame or a scale.
-    match id {
-        A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
-        A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
-        _ => id.shown().into_iter().for_each(|shown| pane.show(shown)),
-    }
-    model.check_params();
+    model.lead(focus, |pane| {
+        let cursor = &mut pane.cursor;
+        match id {
+            A::FramePrevious => cursor.frame = cursor.frame.saturating_sub(1),
+            A::FrameNext => cursor.frame += 1,
+            A::OctaveFiner => cursor.octave -= 1,
+            A::OctaveCoarser => cursor.octave += 1,
+            A::LevelDown => cursor.level -= 1,
+            A::LevelUp => cursor.level += 1,
+            _ => {}
+        }
+        // A key that moves through frames or scales also shows a frame or a scale.
+        match id {
+            A::FramePrevious | A::FrameNext => pane.show(ViewKind::Frame),
+            A::OctaveFiner | A::OctaveCoarser | A::LevelDown | A::LevelUp => pane.show_scale(),
+            _ => id.shown().into_iter().for_each(|shown| pane.show(shown)),
+        }
+    });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::history::Settings;
+    use crate::app::actions::apply;
     use crate::app::project::tests::Bench;
 
     #[test]
@@ -354,9 +355,8 @@ mod tests {
         let Bench { mut model, engine } = Bench::new();
         (model.slopes, model.params.slopes) = (SlopeChoice::AUTO, SlopeGrid::line(-6.0..=-3.0, 4));
         let found = (model.params.clone(), model.slopes);
-        let before = Settings::of(&model);
-        assert!(change(ActionId::Preset2d, &mut model, &engine).is_none());
-        model.keep_history(before, false);
+        assert!(apply(ActionId::Preset2d.into(), &mut model, &engine).is_empty());
+        model.close_step(false);
         assert_eq!(model.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5));
         assert!(!model.slopes.is_auto());
         model.undo();

@@ -1,6 +1,6 @@
 //! Menu bar, command palette and sheet of the shortcuts, drawn from the registry.
 
-use super::{ACTIONS, Action, ActionId, Menu, Queue, checked, enabled, keys_text, tooltip};
+use super::{ACTIONS, ActionId, ActionRow, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::project::Model;
 use crate::app::settings::{Recent, Settings};
 use crate::app::words::explained;
@@ -16,7 +16,7 @@ pub fn menu_bar_ui(
     queue: &mut Queue,
     open_recent: &mut Option<Recent>,
 ) {
-    let mut item = |ui: &mut egui::Ui, action: &Action| {
+    let mut item = |ui: &mut egui::Ui, action: &ActionRow| {
         item_ui(ui, model, queue, action.id);
         if action.id == ActionId::OpenDemo {
             recent_ui(ui, remembered, open_recent);
@@ -24,7 +24,7 @@ pub fn menu_bar_ui(
     };
     egui::MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(model)) {
-            let actions: Vec<&Action> = ACTIONS.iter().filter(|action| action.menu == menu).collect();
+            let actions: Vec<&ActionRow> = ACTIONS.iter().filter(|action| action.menu == menu).collect();
             ui.menu_button(menu.label(), |ui| {
                 within_window(ui, |ui| {
                     let mut last = None;
@@ -167,12 +167,12 @@ impl Palette {
                 }
             });
         });
-        queue.extend(run.map(|action| action.id));
+        run.into_iter().for_each(|action| queue.push(action.id));
         self.open = run.is_none() && !modal.should_close();
     }
 }
 
-fn palette_row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: bool) -> egui::Response {
+fn palette_row_ui(ui: &mut egui::Ui, model: &Model, action: &ActionRow, chosen: bool) -> egui::Response {
     let on = if checked(action.id, model) == Some(true) { " ✔" } else { "" };
     let weak = ui.visuals().weak_text_color();
     let menu = RichText::new(format!("{} ›", action.menu.label())).color(weak);
@@ -185,8 +185,8 @@ fn palette_row_ui(ui: &mut egui::Ui, model: &Model, action: &Action, chosen: boo
 
 /// Enabled actions whose label and help have the words of `text`, or if none has, whose label has its letters in their
 /// order; the best match first.
-fn found_by(text: &str, model: &Model) -> Vec<&'static Action> {
-    let mut possible: Vec<&Action> =
+fn found_by(text: &str, model: &Model) -> Vec<&'static ActionRow> {
+    let mut possible: Vec<&ActionRow> =
         ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != ActionId::Palette).collect();
     if text.trim().is_empty() {
         // In the order of the menus, after the most frequent action.
@@ -197,11 +197,11 @@ fn found_by(text: &str, model: &Model) -> Vec<&'static Action> {
         let text_of = text_of.to_lowercase();
         text.split_whitespace().all(|word| text_of.contains(&word.to_lowercase()))
     };
-    let by_words = |action: &&Action| match score(text, action.label) {
+    let by_words = |action: &&ActionRow| match score(text, action.label) {
         Some(score) if has_words(action.label) => Some(score),
         _ => has_words(&format!("{} {}", action.label, action.help)).then_some(-1000),
     };
-    let mut scored: Vec<(i32, &Action)> =
+    let mut scored: Vec<(i32, &ActionRow)> =
         possible.iter().filter_map(|action| Some((by_words(action)?, *action))).collect();
     if scored.is_empty() {
         scored = possible.iter().filter_map(|action| Some((score(text, action.label)?, *action))).collect();
@@ -265,7 +265,7 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
     }
 }
 
-fn with_keys(menu: Menu) -> impl Iterator<Item = &'static Action> {
+fn with_keys(menu: Menu) -> impl Iterator<Item = &'static ActionRow> {
     ACTIONS.iter().filter(move |action| action.menu == menu && action.shortcut.is_some())
 }
 

@@ -1,20 +1,21 @@
 //! All actions of the user, each registered once in a row of [`registry`], from which menus and tooltips are drawn.
 
+mod apply;
 mod change;
 pub mod menu;
 pub mod registry;
 mod state_of;
 
-pub use change::{WORKSPACES, change, probe_here};
-pub use registry::{ACTIONS, Action, ActionId, Menu, shown_by};
+pub use crate::app::document::Queue;
+pub use apply::apply;
+pub use change::{WORKSPACES, probe_here};
+pub use registry::{ACTIONS, ActionId, ActionRow, Menu, shown_by};
 pub use state_of::{checked, enabled};
 
 use crate::app::project::Model;
 use crate::app::words::explained;
 use crate::requests::ViewKind;
 use crate::teach::glossary::{Word, glossary};
-
-pub type Queue = Vec<ActionId>;
 
 /// Text of a shortcut: `Ctrl+O`, `[`, `?`.
 pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> String {
@@ -42,7 +43,7 @@ impl ActionId {
     }
 }
 
-pub fn tooltip(ctx: &egui::Context, action: &Action) -> String {
+pub fn tooltip(ctx: &egui::Context, action: &ActionRow) -> String {
     match &action.shortcut {
         Some(shortcut) => format!("{}  ({})", action.help, keys_text(ctx, shortcut)),
         None => action.help.to_owned(),
@@ -88,11 +89,10 @@ pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
             }
             // A key that repeats faster than the window draws is pressed several times in one pass.
             let presses = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
-            queue.extend(std::iter::repeat_n(id, presses));
+            std::iter::repeat_n(id, presses).for_each(|id| queue.push(id));
         }
         // Keys pressed after the one that opens a dialog, in the same pass, are meant for the dialog.
-        if let Some(opener) = queue.iter().copied().find(|id| opens(*id)) {
-            *queue = vec![opener];
-        }
+        let opener = queue.asked().find(|id| opens(*id));
+        opener.into_iter().for_each(|id| queue.replace(id));
     });
 }

@@ -71,7 +71,7 @@ impl Menu {
 }
 
 #[derive(Debug, Clone, Copy)]
-pub struct Action {
+pub struct ActionRow {
     pub id: ActionId,
     /// Label; ends in `…` when the action first asks for something.
     pub label: &'static str,
@@ -83,7 +83,7 @@ pub struct Action {
 }
 
 impl ActionId {
-    pub fn action(self) -> &'static Action {
+    pub fn action(self) -> &'static ActionRow {
         ACTIONS.iter().find(|a| a.id == self).expect("the macro below makes a row for each id")
     }
 }
@@ -100,8 +100,8 @@ macro_rules! actions {
             $(#[doc = $help] $id,)*
         }
 
-        pub const ACTIONS: &[Action] = &[
-            $(Action {
+        pub const ACTIONS: &[ActionRow] = &[
+            $(ActionRow {
                 id: ActionId::$id,
                 label: $label,
                 menu: Menu::$menu,

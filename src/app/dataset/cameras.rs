@@ -1,7 +1,9 @@
 //! Cameras of an estimated and a true trajectory: in a plane (the truth as a line with rings, the estimate dashed with
 //! discs, their differences between them), as a strip of their points and errors, and as a list.
 
+use crate::app::actions::Queue;
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
+use crate::app::document::{Action, Pointed};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::instead_ui;
 use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories};
@@ -23,7 +25,7 @@ pub fn estimate_colour(ui: &Ui) -> Color32 {
 }
 
 /// Draws the plane; the pointer pans, zooms, and hovers over or selects cameras.
-pub fn plane_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
+pub fn plane_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(64.0, 64.0)), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Trajectories"));
     let painter = ui.painter_at(rect);
@@ -35,22 +37,25 @@ pub fn plane_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
         return;
     }
     let pixels_per_point = ui.ctx().pixels_per_point();
-    trajectories.view.settle(rect, scene.size, pixels_per_point);
-    let before = trajectories.view;
-    navigate(ui, &response, rect, &mut trajectories.view, true);
-    let ui_from_plane = trajectories.view.settle(rect, scene.size, pixels_per_point);
+    let mut view = trajectories.view;
+    view.settle(rect, scene.size, pixels_per_point);
+    let before = view;
+    navigate(ui, &response, rect, &mut view, true);
+    let ui_from_plane = view.settle(rect, scene.size, pixels_per_point);
     let pointed = response.hover_pos().and_then(|pos| nearest(&scene, &ui_from_plane, pos));
+    let pair = pointed.and_then(|(_, spot)| spot.pair);
     if response.hovered() {
-        trajectories.hovered = pointed.and_then(|(_, spot)| spot.pair);
+        queue.point(&trajectories.hovered, pair, Pointed::Camera);
     }
     if response.clicked() {
-        trajectories.selected = trajectories.hovered;
+        queue.push(Action::SelectCamera(pair));
     }
     if let Some((of_truth, spot)) = pointed.filter(|_| response.double_clicked()) {
-        trajectories.wanted = Some(label_of(trajectories, of_truth, spot).to_owned());
+        queue.push(Action::OpenCamera(label_of(trajectories, of_truth, spot).to_owned()));
         // A double click fits the view, except on a camera.
-        trajectories.view = before;
+        view = before;
     }
+    queue.set(&trajectories.view, view, Action::MoveCameras);
     draw(ui, &painter, trajectories, &scene, &ui_from_plane);
     frame_ui(ui, &painter, trajectories, &scene, &ui_from_plane, rect);
     if let Some((of_truth, spot)) = pointed.filter(|_| !response.dragged()) {
@@ -212,7 +217,7 @@ fn bars(trajectories: &Trajectories) -> Vec<Bar> {
     bars
 }
 
-pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
+pub fn points_strip_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
     let bars = bars(trajectories);
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D points of each image"));
@@ -237,11 +242,12 @@ pub fn points_strip_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
         painter.text(pos2(plot.left() - 6.0, y), align, text, font.clone(), visuals.weak_text_color());
     }
     let pointed = response.hover_pos().filter(|p| plot.contains(*p)).map(|p| ((p.x - plot.left()) / step) as usize);
+    let pair = pointed.and_then(|k| bars.get(k)?.pair);
     if response.hovered() {
-        trajectories.hovered = pointed.and_then(|k| bars.get(k)?.pair);
+        queue.point(&trajectories.hovered, pair, Pointed::Camera);
     }
     if response.clicked() {
-        trajectories.selected = trajectories.hovered;
+        queue.push(Action::SelectCamera(pair));
     }
     for (k, bar) in bars.iter().enumerate() {
         let column = bar_at(k);
@@ -278,12 +284,11 @@ const HEADINGS: [(&str, &str); 4] = [
     ("3D points", "Points of the sparse model that the image sees"),
 ];
 
-pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
-    let Some(report) = trajectories.report().cloned() else {
+pub fn camera_list_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
+    let Some(report) = trajectories.report() else {
         instead_ui(ui, "Cameras that have a true one are listed here");
         return;
     };
-    let (mut clicked, mut hovered, mut opened) = (None, None, None);
     let items: Vec<usize> = (0..report.pairs.len()).collect();
     let listed = Listed { items: &items, selected: trajectories.selected, hovered: trajectories.hovered };
     let heading = |(text, help)| {
@@ -303,18 +308,13 @@ pub fn camera_list_ui(ui: &mut Ui, trajectories: &mut Trajectories) {
     let name = |index: usize| format!("Camera {}", report.pairs[index].label);
     rows_ui(ui, &HEADINGS.map(heading), None, &listed, text, name, |row, index| {
         if row.hovered() {
-            hovered = Some(index);
+            queue.point(&trajectories.hovered, Some(index), Pointed::Camera);
         }
         if row.clicked() {
-            clicked = Some(index);
+            queue.push(Action::SelectCamera(Some(index)));
         }
         if row.double_clicked() {
-            opened = Some(report.pairs[index].label.clone());
+            queue.push(Action::OpenCamera(report.pairs[index].label.clone()));
         }
     });
-    trajectories.hovered = hovered.or(trajectories.hovered);
-    trajectories.selected = clicked.or(trajectories.selected);
-    if opened.is_some() {
-        trajectories.wanted = opened;
-    }
 }

@@ -1,6 +1,7 @@
 //! Panel of the trajectories: their files, the settings of the comparison, the errors, and the reconstruction.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
 use crate::app::project::Model;
 use crate::app::project::datasets::Dataset;
@@ -10,25 +11,22 @@ use crate::matching::ImageCounts;
 use egui::{DragValue, Grid, Label, RichText, Ui};
 use std::path::Path;
 
-/// Draws the panel; returns whether the comparison must be made again.
-pub fn errors_panel_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> bool {
-    let mut again = false;
+pub fn errors_panel_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Trajectories", |ui| {
         let compared = &model.trajectories.compared;
         let path = |read: &Option<(std::path::PathBuf, _)>| read.as_ref().map(|(path, _)| path.clone());
         let (estimate, truth) = (path(&compared.estimate), path(&compared.truth));
         file_ui(ui, model, queue, ActionId::OpenEstimate, "Estimate", estimate.as_deref());
         file_ui(ui, model, queue, ActionId::OpenTruth, "Truth", truth.as_deref());
-        again = study_ui(ui, &mut model.trajectories);
+        study_ui(ui, &model.trajectories, queue);
     });
     if let Some(problem) = model.trajectories.problem() {
         error_ui(ui, problem);
     }
-    if let Some(report) = model.trajectories.report().cloned() {
-        section_ui(ui, "Errors", |ui| errors_ui(ui, &report));
+    if let Some(report) = model.trajectories.report() {
+        section_ui(ui, "Errors", |ui| errors_ui(ui, report));
     }
     section_ui(ui, "Reconstruction", |ui| reconstruction_ui(ui, model));
-    again
 }
 
 fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &str, path: Option<&Path>) {
@@ -40,17 +38,15 @@ fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &s
     });
 }
 
-/// Draws the settings: the viewing side, and how poses are paired. Returns whether the latter changed.
-fn study_ui(ui: &mut Ui, trajectories: &mut Trajectories) -> bool {
-    let before = trajectories.study;
+/// Draws the settings: the viewing side, and how poses are paired.
+fn study_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
+    let (mut projection, mut study) = (trajectories.projection, trajectories.study);
     Grid::new("study").num_columns(2).show(ui, |ui| {
         let label = ui.label("Seen from").on_hover_text("The plane in which the cameras are drawn");
-        let projection = &mut trajectories.projection;
-        choice_ui(ui, "projection", label.id, None, projection, Projection::ALL, Projection::name);
+        choice_ui(ui, "projection", label.id, None, &mut projection, Projection::ALL, Projection::name);
         ui.end_row();
         let label = ui.label("Paired").on_hover_text("How estimated and true cameras are paired");
         let name = |by: Option<Association>| by.map_or("as it fits", Association::phrase);
-        let study = &mut trajectories.study;
         let rules = [None, Some(Association::Name), Some(Association::Time), Some(Association::Order)];
         choice_ui(ui, "associate", label.id, None, &mut study.associate, rules, name);
         ui.end_row();
@@ -65,7 +61,8 @@ fn study_ui(ui: &mut Ui, trajectories: &mut Trajectories) -> bool {
         ui.add(DragValue::new(&mut study.step).range(1..=10_000).suffix(" poses")).labelled_by(label.id);
         ui.end_row();
     });
-    trajectories.study != before
+    queue.set(&trajectories.projection, projection, Action::SetProjection);
+    queue.set(&trajectories.study, study, Action::SetPoseStudy);
 }
 
 fn errors_ui(ui: &mut Ui, report: &PoseReport) {

@@ -1,10 +1,12 @@
 //! Filmstrip: a dataset's bursts in order, each with a thumbnail, its state, and whether it is A or B.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{middle_elided, named, paint, progress_text};
 use crate::app::project::Model;
 use crate::app::project::datasets::{BurstState, Dataset, Datasets};
+use crate::app::project::side::Side;
 use crate::app::style;
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::BurstPicture;
@@ -27,13 +29,11 @@ pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
 pub const SIDES: [&str; 2] = ["A", "B"];
 
-/// Draws the strip; returns the place of the burst to open.
-pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails, queue: &mut Queue) -> Option<usize> {
-    let mut asked = None;
+pub fn filmstrip_ui(ui: &mut Ui, model: &Model, thumbnails: &mut Thumbnails, queue: &mut Queue) {
     ui.horizontal(|ui| header_ui(ui, model, queue));
     let shown = model.datasets.open.as_ref().and_then(|d| d.place_of(model.slots.a.burst.as_ref()));
     let fraction = model.datasets.burst_fraction();
-    let Some(dataset) = &mut model.datasets.open else { return None };
+    let Some(dataset) = &model.datasets.open else { return };
     ui.add_space(2.0);
     let count = dataset.bursts.len();
     let scroll_id = ui.scope_id().with("shown burst");
@@ -54,27 +54,24 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &mut Model, thumbnails: &mut Thumbnails,
         let last = ((viewport.max.x / step).ceil().max(0.0) as usize).min(count);
         for place in first..last {
             let picture = thumbnails.get(&dataset.bursts[place]);
-            let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction);
+            let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction, queue);
             if response.clicked() {
-                asked = Some(place);
+                queue.push(Action::OpenBurstAt(place));
             }
-            response.context_menu(|ui| {
-                if menu_ui(ui, dataset, place) {
-                    asked = Some(place);
-                }
-            });
+            response.context_menu(|ui| menu_ui(ui, dataset, place, queue));
         }
     });
     ui.data_mut(|d| d.insert_temp(scroll_id, shown));
-    asked
 }
 
-fn menu_ui(ui: &mut Ui, dataset: &mut Dataset, place: usize) -> bool {
+fn menu_ui(ui: &mut Ui, dataset: &Dataset, place: usize, queue: &mut Queue) {
     ui.set_min_width(150.0);
-    let open = ui.button("Open").clicked();
-    for (side, name) in SIDES.into_iter().enumerate() {
-        if ui.button(format!("Use as {name}")).on_hover_text("Of a pair to be matched").clicked() {
-            dataset.choose(side, place);
+    if ui.button("Open").clicked() {
+        queue.push(Action::OpenBurstAt(place));
+    }
+    for side in Side::BOTH {
+        if ui.button(format!("Use as {}", side.name())).on_hover_text("Of a pair to be matched").clicked() {
+            queue.push(Action::ChooseBurst(side, place));
         }
     }
     ui.separator();
@@ -84,7 +81,6 @@ fn menu_ui(ui: &mut Ui, dataset: &mut Dataset, place: usize) -> bool {
     if let BurstState::Failed(why) = &dataset.states[place] {
         copy_ui(ui, "Copy why it failed", || why.clone());
     }
-    open
 }
 
 fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
@@ -156,12 +152,13 @@ pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
 
 fn cell_ui(
     ui: &Ui,
-    dataset: &mut Dataset,
+    dataset: &Dataset,
     place: usize,
     rect: Rect,
     picture: Option<&ThumbnailState>,
     open: bool,
     fraction: f32,
+    queue: &mut Queue,
 ) -> Response {
     let burst = &dataset.bursts[place];
     let state = &dataset.states[place];
@@ -182,32 +179,31 @@ fn cell_ui(
     room.galley(pos2(name_room.left(), name_room.center().y - 0.5 * name.size().y), name, visuals.text_color());
     let stroke = if open { Stroke::new(2.0, style::ACCENT) } else { visuals.widgets.noninteractive.bg_stroke };
     painter.rect_stroke(rect, 4.0, stroke, StrokeKind::Inside);
-    let name = burst.name.clone();
-    let text = format!("{name}\n{}\nClick to open it", state.sentence());
-    for side in 0..SIDES.len() {
-        side_ui(ui, dataset, place, side, rect, &name);
+    let text = format!("{}\n{}\nClick to open it", burst.name, state.sentence());
+    for side in Side::BOTH {
+        side_ui(ui, dataset, place, side, rect, queue);
     }
     response.on_hover_text(text)
 }
 
-fn side_ui(ui: &Ui, dataset: &mut Dataset, place: usize, side: usize, rect: Rect, name: &str) {
-    let corner = rect.right_top() + vec2(-33.0 + 16.0 * side as f32, 1.5);
+fn side_ui(ui: &Ui, dataset: &Dataset, place: usize, side: Side, rect: Rect, queue: &mut Queue) {
+    let corner = rect.right_top() + vec2(-33.0 + 16.0 * f32::from(side as u8), 1.5);
     let square = Rect::from_min_size(corner, vec2(14.0, 14.0));
-    let on = dataset.pair[side] == Some(place);
+    let on = dataset.pair[side as usize] == Some(place);
     let response = ui.interact(square, ui.scope_id().with(("side", place, side)), Sense::click());
-    let label = format!("Use {name} as {}", SIDES[side]);
+    let label = format!("Use {} as {}", dataset.bursts[place].name, side.name());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, &label));
     let visuals = ui.visuals();
-    let fill = if on { side_colour(side) } else { visuals.extreme_bg_color };
+    let fill = if on { side_colour(side as usize) } else { visuals.extreme_bg_color };
     let text = if on { Color32::BLACK } else { visuals.weak_text_color() };
     let painter = ui.painter_at(rect);
     painter.rect_filled(square, 3.0, fill);
     if response.hovered() {
         painter.rect_stroke(square, 3.0, visuals.widgets.hovered.fg_stroke, StrokeKind::Inside);
     }
-    painter.text(square.center(), Align2::CENTER_CENTER, SIDES[side], FontId::proportional(10.0), text);
+    painter.text(square.center(), Align2::CENTER_CENTER, side.name(), FontId::proportional(10.0), text);
     if response.on_hover_text(format!("{label} of a pair to be matched")).clicked() {
-        dataset.choose(side, place);
+        queue.push(Action::ChooseBurst(side, place));
     }
 }
 

@@ -2,6 +2,8 @@
 //! as a list.
 
 use super::filmstrip::{SIDES, side_colour};
+use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::{instead_ui, middle_elided};
 use crate::app::project::datasets::pairs::{BurstPair, PairColumn, PairTable, pair_of};
@@ -49,7 +51,7 @@ impl Grid {
 }
 
 /// Draws the matrix. A click selects a pair; returns the double-clicked pair, which is to be opened.
-pub fn matrix_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
+pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, queue: &mut Queue) -> Option<BurstPair> {
     let count = dataset.bursts.len();
     let cell = Grid::cell_side(count, ui.available_size() - vec2(12.0, 12.0));
     let side = count as f32 * cell;
@@ -64,13 +66,13 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
             && let Some(pair) = pair_of(row, column)
         {
             if response.clicked() {
-                dataset.select(pair);
+                queue.push(Action::SelectPair(pair));
             }
             if response.double_clicked() {
                 opened = Some(pair);
             }
         }
-        move_selection(ui, dataset, &response);
+        move_selection(ui, dataset, &response, queue);
         let text = dataset.selected().map_or_else(String::new, |pair| pair_text(dataset, pair));
         response.widget_info(|| egui::WidgetInfo {
             current_text_value: Some(text.clone()),
@@ -88,7 +90,7 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
 }
 
 /// Moves the selection with the arrow keys while the matrix has the keyboard focus.
-fn move_selection(ui: &Ui, dataset: &mut Dataset, response: &Response) {
+fn move_selection(ui: &Ui, dataset: &Dataset, response: &Response, queue: &mut Queue) {
     if response.clicked() {
         response.request_focus();
     }
@@ -108,8 +110,8 @@ fn move_selection(ui: &Ui, dataset: &mut Dataset, response: &Response) {
         (row.saturating_add_signed(down).min(last), column.saturating_add_signed(right).min(last))
     });
     // The selection is above the diagonal; it stops there.
-    if moved.0 < moved.1 {
-        dataset.select(moved);
+    if moved.0 < moved.1 && moved != (row, column) {
+        queue.push(Action::SelectPair(moved));
     }
 }
 
@@ -247,7 +249,7 @@ fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)
 }
 
 /// Draws the list. Returns the double-clicked pair.
-pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
+pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, queue: &mut Queue) -> Option<BurstPair> {
     if dataset.matches.is_empty() {
         instead_ui(ui, "Match pairs to see them here");
         return None;
@@ -285,10 +287,10 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &mut Dataset) -> Option<BurstPair> {
         }
     });
     if let Some(column) = sort {
-        dataset.matches.sort_by(PairColumn::ALL[column]);
+        queue.push(Action::SortPairs(PairColumn::ALL[column]));
     }
     if let Some(pair) = clicked {
-        dataset.select(pair);
+        queue.push(Action::SelectPair(pair));
     }
     opened
 }
@@ -312,7 +314,7 @@ mod tests {
     #[test]
     fn rows_and_columns_have_the_names_of_their_bursts() {
         let burst = |name: &str| crate::burst::BurstFiles { name: name.to_owned(), paths: Vec::new() };
-        let mut dataset = Dataset::new(crate::requests::OpenDataset {
+        let dataset = Dataset::new(crate::requests::OpenDataset {
             strays: Vec::new(),
             source: crate::dataset::DatasetSource::of_bursts(Vec::new()),
             bursts: std::sync::Arc::new(vec![burst("0"), burst("dusk")]),
@@ -327,7 +329,7 @@ mod tests {
         let context = egui::Context::default();
         let screen = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 500.0));
         let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
-        let mut output = context.run_ui(input, |ui| assert_eq!(matrix_ui(ui, &mut dataset), None));
+        let mut output = context.run_ui(input, |ui| assert_eq!(matrix_ui(ui, &dataset, &mut Queue::default()), None));
         output.textures_delta.clear();
         let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
             egui::Shape::Text(text) => Some((text.galley.text().to_owned(), text.angle != 0.0)),

@@ -1,6 +1,7 @@
 //! Export of a film: the dialog that chooses its contents and says its size and rate.
 
 use crate::app::actions::{ActionId, Queue};
+use crate::app::document::Action;
 use crate::app::project::Model;
 use crate::app::project::film::{FilmChoice, FilmContent};
 use crate::detector::Detection;
@@ -29,7 +30,7 @@ struct Told {
 const MEASURED_PX: u32 = 320;
 
 impl FilmDialog {
-    pub fn ui(&mut self, ctx: &egui::Context, model: &mut Model, queue: &mut Queue) {
+    pub fn ui(&mut self, ctx: &egui::Context, model: &Model, queue: &mut Queue) {
         if !self.is_open {
             return;
         }
@@ -39,7 +40,9 @@ impl FilmDialog {
             ui.heading("Film");
             ui.weak("Each picture with its features, numbers, colours, and the response over all of them");
             ui.add_space(6.0);
-            choice_ui(ui, &mut model.film);
+            let mut film = model.film;
+            choice_ui(ui, &mut film);
+            queue.set(&model.film, film, Action::SetFilm);
             ui.add_space(4.0);
             ui.label(self.told(model));
             ui.add_space(8.0);

@@ -65,7 +65,7 @@ fn links(
         .filter(|(_, rect)| rect.is_positive())
         .collect();
     let shift = |id: PaneId, side| {
-        let picture = model.panes.get(id).and_then(|pane| pane.picture.as_ref());
+        let picture = model.picture_in(id);
         frames_from_middle(picture, matches.detection(side)).unwrap_or(0.0)
     };
     let panel = |id: PaneId| panes.iter().position(|pane| *pane == id).unwrap_or(usize::MAX);
@@ -124,7 +124,7 @@ fn drawing_of_panes(
 }
 
 fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {
-    let picture = model.panes.get(id)?.picture.as_ref()?;
+    let picture = model.picture_in(id)?;
     let shown = crate::app::panel::picture::canvas_picture(picture);
     let visible = widgets.get(id).and_then(|widget| part_in_view(&widget.picture)).filter(|_| !choice.whole_picture);
     let region = shown.region(visible.unwrap_or_else(|| shown.rect_image()));

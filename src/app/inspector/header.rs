@@ -1,12 +1,14 @@
 //! Header above a pane's picture: number, description, links, and the drawn buttons that split and close the pane.
 
-use super::menu::{Change, pane_menu_ui};
+use super::menu::pane_menu_ui;
 use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
 use crate::app::project::Model;
 use crate::app::project::look::FeaturesShown;
+use crate::app::project::panes::Change;
 use crate::app::project::workspace::Workspace;
 use crate::app::{canvas, style};
 use egui::{
@@ -32,25 +34,24 @@ pub struct HeaderResponse {
 
 pub fn header_ui(
     ui: &mut Ui,
-    model: &mut Model,
+    model: &Model,
     id: PaneId,
     widgets: &mut PaneWidgets,
-    changes: &mut Vec<Change>,
     queue: &mut Queue,
 ) -> HeaderResponse {
     let mut answer = HeaderResponse::default();
     let many = model.panes.are_many();
     let width = ui.available_width();
     let is_slice = matches!(model.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
-    widgets.of(id).picture.refresh(model.panes.get(id).and_then(|pane| pane.picture.as_ref()));
+    widgets.of(id).picture.refresh(model.picture_in(id));
     let margin = if many { Margin::symmetric(4, 1) } else { Margin::symmetric(8, 3) };
     Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = if many { 3.0 } else { 6.0 };
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                buttons_ui(ui, model, id, width, changes, queue);
+                buttons_ui(ui, model, id, width, queue);
                 if many && width >= ONE_LINE {
-                    links_ui(ui, model, id, true);
+                    links_ui(ui, model, id, true, queue);
                 }
                 ui.spacing_mut().item_spacing.x = 6.0;
                 if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
@@ -58,10 +59,10 @@ pub fn header_ui(
                     numbers_ui(ui, model, id, has_range);
                 }
                 if !is_slice && (!many || width >= ONE_LINE) {
-                    drawn_ui(ui, model, widgets.of(id).picture.drawn_of, !many && width >= ROOM_FOR_FEATURES);
+                    drawn_ui(ui, model, widgets.of(id).picture.drawn_of, !many && width >= ROOM_FOR_FEATURES, queue);
                 }
                 let current = model.is_current(id);
-                let has_picture = model.panes.get(id).is_some_and(|pane| pane.picture.is_some());
+                let has_picture = model.picture_in(id).is_some();
                 if has_picture && !current && width >= ROOM_FOR_SPLITS {
                     ui.label(RichText::new("updating…").small().color(style::warning(ui)));
                 }
@@ -73,9 +74,9 @@ pub fn header_ui(
         if many && width < ONE_LINE {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
-                links_ui(ui, model, id, false);
+                links_ui(ui, model, id, false, queue);
                 if !is_slice {
-                    drawn_ui(ui, model, widgets.of(id).picture.drawn_of, false);
+                    drawn_ui(ui, model, widgets.of(id).picture.drawn_of, false, queue);
                 }
             });
         }
@@ -106,14 +107,16 @@ fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> He
 }
 
 /// Draws how many features are drawn in full of those in view, and where there is room the switch of features.
-fn drawn_ui(ui: &mut Ui, model: &mut Model, drawn_of: Option<(usize, usize)>, has_switch: bool) {
+fn drawn_ui(ui: &mut Ui, model: &Model, drawn_of: Option<(usize, usize)>, has_switch: bool, queue: &mut Queue) {
     if let Some((drawn, in_view)) = drawn_of.filter(|(drawn, in_view)| drawn < in_view) {
         ui.weak(format!("{drawn} of {in_view} drawn"))
             .on_hover_text("The strongest features of each part of the view; the others are dots. Zoom in for more");
     }
     if has_switch && model.workspace == Workspace::Inspect {
         // From the right end of the line the buttons are drawn in reverse.
-        features_shown_ui(ui, &mut model.look.overlay, FeaturesShown::ALL.into_iter().rev());
+        let mut look = model.look.clone();
+        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL.into_iter().rev());
+        queue.set(&model.look, look, Action::SetLook);
     }
 }
 
@@ -132,7 +135,7 @@ fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId, has_range: bool) {
 }
 
 /// Draws a switch for each link. From the right end of a line they are drawn in reverse, so that their order stays.
-fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId, from_the_right: bool) {
+fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, from_the_right: bool, queue: &mut Queue) {
     let number = model.panes.number(id).unwrap_or(0);
     let mut links = Link::ALL;
     if from_the_right {
@@ -146,23 +149,23 @@ fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId, from_the_right: bool) {
         let name = format!("{} of pane {number}", link.label());
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, &name));
         if response.clicked() {
-            model.set_link(id, link, !on);
+            queue.push(Action::SetLink(id, link, !on));
         }
     }
 }
 
 /// Draws the buttons from right to left: close, menu, split.
-fn buttons_ui(ui: &mut Ui, model: &mut Model, id: PaneId, width: f32, changes: &mut Vec<Change>, queue: &mut Queue) {
+fn buttons_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 1.0;
     let many = model.panes.are_many();
     let of = model.panes.number(id).filter(|_| many).map_or_else(String::new, |number| format!(" {number}"));
     if many && icon_button_ui(ui, Icon::Close, &format!("Close pane{of}"), "Close this pane  (Ctrl+W)", true).clicked()
     {
-        changes.push(Change::Close(id));
+        queue.push(Action::ChangePanes(Change::Close(id)));
     }
     let menu =
         icon_button_ui(ui, Icon::Menu, &format!("Menu of pane{of}"), "What this pane shows and shares; layouts", true);
-    egui::Popup::menu(&menu).show(|ui| pane_menu_ui(ui, model, id, changes, queue));
+    egui::Popup::menu(&menu).show(|ui| pane_menu_ui(ui, model, id, queue));
     if width < ROOM_FOR_SPLITS {
         return;
     }
@@ -173,7 +176,7 @@ fn buttons_ui(ui: &mut Ui, model: &mut Model, id: PaneId, width: f32, changes: &
     ] {
         let tip = format!("{name}: a second pane that shows the same to begin with  ({key})");
         if icon_button_ui(ui, icon, &format!("{name}{of}"), &tip, room).clicked() {
-            changes.push(Change::Split(id, direction));
+            queue.push(Action::ChangePanes(Change::Split(id, direction)));
         }
     }
     ui.add_space(4.0);

@@ -2,7 +2,9 @@
 
 use super::pane_ui::{Drawn, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};
+use crate::app::actions::Queue;
 use crate::app::canvas::CanvasOutput;
+use crate::app::document::{Action, Pointed};
 use crate::app::pane::{Link, PaneId, place_in};
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::dashed_circle;
@@ -11,8 +13,8 @@ use crate::app::project::cursor::Cursor;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Feature, Slope};
-use crate::inspect::probe::AT_PLACE_PX;
-use crate::requests::PictureKind;
+use crate::inspect::probe::{AT_PLACE_PX, Wanted};
+use crate::requests::{PictureKind, ProbeQuestion};
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
 
 pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
@@ -35,12 +37,12 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
 
 pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
-    let kinds = [a, b].map(|pane| pane.picture.as_ref().map(|picture| picture.request.kind));
+    let kinds = [from, to].map(|id| model.picture_in(id).map(|picture| picture.request.kind));
     Some(place_in(pos_image, (kinds[0]?, &a.cursor), (kinds[1]?, &b.cursor), &used(model, a.side)?))
 }
 
 fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
-    let picture = model.panes.get(shown)?.picture.as_ref()?;
+    let picture = model.picture_in(shown)?;
     let canvas = widgets.get(shown)?.picture.shown()?;
     let readout = readout_of(picture, canvas, pos_image, full_scale(model, shown))?;
     Some(PlaceValue { id, number: model.panes.number(id)?, readout })
@@ -72,7 +74,7 @@ fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
 /// Maps a place of pane `id` to mid-burst of the pane's burst; `None` for panes without a picture.
 pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> Option<(Side, [f32; 2])> {
     let pane = model.panes.get(id)?;
-    let kind = pane.picture.as_ref()?.request.kind;
+    let kind = model.picture_in(id)?.request.kind;
     let middle = PictureKind::Stack { slope: pane.cursor.slope };
     let place = place_in(pos_image, (kind, &pane.cursor), (middle, &pane.cursor), &used(model, pane.side)?);
     Some((pane.side, [place.x, place.y]))
@@ -82,7 +84,7 @@ pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> O
 /// burst.
 fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
     let pane = model.panes.get(id).filter(|pane| pane.side == model.probe.side)?;
-    let kind = pane.picture.as_ref()?.request.kind;
+    let kind = model.picture_in(id)?.request.kind;
     let cursor = Cursor { slope, ..pane.cursor };
     let [u, v] = place;
     Some(place_in(pos2(u, v), (PictureKind::Stack { slope }, &cursor), (kind, &cursor), &used(model, pane.side)?))
@@ -94,31 +96,36 @@ fn used(model: &Model, side: Side) -> Option<std::ops::Range<usize>> {
 
 /// Draws the marks over the drawn panes, and takes the place under the pointer: a click with Shift probes it, any click
 /// ends following.
-pub(super) fn probe_ui(ui: &egui::Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) {
+pub(super) fn probe_ui(
+    ui: &egui::Ui,
+    model: &Model,
+    widgets: &PaneWidgets,
+    drawn: &[(PaneId, Drawn)],
+    queue: &mut Queue,
+) {
     probe_marks_ui(model, drawn);
-    let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
-    model.probe.pointer = pointed.and_then(|(_, drawn, pos)| mid_burst(model, drawn.shown, pos));
-    let Some((_, drawn, _)) = pointed else { return };
-    if !drawn.output.response.clicked() {
+    let pointed = drawn.iter().find_map(|(_, drawn)| Some((drawn, drawn.output.hover_image?)));
+    let pointer = pointed.and_then(|(drawn, pos)| mid_burst(model, drawn.shown, pos));
+    queue.set(&model.probe.pointer, pointer, |place| Action::Point(Pointed::Place(place)));
+    let Some((drawn, _)) = pointed.filter(|(drawn, _)| drawn.output.response.clicked()) else { return };
+    let with_shift = is_with_shift(ui);
+    if !with_shift && !model.probe.follows {
         return;
     }
-    if is_with_shift(ui) {
-        // Features can be pointed at where they are listed, and with their circle; the place clicked stays the subject.
-        let is_at = |[u, v]: [f32; 2], feature: &Feature| (feature.u - u).hypot(feature.v - v) <= AT_PLACE_PX;
-        let feature = model.hovered.filter(|index| {
-            let (place, feature) = (model.probe.pointer.map(|(_, place)| place), model.features().get(*index));
-            model.workspace == Workspace::Inspect && place.zip(feature).is_some_and(|(place, f)| is_at(place, f))
-        });
-        match (feature, model.probe.pointer) {
-            (Some(feature), _) => model.probe_feature(Side::A, feature),
-            (None, Some((side, place))) => model.probe_place(side, place),
-            (None, None) => {}
-        }
-        model.probe.follows = false;
-    } else if let Some((side, place)) = model.probe.pointer.filter(|_| model.probe.follows) {
-        model.probe.follows = false;
-        model.probe_place(side, place);
+    if model.probe.follows {
+        queue.push(Action::StopFollowing);
     }
+    let Some((side, place)) = pointer else { return };
+    // Features can be pointed at where they are listed, and with their circle; the place clicked stays the subject.
+    let feature = widgets.get(drawn.shown).and_then(|widget| widget.picture.pointed).filter(|index| {
+        let [u, v] = place;
+        let is_at = |feature: &Feature| (feature.u - u).hypot(feature.v - v) <= AT_PLACE_PX;
+        with_shift && model.workspace == Workspace::Inspect && model.features().get(*index).is_some_and(is_at)
+    });
+    queue.push(match feature {
+        Some(feature) => Action::ProbeFeature(Side::A, feature),
+        None => Action::Probe(side, ProbeQuestion::At { place, wanted: Wanted::Best }),
+    });
 }
 
 pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {

@@ -1,7 +1,5 @@
 //! Menus of a pane: of its header, and of its picture, with items for the feature or match and the place there.
 
-pub use crate::app::project::panes::Change;
-
 use super::marks::mid_burst;
 use super::pane_ui::Drawn;
 use super::widgets::{MenuPlace, PaneWidgets};
@@ -9,21 +7,25 @@ use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::number;
 use crate::app::clipboard;
+use crate::app::document::Action;
 use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, PaneId, Preset, SidesPreset, SliceAxis};
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::pair::{MatchRow, Side};
+use crate::app::project::panes::Change;
 use crate::app::project::workspace::Workspace;
 use crate::app::words::explained;
+use crate::inspect::probe::Wanted;
+use crate::requests::ProbeQuestion;
 use crate::teach::glossary::glossary;
 use egui::{Button, RichText, Ui};
 
-pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: &mut Vec<Change>, queue: &mut Queue) {
+pub(super) fn pane_menu_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     ui.set_min_width(190.0);
-    content_ui(ui, model, id);
+    content_ui(ui, model, id, queue);
     ui.separator();
-    over_ui(ui, model, id);
-    links_ui(ui, model, id);
+    over_ui(ui, model, id, queue);
+    links_ui(ui, model, id, queue);
     ui.separator();
     for action in [ActionId::Fit, ActionId::OneToOne] {
         item_ui(ui, model, queue, action);
@@ -31,11 +33,11 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: 
     ui.separator();
     for (label, direction) in [("Split right", Direction::Right), ("Split down", Direction::Down)] {
         if ui.button(label).clicked() {
-            changes.push(Change::Split(id, direction));
+            queue.push(Action::ChangePanes(Change::Split(id, direction)));
         }
     }
     if ui.add_enabled(model.panes.are_many(), Button::new("Close pane")).clicked() {
-        changes.push(Change::Close(id));
+        queue.push(Action::ChangePanes(Change::Close(id)));
     }
     ui.menu_button("Layout", |ui| {
         let layouts: Vec<(&str, &str, Change)> = match model.workspace {
@@ -49,13 +51,13 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: &mut Model, id: PaneId, changes: 
         };
         for (label, help, change) in layouts {
             if ui.button(label).on_hover_text(help).clicked() {
-                changes.push(change);
+                queue.push(Action::ChangePanes(change));
             }
         }
     });
 }
 
-fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
+fn content_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     let mut others = other_panes(model, id);
     // A difference is made of panes that show pictures of their own.
     others.retain(|(other, _)| {
@@ -64,18 +66,18 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
     });
     let both = model.burst_of(Side::B).is_some();
     let methods = model.contenders();
-    let Some(pane) = model.panes.get_mut(id) else { return };
+    let Some(pane) = model.panes.get(id) else { return };
     for kind in ViewKind::ALL {
         let about = kind.about();
         let radio = ui.radio(pane.shows(kind), about.label);
         if explained(radio, about.help, glossary().of_picture(about.key)).clicked() {
-            pane.show(kind);
+            queue.push(Action::Show(id, kind));
         }
     }
     for axis in SliceAxis::ALL {
         let radio = ui.radio(pane.content == Content::Slice(axis), axis.label());
         if explained(radio, axis.help(), glossary().of_picture("slice")).clicked() {
-            pane.show_slice(axis);
+            queue.push(Action::SetContent(id, Content::Slice(axis)));
         }
     }
     ui.add_enabled_ui(others.len() > 1, |ui| {
@@ -84,7 +86,7 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
                 ui.menu_button(format!("{number_a} minus"), |ui| {
                     for &(b, number_b) in others.iter().filter(|(b, _)| *b != a) {
                         if ui.button(format!("{number_a} − {number_b}")).clicked() {
-                            pane.content = Content::Difference(a, b);
+                            queue.push(Action::SetContent(id, Content::Difference(a, b)));
                         }
                     }
                 });
@@ -92,14 +94,15 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
         });
         menu.response.on_disabled_hover_text("A difference needs two other panes: split this one first");
     });
-    let (mut side, mut method) = (pane.side, pane.method);
-    if let Some(chosen) = &mut method {
+    let mut side = pane.side;
+    if let Some(before) = pane.method {
+        let mut chosen = before;
         ui.menu_button(format!("Method: {}", chosen.label()), |ui| {
             for one in methods {
-                ui.radio_value(chosen, one, one.label()).on_hover_text(one.help());
+                ui.radio_value(&mut chosen, one, one.label()).on_hover_text(one.help());
             }
         });
-        pane.show_method(method);
+        queue.set(&before, chosen, |method| Action::SetMethod(id, method));
     }
     if both {
         ui.horizontal(|ui| {
@@ -108,7 +111,7 @@ fn content_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
                 ui.radio_value(&mut side, one, one.name());
             }
         });
-        model.panes.show_side(id, side);
+        queue.set(&pane.side, side, |side| Action::SetSide(id, side));
     }
 }
 
@@ -117,9 +120,9 @@ fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
     others.filter_map(|other| Some((other, model.panes.number(other)?))).collect()
 }
 
-fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
+fn over_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     let others = other_panes(model, id);
-    let Some(pane) = model.panes.get_mut(id) else { return };
+    let Some(pane) = model.panes.get(id) else { return };
     ui.add_enabled_ui(!others.is_empty(), |ui| {
         let wipe = |other| Over::Wipe { other, at: 0.5 };
         let flip = |other| Over::Flip { other, flipped: false };
@@ -128,46 +131,40 @@ fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
             ui.menu_button(label, |ui| {
                 for &(other, number) in &others {
                     if ui.button(format!("Pane {number}")).clicked() {
-                        pane.over = Some(over(other));
+                        queue.push(Action::SetOver(id, Some(over(other))));
                     }
                 }
             });
         }
     });
     if pane.over.is_some() && ui.button("Nothing over it").clicked() {
-        pane.over = None;
+        queue.push(Action::SetOver(id, None));
     }
 }
 
-fn links_ui(ui: &mut Ui, model: &mut Model, id: PaneId) {
+fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     ui.add_enabled_ui(model.panes.are_many(), |ui| {
         ui.menu_button("Links", |ui| {
             for link in Link::ALL {
                 let mut on = model.panes.get(id).is_some_and(|pane| pane.links.has(link));
                 if ui.checkbox(&mut on, link.label()).on_hover_text(link.help()).changed() {
-                    model.set_link(id, link, on);
+                    queue.push(Action::SetLink(id, link, on));
                 }
             }
         });
     });
 }
 
-pub(super) fn picture_menu_ui(
-    drawn: &Drawn,
-    model: &mut Model,
-    id: PaneId,
-    widgets: &mut PaneWidgets,
-    changes: &mut Vec<Change>,
-    queue: &mut Queue,
-) {
+pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets: &mut PaneWidgets, queue: &mut Queue) {
     let response = &drawn.output.response;
     if response.secondary_clicked() {
-        let readout = widgets.get(drawn.shown).and_then(|widget| widget.picture.readout);
+        let shown = widgets.get(drawn.shown).map(|widget| &widget.picture);
+        let (readout, feature) = shown.map_or((None, None), |shown| (shown.readout, shown.pointed));
         let mid_burst = drawn.output.hover_image.and_then(|pos| mid_burst(model, drawn.shown, pos));
         let inspected = model.workspace == Workspace::Inspect;
         let can_probe = inspected || model.workspace == Workspace::Pair;
         widgets.of(id).menu = MenuPlace {
-            feature: model.hovered.filter(|_| inspected),
+            feature: feature.filter(|_| inspected),
             matched: model.pair.hovered.filter(|_| model.workspace == Workspace::Pair),
             readout,
             mid_burst: mid_burst.filter(|_| can_probe),
@@ -180,11 +177,11 @@ pub(super) fn picture_menu_ui(
             feature_menu_ui(ui, model, index, queue);
             ui.separator();
         }
-        if let Some(matches) = model.pair.matches.clone()
+        if let Some(matches) = &model.pair.matches
             && let Some(row) = place.matched.and_then(|index| matches.row(index))
         {
             if match_menu_ui(ui, &row) {
-                model.pair.selected = Some(row.index);
+                queue.push(Action::SelectMatch(Some(row.index)));
                 queue.push(ActionId::GoToFeature);
             }
             ui.separator();
@@ -192,7 +189,7 @@ pub(super) fn picture_menu_ui(
         if let Some((side, place)) = place.mid_burst
             && ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help).clicked()
         {
-            model.probe_place(side, place);
+            queue.push(Action::Probe(side, ProbeQuestion::At { place, wanted: Wanted::Best }));
         }
         if let Some(readout) = &place.readout {
             let value = format!("Copy value {}", number(readout.value, 4));
@@ -204,25 +201,25 @@ pub(super) fn picture_menu_ui(
             && let Some(image) = clipboard::picture_of(model, drawn.shown)
         {
             ui.ctx().copy_image(image);
-            model.messages.note("Copied the picture");
+            queue.push(Action::Note("Copied the picture".to_owned()));
         }
         ui.separator();
-        pane_menu_ui(ui, model, id, changes, queue);
+        pane_menu_ui(ui, model, id, queue);
     });
 }
 
-fn feature_menu_ui(ui: &mut Ui, model: &mut Model, index: usize, queue: &mut Queue) {
+fn feature_menu_ui(ui: &mut Ui, model: &Model, index: usize, queue: &mut Queue) {
     let Some(feature) = model.features().get(index).copied() else { return };
     ui.label(RichText::new(format!("Feature {}", index + 1)).small().weak());
     if ui.button("Select").clicked() {
-        model.selected = Some(index);
+        queue.push(Action::Select(Some(index)));
     }
     if ui.button("Go to feature").on_hover_text("Show the motion stack at its slope, with it in the middle").clicked() {
-        model.selected = Some(index);
+        queue.push(Action::Select(Some(index)));
         queue.push(ActionId::GoToFeature);
     }
     if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
-        model.probe_feature(Side::A, index);
+        queue.push(Action::ProbeFeature(Side::A, index));
     }
     copy_ui(ui, "Copy row", || clipboard::feature_text(&feature));
 }

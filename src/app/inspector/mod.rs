@@ -11,9 +11,8 @@ mod panes;
 mod widgets;
 
 pub(in crate::app) use marks::{is_with_shift, same_place};
-pub use menu::Change;
 pub(in crate::app) use menu::{copy_ui, match_menu_ui};
 pub use pane_ui::Drawn;
 pub(in crate::app) use pane_ui::chip_ui;
-pub use panes::{Inspected, inspector_ui};
+pub use panes::inspector_ui;
 pub use widgets::{JoinedPanes, PaneWidget, PaneWidgets, PlaceValue, compact_description, joined_panes};

@@ -2,7 +2,9 @@
 //! row for each frame, in which moving objects are slanted and the slope of the pane is a line that can be dragged.
 
 use super::widgets::PaneWidgets;
+use crate::app::actions::Queue;
 use crate::app::canvas::{Canvas, CanvasOutput};
+use crate::app::document::Action;
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
@@ -38,17 +40,25 @@ impl Drawn {
 }
 
 /// Draws the picture of pane `id` on a canvas called `name`; flipped, that of the pane laid over it.
-pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut PaneWidgets, name: &str) -> Drawn {
+pub(super) fn picture_ui(
+    ui: &mut Ui,
+    model: &Model,
+    id: PaneId,
+    widgets: &mut PaneWidgets,
+    name: &str,
+    queue: &mut Queue,
+) -> Drawn {
     let over = model.panes.over(id);
     let shown = match over {
         Some(Over::Flip { other, flipped: true }) => other,
         _ => id,
     };
-    let picture = model.panes.get(shown).and_then(|pane| pane.picture.as_ref());
+    let picture = model.picture_in(shown);
     let state = &mut widgets.of(shown).picture;
     state.refresh(picture);
-    let problem = problem_of(model, shown);
-    let mut view = model.panes.get(id).map(|pane| pane.view).unwrap_or_default();
+    let problem = model.problem_of(shown);
+    let before = model.panes.get(id).map(|pane| pane.view).unwrap_or_default();
+    let mut view = before;
     if !model.panes.are_many() {
         let is_beside = model.panels.right == Visibility::Auto && model.shows_right();
         widgets.of(id).aside.keep(&mut view, ui.available_rect_before_wrap(), is_beside);
@@ -62,7 +72,7 @@ pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &m
     };
     let output = canvas.show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;
-    let picture = model.panes.get(shown).and_then(|pane| pane.picture.as_ref());
+    let picture = model.picture_in(shown);
     state.paint_colours(ui, picture, &output);
     state.readout = match (picture, state.shown(), output.hover_image) {
         (Some(picture), Some(canvas), Some(pos)) => readout_of(picture, canvas, pos, full_scale(model, shown)),
@@ -71,16 +81,23 @@ pub(super) fn picture_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &m
     let visible = state.shown().is_some().then_some(output.visible_image);
     let state = &mut widgets.of(id).picture;
     (state.ui_from_image, state.visible_image) = (Some(output.ui_from_image), visible);
-    model.panes.get_mut(id).into_iter().for_each(|pane| pane.view = view);
+    queue.set(&before, view, |after| Action::MoveView { pane: id, before, after });
     Drawn { shown, output, right: None }
 }
 
 /// Draws the other picture of a wipe over the drawn one, with its features; the drawn one ends at the line.
-pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut PaneWidgets, drawn: &mut Drawn) {
+pub(super) fn over_ui(
+    ui: &mut Ui,
+    model: &Model,
+    id: PaneId,
+    widgets: &mut PaneWidgets,
+    drawn: &mut Drawn,
+    queue: &mut Queue,
+) {
     let Some(Over::Wipe { other, at }) = model.panes.over(id) else { return };
     let rect = drawn.output.response.rect;
     let x = egui::lerp(rect.x_range(), at);
-    let picture = model.panes.get(other).and_then(|pane| pane.picture.as_ref());
+    let picture = model.picture_in(other);
     let state = &mut widgets.of(other).picture;
     state.refresh(picture);
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
@@ -88,11 +105,11 @@ pub(super) fn over_ui(ui: &mut Ui, model: &mut Model, id: PaneId, widgets: &mut 
     let over = canvas.show_over(ui, &drawn.output, right);
     state.paint_colours(ui, picture, &over);
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
-    features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false);
+    features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false, queue);
     drawn.right = Some((other, over));
 }
 
-pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Drawn) {
+pub(super) fn over_names_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn, queue: &mut Queue) {
     let name = |model: &Model, id: PaneId| {
         let number = model.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
         format!("{number}{}", super::compact_description(model, id))
@@ -102,15 +119,14 @@ pub(super) fn over_names_ui(ui: &Ui, model: &mut Model, id: PaneId, drawn: &Draw
         Some(Over::Flip { .. }) => {
             chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(model, drawn.shown), ("flip", id));
         }
-        Some(Over::Wipe { mut at, .. }) => {
+        Some(Over::Wipe { other, at: before }) => {
+            let mut at = before;
             chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(model, id), ("wipe left", id));
-            if let Some((other, over)) = &drawn.right {
-                chip_ui(ui, over, Align2::RIGHT_TOP, &name(model, *other), ("wipe right", id));
+            if let Some((right, over)) = &drawn.right {
+                chip_ui(ui, over, Align2::RIGHT_TOP, &name(model, *right), ("wipe right", id));
             }
             over_handle_ui(ui, &mut at, drawn.output.response.rect);
-            if let Some(Over::Wipe { at: now, .. }) = model.panes.get_mut(id).and_then(|pane| pane.over.as_mut()) {
-                *now = at;
-            }
+            queue.set(&before, at, |at| Action::SetOver(id, Some(Over::Wipe { other, at })));
         }
     }
 }
@@ -131,12 +147,6 @@ pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
     }
     let burst = model.panes.get(id).and_then(|pane| model.burst_in(pane));
     burst.map_or(1.0, |open| open.burst.full_scale)
-}
-
-fn problem_of(model: &Model, id: PaneId) -> Option<&str> {
-    let wanted = model.wanted(id)?;
-    let (request, why) = model.panes.get(id)?.problem.as_ref()?;
-    (*request == wanted).then_some(why.as_str())
 }
 
 /// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.
@@ -190,14 +200,21 @@ const BELOW: f32 = 20.0;
 const MAX_ROW: f32 = 26.0;
 
 /// Draws the slice of pane `id`; returns whether the pointer touched it.
-pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAxis, widgets: &mut PaneWidgets) -> bool {
+pub(super) fn slice_ui(
+    ui: &mut Ui,
+    model: &Model,
+    id: PaneId,
+    axis: SliceAxis,
+    widgets: &mut PaneWidgets,
+    queue: &mut Queue,
+) -> bool {
     let (whole, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let name = axis.label();
     named(&response, egui::Role::Image, name);
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
     let is_probed = model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
-    let Some(answer) = model.probe.answer.clone().filter(|_| is_probed) else {
+    let Some(answer) = model.probe.answer.as_ref().filter(|_| is_probed) else {
         let text = if is_probed && model.probe.question.is_some() { "Probing the place…" } else { HOW };
         canvas::message(ui, ui.painter(), whole, text);
         return touched;
@@ -211,10 +228,11 @@ pub(super) fn slice_ui(ui: &mut Ui, model: &mut Model, id: PaneId, axis: SliceAx
     line(ui, &area, slice, answer.probe.subject.slope, false);
     line(ui, &area, slice, slope, true);
     if model.panes.focus() == id {
-        drag(model, id, &area, slice, &response);
+        let dragged = dragged_slope(&area, slice, slope, &response);
+        dragged.into_iter().for_each(|slope| queue.push(Action::SetSlope(id, slope)));
     }
     let Some(pos) = response.hover_pos().filter(|pos| area.rect.contains(*pos)) else { return touched };
-    let text = reading(&answer, slice, &area, pos);
+    let text = reading(answer, slice, &area, pos);
     response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal).on_hover_text_at_pointer(text);
     touched
 }
@@ -293,20 +311,15 @@ fn along_at(area: &Area, slice: &Slice, pos: Pos2) -> Option<f32> {
     (time.abs() >= 0.5).then(|| (column - slice.centre_column as f32) / time)
 }
 
-/// Lets the pointer drag the line: the slope's component along the slice changes, that across it stays.
-fn drag(model: &mut Model, id: PaneId, area: &Area, slice: &Slice, response: &Response) {
-    let Some(pos) = response.interact_pointer_pos().filter(|_| response.dragged_by(PointerButton::Primary)) else {
-        return;
-    };
-    let (Some(along), Some(pane)) = (along_at(area, slice, pos), model.panes.get_mut(id)) else { return };
+/// Slope of the line, dragged by the pointer from `slope`: its component along the slice changes, that across it stays.
+fn dragged_slope(area: &Area, slice: &Slice, slope: Slope, response: &Response) -> Option<Slope> {
+    let pos = response.interact_pointer_pos().filter(|_| response.dragged_by(PointerButton::Primary))?;
+    let along = along_at(area, slice, pos)?;
     let [u, v] = slice.direction;
-    let slope = pane.cursor.slope;
     let more = along - (slope.u * u + slope.v * v);
     // Rounded to a hundredth of a pixel, as by the sliders.
     let rounded = |x: f32| (100.0 * x).round() / 100.0;
-    pane.cursor.slope = Slope::new(rounded(slope.u + more * u), rounded(slope.v + more * v));
-    pane.slope_chosen = true;
-    model.playing = false;
+    Some(Slope::new(rounded(slope.u + more * u), rounded(slope.v + more * v)))
 }
 
 fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {

@@ -2,10 +2,11 @@
 
 use super::header::header_ui;
 use super::marks::{marks_ui, probe_ui};
-use super::menu::{Change, picture_menu_ui};
+use super::menu::picture_menu_ui;
 use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, slice_ui};
 use super::widgets::{PaneWidgets, canvas_name, compact_description};
 use crate::app::actions::{ActionId, Queue, tooltip};
+use crate::app::document::Action;
 use crate::app::measure::{draw_ui, measure_ui};
 use crate::app::pane::{Content, PaneId, arrangement_of, tree_of};
 use crate::app::panel::display::colour_bar_ui;
@@ -20,26 +21,21 @@ use crate::app::project::workspace::Workspace;
 use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
-pub struct Inspected {
-    /// Drawn panes with a picture, in the order of drawing.
-    pub drawn: Vec<(PaneId, Drawn)>,
-    pub changes: Vec<Change>,
-}
-
-pub fn inspector_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Inspected {
+/// Draws the panes; returns those with a picture, in the order of drawing.
+pub fn inspector_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Vec<(PaneId, Drawn)> {
     widgets.begin_pass();
     let mut tree = tree_of(model.panes.arrangement());
-    let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new(), changes: Vec::new() };
+    let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new() };
     tree.ui(&mut inspector, ui);
-    let Inspector { model, widgets, drawn, changes, .. } = inspector;
+    let Inspector { drawn, .. } = inspector;
     if let Some(arrangement) = arrangement_of(&tree) {
-        model.panes.rearrange(arrangement);
+        queue.set(model.panes.arrangement(), arrangement, Action::Rearrange);
     }
     marks_ui(model, widgets, &drawn);
     if matches!(model.workspace, Workspace::Inspect | Workspace::Pair) {
-        probe_ui(ui, model, &drawn);
+        probe_ui(ui, model, widgets, &drawn, queue);
     }
-    Inspected { drawn, changes }
+    drawn
 }
 
 fn gold_ui(ui: &mut Ui, side: Side, queue: &mut Queue) {
@@ -79,25 +75,24 @@ fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 const LEGEND_ROOM: egui::Vec2 = vec2(250.0, 170.0);
 
 struct Inspector<'a> {
-    pub model: &'a mut Model,
-    pub widgets: &'a mut PaneWidgets,
-    pub queue: &'a mut Queue,
-    pub drawn: Vec<(PaneId, Drawn)>,
-    pub changes: Vec<Change>,
+    model: &'a Model,
+    widgets: &'a mut PaneWidgets,
+    queue: &'a mut Queue,
+    drawn: Vec<(PaneId, Drawn)>,
 }
 
 impl Behavior<PaneId> for Inspector<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, id: &mut PaneId) -> UiResponse {
         let id = *id;
         let Some(pane) = self.model.panes.get(id) else { return UiResponse::None };
-        let (content, side, method, before) = (pane.content, pane.side, pane.method, pane.view);
+        let (content, side, method) = (pane.content, pane.side, pane.method);
         let is_open = self.model.burst_in(pane).is_some();
         let whole = ui.max_rect();
         self.widgets.of(id).rect_ui = Some(whole);
         ui.spacing_mut().item_spacing.y = 0.0;
-        let header = header_ui(ui, self.model, id, self.widgets, &mut self.changes, self.queue);
+        let header = header_ui(ui, self.model, id, self.widgets, self.queue);
         let touched = match content {
-            Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.widgets),
+            Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.widgets, self.queue),
             _ if !is_open => {
                 match method {
                     Some(Contender::Gold) => gold_ui(ui, side, self.queue),
@@ -107,9 +102,8 @@ impl Behavior<PaneId> for Inspector<'_> {
             }
             _ => self.picture_ui(ui, id),
         };
-        self.model.panes.follow_view(id, &before);
-        if header.clicked || touched {
-            self.model.panes.set_focus(id);
+        if (header.clicked || touched) && self.model.focus() != id {
+            self.queue.push(Action::Focus(id));
         }
         if self.model.panes.are_many() && self.model.focus() == id {
             let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
@@ -140,26 +134,27 @@ impl Inspector<'_> {
     /// Draws the picture of a pane with its overlays; returns whether the pointer touched it.
     fn picture_ui(&mut self, ui: &mut Ui, id: PaneId) -> bool {
         let name = canvas_name(self.model, id);
-        let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name);
-        over_ui(ui, self.model, id, self.widgets, &mut drawn);
+        let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name, self.queue);
+        over_ui(ui, self.model, id, self.widgets, &mut drawn, self.queue);
         let rect = drawn.output.response.rect;
         let (inspected, in_focus) = (self.model.workspace == Workspace::Inspect, self.model.focus() == id);
         let has_legend = in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y;
-        features_ui(ui, self.model, drawn.shown, &mut self.widgets.of(drawn.shown).picture, &drawn.output, has_legend);
+        let state = &mut self.widgets.of(drawn.shown).picture;
+        features_ui(ui, self.model, drawn.shown, state, &drawn.output, has_legend, self.queue);
         colour_bar_ui(ui, self.model, drawn.shown, rect);
         if inspected {
-            candidates_ui(ui, self.model, drawn.shown, &drawn.output);
+            candidates_ui(ui, self.model, drawn.shown, &drawn.output, self.queue);
         }
-        over_names_ui(ui, self.model, id, &drawn);
+        over_names_ui(ui, self.model, id, &drawn, self.queue);
         method_ui(ui, self.model, id, &drawn);
         if inspected {
-            draw_ui(self.model, id, &drawn.output);
+            draw_ui(self.model, id, &drawn.output, self.queue);
             measure_ui(self.model, id, &drawn.output);
             if in_focus {
                 stale_ui(ui, self.model, rect, self.queue);
             }
         }
-        picture_menu_ui(&drawn, self.model, id, self.widgets, &mut self.changes, self.queue);
+        picture_menu_ui(&drawn, self.model, id, self.widgets, self.queue);
         let touched = drawn.is_touched(ui);
         self.drawn.push((id, drawn));
         touched

@@ -134,7 +134,7 @@ fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
 /// Describes the pane's picture in full, with the burst's name where there are two; empty while there is no picture.
 pub(super) fn long_description(model: &Model, id: PaneId) -> String {
     let Some(pane) = model.panes.get(id) else { return String::new() };
-    let Some(picture) = &pane.picture else { return String::new() };
+    let Some(picture) = model.picture_in(id) else { return String::new() };
     let what = describe(picture);
     match (pane.method, model.workspace) {
         (Some(method), _) => format!("{}{}  ·  {what}", side(model, pane), method.label()),

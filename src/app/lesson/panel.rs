@@ -21,7 +21,13 @@ pub struct LessonClicks {
     pub word: Option<String>,
 }
 
-pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: &mut Model, captions: &mut Captions) -> LessonClicks {
+pub fn lesson_ui(
+    ui: &mut Ui,
+    lessons: &mut Lessons,
+    model: &Model,
+    captions: &mut Captions,
+    queue: &mut Queue,
+) -> LessonClicks {
     let mut clicks = LessonClicks::default();
     let next = lessons.next_lesson();
     let Some(open) = &mut lessons.open else { return clicks };
@@ -47,7 +53,8 @@ pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: &mut Model, captions
         ui.add_space(6.0);
         if let Some(spot) = step.state.spot {
             Frame::group(ui.style()).show(ui, |ui| {
-                snr_ui(ui, model, &mut open.snr, spot, step.state.slope.unwrap_or_default());
+                let of = (spot, step.state.slope.unwrap_or_default());
+                snr_ui(ui, model, &mut open.snr, of, queue);
             });
             ui.add_space(6.0);
         }

@@ -1,11 +1,13 @@
 //! Signal-to-noise ratio of a spot, measured in the shown picture, while frames are added one by one.
 
+use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{CursorRow, still_plot};
 use crate::app::parts;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
-use crate::detector::{FrameRange, Slope};
+use crate::detector::Slope;
 use crate::inspect::spot::{SpotSnr, spot_snr};
 use crate::requests::PictureKind;
 use crate::teach::{Part, Spot};
@@ -60,9 +62,15 @@ fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)>
 }
 
 /// Draws the number of frames added, and the measured ratio beside the law of √N. `slope` is the spot's own.
-pub(super) fn snr_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace, spot: Spot, slope: Slope) {
+pub(super) fn snr_ui(
+    ui: &mut Ui,
+    model: &Model,
+    trace: &mut SnrTrace,
+    (spot, slope): (Spot, Slope),
+    queue: &mut Queue,
+) {
     let top = ui.cursor().min;
-    frames_ui(ui, model, trace);
+    frames_ui(ui, model, trace, queue);
     let rect = egui::Rect::from_min_max(top, egui::pos2(ui.max_rect().right(), ui.min_rect().bottom()));
     parts::mark(ui, Part::FramesAdded, rect);
     ui.add_space(4.0);
@@ -98,46 +106,27 @@ fn frames_shown(model: &Model) -> usize {
     }
 }
 
-/// Shows the first `count` frames, added up along the slope.
-fn show_frames(model: &mut Model, count: usize) {
-    let all = model.frame_count();
-    let count = count.clamp(1, all.max(1));
-    if count == 1 {
-        // A single frame has no motion.
-        let pane = model.focused_mut();
-        pane.cursor.frame = 0;
-        pane.show(ViewKind::Frame);
-        return;
-    }
-    model.params.frames = (count < all).then_some(FrameRange { start: 0, end: count });
-    let pane = model.focused_mut();
-    if pane.cursor.kind == ViewKind::Frame {
-        pane.show(ViewKind::Stack);
-    }
-    model.check_params();
-}
-
-fn frames_ui(ui: &mut Ui, model: &mut Model, trace: &mut SnrTrace) {
+fn frames_ui(ui: &mut Ui, model: &Model, trace: &mut SnrTrace, queue: &mut Queue) {
     let all = model.frame_count();
     let mut count = frames_shown(model) as f32;
     let help = "How many frames are shifted and added, from the first one on";
     if CursorRow::whole("Frames", help, 1.0..=all.max(1) as f32).ui(ui, &mut count) {
         trace.next = None;
-        show_frames(model, count as usize);
+        queue.push(Action::UseFrames(count as usize));
     }
     let is_playing = trace.next.is_some();
     let label = if is_playing { "⏸ Stop" } else { "▶ Add one by one" };
     if ui.button(label).on_hover_text("Begin with one frame and add the next ones, one after the other").clicked() {
         trace.next = (!is_playing).then(|| Instant::now() + EVERY);
         if !is_playing {
-            show_frames(model, 1);
+            queue.push(Action::UseFrames(1));
         }
     }
     let Some(next) = trace.next else { return };
     // The next frame is added once the picture of the present ones is shown.
     if Instant::now() >= next && model.picture_is_current() {
         let shown = frames_shown(model);
-        show_frames(model, shown + 1);
+        queue.push(Action::UseFrames(shown + 1));
         trace.next = (shown + 1 < all).then(|| Instant::now() + EVERY);
     }
     ui.ctx().request_repaint_after(EVERY / 4);

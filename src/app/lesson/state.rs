@@ -92,7 +92,6 @@ impl OpenLesson {
         }
         (self.is_ready, self.selects) = (true, state.select == Some(true));
         steps::set_up(model, &step);
-        model.settings_are_set();
     }
 }
 
@@ -292,11 +291,11 @@ fn show(mut other: Model, model: &mut Model) -> Model {
     let (from, to) = (&mut other, model);
     std::mem::swap(&mut from.datasets, &mut to.datasets);
     std::mem::swap(&mut from.trajectories, &mut to.trajectories);
-    std::mem::swap(&mut from.lab, &mut to.lab);
+    std::mem::swap(&mut from.document.lab, &mut to.document.lab);
+    std::mem::swap(&mut from.studies, &mut to.studies);
     std::mem::swap(&mut from.messages, &mut to.messages);
     std::mem::swap(&mut from.figures, &mut to.figures);
     to.messages.forget_note();
-    to.settings_are_set();
     other
 }
 

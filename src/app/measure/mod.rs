@@ -5,11 +5,13 @@ mod panels;
 pub use crate::app::project::measure::{Measure, MeasuredLine, MeasuredRegion, Tool};
 pub use panels::{RegionCache, profile_ui, region_ui};
 
+use crate::app::actions::Queue;
 use crate::app::canvas::{CanvasOutput, Picture};
+use crate::app::document::Action;
 use crate::app::inspector::{PaneWidgets, compact_description, same_place};
 use crate::app::pane::{Link, PaneId};
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model, Visibility};
+use crate::app::project::{BottomTab, Model};
 use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
@@ -77,10 +79,11 @@ pub fn region_in(model: &Model, widgets: &PaneWidgets, region: &MeasuredRegion, 
 
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
 
-pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
+pub fn draw_ui(model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
     let response = &output.response;
     let place = |pos: Pos2| output.image_from_ui.pos(pos);
-    if model.measure.tool == Tool::Pan {
+    let mut measure = model.measure;
+    if measure.tool == Tool::Pan {
         return;
     }
     if response.drag_started_by(PointerButton::Primary)
@@ -88,24 +91,25 @@ pub fn draw_ui(model: &mut Model, id: PaneId, output: &CanvasOutput) {
     {
         // Place of the press, not the place where the drag was recognised.
         let press = pos - response.total_drag_delta().unwrap_or_default();
-        model.measure.drag = Some((id, place(press)));
+        measure.drag = Some((id, place(press)));
     }
-    let Some((_, from)) = model.measure.drag.filter(|(on, _)| *on == id) else { return };
+    let Some((_, from)) = measure.drag.filter(|(on, _)| *on == id) else { return };
     if let Some(pos) = response.interact_pointer_pos().filter(|_| response.dragged()) {
         let to = place(pos);
-        match model.measure.tool {
-            Tool::Line => model.measure.line = Some(MeasuredLine { pane: id, from_image: from, to_image: to }),
+        match measure.tool {
+            Tool::Line => measure.line = Some(MeasuredLine { pane: id, from_image: from, to_image: to }),
             Tool::Region => {
-                model.measure.region = Some(MeasuredRegion { pane: id, rect_image: Rect::from_two_pos(from, to) });
+                measure.region = Some(MeasuredRegion { pane: id, rect_image: Rect::from_two_pos(from, to) });
             }
             Tool::Pan => {}
         }
     }
     if response.drag_stopped() {
-        model.measure.drag = None;
-        model.bottom_tab = if model.measure.tool == Tool::Line { BottomTab::Profile } else { BottomTab::Region };
-        model.panels.bottom = Visibility::Open;
+        measure.drag = None;
+        let tab = if measure.tool == Tool::Line { BottomTab::Profile } else { BottomTab::Region };
+        queue.push(Action::OpenTab(tab));
     }
+    queue.set(&model.measure, measure, Action::SetMeasure);
 }
 
 pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {

@@ -36,7 +36,7 @@ impl Panes {
     /// The two permanent panes stay on their bursts: a new pane takes the place of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
         let Some(pane) = self.get(id).filter(|pane| pane.side != side) else { return };
-        let changed = Pane { side, picture: None, problem: None, ..pane.clone() };
+        let changed = Pane { side, ..pane.clone() };
         if let Some(own) = self.more.get_mut(&id) {
             *own = changed;
             return;
@@ -181,8 +181,6 @@ impl Panes {
         for (id, pane) in &mut self.more {
             if inspected.contains(id) {
                 pane.side = pane.side.other();
-            } else {
-                (pane.picture, pane.problem) = (None, None);
             }
         }
     }

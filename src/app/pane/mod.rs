@@ -32,7 +32,7 @@ use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use crate::app::view::View;
 use crate::detector::{DetectorParams, Method};
-use crate::requests::{OpenBurst, Picture, PictureKind, PictureRequest};
+use crate::requests::{OpenBurst, PictureKind, PictureRequest};
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -121,7 +121,8 @@ impl Over {
     }
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Pane {
     pub side: Side,
     pub method: Option<Contender>,
@@ -135,8 +136,6 @@ pub struct Pane {
     pub own_ranges: Option<Ranges>,
     pub links: PaneLinks,
     pub over: Option<Over>,
-    pub picture: Option<Picture>,
-    pub problem: Option<(PictureRequest, String)>,
 }
 
 impl Pane {
@@ -151,8 +150,6 @@ impl Pane {
             own_ranges: None,
             links: PaneLinks::default(),
             over: None,
-            picture: None,
-            problem: None,
         }
     }
 
@@ -169,13 +166,7 @@ impl Pane {
 
     /// Shows a slice through the frames, which is no picture of the image plane.
     pub fn show_slice(&mut self, axis: SliceAxis) {
-        (self.content, self.over, self.picture) = (Content::Slice(axis), None, None);
-    }
-
-    pub fn show_method(&mut self, method: Option<Contender>) {
-        if self.method != method {
-            (self.method, self.picture, self.problem) = (method, None, None);
-        }
+        (self.content, self.over) = (Content::Slice(axis), None);
     }
 
     /// The kind of picture that the pane shows; `None` for slices and differences, which are made of several.

@@ -8,14 +8,14 @@ use std::collections::BTreeMap;
 
 pub(super) const PLACES: [Workspace; 3] = [Workspace::Inspect, Workspace::Pair, Workspace::Methods];
 
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Placed {
     pub(super) arrangement: Arrangement,
     pub(super) focus: PaneId,
 }
 
 /// Two panes are permanent, one for each burst. A pane that is in two workspaces shows the same in both.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Panes {
     pub(super) sides: [Pane; 2],
     pub(super) more: BTreeMap<PaneId, Pane>,

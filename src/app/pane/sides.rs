@@ -59,8 +59,7 @@ impl Panes {
                 vec![own.to_vec(), dogs.to_vec()]
             }
             SidesPreset::Difference => {
-                let difference =
-                    Pane { content: Content::Difference(own[0], own[1]), picture: None, ..made[&own[0]].clone() };
+                let difference = Pane { content: Content::Difference(own[0], own[1]), ..made[&own[0]].clone() };
                 let new = self.fresh();
                 made.insert(new, difference);
                 vec![own.to_vec(), vec![new]]

@@ -3,6 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
+use crate::app::document::{Action, Pointed};
 use crate::app::inspector::PaneWidgets;
 use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
@@ -10,6 +11,7 @@ use crate::app::panel::table::ROW_HEIGHT;
 use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
 use crate::app::project::Model;
 use crate::app::project::against::{Kind, Row, Shown, With};
+use crate::app::project::panes::Destination;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::view::{fixed, signed_slope};
@@ -31,7 +33,7 @@ pub fn colour(with: With, kind: Kind) -> Color32 {
     }
 }
 
-fn switch_ui(ui: &mut Ui, model: &mut Model, side: Side, queue: &mut Queue) {
+fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
     if model.workspace == Workspace::Pair {
         ui.label(RichText::new(format!("Features of {}", side.name())).strong());
     }
@@ -40,7 +42,7 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, side: Side, queue: &mut Queue) {
         let button = Button::selectable(on, with.label()).frame_when_inactive(true);
         let response = ui.add_enabled(there, button).on_hover_text(with.help()).on_disabled_hover_text(with.help());
         if response.clicked() {
-            model.show_against(side, (!on).then_some(with));
+            queue.push(Action::CompareWith(side, (!on).then_some(with)));
         }
     }
     ui.separator();
@@ -60,10 +62,10 @@ fn switch_ui(ui: &mut Ui, model: &mut Model, side: Side, queue: &mut Queue) {
 
 const PROBE_HELP: &str = "Say why there is a feature at its place, or why there is none";
 
-pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: &mut Queue) {
+pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut Queue) {
     let side = model.active_side();
     ui.horizontal_wrapped(|ui| switch_ui(ui, model, side, queue));
-    let Some(shown) = model.slots[side].against.shown.clone() else {
+    let Some(shown) = &model.slots[side].against.shown else {
         ui.centered_and_justified(|ui| match &model.slots[side].against.problem {
             Some(problem) => ui.label(RichText::new(problem).color(ui.visuals().error_fg_color)),
             None => ui.weak(what_to_do(model, side)),
@@ -80,28 +82,27 @@ pub fn against_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, queue: 
         let why = ui.add_enabled(selected.is_some(), Button::new("Why here?").small());
         let why = why.on_hover_text(PROBE_HELP).on_disabled_hover_text("Select a row first");
         if let Some(row) = selected.filter(|_| why.clicked()) {
-            model.ask_probe(side, row.question());
+            queue.push(Action::Probe(side, row.question()));
         }
         ui.separator();
         for &kind in Kind::of(shown.with) {
             let mut on = model.slots[side].against.shows(kind);
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
-            key_ui(ui, &shown, kind);
+            key_ui(ui, shown, kind);
             if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
-                let hidden = &mut model.slots[side].against.hidden;
-                hidden.retain(|hidden| *hidden != kind);
-                hidden.extend((!on).then_some(kind));
+                queue.push(Action::ShowKind(side, kind, on));
             }
         }
     });
-    let (clicked, probed) = table_ui(ui, model, side, &shown);
+    let (clicked, probed) = table_ui(ui, model, side, shown, queue);
     if let Some(row) = probed.and_then(|row| shown.rows.get(row)) {
-        model.ask_probe(side, row.question());
+        queue.push(Action::Probe(side, row.question()));
     }
     if let Some(row) = clicked {
-        select(model, side, &shown, Some(row));
-        if let Some(row) = shown.rows.get(row) {
-            bring_into_view(model, widgets, row);
+        queue.push(Action::SelectRow(side, Some(row)));
+        if let Some(row) = shown.rows.get(row).filter(|row| !is_in_view(model, widgets, row)) {
+            let at = Some((row.pos_image, 0.0));
+            queue.push(Action::GoTo(side, Destination { at, ..Destination::default() }));
         }
     }
 }
@@ -117,7 +118,13 @@ fn what_to_do(model: &Model, side: Side) -> &'static str {
 }
 
 /// Returns the clicked row, and the one whose place is to be probed.
-fn table_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown) -> (Option<usize>, Option<usize>) {
+fn table_ui(
+    ui: &mut Ui,
+    model: &Model,
+    side: Side,
+    shown: &Shown,
+    queue: &mut Queue,
+) -> (Option<usize>, Option<usize>) {
     let listed: Vec<usize> =
         (0..shown.rows.len()).filter(|&row| model.slots[side].against.shows(shown.rows[row].kind)).collect();
     let (mut clicked, mut hovered, mut probed) = (None, None, None);
@@ -180,7 +187,7 @@ fn table_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown) -> (Optio
         });
     // The pointer may be over a picture instead, which then sets the hovered row.
     if is_pointed_at {
-        model.slots[side].against.hovered = hovered;
+        queue.point(&model.slots[side].against.hovered, hovered, |row| Pointed::Row(side, row));
     }
     (clicked, probed)
 }
@@ -195,18 +202,10 @@ fn cells(row: &Row) -> [String; 5] {
     ]
 }
 
-/// Moves the focused picture where the row's place is not visible.
-fn bring_into_view(model: &mut Model, widgets: &PaneWidgets, row: &Row) {
-    let focus = model.focus();
-    let place = pos2(row.pos_image[0], row.pos_image[1]);
-    let seen = widgets.get(focus).and_then(|widget| widget.picture.visible_image).is_some_and(|v| v.contains(place));
-    if !seen {
-        let pane = model.focused_mut();
-        let before = pane.view;
-        let zoom = pane.view.points_per_pixel();
-        pane.view.look_at(place, zoom);
-        model.panes.follow_view(focus, &before);
-    }
+fn is_in_view(model: &Model, widgets: &PaneWidgets, row: &Row) -> bool {
+    let [u, v] = row.pos_image;
+    let seen = widgets.get(model.focus()).and_then(|widget| widget.picture.visible_image);
+    seen.is_some_and(|seen| seen.contains(pos2(u, v)))
 }
 
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
@@ -231,11 +230,12 @@ fn marks_of(model: &Model, side: Side, shown: &Shown, picture: Option<&Picture>)
 
 pub fn marks_ui(
     ui: &Ui,
-    model: &mut Model,
+    model: &Model,
     side: Side,
     shown: &Shown,
     picture: Option<&Picture>,
     output: &CanvasOutput,
+    queue: &mut Queue,
 ) {
     let (rows, marks) = marks_of(model, side, shown, picture);
     let clip = output.painter.clip_rect();
@@ -244,14 +244,16 @@ pub fn marks_ui(
     let on_top = model.explained.pointed.is_none() && !is_over_match;
     let pointer = output.pointer_ui.filter(|pos| on_top && clip.contains(*pos));
     let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));
+    let hovered_before = model.slots[side].against.hovered;
+    let hovered = if pointer.is_some() { pointed.map(|mark| rows[mark]) } else { hovered_before };
+    queue.point(&hovered_before, hovered, |row| Pointed::Row(side, row));
     if pointer.is_some() {
-        model.slots[side].against.hovered = pointed.map(|mark| rows[mark]);
         // Features under the marks are not hovered.
-        model.hovered = None;
+        queue.point(&model.hovered, None, Pointed::Feature);
     }
     // A feature selected or hovered elsewhere is one of ours.
     let of_ours = |feature: usize| rows.iter().position(|row| shown.rows[*row].feature == Some(feature));
-    let focus = model.slots[side].against.hovered.or(model.slots[side].against.selected);
+    let focus = hovered.or(model.slots[side].against.selected);
     let highlighted = focus.and_then(|row| rows.iter().position(|r| *r == row));
     let elsewhere = model.hovered.or(model.selected).filter(|_| side == Side::A);
     let highlighted = highlighted.or_else(|| elsewhere.and_then(of_ours));
@@ -260,17 +262,10 @@ pub fn marks_ui(
         && output.response.clicked()
         && output.response.interact_pointer_pos().is_none_or(|pos| clip.contains(pos))
     {
-        select(model, side, shown, pointed.map(|mark| rows[mark]));
+        queue.push(Action::SelectRow(side, pointed.map(|mark| rows[mark])));
     }
     if let Some(mark) = pointed.filter(|_| !output.response.dragged()) {
         row_tip_ui(ui, shown, &shown.rows[rows[mark]]);
-    }
-}
-
-fn select(model: &mut Model, side: Side, shown: &Shown, row: Option<usize>) {
-    model.slots[side].against.selected = row;
-    if side == Side::A {
-        model.selected = row.and_then(|row| shown.rows.get(row)?.feature);
     }
 }
 
@@ -284,12 +279,12 @@ fn row_tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
     });
 }
 
-pub fn legend_ui(ui: &mut Ui, model: &mut Model, side: Side, shown: &Shown, output: &CanvasOutput) {
+pub fn legend_ui(ui: &mut Ui, model: &Model, side: Side, shown: &Shown, output: &CanvasOutput, queue: &mut Queue) {
     let kinds: Vec<Kind> =
         Kind::of(shown.with).iter().copied().filter(|kind| model.slots[side].against.shows(*kind)).collect();
     let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: false };
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
-    legend::legend_ui(ui, &mut model.look.legend, size, place, |ui| {
+    legend::legend_ui(ui, model, size, place, queue, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for kind in kinds {
             ui.horizontal(|ui| {

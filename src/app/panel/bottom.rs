@@ -1,11 +1,12 @@
 //! Tabs below the pictures: the table of features, the tally, the noise, and measurements on the pictures.
 
 use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
 use crate::app::panel::{against, noise, slopes, status, table, tally};
 use crate::app::parts::mark;
-use crate::app::project::{BottomTab, Model, Visibility};
+use crate::app::project::{BottomTab, Model};
 use crate::teach::Part;
 use egui::{Align, Layout, Ui};
 
@@ -35,23 +36,22 @@ fn has_content(tab: BottomTab, model: &Model) -> bool {
 }
 
 /// Draws the tabs; the open one closes the panel, any other opens it.
-fn tabs_ui(ui: &mut Ui, model: &mut Model) {
+fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let is_open = model.shows_bottom();
     for (tab, name, help) in TABS {
         if !has_content(tab, model) {
             continue;
         }
         if ui.selectable_label(is_open && model.bottom_tab == tab, name).on_hover_text(help).clicked() {
-            model.panels.bottom = Visibility::from(!is_open || model.bottom_tab != tab);
-            model.bottom_tab = tab;
+            queue.push(Action::ToggleTab(tab));
         }
     }
 }
 
-pub fn closed_ui(ui: &mut Ui, model: &mut Model) {
+pub fn closed_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let tabs = ui.horizontal(|ui| {
         (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
-        tabs_ui(ui, model);
+        tabs_ui(ui, model, queue);
     });
     mark(ui, Part::Tabs, tabs.response.rect);
 }
@@ -60,13 +60,13 @@ fn line_ui(ui: &mut Ui, model: &Model, summary_ui: fn(&mut Ui, &Model)) {
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| summary_ui(ui, model));
 }
 
-pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
+pub fn bottom_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
     // Widgets beside the tabs go below them where there is no space.
     let tabs = ui.horizontal_wrapped(|ui| {
         if ui.available_width() < ROOMY {
             (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (4.0, 3.0);
         }
-        tabs_ui(ui, model);
+        tabs_ui(ui, model, queue);
         ui.separator();
         match model.bottom_tab {
             BottomTab::Table => table::filter_bar_ui(ui, model, queue),
@@ -88,8 +88,8 @@ pub fn bottom_ui(ui: &mut Ui, model: &mut Model, widgets: &PaneWidgets, regions:
             table::table_ui(ui, model, queue);
         }
         BottomTab::Tally => tally::tally_ui(ui, model, queue),
-        BottomTab::Noise => noise::noise_ui(ui, model),
-        BottomTab::Slopes => slopes::slopes_ui(ui, model),
+        BottomTab::Noise => noise::noise_ui(ui, model, queue),
+        BottomTab::Slopes => slopes::slopes_ui(ui, model, queue),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
         BottomTab::Compared => against::against_ui(ui, model, widgets, queue),

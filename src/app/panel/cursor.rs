@@ -3,40 +3,39 @@
 
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
 use crate::app::project::Model;
-use crate::app::project::cursor::{ViewKind, level_range, octave_range, slope_limit};
+use crate::app::project::cursor::{level_range, octave_range, slope_limit};
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
-use crate::detector::{Slope, SlopeAxis, SlopeChoice};
+use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeChoice};
 use egui::{CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
-pub fn cursor_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn cursor_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Cursor", |ui| {
-        frame_row(ui, model);
-        slope_rows(ui, model);
+        frame_row(ui, model, queue);
+        slope_rows(ui, model, queue);
         buttons_ui(ui, model, queue);
         if model.cursor_params().slopes.is_plane() {
-            slope_pad_ui(ui, model);
+            slope_pad_ui(ui, model, queue);
         }
         if model.cursor().kind.about().of_scale {
-            scale_rows(ui, model);
+            scale_rows(ui, model, queue);
         }
     });
 }
 
-fn frame_row(ui: &mut Ui, model: &mut Model) {
+fn frame_row(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let last = model.focused_frame_count().saturating_sub(1) as f32;
     let mut frame = model.cursor().frame as f32;
     let help = "Index of the shown frame, from 0. Moving it shows the frame.";
     if CursorRow::whole("Frame", help, 0.0..=last).ui(ui, &mut frame) {
-        let pane = model.focused_mut();
-        pane.cursor.frame = frame.max(0.0) as usize;
-        pane.show(ViewKind::Frame);
+        queue.push(Action::SetFrame(model.focus(), frame.max(0.0) as usize));
     }
 }
 
-fn slope_rows(ui: &mut Ui, model: &mut Model) {
+fn slope_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let grid = model.cursor_params().slopes;
     let limit = slope_limit(&grid);
     // The slopes of a rotated grid are marked by their components on each axis.
@@ -58,14 +57,9 @@ fn slope_rows(ui: &mut Ui, model: &mut Model) {
         );
         let row = CursorRow { label, help, range: -limit..=limit, marks: &marks, whole: false };
         row.ui(ui, component);
-        strip_ui(ui, model, label == "Slope v");
+        strip_ui(ui, model, label == "Slope v", queue);
     }
-    if slope != before {
-        model.playing = false;
-        let pane = model.focused_mut();
-        pane.cursor.slope = slope;
-        pane.show_slope();
-    }
+    queue.set(&before, slope, |slope| Action::SetSlope(model.focus(), slope));
 }
 
 fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
@@ -77,7 +71,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn scale_rows(ui: &mut Ui, model: &mut Model) {
+fn scale_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let octaves = octave_range(model.cursor_params(), model.focused_size());
     let levels = level_range(model.cursor_params());
     let (mut octave, mut level) = (model.cursor().octave as f32, model.cursor().level as f32);
@@ -89,9 +83,7 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     let help =
         "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with.";
     if row("Level", help, levels, &mut level) || is_other_octave {
-        let pane = model.focused_mut();
-        (pane.cursor.octave, pane.cursor.level) = (octave as i32, level as i32);
-        pane.show_scale();
+        queue.push(Action::SetScale(model.focus(), octave as i32, level as i32));
     }
     let space = ScaleSpace::of(model.cursor_params());
     let sigma = space.sigma_image(model.cursor().octave, f64::from(model.cursor().level));
@@ -101,7 +93,7 @@ fn scale_rows(ui: &mut Ui, model: &mut Model) {
     ));
 }
 
-pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
+pub fn slope_pad_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let side = ui.available_width().min(170.0);
     let (full, _) = ui.allocate_exact_size(vec2(ui.available_width(), side), Sense::hover());
     let rect = egui::Rect::from_center_size(full.center(), vec2(side, side));
@@ -112,10 +104,8 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &mut Model) {
     let ui_from_slope = |s: Slope| rect.center() + scale * vec2(s.u, s.v);
     if let Some(pos) = response.interact_pointer_pos() {
         let at = (pos - rect.center()) / scale;
-        model.playing = false;
-        let pane = model.focused_mut();
-        pane.cursor.slope = Slope::new(at.x.clamp(-limit, limit), at.y.clamp(-limit, limit));
-        pane.show_slope();
+        let slope = Slope::new(at.x.clamp(-limit, limit), at.y.clamp(-limit, limit));
+        queue.push(Action::SetSlope(model.focus(), slope));
     }
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
@@ -149,7 +139,7 @@ const REACH: f32 = 5.0;
 
 /// Draws the strip below the slider of the first (`second` false) or second axis, if only that axis is searched: a
 /// plane of slopes has its own picture.
-pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
+pub fn strip_ui(ui: &mut Ui, model: &Model, second: bool, queue: &mut Queue) {
     let grid = model.cursor_params().slopes;
     let axis = if second { grid.v } else { grid.u };
     let other = if second { grid.u } else { grid.v };
@@ -178,7 +168,7 @@ pub fn strip_ui(ui: &mut Ui, model: &mut Model, second: bool) {
         {
             drag.pulled += response.drag_delta().x * 2.0 * limit / rect.width();
             ui.data_mut(|data| data.insert_temp(ends_id, drag));
-            set_axis(model, second, moved(drag.axis, index == 1, drag.pulled));
+            set_axis(model, second, moved(drag.axis, index == 1, drag.pulled), queue);
         }
         if response.drag_stopped() {
             ui.data_mut(|data| data.remove::<Drag>(ends_id));
@@ -218,12 +208,12 @@ fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
     }
 }
 
-fn set_axis(model: &mut Model, second: bool, axis: SlopeAxis) {
-    let grid = &mut model.params.slopes;
-    let own = if second { &mut grid.v } else { &mut grid.u };
+fn set_axis(model: &Model, second: bool, axis: SlopeAxis, queue: &mut Queue) {
+    let mut detector = model.params.clone();
+    let own = if second { &mut detector.slopes.v } else { &mut detector.slopes.u };
     if *own != axis {
         *own = axis;
-        model.slopes = SlopeChoice::Given;
+        queue.push(Action::SetSearch(Box::new(SearchParams { detector, slopes: SlopeChoice::Given })));
     }
 }
 

@@ -1,14 +1,16 @@
 //! Display of the pictures: range, gamma, colour map and overlays; and the colour bar in the corner of a map.
 
+use crate::app::actions::Queue;
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::ColourBy;
+use crate::app::document::Action;
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
 use crate::app::panel::legend::{KEY_ROOM, ground, motion_key};
 use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui};
 use crate::app::project::Model;
-use crate::app::project::look::{FeaturesShown, RangeClass, SMOOTHING_PX};
+use crate::app::project::look::{FeaturesShown, Look, RangeClass, SMOOTHING_PX};
 use crate::plane::display::Display;
 use egui::{
     Align2, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2,
@@ -17,25 +19,29 @@ use egui::{
 #[derive(Default)]
 pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
 
-pub fn display_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
+pub fn display_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
-        range_ui(ui, model, widgets);
-        smoothing_ui(ui, model);
+        range_ui(ui, model, widgets, queue);
+        let mut look = model.look.clone();
+        smoothing_ui(ui, &mut look);
         ui.add_space(4.0);
-        overlay_ui(ui, model);
-        colouring_ui(ui, model);
+        overlay_ui(ui, &mut look);
+        queue.set(&model.look, look, Action::SetLook);
+        colouring_ui(ui, model, queue);
     });
 }
 
 /// Draws the section without the rows for features.
-pub fn ranges_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
+pub fn ranges_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
-        range_ui(ui, model, widgets);
-        smoothing_ui(ui, model);
+        range_ui(ui, model, widgets, queue);
+        let mut look = model.look.clone();
+        smoothing_ui(ui, &mut look);
+        queue.set(&model.look, look, Action::SetLook);
     });
 }
 
-fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
+fn range_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
     let PaneWidget { picture: pictures, display: state, .. } = widgets.of(model.focus());
     pictures.refresh(model.picture());
     let class = model.range_class(model.focus());
@@ -47,34 +53,33 @@ fn range_ui(ui: &mut Ui, model: &mut Model, widgets: &mut PaneWidgets) {
         ui.add(egui::Label::new("Colour: direction of the motion; bright where it is certain").wrap());
         return;
     }
-    let display = model.focused_ranges_mut().display_mut(class);
-    state.0[class as usize].ui(ui, pictures.shown(), pictures.visible_image, display);
+    let mut display = model.ranges_of(model.focused()).display(class);
+    if state.0[class as usize].ui(ui, pictures.shown(), pictures.visible_image, &mut display) {
+        queue.push(Action::SetDisplay(class, display));
+    }
 }
 
-fn smoothing_ui(ui: &mut Ui, model: &mut Model) {
+fn smoothing_ui(ui: &mut Ui, look: &mut Look) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Smoothing", 69.0);
         ui.spacing_mut().slider_width = (ui.available_width() - 66.0).max(40.0);
         let (least, most) = SMOOTHING_PX.span().into_inner();
         let (least, most) = (least as f32, most as f32);
-        let slider = egui::Slider::new(&mut model.look.smoothing_px, least..=most).max_decimals(1).suffix(" px");
+        let slider = egui::Slider::new(&mut look.smoothing_px, least..=most).max_decimals(1).suffix(" px");
         let help = "σ of a Gaussian over the picture, to see through noise. Of the display only: values, profiles and \
                     features are not smoothed; the range follows";
-        if hint(ui.add(slider).labelled_by(label.id), help).changed() {
-            // With less noise the values span less.
-            model.focused_ranges_mut().forget();
-        }
+        hint(ui.add(slider).labelled_by(label.id), help);
     });
 }
 
-fn overlay_ui(ui: &mut Ui, model: &mut Model) {
+fn overlay_ui(ui: &mut Ui, look: &mut Look) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         ui.spacing_mut().icon_spacing = 3.0;
         let boxes = [
-            (&mut model.look.motion_vectors, "Motion", "Each feature's motion over the burst (M)"),
-            (&mut model.look.orientations, "Ticks", "Each feature's orientation (R)"),
-            (&mut model.look.legend, "Legend", "What the colours mean (L)"),
+            (&mut look.motion_vectors, "Motion", "Each feature's motion over the burst (M)"),
+            (&mut look.orientations, "Ticks", "Each feature's orientation (R)"),
+            (&mut look.legend, "Legend", "What the colours mean (L)"),
         ];
         for (on, label, tip) in boxes {
             ui.checkbox(on, label).on_hover_text(tip);
@@ -82,7 +87,7 @@ fn overlay_ui(ui: &mut Ui, model: &mut Model) {
     });
     ui.horizontal(|ui| {
         label_ui(ui, "Features", 69.0);
-        features_shown_ui(ui, &mut model.look.overlay, FeaturesShown::ALL);
+        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL);
     });
 }
 
@@ -93,14 +98,13 @@ pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown, choices: impl I
     }
 }
 
-fn colouring_ui(ui: &mut Ui, model: &mut Model) {
+fn colouring_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Colour by", 69.0);
         let (width, choices) = (Some(ui.available_width() - 6.0), ColourBy::choices(model.set_up.reads_depths));
-        let clicked = choice_ui(ui, "colour by", label.id, width, &mut model.colour_by, choices, ColourBy::name);
-        if clicked {
-            // Choosing a quantity again starts its computation again, if that was cancelled.
-            model.coherence.try_again();
+        let mut by = model.colour_by;
+        if choice_ui(ui, "colour by", label.id, width, &mut by, choices, ColourBy::name) {
+            queue.push(Action::ColourBy(by));
         }
     });
 }

@@ -1,6 +1,8 @@
 //! Features over the picture: drawing, hovering, selection, and the legend.
 
+use crate::app::actions::Queue;
 use crate::app::canvas::{CanvasOutput, overlay, signed_number};
+use crate::app::document::{Action, Pointed};
 use crate::app::pane::PaneId;
 use crate::app::panel::against::{self, marks_ui};
 use crate::app::panel::legend;
@@ -53,7 +55,7 @@ impl FeatureLayer {
         let detection = model.detection_in(pane)?.clone();
         let is_listed = inspected && pane.side == Side::A && pane.method.is_none();
         let is_stale = pane.method.is_none() && !model.features_are_current(pane.side);
-        let dt = frames_from_middle(pane.picture.as_ref(), &detection);
+        let dt = frames_from_middle(model.picture_in(id), &detection);
         let slope = model.slope_in_picture(id).filter(|_| inspected);
         let near = model.filter.near_slope.filter(|_| is_listed).unwrap_or_else(|| near_slope(&detection.slopes));
         let elsewhere = slope.map_or_else(Vec::new, |slope| {
@@ -117,26 +119,26 @@ impl FeatureLayer {
 
 pub fn features_ui(
     ui: &mut Ui,
-    model: &mut Model,
+    model: &Model,
     id: PaneId,
     state: &mut PictureState,
     output: &CanvasOutput,
     has_legend: bool,
+    queue: &mut Queue,
 ) {
-    state.drawn_of = None;
+    (state.drawn_of, state.pointed) = (None, None);
     let is_probed = id == model.probed_pane_id();
-    if is_probed {
-        model.probe.as_dots.clear();
+    if is_probed && !model.probe.as_dots.is_empty() {
+        queue.push(Pointed::Dots(Vec::new()));
     }
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
     let Some(pane) = model.panes.get(id) else { return };
     let (side, is_of_burst) = (pane.side, matches!(model.workspace, Workspace::Inspect | Workspace::Pair));
-    if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst).cloned() {
+    if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst) {
         // The colours now show the comparison's outcome.
-        let picture = pane.picture.clone();
-        marks_ui(ui, model, side, &shown, picture.as_ref(), output);
+        marks_ui(ui, model, side, shown, model.picture_in(id), output, queue);
         if has_legend {
-            against::legend_ui(ui, model, side, &shown, output);
+            against::legend_ui(ui, model, side, shown, output, queue);
         }
         return;
     }
@@ -149,7 +151,10 @@ pub fn features_ui(
     let mut in_full = layer.in_full(output);
     if is_probed && layer.method.is_none() {
         let here = model.probe.features_here();
-        model.probe.as_dots = here.into_iter().filter(|feature| in_full.dots.contains(feature)).collect();
+        let dots: Vec<usize> = here.into_iter().filter(|feature| in_full.dots.contains(feature)).collect();
+        if !dots.is_empty() {
+            queue.push(Pointed::Dots(dots));
+        }
     }
     let pointed = pointer.and_then(|pos| layer.at(output, &in_full, pos));
     if pointer.is_some() {
@@ -160,14 +165,15 @@ pub fn features_ui(
             in_full.dots.retain(|dot| *dot != i);
         }
         if on_top {
-            model.hovered = pointed;
+            queue.push(Pointed::Feature(pointed));
+            state.pointed = pointed;
         }
     }
     state.drawn_of = Some((in_full.drawn, in_full.in_view));
     draw(&layer, &scale, output, &in_full);
     let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
     if on_top && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
-        model.selected = pointed;
+        queue.push(Action::Select(pointed));
     }
     if let Some(i) = pointed
         && !output.response.dragged()
@@ -187,7 +193,7 @@ pub fn features_ui(
         let says_the_same = |key: &overlay::ColourScale| scale.has_wheel() && scale.limit_text() == key.limit_text();
         // One is enough where the colours of the picture and of the features mean the same.
         if !(notes.is_empty() && key.as_ref().is_some_and(says_the_same)) {
-            features_legend_ui(ui, &mut model.look.legend, &scale, &notes, place, key.is_some());
+            features_legend_ui(ui, model, &scale, &notes, place, key.is_some(), queue);
         }
     }
 }
@@ -284,18 +290,19 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
 
 fn features_legend_ui(
     ui: &mut Ui,
-    is_open: &mut bool,
+    model: &Model,
     scale: &overlay::ColourScale,
     notes: &[String],
     place: legend::Place,
     is_beside_key: bool,
+    queue: &mut Queue,
 ) {
     // Beside the key of the picture's motions it has to say what it is of.
     let roomy = is_beside_key || place.rect_ui.height() > 340.0 && place.rect_ui.width() > 480.0;
     let key = if scale.has_wheel() { 54.0 } else { 28.0 };
     let texts = if roomy { 1 + notes.len() } else { 0 };
     let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, key + 12.0 + 18.0 * texts as f32);
-    legend::legend_ui(ui, is_open, size, place, |ui| {
+    legend::legend_ui(ui, model, size, place, queue, |ui| {
         if roomy {
             ui.label(RichText::new(scale.name()).small());
         }

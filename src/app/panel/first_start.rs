@@ -1,6 +1,7 @@
 //! Card of the first start, over the demo: what this is, and the three ways to go on. Once dismissed it never returns.
 
 use crate::app::actions::{ActionId, Queue};
+use crate::app::document::Action;
 use crate::app::lesson::{Chosen, Lessons};
 use crate::app::panel::widgets::named;
 use crate::app::project::Model;
@@ -20,11 +21,11 @@ pub fn is_shown(model: &Model) -> bool {
 }
 
 /// Draws the card over the picture in `rect_ui`, if it is shown. Returns the chosen lesson.
-pub fn card_ui(ctx: &Context, model: &mut Model, lessons: &Lessons, rect_ui: Rect, queue: &mut Queue) -> Chosen {
+pub fn card_ui(ctx: &Context, model: &Model, lessons: &Lessons, rect_ui: Rect, queue: &mut Queue) -> Chosen {
     if !is_shown(model) || rect_ui.width() < ROOM.x || rect_ui.height() < ROOM.y {
         return None;
     }
-    let mut chosen = None;
+    let (mut chosen, mut panels) = (None, model.panels);
     let corner = rect_ui.left_bottom() + vec2(16.0, -16.0);
     Area::new(Id::unique("first start")).pivot(Align2::LEFT_BOTTOM).fixed_pos(corner).show(ctx, |ui| {
         let frame = Frame::popup(ui.style()).stroke(Stroke::new(1.0, style::ACCENT)).inner_margin(14).corner_radius(8);
@@ -35,7 +36,7 @@ pub fn card_ui(ctx: &Context, model: &mut Model, lessons: &Lessons, rect_ui: Rec
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     let close = ui.add(Button::new("✖").frame(false));
                     named(&close, egui::Role::Button, "Dismiss the card");
-                    model.panels.welcome &= !close.clicked();
+                    panels.welcome &= !close.clicked();
                 });
             });
             ui.label("Drag Slope u: each depth comes out at its own slope.");
@@ -45,16 +46,17 @@ pub fn card_ui(ctx: &Context, model: &mut Model, lessons: &Lessons, rect_ui: Rec
                 let first = lessons.all().next();
                 if ui.add_enabled(first.is_some(), Button::new(text).fill(style::ACCENT)).clicked() {
                     chosen = first.cloned();
-                    model.panels.welcome = false;
+                    panels.welcome = false;
                 }
                 if ui.button("Open a burst…").clicked() {
                     queue.push(ActionId::OpenFolder);
                 }
-                model.panels.welcome &= !ui.button("Explore").clicked();
+                panels.welcome &= !ui.button("Explore").clicked();
             });
             ui.add_space(4.0);
             ui.weak("Shift+click any place: why there is a feature, or none.");
         });
     });
+    queue.set(&model.panels, panels, Action::SetPanels);
     chosen
 }

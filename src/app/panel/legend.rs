@@ -1,5 +1,6 @@
 //! Legends in a corner of the picture. A click folds one to a small chip, and unfolds it.
 
+use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::overlay::{ColourBy, ColourScale};
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::named;
@@ -29,7 +30,7 @@ pub const KEY_ROOM: Vec2 = vec2(430.0, 150.0);
 
 /// Colours of the motions in the picture of pane `id`, drawn in `rect`, which a key in its corner explains.
 pub fn motion_key(model: &Model, id: PaneId, rect: Rect) -> Option<ColourScale> {
-    let motion = model.panes.get(id)?.picture.as_ref()?.motion.as_ref()?;
+    let motion = model.picture_in(id)?.motion.as_ref()?;
     let has_room = rect.width() >= KEY_ROOM.x && rect.height() >= KEY_ROOM.y;
     has_room.then(|| ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.max_px_per_frame))
 }
@@ -41,14 +42,22 @@ pub fn ground(ui: &Ui) -> Color32 {
 }
 
 /// Draws a legend of `size` points, margins included, or its chip; a click folds or unfolds it.
-pub fn legend_ui(ui: &mut Ui, is_open: &mut bool, size: Vec2, place: Place, add_contents: impl FnOnce(&mut Ui)) {
-    let rect = place.corner(if *is_open { size } else { CHIP });
-    let name = if *is_open { "Fold the legend" } else { "Show the legend" };
+pub fn legend_ui(
+    ui: &mut Ui,
+    model: &Model,
+    size: Vec2,
+    place: Place,
+    queue: &mut Queue,
+    add_contents: impl FnOnce(&mut Ui),
+) {
+    let is_open = model.look.legend;
+    let rect = place.corner(if is_open { size } else { CHIP });
+    let name = if is_open { "Fold the legend" } else { "Show the legend" };
     let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
     named(&response, egui::Role::Button, name);
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;
-        if *is_open {
+        if is_open {
             let margin = Margin::symmetric(8, 6);
             Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(margin).show(ui, |ui| {
                 ui.set_width(ui.available_width());
@@ -60,8 +69,8 @@ pub fn legend_ui(ui: &mut Ui, is_open: &mut bool, size: Vec2, place: Place, add_
             ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Legend", font, colour);
         }
     });
-    let help = if *is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
+    let help = if is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
     if response.on_hover_text(help).clicked() {
-        *is_open = !*is_open;
+        queue.push(ActionId::ToggleLegend);
     }
 }

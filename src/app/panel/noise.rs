@@ -1,6 +1,8 @@
 //! Noise of the burst as the last detection estimated it: over brightness, as a map, and what is wrong with it.
 
+use crate::app::actions::Queue;
 use crate::app::canvas::number as in_digits;
+use crate::app::document::Action;
 use crate::app::panel::widgets::{instead_ui, warning_ui};
 use crate::app::project::side::Side;
 use crate::app::project::{FoundFeatures, Model};
@@ -36,15 +38,15 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
 }
 
-pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
-    let Some(found) = model.slots.a.found.clone() else {
+pub fn noise_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let Some(found) = &model.slots.a.found else {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to measure the noise"));
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        warnings_ui(ui, &found);
+        warnings_ui(ui, found);
         if found.detection.noise.is_local {
-            show_ui(ui, model, &found.detection.noise);
+            show_ui(ui, model, &found.detection.noise, queue);
             ui.horizontal(|ui| {
                 curve_ui(ui, &found.detection.noise);
                 ui.add_space(16.0);
@@ -56,7 +58,7 @@ pub fn noise_ui(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
+fn show_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel, queue: &mut Queue) {
     let curve = &noise.transfer;
     ui.horizontal(|ui| {
         let text = format!("σ² = a·I + b:  a = {}, b = {}", number(curve.slope), number(curve.dark));
@@ -66,7 +68,7 @@ fn show_ui(ui: &mut Ui, model: &mut Model, noise: &NoiseModel) {
         );
         let tip = format!("{} (Shift+N)", ViewKind::Noise.about().help);
         if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
-            model.focused_mut().show(ViewKind::Noise);
+            queue.push(Action::Show(model.focus(), ViewKind::Noise));
         }
     });
 }

@@ -1,13 +1,14 @@
 //! Parameters of the detector: slopes, gate and number of features, and folded below them all others.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
 use crate::app::parts;
-use crate::app::project::Model;
+use crate::app::project::{Model, Panels};
 use crate::app::style;
 use crate::detector::params::{Param, doc};
-use crate::detector::{DetectorParams, NoiseGate, SlopeChoice};
+use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeChoice};
 use crate::inspect::words::capitalised;
 use crate::teach::Part;
 use egui::{Align, Layout, RichText, Ui};
@@ -16,7 +17,7 @@ use egui::{Align, Layout, RichText, Ui};
 const BASIC: [Param<DetectorParams>; 6] =
     [doc::METHOD, doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE, doc::MAX_FEATURES];
 
-pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Detector", |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
@@ -28,7 +29,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             });
         });
         ui.add_space(4.0);
-        let error = model.slots.a.param_error.clone();
+        let error = model.slots.a.param_error.as_ref();
         let given = model.params.slopes;
         let mut defaults = DetectorParams::default();
         if model.slopes.is_auto() {
@@ -39,25 +40,29 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
         let found = model.slots.a.found.as_ref().filter(|found| found.params.noise_gate == model.params.noise_gate);
         let chosen = found.filter(|found| !matches!(found.params.noise_gate, NoiseGate::Factor(_)));
         let note = chosen.map(|found| (doc::NOISE_GATE.name, format!("{:.2}", found.detection.noise_gate_factor)));
-        let table = rows::ParamTable { error: error.as_ref(), defaults, frame_count: model.frame_count(), note };
+        let table = rows::ParamTable { error, defaults, frame_count: model.frame_count(), note };
+        let before = SearchParams { detector: model.params.clone(), slopes: model.slopes };
+        let mut search = before.clone();
         for record in BASIC {
-            row_ui(ui, model, &table, &record);
+            row_ui(ui, model, &mut search, &table, &record);
         }
-        advanced_ui(ui, model, &table);
-        if model.params.slopes != given {
-            model.slopes = SlopeChoice::Given;
+        advanced_ui(ui, model, &mut search, &table, queue);
+        if search.detector.slopes != given {
+            search.slopes = SlopeChoice::Given;
         }
+        queue.set(&before, search, |search| Action::SetSearch(Box::new(search)));
     });
 }
 
 fn row_ui(
     ui: &mut Ui,
-    model: &mut Model,
+    model: &Model,
+    search: &mut SearchParams,
     table: &rows::ParamTable<'_, DetectorParams>,
     record: &Param<DetectorParams>,
 ) {
     let finding = model.slots.a.found.as_ref().and_then(|found| found.finding.as_ref());
-    let (p, choice) = (&mut model.params, &mut model.slopes);
+    let (p, choice) = (&mut search.detector, &mut search.slopes);
     ui.add_enabled_ui((record.in_use)(p), |ui| {
         if *record == doc::SLOPES {
             slopes_ui(ui, table, choice, finding.map(|finding| capitalised(&finding.summary())).as_deref());
@@ -73,7 +78,13 @@ fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
 
 /// Draws the folded parameters with the number of those that are not at their defaults. An error or a lesson that
 /// points at one of them opens the fold.
-fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, DetectorParams>) {
+fn advanced_ui(
+    ui: &mut Ui,
+    model: &Model,
+    search: &mut SearchParams,
+    table: &rows::ParamTable<'_, DetectorParams>,
+    queue: &mut Queue,
+) {
     let changed = advanced().filter(|record| record.text(&model.params) != record.text(&table.defaults)).count();
     let is_needed = |record: &Param<DetectorParams>| {
         table.error.is_some_and(|error| error.subject == record.name)
@@ -92,11 +103,11 @@ fn advanced_ui(ui: &mut Ui, model: &mut Model, table: &rows::ParamTable<'_, Dete
         title.clicked() || icon.clicked()
     });
     if toggled.inner {
-        model.panels.advanced = !is_open;
+        queue.push(Action::SetPanels(Panels { advanced: !is_open, ..model.panels }));
     }
     // Without an animation: a part that a lesson points at is in its place at once.
     if is_open {
-        advanced().for_each(|record| row_ui(ui, model, table, record));
+        advanced().for_each(|record| row_ui(ui, model, search, table, record));
     }
 }
 

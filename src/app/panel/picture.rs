@@ -23,6 +23,8 @@ pub struct PictureState {
     scale: Option<(Arc<Detection>, overlay::ColourScale)>,
     /// Numbers of features drawn in full, and in view, as last drawn; `None` without features.
     pub drawn_of: Option<(usize, usize)>,
+    /// Feature under the pointer, as last drawn.
+    pub pointed: Option<usize>,
 }
 
 impl PictureState {

@@ -38,7 +38,7 @@ pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-pub fn selection_ui(ui: &mut Ui, model: &mut Model, state: &mut SelectionState, queue: &mut Queue) {
+pub fn selection_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, queue: &mut Queue) {
     section_ui(ui, "Selected feature", |ui| {
         walk_ui(ui, model, queue);
         let (Some(index), Some(feature)) = (model.selected, model.selected_feature().copied()) else {

@@ -1,6 +1,7 @@
 //! Status bar, and the messages above it: errors, the offer to restore a session, and advice after a detection.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::widgets::{confirm_ui, named, progress_text, with_whole_numbers};
 use crate::app::project::Model;
 use crate::app::project::messages::Messages;
@@ -102,8 +103,7 @@ fn burst_text(model: &Model) -> String {
     format!("{which}{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
 }
 
-pub fn messages_ui(ctx: &egui::Context, messages: &mut Messages) {
-    let mut dismissed = None;
+pub fn messages_ui(ctx: &egui::Context, messages: &Messages, queue: &mut Queue) {
     Area::new(Id::unique("messages")).anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -36.0)).show(ctx, |ui| {
         for message in messages.errors() {
             let colour = ui.visuals().error_fg_color;
@@ -116,7 +116,7 @@ pub fn messages_ui(ctx: &egui::Context, messages: &mut Messages) {
                         let close = ui.add(egui::Button::new("✖").frame(false)).on_hover_text("Dismiss");
                         named(&close, egui::Role::Button, name);
                         if close.clicked() {
-                            dismissed = Some(message.id);
+                            queue.push(Action::DismissMessage(message.id));
                         }
                         if ui.small_button("Copy").on_hover_text("Copy the message").clicked() {
                             ui.ctx().copy_text(format!("{}: {}", message.title, message.text));
@@ -127,9 +127,6 @@ pub fn messages_ui(ctx: &egui::Context, messages: &mut Messages) {
             });
         }
     });
-    if let Some(id) = dismissed {
-        messages.dismiss(id);
-    }
 }
 
 pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {

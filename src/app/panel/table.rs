@@ -3,10 +3,11 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
+use crate::app::document::{Action, Pointed};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named};
 use crate::app::project::Model;
-use crate::app::project::filter::{Interval, Order};
+use crate::app::project::filter::{Filter, Interval, Order};
 use crate::app::project::side::Side;
 use crate::app::view::{layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
@@ -23,14 +24,14 @@ impl SortedColumn for Quantity {
     }
 }
 
-pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if model.slots.a.found.is_none() {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to find features"));
         return;
     }
     // Usually it stands below the parameters.
     if !model.shows_left() {
-        crate::app::panel::slopes::judgement_ui(ui, model);
+        crate::app::panel::slopes::judgement_ui(ui, model, queue);
     }
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
@@ -55,16 +56,17 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     };
     let order = (&columns[..], model.order);
     let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Feature {}", index + 1), menu);
-    (model.order, model.selected) = (pointed.order, chosen.or(pointed.selected));
+    queue.set(&model.order, pointed.order, Action::SetOrder);
+    queue.set(&model.selected, chosen.or(pointed.selected), Action::Select);
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
     // The pointer may be over a picture instead, which then sets the hovered feature.
     if is_pointed_at {
-        model.hovered = pointed.hovered;
+        queue.point(&model.hovered, pointed.hovered, Pointed::Feature);
     }
     if let Some(index) = asked {
-        model.probe_feature(Side::A, index);
+        queue.push(Action::ProbeFeature(Side::A, index));
     }
 }
 
@@ -95,7 +97,7 @@ pub(in crate::app) struct Listed<'a> {
     pub hovered: Option<usize>,
 }
 
-pub(in crate::app) struct Pointed<C> {
+pub(in crate::app) struct TableClicks<C> {
     /// Order, changed by a click on a heading.
     pub order: Order<C>,
     pub selected: Option<usize>,
@@ -111,8 +113,8 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     text: impl Fn(C, usize) -> String,
     name: impl Fn(usize) -> String,
     mut menu: impl FnMut(&mut Ui, usize),
-) -> Pointed<C> {
-    let mut pointed = Pointed { order, selected: listed.selected, hovered: None };
+) -> TableClicks<C> {
+    let mut pointed = TableClicks { order, selected: listed.selected, hovered: None };
     let mut headings: Vec<Heading> = columns.iter().map(|column| column.look()).collect();
     headings.iter_mut().take(1).for_each(|first| first.is_exact = true);
     let sorted_by = columns.iter().position(|column| *column == order.column).unwrap_or(columns.len());
@@ -221,7 +223,7 @@ pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText, is_left: bool) {
     }
 }
 
-pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let (total, listed) = (model.features().len(), model.listed.len());
     if total == 0 {
         ui.weak(if model.slots.a.found.is_some() { "No feature was found" } else { "No features yet" });
@@ -230,61 +232,62 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     let text = if listed == total { format!("{total}") } else { format!("{listed} of {total}") };
     ui.label(text).on_hover_text("Features that pass the filter");
     let title = if model.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
+    let mut filter = model.filter;
     ui.menu_button(title, |ui| {
         ui.set_min_width(330.0);
-        ranges_ui(ui, model);
+        ranges_ui(ui, model, &mut filter);
         ui.separator();
-        verdict_ui(ui, model);
-        moves_ui(ui, model);
-        layers_ui(ui, model);
-        ui.checkbox(&mut model.filter.hide_slope_limit, "Hide features at the slope limit")
+        verdict_ui(ui, &mut filter);
+        moves_ui(ui, &mut filter);
+        layers_ui(ui, model, &mut filter);
+        ui.checkbox(&mut filter.hide_slope_limit, "Hide features at the slope limit")
             .on_hover_text("Their slope is at the end of the searched range, so their true motion may lie beyond it");
-        near_slope_ui(ui, model);
+        near_slope_ui(ui, model, &mut filter);
         ui.separator();
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     });
-    let mut near = model.filter.near_slope.is_some();
+    let mut near = filter.near_slope.is_some();
     let tip = "Show only features that move by the shown slope, as This slope does over the picture";
     if ui.checkbox(&mut near, "At this slope").on_hover_text(tip).changed() {
-        model.filter.near_slope = near.then(|| model.near_slope());
+        filter.near_slope = near.then(|| model.near_slope());
     }
+    queue.set(&model.filter, filter, Action::SetFilter);
     if !model.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     }
 }
 
-fn ranges_ui(ui: &mut Ui, model: &mut Model) {
-    let found = model.slots.a.found.clone();
-    let features: &[Feature] = found.as_ref().map_or(&[], |f| &f.detection.features);
+fn ranges_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
+    let features: &[Feature] = model.features();
     let of = |value: fn(&Feature) -> f32| ends(features.iter().map(value));
-    range_ui(ui, "Slope u", "px/frame", of(|f| f.slope.u), &mut model.filter.slope_u);
-    range_ui(ui, "Slope v", "px/frame", of(|f| f.slope.v), &mut model.filter.slope_v);
-    range_ui(ui, "Scale σ", "px", of(|f| f.sigma), &mut model.filter.sigma);
-    range_ui(ui, "|Response|", "of full scale", of(|f| f.response.abs()), &mut model.filter.response);
-    range_ui(ui, "Coherence", "those too noisy to tell pass", (0.0, 1.0), &mut model.filter.coherence);
+    range_ui(ui, "Slope u", "px/frame", of(|f| f.slope.u), &mut filter.slope_u);
+    range_ui(ui, "Slope v", "px/frame", of(|f| f.slope.v), &mut filter.slope_v);
+    range_ui(ui, "Scale σ", "px", of(|f| f.sigma), &mut filter.sigma);
+    range_ui(ui, "|Response|", "of full scale", of(|f| f.response.abs()), &mut filter.response);
+    range_ui(ui, "Coherence", "those too noisy to tell pass", (0.0, 1.0), &mut filter.coherence);
 }
 
-fn verdict_ui(ui: &mut Ui, model: &mut Model) {
+fn verdict_ui(ui: &mut Ui, filter: &mut Filter) {
     ui.horizontal_wrapped(|ui| {
         label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
         // No list that unfolds: a click on one would close the menu.
         for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {
-            ui.selectable_value(&mut model.filter.verdict, verdict, verdict.map_or("all", Verdict::word));
+            ui.selectable_value(&mut filter.verdict, verdict, verdict.map_or("all", Verdict::word));
         }
     });
 }
 
-fn moves_ui(ui: &mut Ui, model: &mut Model) {
+fn moves_ui(ui: &mut Ui, filter: &mut Filter) {
     ui.horizontal_wrapped(|ui| {
         label_ui(ui, "Moves", 70.0).on_hover_text(Quantity::Moves.record().help);
         for moves in std::iter::once(None).chain(Moves::ALL.map(Some)) {
-            ui.selectable_value(&mut model.filter.moves, moves, moves.map_or("any way", Moves::words));
+            ui.selectable_value(&mut filter.moves, moves, moves.map_or("any way", Moves::words));
         }
     });
 }
 
 /// Draws a choice of one layer, of all, or of the features of none; nothing without a field.
-fn layers_ui(ui: &mut Ui, model: &mut Model) {
+fn layers_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
     let Some(field) = model.slots.a.found.as_ref().and_then(|found| found.detection.field.clone()) else { return };
     ui.horizontal_top(|ui| {
         label_ui(ui, "Layer", 70.0).on_hover_text(Quantity::Layer.record().help);
@@ -294,7 +297,7 @@ fn layers_ui(ui: &mut Ui, model: &mut Model) {
             ui.vertical(|ui| {
                 for (layer, name) in ends.into_iter().chain(names) {
                     let tip = "All features, only those of one layer, or only those that move like none";
-                    ui.selectable_value(&mut model.filter.layer, layer, name).on_hover_text(tip);
+                    ui.selectable_value(&mut filter.layer, layer, name).on_hover_text(tip);
                 }
             });
         });
@@ -333,18 +336,18 @@ fn range_ui(ui: &mut Ui, label: &str, unit: &str, (low, high): (f32, f32), inter
     });
 }
 
-fn near_slope_ui(ui: &mut Ui, model: &mut Model) {
-    let mut near = model.filter.near_slope.is_some();
+fn near_slope_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
+    let mut near = filter.near_slope.is_some();
     ui.horizontal(|ui| {
         if ui.checkbox(&mut near, "Only near the shown slope, within").changed() {
-            model.filter.near_slope = near.then(|| model.near_slope());
+            filter.near_slope = near.then(|| model.near_slope());
         }
-        let mut limit = model.filter.near_slope.unwrap_or_else(|| model.near_slope());
+        let mut limit = filter.near_slope.unwrap_or_else(|| model.near_slope());
         let field = egui::DragValue::new(&mut limit).range(0.0..=100.0).speed(0.01).suffix(" px/frame");
         let response = ui.add_enabled(near, field);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, near, "Distance in slope"));
         if response.changed() {
-            model.filter.near_slope = Some(limit);
+            filter.near_slope = Some(limit);
         }
     });
 }

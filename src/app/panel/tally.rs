@@ -3,11 +3,13 @@
 use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
+use crate::app::document::{Action, Pointed};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
+use crate::app::project::panes::Destination;
 use crate::app::view::signed_slope;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
@@ -17,7 +19,7 @@ use crate::inspect::decoys::DecoyStudy;
 use crate::inspect::probe::Wanted;
 use crate::inspect::words::{capitalised, sentence};
 use crate::plane::display::ColourMap;
-use crate::requests::ProbeQuestion;
+use crate::requests::{ProbeQuestion, ViewKind};
 use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use std::sync::Arc;
 
@@ -42,16 +44,16 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 }
 
 /// Draws the bars. Rows of tests that reject candidates are switches: they show these candidates in the picture.
-pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
-    let Some(found) = model.slots.a.found.clone() else {
+pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let Some(found) = &model.slots.a.found else {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to see what each test rejects"));
         return;
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
-        selected_ui(ui, model);
+        selected_ui(ui, model, queue);
         let tally = &found.detection.tally;
-        let survey = model.survey_counts().cloned();
+        let survey = model.survey_counts();
         head_ui(ui, survey.is_some());
         let most = tally.rejected.iter().copied().max().unwrap_or(0).max(tally.kept).max(1);
         line_ui(ui, &Row { name: "Samples of D examined", samples: tally.samples, candidates: None, bar: None }, None);
@@ -69,14 +71,14 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             let before = shown;
             line_ui(ui, &row, test.takes_candidates().then_some(&mut shown));
             if shown != before {
-                (model.explained.shown_test, model.explained.selected) = (shown.then_some(test), None);
+                queue.push(Action::ShowTest(shown.then_some(test)));
             }
         }
         let kept = survey.as_ref().map(|survey| survey.kept);
         let row = Row { name: "Kept: keypoints", samples: tally.kept, candidates: kept, bar: Some((most, true)) };
         line_ui(ui, &row, None);
-        decoys_ui(ui, model);
-        crate::app::panel::noise::warnings_ui(ui, &found);
+        decoys_ui(ui, model, queue);
+        crate::app::panel::noise::warnings_ui(ui, found);
         ui.add_space(4.0);
         crate::app::panel::status::advice_ui(ui, model, queue);
     });
@@ -85,7 +87,7 @@ pub fn tally_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
 const DECOYS_HELP: &str = "Searches copies whose frames are in other orders, with the noise of the burst: nothing moves there as it did, so the features found there are false. The line gives their number for each feature found here, from an SNR on";
 
 /// Draws the burst's own false rate, or a button that asks for it: it takes a search for each copy.
-fn decoys_ui(ui: &mut Ui, model: &mut Model) {
+fn decoys_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some(report) = model.decoys() {
         let tip = report.doubt().map_or_else(String::new, |doubt| format!("\n\n{}", sentence(&doubt)));
         let text = with_whole_numbers(&format!("Decoys: {}", report.sentence()));
@@ -105,7 +107,7 @@ fn decoys_ui(ui: &mut Ui, model: &mut Model) {
     let is_current = model.stale().is_none() && model.takes_advice(Side::A);
     let button = ui.add_enabled(is_current, Button::new("False rate…")).on_hover_text(tip);
     if button.on_disabled_hover_text("The parameters changed: press Detect first").clicked() {
-        model.want_decoys();
+        queue.push(Action::SearchDecoys);
     }
 }
 
@@ -183,20 +185,22 @@ fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
 const MAX_DRAWN: usize = 20_000;
 
 /// Draws the candidates over the picture of pane `id`, and lets the pointer choose one.
-pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutput) {
+pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
     let Some(test) = model.explained.shown_test else {
-        model.explained.pointed = None;
+        queue.point(&model.explained.pointed, None, Pointed::Candidate);
         return;
     };
-    let Some(pane) = model.panes.get(id).filter(|pane| pane.side == Side::A) else { return };
+    if model.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
+        return;
+    }
     let Some(found) = model.slots.a.found.as_ref() else { return };
-    let dt = frames_from_middle(pane.picture.as_ref(), &found.detection).unwrap_or(0.0);
+    let dt = frames_from_middle(model.picture_in(id), &found.detection).unwrap_or(0.0);
     let slopes = found.detection.slopes;
-    let Some(survey) = model.survey().cloned() else {
+    let Some(survey) = model.survey() else {
         note_ui(ui, output, &format!("Finding candidates: {}…", test.reason()));
         return;
     };
-    let shown = strongest(&survey);
+    let shown = strongest(survey);
     let circle = |mark: &CandidateMark| circle_of(mark, slopes.slope(mark.sample.slope_index), dt);
     let selected = model.explained.selected;
     let marks = shown.iter().map(|&index| {
@@ -215,12 +219,12 @@ pub fn candidates_ui(ui: &Ui, model: &mut Model, id: PaneId, output: &CanvasOutp
     let pointed = circle_at(shown.iter().map(|&index| circle(&survey.marks[index])), output.ui_from_image, pointer);
     let pointed = pointed.map(|place| shown[place]);
     // The pointer meets the topmost marks, not the features below them.
-    model.explained.pointed = pointed;
+    queue.point(&model.explained.pointed, pointed, Pointed::Candidate);
     if pointed.is_some() {
-        model.hovered = None;
+        queue.push(Pointed::Feature(None));
     }
     if output.response.clicked() {
-        model.explained.selected = pointed;
+        queue.push(Action::SelectCandidate(pointed));
     }
     if let Some(index) = pointed.filter(|_| !output.response.dragged()) {
         let text = mark_text(&survey.marks[index], slopes.slope(survey.marks[index].sample.slope_index));
@@ -274,7 +278,7 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
     )
 }
 
-pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
+pub fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let Some(mark) = model.selected_candidate().copied() else { return };
     let Some(found) = &model.slots.a.found else { return };
     let slope = found.detection.slopes.slope(mark.sample.slope_index);
@@ -283,22 +287,22 @@ pub fn selected_ui(ui: &mut Ui, model: &mut Model) {
             ui.add(Label::new(capitalised(&mark_text(&mark, slope).replace('\n', "  ·  "))).wrap());
             let tip = "Show the DoG at its slope, octave and level, centred on it";
             if ui.button("Go to candidate").on_hover_text(tip).clicked() {
-                model.playing = false;
-                let pane = model.focused_mut();
-                (pane.cursor.slope, pane.cursor.octave, pane.cursor.level) =
-                    (slope, mark.sample.octave, mark.sample.level);
-                pane.slope_chosen = true;
-                pane.show(crate::app::project::cursor::ViewKind::Dog);
-                let [u, v] = mark.pos_image;
-                pane.view.look_at(pos2(u, v), 60.0 / mark.sigma.max(1.0));
+                let to = Destination {
+                    slope: Some(slope),
+                    scale: Some((mark.sample.octave, mark.sample.level)),
+                    kind: Some(ViewKind::Dog),
+                    at: Some((mark.pos_image, 60.0 / mark.sigma.max(1.0))),
+                    ..Destination::default()
+                };
+                queue.push(Action::GoTo(Side::A, to));
             }
             let tip = "Show its tests in order, and the setting that would keep it";
             if ui.button("Probe candidate").on_hover_text(tip).clicked() {
                 let wanted = Wanted::Candidate(mark.sample);
-                model.ask_probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted });
+                queue.push(Action::Probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted }));
             }
             if ui.button("Clear").on_hover_text("Clear the selection").clicked() {
-                model.explained.selected = None;
+                queue.push(Action::SelectCandidate(None));
             }
         });
     });

@@ -8,7 +8,7 @@ use crate::requests::{JobError, Request, Urgency};
 
 impl Model {
     pub fn wants(&self) -> Vec<&dyn Want> {
-        let Self { slots, pair, compare, explained, coherence, probe, datasets, trajectories, lab, .. } = self;
+        let Self { slots, pair, compare, explained, coherence, probe, datasets, trajectories, studies, .. } = self;
         let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
         let detecting: [&dyn Want; 2] = slots.both().map(|slot| &slot.detecting as _);
         let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.against.wanted as _);
@@ -29,8 +29,8 @@ impl Model {
             &probe.wanted_answer,
             &datasets.wanted,
             &trajectories.reading,
-            &lab.wanted,
-            &lab.wanted_chart,
+            &studies.wanted,
+            &studies.wanted_chart,
         ];
         [opening, detecting, against, gold, coherences].into_iter().flatten().chain(others).collect()
     }

@@ -123,6 +123,16 @@ impl Model {
         Ok(())
     }
 
+    pub fn apply_advice(&mut self, side: Side, changes: &[ParamChange]) {
+        match self.apply_changes(side, changes) {
+            Ok(()) => {
+                let labels: Vec<String> = changes.iter().map(ParamChange::label).collect();
+                self.messages.note(format!("Set {}", labels.join(", ")));
+            }
+            Err(error) => self.messages.error("Apply", error.to_string()),
+        }
+    }
+
     /// While the features of `side` are searched, the advice on show is of the search before.
     pub fn takes_advice(&self, side: Side) -> bool {
         !self.slots[side].detecting.is_pending()

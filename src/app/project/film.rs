@@ -3,8 +3,10 @@
 use crate::app::project::Model;
 use crate::detector::SlopeAxis;
 use crate::requests::{Film, FilmPlace, MAX_FILM_PICTURES, Sweep};
+use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FilmContent {
     /// Slopes of the grid and half-way between, along its first axis that has several.
     #[default]
@@ -33,7 +35,7 @@ impl FilmContent {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FilmChoice {
     pub content: FilmContent,
     pub rate: u16,

@@ -78,18 +78,26 @@ pub struct History {
 }
 
 impl History {
-    /// With `goes_on` the step may continue in the next pass, and is recorded when it ends.
-    pub fn take(&mut self, before: Settings, after: &Settings, goes_on: bool) {
+    /// Takes a change of the settings. It belongs to the step that is open, or opens one.
+    pub fn take(&mut self, before: Settings, after: &Settings) {
         if after.is_step_from(&before) {
             self.begun.get_or_insert(before);
         }
-        if !goes_on && let Some(begun) = self.begun.take().filter(|begun| after.is_step_from(begun)) {
+    }
+
+    /// Closes the step that is open, if there is one, and records it unless it ended where it began.
+    pub fn close(&mut self, now: &Settings) {
+        if let Some(begun) = self.begun.take().filter(|begun| now.is_step_from(begun)) {
             self.past.push(begun);
             self.future.clear();
             if self.past.len() > MAX_STEPS {
                 self.past.remove(0);
             }
         }
+    }
+
+    fn is_open(&self) -> bool {
+        self.begun.is_some()
     }
 
     pub fn can_undo(&self) -> bool {
@@ -147,15 +155,22 @@ impl Model {
             self.messages.note(format!("{what}: {}", after.changed_from(&before)));
         }
         self.history = history;
-        // Every pane goes to its earlier place, and none follows another.
-        self.settings_are_set();
     }
 
-    pub(in crate::app) fn keep_history(&mut self, before: Settings, goes_on: bool) {
-        let are_set = std::mem::take(&mut self.set_explicitly.history);
-        if !are_set {
-            let after = Settings::of(self);
-            self.history.take(before, &after, goes_on || self.playing);
+    /// Makes a change by the user, which is a step to undo, or a part of one.
+    pub fn as_step<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
+        let before = Settings::of(self);
+        let changed = change(self);
+        let after = Settings::of(self);
+        self.history.take(before, &after);
+        changed
+    }
+
+    /// Ends a step, unless `goes_on`: its change may continue in the next pass.
+    pub(in crate::app) fn close_step(&mut self, goes_on: bool) {
+        if !goes_on && !self.playing && self.history.is_open() {
+            let now = Settings::of(self);
+            self.history.close(&now);
         }
     }
 }
@@ -169,7 +184,11 @@ mod tests {
     fn pass(history: &mut History, model: &mut Model, goes_on: bool, change: impl FnOnce(&mut Model)) {
         let before = Settings::of(model);
         change(model);
-        history.take(before, &Settings::of(model), goes_on);
+        let after = Settings::of(model);
+        history.take(before, &after);
+        if !goes_on {
+            history.close(&after);
+        }
     }
 
     #[test]
@@ -225,7 +244,8 @@ mod tests {
         pass(&mut history, &mut model, false, |m| m.params.slopes = SlopeGrid::line(-2.0..=2.0, 5));
         assert!(!history.can_undo());
         pass(&mut history, &mut model, false, |m| {
-            m.panes.split(m.panes.focus(), crate::app::pane::Direction::Right);
+            let focus = m.focus();
+            m.panes.split(focus, crate::app::pane::Direction::Right);
         });
         assert!(!history.can_undo(), "nor is a new pane");
         pass(&mut history, &mut model, false, |m| m.params.levels = 5);

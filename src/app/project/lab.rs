@@ -1,5 +1,5 @@
-//! The Lab: its questions and the studies that answer them, the settings of charts, the curves so far, and the chart on
-//! show.
+//! The Lab: its questions with the settings of their studies, and the studies that answer them: the curves so far, and the
+//! chart on show.
 
 use crate::app::project::Model;
 use crate::app::project::side::Side;
@@ -12,6 +12,7 @@ use crate::recover::{Planted, RecoverReport, RecoverStudy};
 use crate::requests::{BurstSource, JobError, StudyRequest};
 use crate::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyPoint, StudyReport};
 use crate::synth::{ChartParams, NoisyParams};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 #[derive(Debug, Clone)]
@@ -28,14 +29,16 @@ pub struct KeptCurves {
     pub result: LabResult,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LabSet {
     #[default]
     Current,
     Kept(usize),
 }
 
-#[derive(Debug)]
+/// Settings of the studies, and the choice among their results.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Lab {
     pub question: LabQuestion,
     /// The charts; ratio and seed are those of the fields below.
@@ -45,8 +48,6 @@ pub struct Lab {
     pub seeds: u64,
     pub first_seed: u64,
     pub methods: Vec<BurstMethod>,
-    pub current: Option<LabResult>,
-    pub kept: Vec<KeptCurves>,
     /// The ratio whose ROC curves are shown, as an index of the rows.
     pub roc_row: usize,
     pub hidden: BTreeSet<String>,
@@ -54,14 +55,21 @@ pub struct Lab {
     pub selected_chart: u64,
     /// Whether all that was detected on it is marked, not only what lies above the threshold of the curves.
     pub all_detected: bool,
-    pub shown: Option<ShownChart>,
-    pub wanted: Wanted<StudyRequest>,
-    pub wanted_chart: Wanted<ChartOfStudy>,
-    pub problem: Option<String>,
     pub dark_copy: NoisyParams,
     pub planted: RecoverStudy,
     /// The planted thing that is looked at: the seed of its copy, and its number in it.
     pub selected_thing: Option<(u64, usize)>,
+}
+
+/// Results of studies.
+#[derive(Debug, Default)]
+pub struct Studies {
+    pub current: Option<LabResult>,
+    pub kept: Vec<KeptCurves>,
+    pub shown: Option<ShownChart>,
+    pub wanted: Wanted<StudyRequest>,
+    pub wanted_chart: Wanted<ChartOfStudy>,
+    pub problem: Option<String>,
     pub probe_when_open: Option<(BurstSource, [f32; 2])>,
 }
 
@@ -76,26 +84,19 @@ impl Default for Lab {
             seeds: study.seeds,
             first_seed: study.first_seed,
             methods: vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d],
-            current: None,
-            kept: Vec::new(),
             roc_row: 0,
             hidden: BTreeSet::new(),
             selected: None,
             selected_chart: 0,
             all_detected: false,
-            shown: None,
-            wanted: Wanted::default(),
-            wanted_chart: Wanted::default(),
-            problem: None,
             dark_copy: NoisyParams::default(),
             planted: RecoverStudy { copies: 12, ..RecoverStudy::default() },
             selected_thing: None,
-            probe_when_open: None,
         }
     }
 }
 
-impl Lab {
+impl Studies {
     pub fn result(&self, set: LabSet) -> Option<&LabResult> {
         match set {
             LabSet::Current => self.current.as_ref(),
@@ -104,11 +105,11 @@ impl Lab {
     }
 
     /// The results that are drawn, the newest first, each with the name that its curves have beside their method's.
-    pub fn shown_results(&self) -> Vec<(LabSet, Option<&str>, &LabResult)> {
+    pub fn shown_results(&self, question: LabQuestion) -> Vec<(LabSet, Option<&str>, &LabResult)> {
         let current = self.current.iter().map(|result| (LabSet::Current, None, result));
         let kept = self.kept.iter().enumerate().filter(|(_, kept)| kept.is_shown);
         let kept = kept.map(|(index, kept)| (LabSet::Kept(index), Some(kept.name.as_str()), &kept.result));
-        current.chain(kept).filter(|(.., result)| self.question.asks_for(&result.report)).collect()
+        current.chain(kept).filter(|(.., result)| question.asks_for(&result.report)).collect()
     }
 
     pub fn keep_current(&mut self) {
@@ -118,58 +119,62 @@ impl Lab {
         }
     }
 
-    pub fn forget_kept(&mut self, index: usize) {
-        self.kept.remove(index);
-        match &mut self.selected {
-            Some((LabSet::Kept(selected), _)) if *selected > index => *selected -= 1,
-            Some((LabSet::Kept(selected), _)) if *selected == index => self.selected = None,
-            _ => {}
-        }
-    }
-
-    pub fn selected_chart(&self) -> Option<ChartOfStudy> {
-        let (set, point) = self.selected?;
-        let study = self.result(set)?.study.clone();
-        let (first, count) = study.seeds()?;
-        let seed = first.saturating_add(self.selected_chart.min(count.saturating_sub(1)));
-        Some(ChartOfStudy { study, point, seed })
-    }
-
     pub fn recovered(&self) -> Option<(&RecoverStudy, &RecoverReport)> {
         match (&self.current.as_ref()?.study, &self.current.as_ref()?.report) {
             (Study::Recover(study, _), StudyReport::Recover(report)) => Some((study, report)),
             _ => None,
         }
     }
+}
+
+impl Model {
+    pub fn lab_results(&self) -> Vec<(LabSet, Option<&str>, &LabResult)> {
+        self.studies.shown_results(self.lab.question)
+    }
+
+    pub fn forget_kept(&mut self, index: usize) {
+        self.studies.kept.remove(index);
+        match &mut self.lab.selected {
+            Some((LabSet::Kept(selected), _)) if *selected > index => *selected -= 1,
+            Some((LabSet::Kept(selected), _)) if *selected == index => self.lab.selected = None,
+            _ => {}
+        }
+    }
+
+    pub fn selected_chart(&self) -> Option<ChartOfStudy> {
+        let (set, point) = self.lab.selected?;
+        let study = self.studies.result(set)?.study.clone();
+        let (first, count) = study.seeds()?;
+        let seed = first.saturating_add(self.lab.selected_chart.min(count.saturating_sub(1)));
+        Some(ChartOfStudy { study, point, seed })
+    }
 
     pub fn selected_thing(&self) -> Option<&Planted> {
-        let (seed, id) = self.selected_thing?;
-        self.recovered()?.1.planted.iter().find(|one| (one.seed, one.truth.id) == (seed, id))
+        let (seed, id) = self.lab.selected_thing?;
+        self.studies.recovered()?.1.planted.iter().find(|one| (one.seed, one.truth.id) == (seed, id))
     }
 
     pub fn current_chart(&self) -> Option<&ShownChart> {
         let wanted = self.selected_chart()?;
-        self.shown.as_ref().filter(|shown| shown.of == wanted)
+        self.studies.shown.as_ref().filter(|shown| shown.of == wanted)
     }
-}
 
-impl Model {
     pub(in crate::app) fn run_study(&mut self, engine: &Engine) {
         match self.lab_study() {
             Ok(study) => {
                 let open = self.slots.a.burst.clone();
-                let lab = &mut self.lab;
-                (lab.problem, lab.current, lab.selected, lab.shown) = (None, None, None, None);
-                lab.selected_thing = None;
-                lab.wanted.ask(engine, StudyRequest { study, open });
+                (self.lab.selected, self.lab.selected_thing) = (None, None);
+                let studies = &mut self.studies;
+                (studies.problem, studies.current, studies.shown) = (None, None, None);
+                studies.wanted.ask(engine, StudyRequest { study, open });
             }
-            Err(problem) => self.lab.problem = Some(problem),
+            Err(problem) => self.studies.problem = Some(problem),
         }
     }
 
     pub(in crate::app) fn open_planted(&mut self, engine: &Engine) {
         let (Some(one), Some((study, _)), Some(open)) =
-            (self.lab.selected_thing(), self.lab.recovered(), &self.slots.a.burst)
+            (self.selected_thing(), self.studies.recovered(), &self.slots.a.burst)
         else {
             return;
         };
@@ -181,7 +186,7 @@ impl Model {
         let source = BurstSource::Planted { of, study: Box::new(study.clone()), seed: one.seed };
         let place = [one.truth.u as f32, one.truth.v as f32];
         self.workspace = Workspace::Inspect;
-        self.lab.probe_when_open = Some((source.clone(), place));
+        self.studies.probe_when_open = Some((source.clone(), place));
         self.open(Side::A, source, engine);
     }
 
@@ -189,14 +194,14 @@ impl Model {
         let is_open = |(source, _): &mut (BurstSource, [f32; 2])| {
             self.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
         };
-        if let Some((_, place)) = self.lab.probe_when_open.take_if(is_open) {
+        if let Some((_, place)) = self.studies.probe_when_open.take_if(is_open) {
             self.probe_place(Side::A, place);
         }
     }
 
     pub(in crate::app) fn take_studies(&mut self) {
         self.probe_planted();
-        let lab = &mut self.lab;
+        let lab = &mut self.studies;
         if let (Some(report), Some(request)) = (lab.wanted.take_told().pop(), lab.wanted.pending()) {
             lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
         }
@@ -220,12 +225,13 @@ impl Model {
     }
 
     pub(in crate::app) fn ask_for_chart(&mut self, engine: &Engine) {
-        let missing = self.lab.selected_chart().filter(|_| self.lab.current_chart().is_none());
-        self.lab.wanted_chart.want_missing(engine, missing);
+        let missing = self.selected_chart().filter(|_| self.current_chart().is_none());
+        self.studies.wanted_chart.want_missing(engine, missing);
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LabQuestion {
     #[default]
     Dark,

@@ -2,8 +2,9 @@
 
 use crate::app::pane::PaneId;
 use egui::{Pos2, Rect};
+use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Tool {
     #[default]
     Pan,
@@ -11,20 +12,20 @@ pub enum Tool {
     Region,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredLine {
     pub pane: PaneId,
     pub from_image: Pos2,
     pub to_image: Pos2,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredRegion {
     pub pane: PaneId,
     pub rect_image: Rect,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Measure {
     pub tool: Tool,
     pub line: Option<MeasuredLine>,

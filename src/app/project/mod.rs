@@ -38,66 +38,42 @@ pub mod workspace {
     pub use crate::teach::Workspace;
 }
 
-use crate::app::pane::{PaneId, Panes};
+use crate::app::document::Document;
+use crate::app::pane::PaneId;
 use crate::app::project::history::History;
-use crate::app::view::ColourBy;
-use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice};
+use crate::detector::SearchParams;
 use crate::engine::Wanted;
 use crate::figures::FiguresJob;
 use crate::requests::{Picture, PictureRequest};
 use compare::Compare;
 use datasets::Datasets;
 use explained::{CoherenceState, ExplainedState};
-use figure::FigureChoice;
-use film::FilmChoice;
-use filter::{Filter, Order};
-use look::Look;
-use measure::Measure;
 use messages::Messages;
 use pair::PairState;
 use probe::ProbeModel;
-use set_up::SetUpState;
 use side::{Side, Sides};
 use slot::Slot;
 use std::collections::HashMap;
+use std::ops::{Deref, DerefMut};
 use trajectories::Trajectories;
-use workspace::Workspace;
 
+/// The document, and what the engine answered. All that is read of the document is read as if it were its own.
 #[derive(Debug, Default)]
 pub struct Model {
-    pub calibration: OpenOptions,
-    pub workspace: Workspace,
+    pub document: Document,
     pub slots: Sides<Slot>,
-    /// They may be invalid while they are edited. If slopes are to be found, their grid is the one found last.
-    pub params: DetectorParams,
-    pub slopes: SlopeChoice,
-    pub panes: Panes,
+    pub pictures: HashMap<PaneId, PanePicture>,
     pub patch: Option<Picture>,
     pub wanted_patch: Wanted<PictureRequest>,
-    pub(in crate::app) wanted_pictures: HashMap<PaneId, Wanted<PictureRequest>>,
-    pub selected: Option<usize>,
     pub hovered: Option<usize>,
     pub reselect: Option<SavedSelection>,
-    pub filter: Filter,
-    pub order: Order<Quantity>,
     /// Indices of the features that pass the filter, in the table's order; see [`Model::refresh_listed`].
     pub listed: Vec<usize>,
-    pub look: Look,
-    pub colour_by: ColourBy,
-    pub theme: egui::ThemePreference,
-    pub auto_detect: bool,
-    pub playing: bool,
-    pub panels: Panels,
     pub window_width_points: f32,
-    pub bottom_tab: BottomTab,
     pub pair: PairState,
     pub compare: Compare,
     pub messages: Messages,
-    pub figure: FigureChoice,
-    pub film: FilmChoice,
     pub history: History,
-    pub measure: Measure,
     pub explained: ExplainedState,
     pub coherence: CoherenceState,
     pub probe: ProbeModel,
@@ -105,11 +81,31 @@ pub struct Model {
     pub figures: Wanted<FiguresJob>,
     pub datasets: Datasets,
     pub trajectories: Trajectories,
-    pub lab: lab::Lab,
-    pub set_up: SetUpState,
+    pub studies: lab::Studies,
     play: panes::Play,
-    set_explicitly: panes::SetExplicitly,
     listed_for: Option<filter::ListedFor>,
+}
+
+/// Picture of a pane: the last one of its burst, why the last request failed, and the request.
+#[derive(Debug, Default)]
+pub struct PanePicture {
+    pub picture: Option<Picture>,
+    pub problem: Option<(PictureRequest, String)>,
+    pub wanted: Wanted<PictureRequest>,
+}
+
+impl Deref for Model {
+    type Target = Document;
+
+    fn deref(&self) -> &Document {
+        &self.document
+    }
+}
+
+impl DerefMut for Model {
+    fn deref_mut(&mut self) -> &mut Document {
+        &mut self.document
+    }
 }
 
 impl Model {
@@ -118,16 +114,19 @@ impl Model {
         self.slots.a.burst.as_ref().map_or((0, 0), |b| b.burst.size())
     }
 
+    /// Things under the pointer.
+    pub fn pointed(&self) -> impl PartialEq + use<> {
+        let probe = (self.probe.pointer, self.probe.as_dots.clone());
+        let rows = self.slots.both().map(|slot| slot.against.hovered);
+        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.trajectories.hovered, probe)
+    }
+
     pub fn frame_count(&self) -> usize {
         self.slots.a.burst.as_ref().map_or(0, |b| b.burst.len())
     }
 
     pub fn asked(&self) -> SearchParams {
         self.asked_of(Side::A)
-    }
-
-    pub fn set_search(&mut self, params: SearchParams) {
-        (self.params, self.slopes) = (params.detector, params.slopes);
     }
 
     pub fn needs_detection(&self, side: Side) -> bool {

@@ -1,14 +1,28 @@
 //! Panes in each pass of the window: changes of the set of panes, cursors that follow the one in focus, views, and
 //! playing through the slopes.
 
-use crate::app::pane::{Direction, MethodsPreset, PaneId, Preset, SidesPreset};
+use crate::app::pane::{Direction, MethodsPreset, Pane, PaneId, Preset, SidesPreset};
 use crate::app::project::Model;
-use crate::app::project::cursor::{Cursor, play_step_of, played};
+use crate::app::project::cursor::{ViewKind, play_step_of, played};
 use crate::app::project::side::Side;
 use crate::app::view::View;
+use crate::detector::{Feature, Slope};
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
 const PLAY_EVERY: Duration = Duration::from_millis(220);
+
+/// Place to which a pane is moved: what is `None` stays as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Destination {
+    pub slope: Option<Slope>,
+    /// Octave and level.
+    pub scale: Option<(i32, i32)>,
+    pub frame: Option<usize>,
+    pub kind: Option<ViewKind>,
+    /// (u, v) in the middle of the view, image pixels, and the least zoom, points per pixel.
+    pub at: Option<([f32; 2], f32)>,
+}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
@@ -19,29 +33,10 @@ pub enum Change {
     LayOutMethods(MethodsPreset),
 }
 
-/// Changes of this pass that were set explicitly, so that nothing follows from them.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct SetExplicitly {
-    pub cursors: bool,
-    pub history: bool,
-}
-
 #[derive(Debug, Default)]
 pub(super) struct Play {
     step: usize,
     due: Option<Instant>,
-}
-
-#[derive(Debug, Clone, Copy)]
-pub struct CursorBefore {
-    focus: PaneId,
-    cursor: Cursor,
-}
-
-impl CursorBefore {
-    pub fn of(model: &Model) -> Self {
-        Self { focus: model.focus(), cursor: *model.cursor() }
-    }
 }
 
 impl Model {
@@ -58,26 +53,35 @@ impl Model {
             Change::LayOutSides(preset) => self.panes.lay_out_sides(preset),
             Change::LayOutMethods(preset) => self.lay_out_methods(preset),
         }
-        self.cursors_are_set();
     }
 
-    /// Keeps linked cursors where they are in this pass: each was set to its own place.
-    pub(in crate::app) fn cursors_are_set(&mut self) {
-        self.set_explicitly.cursors = true;
-    }
-
-    /// As [`Self::cursors_are_set`]; nor are the changes of this pass a step to undo.
-    pub(in crate::app) fn settings_are_set(&mut self) {
-        (self.set_explicitly.cursors, self.set_explicitly.history) = (true, true);
-    }
-
-    pub(in crate::app) fn lead_cursors(&mut self, before: CursorBefore) {
-        let are_set = std::mem::take(&mut self.set_explicitly.cursors);
-        if !are_set && before.focus == self.focus() && before.cursor != *self.cursor() {
-            self.panes.follow_cursor(before.focus, before.cursor);
-            self.check_params();
-            self.check_pair();
+    /// Changes a pane. The cursors that are linked with that of the pane in focus follow it.
+    pub fn lead(&mut self, id: PaneId, change: impl FnOnce(&mut Pane)) {
+        let Some(pane) = self.document.panes.get_mut(id) else { return };
+        let before = pane.cursor;
+        change(pane);
+        let slot = &self.slots[pane.side];
+        if let Some(burst) = &slot.burst {
+            pane.cursor = pane.cursor_within(burst, &slot.usable_params);
         }
+        if id == self.focus() {
+            self.panes.follow_cursor(id, before);
+        }
+    }
+
+    pub fn show_slope(&mut self, id: PaneId, slope: Slope) {
+        self.lead(id, |pane| {
+            pane.cursor.slope = slope;
+            pane.show_slope();
+        });
+    }
+
+    /// Moves the view of a pane as a canvas moved it from `before` to `after`, and those that are linked with it.
+    pub fn move_view(&mut self, id: PaneId, before: &View, after: View) {
+        let Some(pane) = self.panes.get_mut(id) else { return };
+        let from = pane.view;
+        pane.view.take(before, after);
+        self.panes.follow_view(id, &from);
     }
 
     pub fn change_views(&mut self, change: impl Fn(&mut View)) {
@@ -91,16 +95,32 @@ impl Model {
     }
 
     pub fn go_to_selected(&mut self) {
-        let Some(feature) = self.selected_feature().copied() else { return };
-        self.focus_on_side(Side::A);
+        let Some(Feature { u, v, sigma, slope, .. }) = self.selected_feature().copied() else { return };
+        let at = Some(([u, v], 60.0 / sigma.max(1.0)));
+        self.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
+    }
+
+    /// Moves the pane in focus, or the first one on the burst of `side`.
+    pub fn go_to(&mut self, side: Side, to: &Destination) {
+        self.focus_on_side(side);
         self.playing = false;
-        let pane = self.focused_mut();
-        pane.cursor.slope = feature.slope;
-        pane.show_slope();
-        let before = pane.view;
-        pane.view.look_at(egui::pos2(feature.u, feature.v), 60.0 / feature.sigma.max(1.0));
         let focus = self.focus();
-        self.panes.follow_view(focus, &before);
+        self.lead(focus, |pane| {
+            if let Some(slope) = to.slope {
+                pane.cursor.slope = slope;
+                pane.show_slope();
+            }
+            pane.cursor.frame = to.frame.unwrap_or(pane.cursor.frame);
+            if let Some((octave, level)) = to.scale {
+                (pane.cursor.octave, pane.cursor.level) = (octave, level);
+            }
+            to.kind.into_iter().for_each(|kind| pane.show(kind));
+        });
+        if let (Some((place, zoom)), Some(pane)) = (to.at, self.panes.get_mut(focus)) {
+            let before = pane.view;
+            pane.view.look_at(place.into(), zoom);
+            self.panes.follow_view(focus, &before);
+        }
     }
 
     pub fn toggle_play(&mut self) {
@@ -109,23 +129,20 @@ impl Model {
         self.play = Play { step, due: None };
     }
 
-    /// Goes on to the next slope while slopes are played. Returns the time after which it is to be called again.
-    pub(in crate::app) fn step_play(&mut self) -> Option<Duration> {
+    /// The next slope, if it is due, while slopes are played, and the time after which to ask again.
+    pub(in crate::app) fn step_play(&mut self) -> Option<(Option<Slope>, Duration)> {
         if !self.playing {
             return None;
         }
         let now = Instant::now();
         let due = self.play.due.is_none_or(|due| now >= due);
         // The next slope waits for the pictures of this one, so that a slow machine plays slowly and skips none.
-        if due && self.pictures_are_current() {
+        let slope = (due && self.pictures_are_current()).then(|| {
             let step = self.play.step + 1;
-            let slope = played(&self.cursor_params().slopes, step);
-            let pane = self.focused_mut();
-            pane.cursor.slope = slope;
-            pane.show_slope();
             self.play = Play { step, due: Some(now + PLAY_EVERY) };
-        }
-        Some(PLAY_EVERY / 4)
+            played(&self.cursor_params().slopes, step)
+        });
+        Some((slope, PLAY_EVERY / 4))
     }
 }
 
@@ -133,8 +150,8 @@ impl Model {
 mod tests {
     use super::*;
     use crate::app::pane::Link;
+    use crate::app::project::cursor::slope_limit;
     use crate::app::project::tests::open;
-    use crate::detector::Slope;
 
     #[test]
     fn what_is_linked_moves_with_the_cursor_in_focus_and_nothing_else_does() {
@@ -149,27 +166,19 @@ mod tests {
         let [start, ..] = slopes(&model);
         let (left, right) = (Slope::new(start.u - 1.0, start.v), Slope::new(start.u + 1.0, start.v));
 
-        let before = CursorBefore::of(&model);
-        model.focused_mut().cursor.slope = right;
-        model.lead_cursors(before);
+        model.show_slope(first, right);
         assert_eq!(slopes(&model), [right, right, start]);
 
-        // The cursor of another pane was there already when the focus went to it.
-        let before = CursorBefore::of(&model);
+        // The cursor of another pane was there already when the focus went to it, and one not in focus leads none.
         model.panes.set_focus(second);
-        model.focused_mut().cursor.slope = left;
-        model.lead_cursors(before);
+        model.show_slope(second, left);
+        assert_eq!(slopes(&model), [left, left, start]);
+        model.show_slope(first, right);
         assert_eq!(slopes(&model), [right, left, start]);
 
-        // Cursors that were set explicitly do not lead in this pass; in the next they do again.
-        let before = CursorBefore::of(&model);
-        model.focused_mut().cursor.slope = right;
-        model.cursors_are_set();
-        model.lead_cursors(before);
-        assert_eq!(slopes(&model), [right, right, start]);
-        let before = CursorBefore::of(&model);
-        model.focused_mut().cursor.slope = left;
-        model.lead_cursors(before);
-        assert_eq!(slopes(&model), [left, left, start]);
+        // At the end of the range the others keep their distance to the cursor in focus.
+        model.show_slope(second, Slope::new(100.0, 0.0));
+        let limit = slope_limit(&model.slots.a.usable_params.slopes);
+        assert_eq!(slopes(&model), [Slope::new(limit + right.u - left.u, 0.0), Slope::new(limit, 0.0), start]);
     }
 }

@@ -2,6 +2,7 @@
 //! Panes get the same range in whichever order their pictures are made: a shared one is set by the pane in focus, or by
 //! the first in reading order that shows the class.
 
+use crate::app::document::Document;
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
 use crate::app::project::asking::answers;
 use crate::app::project::cursor::Cursor;
@@ -41,7 +42,33 @@ impl Model {
     }
 
     pub fn picture(&self) -> Option<&Picture> {
-        self.focused().picture.as_ref()
+        self.picture_in(self.focus())
+    }
+
+    /// The last picture of pane `id`, if it is of a burst that the pane shows now.
+    pub fn picture_in(&self, id: PaneId) -> Option<&Picture> {
+        let pane = self.panes.get(id)?;
+        self.pictures.get(&id)?.picture.as_ref().filter(|picture| self.fits(pane, picture))
+    }
+
+    /// Whether `picture` is of the burst that `pane` shows; the difference of two panes may be of any open burst.
+    fn fits(&self, pane: &Pane, picture: &Picture) -> bool {
+        let is_open = |burst: &OpenBurst| {
+            self.panes.iter().any(|(_, pane)| self.burst_in(pane).is_some_and(|open| open.id == burst.id))
+        };
+        match pane.content {
+            Content::Difference(..) => is_open(&picture.request.burst),
+            Content::Slice(_) => false,
+            Content::Cursor | Content::Merge | Content::Map(_) => {
+                self.burst_in(pane).is_some_and(|open| open.id == picture.request.burst.id)
+            }
+        }
+    }
+
+    pub fn problem_of(&self, id: PaneId) -> Option<&str> {
+        let wanted = self.wanted(id)?;
+        let (request, why) = self.pictures.get(&id)?.problem.as_ref()?;
+        (*request == wanted).then_some(why.as_str())
     }
 
     pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
@@ -115,9 +142,9 @@ impl Model {
     /// Whether `id` shows the picture that it wants, or that picture is known to have failed.
     pub fn is_current(&self, id: PaneId) -> bool {
         let Some(wanted) = self.wanted(id) else { return true };
-        self.panes.get(id).is_some_and(|pane| {
-            let failed = pane.problem.as_ref().is_some_and(|(request, _)| *request == wanted);
-            failed || pane.picture.as_ref().is_some_and(|picture| picture.request == wanted)
+        self.pictures.get(&id).is_some_and(|shown| {
+            let failed = shown.problem.as_ref().is_some_and(|(request, _)| *request == wanted);
+            failed || shown.picture.as_ref().is_some_and(|picture| picture.request == wanted)
         })
     }
 
@@ -140,24 +167,22 @@ impl Model {
     }
 
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
-        let picture = self.panes.get(id)?.picture.as_ref().filter(|picture| picture.request.minus().is_none())?;
+        let picture = self.picture_in(id).filter(|picture| picture.request.minus().is_none())?;
         picture.request.kind.slope()
     }
 
     pub(in crate::app) fn take_pictures(&mut self) {
         let ended: Vec<_> = self
-            .wanted_pictures
+            .pictures
             .iter_mut()
-            .flat_map(|(id, wanted)| wanted.take().into_iter().map(|ended| (*id, ended)))
+            .flat_map(|(id, shown)| shown.wanted.take().into_iter().map(|ended| (*id, ended)))
             .collect();
         for (id, ended) in ended {
             match ended.result {
                 Ok(picture) => self.take_picture(id, picture),
-                Err(JobError::Cancelled) => self.wanted_pictures.entry(id).or_default().forget(),
+                Err(JobError::Cancelled) => self.pictures.entry(id).or_default().wanted.forget(),
                 Err(error) => {
-                    if let Some(pane) = self.panes.get_mut(id) {
-                        pane.problem = Some((ended.request, error.to_string()));
-                    }
+                    self.pictures.entry(id).or_default().problem = Some((ended.request, error.to_string()));
                 }
             }
         }
@@ -176,7 +201,7 @@ impl Model {
             let side = self.panes.get(id).map_or(Side::A, |pane| pane.side);
             let waits = dragging || self.slots[side].detecting.is_pending();
             if !(waits && wanted.urgency() == Urgency::SlowPicture) {
-                self.wanted_pictures.entry(id).or_default().want(engine, Some(wanted));
+                self.pictures.entry(id).or_default().wanted.want(engine, Some(wanted));
             }
         }
         let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
@@ -185,7 +210,7 @@ impl Model {
     }
 
     pub(in crate::app) fn forget_asked_pictures(&mut self) {
-        self.wanted_pictures.clear();
+        self.pictures.values_mut().for_each(|shown| shown.wanted.forget());
         self.wanted_patch.forget();
         self.pair.wanted_patches.forget();
     }
@@ -193,22 +218,14 @@ impl Model {
     /// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.
     pub fn take_picture(&mut self, id: PaneId, picture: Picture) {
         let Some(pane) = self.panes.get(id) else { return };
-        let is_open = |burst: &OpenBurst| {
-            self.panes.iter().any(|(_, pane)| self.burst_in(pane).is_some_and(|open| open.id == burst.id))
-        };
-        let fits = match pane.content {
-            Content::Difference(..) => is_open(&picture.request.burst),
-            Content::Slice(_) => false,
-            Content::Cursor | Content::Merge | Content::Map(_) => {
-                self.burst_in(pane).is_some_and(|open| open.id == picture.request.burst.id)
-            }
-        };
-        if !fits {
+        if !self.fits(pane, &picture) {
             return;
         }
-        let Some(pane) = self.panes.get_mut(id) else { return };
-        pane.own_ranges.as_mut().unwrap_or(&mut self.look.ranges).propose(&picture);
-        (pane.picture, pane.problem) = (Some(picture), None);
+        let Document { panes, look, .. } = &mut self.document;
+        let Some(pane) = panes.get_mut(id) else { return };
+        pane.own_ranges.as_mut().unwrap_or(&mut look.ranges).propose(&picture);
+        let shown = self.pictures.entry(id).or_default();
+        (shown.picture, shown.problem) = (Some(picture), None);
         self.settle_ranges();
     }
 
@@ -229,15 +246,14 @@ impl Model {
     }
 
     pub fn range_class(&self, id: PaneId) -> RangeClass {
-        let picture = self.panes.get(id).and_then(|pane| pane.picture.as_ref());
+        let picture = self.picture_in(id);
         let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));
         picture.map_or_else(wanted, |picture| RangeClass::of(&picture.request))
     }
 
     pub fn has_colour_bar(&self, id: PaneId) -> bool {
         use RangeClass::{Difference, Intensity, Response};
-        let has_picture = self.panes.get(id).is_some_and(|pane| pane.picture.is_some());
-        has_picture && !matches!(self.range_class(id), Intensity | Response | Difference)
+        self.picture_in(id).is_some() && !matches!(self.range_class(id), Intensity | Response | Difference)
     }
 
     pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
@@ -246,9 +262,10 @@ impl Model {
 
     pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
         let focus = self.focus();
-        match self.panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
+        let Document { panes, look, .. } = &mut self.document;
+        match panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
             Some(own) => own,
-            None => &mut self.look.ranges,
+            None => &mut look.ranges,
         }
     }
 
@@ -267,16 +284,18 @@ impl Model {
             let Some(wanted) = self.wanted(id) else { continue };
             let class = RangeClass::of(&wanted);
             let is_current = self.is_current(id);
-            let Some(pane) = self.panes.get_mut(id) else { continue };
+            let Document { panes, look, .. } = &mut self.document;
+            let Some(pane) = panes.get_mut(id) else { continue };
             let own = pane.own_ranges.as_mut();
-            if pane.problem.is_some() || (own.is_none() && led.contains(&class)) {
+            let shown = self.pictures.get(&id);
+            if shown.is_some_and(|shown| shown.problem.is_some()) || (own.is_none() && led.contains(&class)) {
                 continue;
             }
             if own.is_none() {
                 led.push(class);
             }
-            if let Some(picture) = pane.picture.as_ref().filter(|_| is_current) {
-                own.unwrap_or(&mut self.look.ranges).fix_once(picture);
+            if let Some(picture) = shown.and_then(|shown| shown.picture.as_ref()).filter(|_| is_current) {
+                own.unwrap_or(&mut look.ranges).fix_once(picture);
             }
         }
     }

@@ -327,13 +327,6 @@ impl Model {
         })
     }
 
-    pub fn apply_change(&mut self, change: &ParamChange) {
-        match self.apply_changes(self.probe.side, std::slice::from_ref(change)) {
-            Ok(()) => self.messages.note(format!("Set {}", change.label())),
-            Err(error) => self.messages.error("Apply", error.to_string()),
-        }
-    }
-
     /// An example that was opened as A gets its own grid of slopes if none was given, and is probed at its place of
     /// interest if detections start automatically. The next burst, for which `before` is that example, drops the grid
     /// again.
@@ -436,7 +429,7 @@ mod tests {
         assert_eq!((of, price.now), (&change, bench.model.features().len()));
         assert!(price.own.is_some_and(|(now, then)| now == 0 && then > 0), "{price:?}");
         assert!(bench.model.price_text(Side::A, &change).is_some_and(|text| text.starts_with("Keeps this one, and ")));
-        bench.model.apply_change(&change);
+        bench.model.apply_advice(Side::A, &[change.clone()]);
         bench.settle();
         assert_eq!(bench.model.features().len(), price.then);
         // Twice the slopes.
@@ -480,10 +473,10 @@ mod tests {
         let before = bench.model.params.clone();
         let change = |parameter, value: &str| ParamChange { parameter, value: value.to_owned() };
         bench.model.probe.side = Side::B;
-        bench.model.apply_change(&change(doc::EDGE_THRESHOLD, "7"));
+        bench.model.apply_advice(Side::B, &[change(doc::EDGE_THRESHOLD, "7")]);
         assert_eq!((bench.model.params.edge_threshold, bench.model.params.slopes), (7.0, before.slopes));
         assert!(bench.model.slopes.is_auto(), "slopes were not touched");
-        bench.model.apply_change(&change(doc::SLOPE_DIRECTION, "90"));
+        bench.model.apply_advice(Side::B, &[change(doc::SLOPE_DIRECTION, "90")]);
         let slopes = bench.model.params.slopes;
         assert_eq!((slopes.u.count, slopes.u.max, bench.model.slopes), (9, 4.0, SlopeChoice::Given));
     }

@@ -7,8 +7,9 @@ use crate::app::view::{ColourBy, Known};
 use crate::detector::Feature;
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
+use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SetUpState {
     pub values: SetUp,
     pub reads_depths: bool,

@@ -1,17 +1,18 @@
 //! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it. What
 //! was opened is never overwritten.
 
+use crate::app::document::Document;
 use crate::app::pane::PaneId;
 use crate::app::project::against::Against;
-use crate::app::project::cursor::Cursor;
+use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model};
 use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Feature, Method, SearchParams, Slope, SlopeFinding, SlopeGrid, explain, follows,
-    shared_slopes,
+    Advice, Detection, DetectorParams, Feature, FrameRange, Method, SearchParams, Slope, SlopeFinding, SlopeGrid,
+    explain, follows, shared_slopes,
 };
 use crate::engine::{Engine, Wanted};
 use crate::error::Error;
@@ -76,14 +77,12 @@ impl Model {
                 let before = self.slots.a.burst.as_ref().map(|open| open.source.clone());
                 self.take_burst(burst);
                 self.start_probe(before.as_ref());
-                self.settings_are_set();
                 self.history.clear();
                 self.measure.clear();
             }
             Side::B => {
                 self.messages.note(format!("Opened as B: {}", burst.describe()));
                 self.take_second_burst(burst);
-                self.cursors_are_set();
             }
         }
         self.forget_closed_trails(engine);
@@ -188,18 +187,38 @@ impl Model {
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
         let Some(before) = self.panes.get(leader).map(|pane| pane.cursor) else { return };
         let after = begin(&before);
-        for (id, pane) in self.panes.iter_mut().filter(|(_, pane)| pane.side == side) {
+        let Self { document: Document { panes, .. }, pictures, .. } = self;
+        pictures.retain(|id, _| panes.get(*id).is_some_and(|pane| pane.side != side));
+        for (id, pane) in panes.iter_mut().filter(|(_, pane)| pane.side == side) {
             pane.cursor = if id == leader { after } else { pane.cursor.moved_as(&before, &after) };
-            (pane.picture, pane.problem, pane.slope_chosen) = (None, None, false);
+            pane.slope_chosen = false;
             pane.view = View::fit();
             pane.own_ranges.iter_mut().for_each(|own| own.forget());
         }
     }
 
+    /// Shows the first `count` frames of A, added up along the slope, or of one its frame, which has no motion.
+    pub fn use_frames(&mut self, count: usize) {
+        let all = self.frame_count();
+        let focus = self.focus();
+        if count <= 1 {
+            self.lead(focus, |pane| {
+                pane.cursor.frame = 0;
+                pane.show(ViewKind::Frame);
+            });
+            return;
+        }
+        self.params.frames = (count < all).then_some(FrameRange { start: 0, end: count });
+        if self.cursor().kind == ViewKind::Frame {
+            self.lead(focus, |pane| pane.show(ViewKind::Stack));
+        }
+        self.check_params();
+    }
+
     pub fn check_params(&mut self) {
         let auto = self.slopes.is_auto();
         self.slots.a.param_error =
-            checked(self.slots.a.burst.as_ref(), self.params.clone(), auto, &mut self.slots.a.usable_params);
+            checked(self.slots.a.burst.as_ref(), self.document.params.clone(), auto, &mut self.slots.a.usable_params);
         self.check_cursors();
     }
 
@@ -213,20 +232,22 @@ impl Model {
         }
     }
 
-    /// Cursors that follow the one in focus may lie outside, so that they keep their distance to it.
+    /// Brings cursors into the range of their bursts. Those that follow the one in focus may lie outside, so that they
+    /// keep their distance to it.
     fn check_cursors(&mut self) {
-        let follows = self.panes.followers();
+        let (follows, focus, before) = (self.panes.followers(), self.focus(), *self.cursor());
         let bursts = [
             (self.slots.a.burst.as_ref(), &self.slots.a.usable_params),
             (self.slots.b.burst.as_ref(), &self.slots.b.usable_params),
         ];
-        for (id, pane) in self.panes.iter_mut() {
+        for (id, pane) in self.document.panes.iter_mut() {
             if let (Some(burst), params) = bursts[pane.side as usize]
                 && !follows.contains(&id)
             {
                 pane.cursor = pane.cursor_within(burst, params);
             }
         }
+        self.panes.follow_cursor(focus, before);
     }
 }
 
@@ -390,7 +411,7 @@ impl Model {
         if let Some((index, _)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
             let (slope, near) = (grid.slope(index), near_slope(&grid));
             let count = found.detection.features.iter().filter(|feature| moves_by(feature, slope, near)).count();
-            self.panes.get_mut(id).into_iter().for_each(|pane| pane.cursor.slope = slope);
+            self.lead(id, |pane| pane.cursor.slope = slope);
             let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
             self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame"));
         }

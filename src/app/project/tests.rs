@@ -4,13 +4,14 @@
 use crate::app::pane::{PaneId, Preset};
 use crate::app::project::*;
 use crate::burst::Burst;
-use crate::detector::{Detection, Feature, Slope, SlopeGrid, StageTimes, Tally};
+use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeChoice, SlopeGrid, StageTimes, Tally};
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::requests::{BurstSource, Detected, PictureKind, PictureRequest};
 use crate::requests::{OpenBurst, Request, Work};
 use crate::synth::ChartParams;
+use crate::teach::Workspace;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -22,8 +23,11 @@ pub(crate) struct Bench {
 impl Bench {
     pub fn new() -> Self {
         let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..Default::default() };
-        let model = Model { params, slopes: SlopeChoice::Given, auto_detect: true, ..Model::default() };
-        Self { model, engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
+        let document = Document { params, slopes: SlopeChoice::Given, auto_detect: true, ..Document::default() };
+        Self {
+            model: Model { document, ..Model::default() },
+            engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES),
+        }
     }
 
     pub fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {

@@ -7,6 +7,7 @@ use crate::app::view::View;
 use crate::engine::{Engine, Wanted};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
+use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -48,10 +49,8 @@ pub struct Trajectories {
     pub view: View,
     pub hovered: Option<usize>,
     pub selected: Option<usize>,
-    /// Label of the camera whose burst a second click asked to open; `None` once that was handled.
-    pub wanted: Option<String>,
     pub reading: Wanted<PosesRequest>,
-    scene: Option<(Projection, Arc<PlaneScene>)>,
+    scenes: OnceCell<[Arc<PlaneScene>; Projection::ALL.len()]>,
 }
 
 impl Trajectories {
@@ -87,7 +86,7 @@ impl Trajectories {
             self.view = View::fit();
         }
         self.compared = compared;
-        (self.scene, self.hovered, self.selected) = (None, None, None);
+        (self.scenes, self.hovered, self.selected) = (OnceCell::new(), None, None);
     }
 
     pub fn clear(&mut self) {
@@ -107,12 +106,9 @@ impl Trajectories {
         self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
     }
 
-    pub fn scene(&mut self) -> Arc<PlaneScene> {
-        let projection = self.projection;
-        self.scene.take_if(|(of, _)| *of != projection);
-        let (_, scene) =
-            self.scene.get_or_insert_with(|| (projection, Arc::new(PlaneScene::of(&self.compared, projection))));
-        scene.clone()
+    pub fn scene(&self) -> Arc<PlaneScene> {
+        let made = || Projection::ALL.map(|projection| Arc::new(PlaneScene::of(&self.compared, projection)));
+        self.scenes.get_or_init(made)[self.projection as usize].clone()
     }
 }
 

@@ -62,7 +62,7 @@ impl Restoring {
                 Err(why) => model.messages.error(TITLE, why),
             }
             model.set_search(about.search);
-            model.lab.probe_when_open = about.place.map(|place| (source.clone(), place));
+            model.studies.probe_when_open = about.place.map(|place| (source.clone(), place));
         }
         model.open(Side::A, source, engine);
     }
@@ -160,7 +160,6 @@ impl Restoring {
                 // Of the panes that were closed only those of both bursts wait for one that is opened later.
                 let [_, of_both, _] = &panes.placed;
                 of_both.iter().for_each(|saved| saved.apply(&mut model.panes, Workspace::Pair));
-                model.cursors_are_set();
             }
         }
     }

@@ -122,6 +122,17 @@ impl View {
         self.move_centre((after.center() - before.center()) / zoom);
     }
 
+    /// Takes a move from `before` to `after`, also where something else has moved the view since `before`.
+    pub fn take(&mut self, before: &Self, after: Self) {
+        if self.is_same(before) {
+            *self = after;
+            return;
+        }
+        self.follow(before, &after);
+        (self.fit_points_per_pixel, self.region_points_per_pixel) =
+            (after.fit_points_per_pixel, after.region_points_per_pixel);
+    }
+
     /// The distance between the two places stays, until both are fitted.
     pub fn follow(&mut self, before: &Self, after: &Self) {
         if before.is_same(after) {

@@ -2,7 +2,8 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines, drawn_lines};
-use crate::app::inspector::{Change, Drawn, chip_ui, inspector_ui};
+use crate::app::document::Action;
+use crate::app::inspector::{Drawn, chip_ui, inspector_ui};
 use crate::app::pane::{MethodsPreset, Over, PaneId};
 use crate::app::panel;
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
@@ -10,51 +11,49 @@ use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, p
 use crate::app::project::Model;
 use crate::app::project::compare::Contender;
 use crate::app::project::pair::Side;
+use crate::app::project::panes::Change;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
 use egui::{Align, Align2, CentralPanel, Frame, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
-pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
+pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
     let WorkspaceParts { model, widgets, queue, .. } = parts;
-    let mut changes = Vec::new();
-    folded_ui(ui, model);
+    folded_ui(ui, model, queue);
     if model.shows_left() {
         left_panel(ui, "compare left", side_width(model), |ui| {
-            changes.extend(controls_ui(ui, model, queue));
+            controls_ui(ui, model, queue);
             panel::cursor::cursor_ui(ui, model, queue);
             panel::parameters::parameters_ui(ui, model, queue);
         });
     }
     if model.shows_right() {
         right_panel(ui, "compare right", side_width(model), 250.0..=460.0, |ui| {
-            scroll_ui(ui, |ui| panel::display::ranges_ui(ui, model, widgets));
+            scroll_ui(ui, |ui| panel::display::ranges_ui(ui, model, widgets, queue));
         });
     }
     if model.shows_bottom() {
-        bottom_panel(ui, "compare bottom", 233.0, |ui| table_ui(ui, model));
+        bottom_panel(ui, "compare bottom", 233.0, |ui| table_ui(ui, model, queue));
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         if model.contenders().is_empty() {
             instead_ui(ui, "Choose methods in the table below");
             return;
         }
-        let inspected = inspector_ui(ui, model, widgets, queue);
-        lines_ui(ui, model, &inspected.drawn);
-        changes.extend(inspected.changes);
+        let drawn = inspector_ui(ui, model, widgets, queue);
+        lines_ui(ui, model, &drawn);
     });
-    changes
 }
 
-pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<Change> {
-    let mut change = None;
+fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Compare", |ui| {
-        change = layout_ui(ui, model);
+        layout_ui(ui, model, queue);
         if let Some(over) = model.panes.over(model.focus()) {
             two_ui(ui, model, over, queue);
         }
-        ui.checkbox(&mut model.compare.look.features, "Features")
-            .on_hover_text("Draw the features of each method  (O)");
+        let mut look = model.compare.look.clone();
+        ui.checkbox(&mut look.features, "Features").on_hover_text("Draw the features of each method  (O)");
+        queue.set(&model.compare.look, look, Action::SetMethods);
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.compare.running() {
             let text = format!("{}: {}", method.label(), progress_text(&running));
@@ -64,12 +63,10 @@ pub fn controls_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));
         }
     });
-    change
 }
 
-fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
+fn layout_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let has_second = model.burst_of(Side::B).is_some();
-    let mut change = None;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for preset in MethodsPreset::ALL {
@@ -79,18 +76,17 @@ fn layout_ui(ui: &mut Ui, model: &Model) -> Option<Change> {
                 .on_hover_text(preset.help())
                 .on_disabled_hover_text("Matches need a second burst: open one as B");
             if response.clicked() {
-                change = Some(Change::LayOutMethods(preset));
+                queue.push(Action::ChangePanes(Change::LayOutMethods(preset)));
             }
         }
     });
-    change
 }
 
-fn two_ui(ui: &mut Ui, model: &mut Model, over: Over, queue: &mut Queue) {
+fn two_ui(ui: &mut Ui, model: &Model, over: Over, queue: &mut Queue) {
     let contenders = model.contenders();
     for (id, name) in [(model.focus(), "Left"), (over.other(), "Right")] {
-        let Some(pane) = model.panes.get_mut(id) else { continue };
-        let Some(mut chosen) = pane.method else { continue };
+        let Some(before) = model.panes.get(id).and_then(|pane| pane.method) else { continue };
+        let mut chosen = before;
         ui.horizontal(|ui| {
             let label = label_ui(ui, name, 52.0);
             let list = egui::ComboBox::from_id_salt(("method", name)).selected_text(chosen.label());
@@ -101,7 +97,7 @@ fn two_ui(ui: &mut Ui, model: &mut Model, over: Over, queue: &mut Queue) {
             });
             list.response.labelled_by(label.id);
         });
-        pane.show_method(Some(chosen));
+        queue.set(&before, chosen, |method| Action::SetMethod(id, method));
     }
     if matches!(over, Over::Flip { .. }) {
         button_ui(ui, model, queue, ActionId::Flip, None);
@@ -156,9 +152,9 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Time", "Wall-clock time of the detection in A"),
 ];
 
-pub fn table_ui(ui: &mut Ui, model: &mut Model) {
+pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 4.0;
-    let mut switched = None;
+    let mut look = model.compare.look.clone();
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
         TableBuilder::new(ui)
             .striped(true)
@@ -186,7 +182,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
                             let boxed = egui::Checkbox::new(&mut on, method.label());
                             let response = ui.add_enabled(usable, boxed);
                             if response.on_hover_text(tip).on_disabled_hover_text(tip).changed() {
-                                switched = Some((method, on));
+                                look.show(method, on);
                             }
                         });
                         for text in cells(model, method) {
@@ -196,9 +192,7 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model) {
                 }
             });
     });
-    if let Some((method, on)) = switched {
-        model.compare.look.show(method, on);
-    }
+    queue.set(&model.compare.look, look, Action::SetMethods);
 }
 
 fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {

@@ -3,6 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::filmstrip::working_ui;
 use crate::app::dataset::pairs;
+use crate::app::document::Action;
 use crate::app::panel::widgets::section_ui;
 use crate::app::project::Model;
 use crate::app::style;
@@ -10,7 +11,7 @@ use crate::app::workspace::pair::parameters::{self, CameraText};
 use crate::app::workspace::{left_panel, right_panel, side_width};
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
-pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: &mut CameraText, queue: &mut Queue) {
+pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut CameraText, queue: &mut Queue) {
     if model.datasets.open.is_none() {
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;
@@ -25,7 +26,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: 
     let mut opened = None;
     if model.shows_right() {
         right_panel(ui, "matches right", 392.0, 280.0..=640.0, |ui| {
-            opened = model.datasets.open.as_mut().and_then(|dataset| pairs::pair_list_ui(ui, dataset));
+            opened = model.datasets.open.as_ref().and_then(|dataset| pairs::pair_list_ui(ui, dataset, queue));
         });
     }
     let ground = ui.visuals().panel_fill;
@@ -33,8 +34,8 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &mut Model, camera_text: 
         let header = Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(ui.visuals().panel_fill);
         header.show(ui, |ui| header_ui(ui, model));
         Frame::new().inner_margin(Margin::same(8)).show(ui, |ui| {
-            if let Some(dataset) = &mut model.datasets.open {
-                opened = pairs::matrix_ui(ui, dataset).or(opened);
+            if let Some(dataset) = &model.datasets.open {
+                opened = pairs::matrix_ui(ui, dataset, queue).or(opened);
             }
         });
     });
@@ -55,9 +56,9 @@ fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Pairs", |ui| {
-        let choice = &mut model.datasets.choice;
+        let mut choice = model.datasets.choice;
         ui.radio_value(&mut choice.neighbours, false, "All pairs").on_hover_text("Each burst with every other one");
         ui.horizontal(|ui| {
             let help = "Each burst with the next few, for a camera path that does not return";
@@ -65,6 +66,7 @@ fn pairs_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             let field = DragValue::new(&mut choice.overlap).range(1..=100_000).suffix(" bursts");
             ui.add_enabled(choice.neighbours, field).labelled_by(label.id);
         });
+        queue.set(&model.datasets.choice, choice, Action::SetPairChoice);
         ui.add_space(4.0);
         if model.datasets.work.is_some() {
             working_ui(ui, &model.datasets);

@@ -7,7 +7,8 @@ pub mod pair;
 use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue, WORKSPACES, button_ui};
 use crate::app::dataset::{cameras, errors_panel};
-use crate::app::inspector::{Change, PaneWidgets, inspector_ui};
+use crate::app::document::Pointed;
+use crate::app::inspector::{PaneWidgets, inspector_ui};
 use crate::app::measure::RegionCache;
 use crate::app::panel;
 use crate::app::panel::lab;
@@ -16,13 +17,14 @@ use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
 use crate::app::panel::widgets::{named, section_ui};
 use crate::app::project::lab::LabQuestion;
+use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
 use pair::PairPanels;
 
 pub struct WorkspaceParts<'a> {
-    pub model: &'a mut Model,
+    pub model: &'a Model,
     pub widgets: &'a mut PaneWidgets,
     pub pair: &'a mut PairPanels,
     pub selection: &'a mut SelectionState,
@@ -32,13 +34,6 @@ pub struct WorkspaceParts<'a> {
     pub queue: &'a mut Queue,
 }
 
-#[derive(Debug, Default)]
-pub struct WorkspaceWishes {
-    pub changes: Vec<Change>,
-    pub compare_again: bool,
-    pub camera: Option<String>,
-}
-
 /// In points; narrower windows have a menu.
 const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 
@@ -46,7 +41,7 @@ const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 fn has_content(workspace: Workspace, model: &Model) -> bool {
     let is_filled = match workspace {
         Workspace::Matches | Workspace::Trajectories => model.datasets.open.is_some(),
-        Workspace::Lab => !model.lab.shown_results().is_empty(),
+        Workspace::Lab => !model.lab_results().is_empty(),
         _ => true,
     };
     is_filled || model.workspace == workspace
@@ -79,23 +74,18 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> WorkspaceWishes {
-    let changes = match parts.model.workspace {
+pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
+    match parts.model.workspace {
         Workspace::Inspect => inspect_workspace_ui(ui, parts),
         Workspace::Pair => pair::pair_workspace_ui(ui, parts),
         Workspace::Methods => compare::compare_workspace_ui(ui, parts),
         Workspace::Matches => {
             let camera_text = &mut parts.pair.camera_text;
             matches::matches_workspace_ui(ui, parts.model, camera_text, parts.queue);
-            Vec::new()
         }
-        Workspace::Lab => {
-            lab_workspace_ui(ui, parts.model, parts.lab_picture, parts.queue);
-            Vec::new()
-        }
-        Workspace::Trajectories => return trajectories_workspace_ui(ui, parts.model, parts.queue),
-    };
-    WorkspaceWishes { changes, ..WorkspaceWishes::default() }
+        Workspace::Lab => lab_workspace_ui(ui, parts.model, parts.lab_picture, parts.queue),
+        Workspace::Trajectories => trajectories_workspace_ui(ui, parts.model, parts.queue),
+    }
 }
 
 const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
@@ -146,7 +136,7 @@ fn side_width(model: &Model) -> f32 {
 const FOLDED_WIDTH: f32 = 22.0;
 
 /// Draws the panel on the left as a strip with its name where it is folded; a click opens it.
-pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &mut Model) {
+pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if !model.folds_left() {
         return;
     }
@@ -163,15 +153,15 @@ pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &mut Model) {
             .with_angle_and_anchor(std::f32::consts::FRAC_PI_2, Align2::LEFT_CENTER);
         ui.painter().add(Shape::Text(text));
         if response.on_hover_text("Open the panel: slope, scale, parameters").clicked() {
-            model.open_left();
+            queue.push(ActionId::ToggleLeft);
         }
     });
 }
 
-fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
+fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let WorkspaceParts { model, widgets, selection, probe, regions, queue, .. } = parts;
     let width = side_width(model);
-    folded_ui(ui, model);
+    folded_ui(ui, model, queue);
     if model.shows_left() {
         Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
             // The verdict stays in sight, and nothing above moves when it changes.
@@ -196,7 +186,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
                 if model.selected.is_some() {
                     panel::selection::selection_ui(ui, model, selection, queue);
                 }
-                panel::display::display_ui(ui, model, widgets);
+                panel::display::display_ui(ui, model, widgets, queue);
                 if model.selected.is_none() {
                     panel::selection::selection_ui(ui, model, selection, queue);
                 }
@@ -210,23 +200,25 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Ve
         over_rows = Some(model.bottom_tab).filter(|_| is_over);
     } else {
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 2));
-        Panel::bottom("bottom tabs").frame(frame).show(ui, |ui| panel::bottom::closed_ui(ui, model));
+        Panel::bottom("bottom tabs").frame(frame).show(ui, |ui| panel::bottom::closed_ui(ui, model, queue));
     }
     let pictures = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());
         inspector_ui(ui, model, widgets, queue)
     });
     // A hovered feature stays marked while the pointer is over it, in a picture or in a row of the open table.
-    if pictures.inner.drawn.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
-        model.hovered = model.hovered.filter(|_| over_rows == Some(BottomTab::Table));
-        let against = &mut model.slots.a.against;
-        against.hovered = against.hovered.filter(|_| over_rows == Some(BottomTab::Compared));
-        model.explained.pointed = None;
+    if pictures.inner.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
+        if over_rows != Some(BottomTab::Table) {
+            queue.point(&model.hovered, None, Pointed::Feature);
+        }
+        if over_rows != Some(BottomTab::Compared) {
+            queue.point(&model.slots.a.against.hovered, None, |row| Pointed::Row(Side::A, row));
+        }
+        queue.point(&model.explained.pointed, None, Pointed::Candidate);
     }
-    pictures.inner.changes
 }
 
-fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, queue: &mut Queue) {
+fn lab_workspace_ui(ui: &mut Ui, model: &Model, picture: &mut PlaneTexture, queue: &mut Queue) {
     if model.shows_left() {
         left_panel(ui, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }
@@ -239,29 +231,26 @@ fn lab_workspace_ui(ui: &mut Ui, model: &mut Model, picture: &mut PlaneTexture, 
             }
         });
     }
-    CentralPanel::default().show(ui, |ui| curves::curves_ui(ui, &mut model.lab));
+    CentralPanel::default().show(ui, |ui| curves::curves_ui(ui, model, queue));
 }
 
 const STRIP_HEIGHT: f32 = 84.0;
 
-fn trajectories_workspace_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> WorkspaceWishes {
+fn trajectories_workspace_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let width = side_width(model).max(330.0);
-    let mut again = false;
     if model.shows_right() {
         right_panel(ui, "trajectories right", width, 280.0..=520.0, |ui| {
-            scroll_ui(ui, |ui| again = errors_panel::errors_panel_ui(ui, model, queue));
+            scroll_ui(ui, |ui| errors_panel::errors_panel_ui(ui, model, queue));
         });
     }
     if model.shows_bottom() {
         bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
             ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
-                cameras::points_strip_ui(ui, &mut model.trajectories);
+                cameras::points_strip_ui(ui, &model.trajectories, queue);
             });
             ui.separator();
-            cameras::camera_list_ui(ui, &mut model.trajectories);
+            cameras::camera_list_ui(ui, &model.trajectories, queue);
         });
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, &mut model.trajectories));
-    let camera = model.trajectories.wanted.take();
-    WorkspaceWishes { compare_again: again, camera, ..WorkspaceWishes::default() }
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, &model.trajectories, queue));
 }

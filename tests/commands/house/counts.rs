@@ -64,6 +64,21 @@ fn late_subjects(source: &Source) -> impl Iterator<Item = String> + '_ {
     })
 }
 
+/// Functions with a parameter of type `&mut Model`.
+fn takers(source: &Source) -> impl Iterator<Item = String> + '_ {
+    source.code.match_indices(": &mut Model").map(|(at, _)| {
+        let line = source.code[..at].lines().count();
+        format!("{}:{line}", source.path.display())
+    })
+}
+
+/// Those in rooms that draw: panels and panes read the model, and push actions.
+fn drawing_takers(sources: &[Source]) -> Vec<String> {
+    let rooms = ["panel", "inspector", "workspace", "dataset", "measure", "figure", "canvas", "histogram"];
+    let draws = |source: &&Source| rooms.iter().any(|room| source.path.starts_with(Path::new("app").join(room)));
+    sources.iter().filter(draws).flat_map(takers).collect()
+}
+
 fn counts() -> Vec<Count> {
     let sources = sources();
     let lines = |source: &Source| source.text.lines().count();
@@ -82,6 +97,8 @@ fn counts() -> Vec<Count> {
             4,
             which(&sources, |s| s.code.contains("impl BurstscopeApp")),
         ),
+        Count::of("functions that take the whole model to change it", 60, sources.iter().flat_map(takers).collect()),
+        Count::of("functions that draw and take the model to change it", 0, drawing_takers(&sources)),
         Count::of(
             "doc comments that begin with “What” or “The one that”",
             60,

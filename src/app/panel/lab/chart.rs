@@ -1,6 +1,7 @@
 //! Chart behind a point of a curve: the mean of its frames, with the found and missed discs and the false features.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
 use crate::app::project::Model;
@@ -15,8 +16,14 @@ const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
 const FALSE: Color32 = Color32::from_rgb(213, 94, 0);
 
-pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, queue: &mut Queue) {
-    choice_ui(ui, &mut model.lab);
+pub fn lab_chart_ui(ui: &mut Ui, model: &Model, texture: &mut PlaneTexture, queue: &mut Queue) {
+    let mut lab = model.lab.clone();
+    choice_ui(ui, model, &mut lab);
+    chosen_ui(ui, model, &mut lab, texture, queue);
+    queue.set(&model.lab, lab, |lab| Action::SetLab(Box::new(lab)));
+}
+
+fn chosen_ui(ui: &mut Ui, model: &Model, lab: &mut Lab, texture: &mut PlaneTexture, queue: &mut Queue) {
     if model.lab.selected.is_none() {
         let text = if model.lab.question.needs_charts() {
             "Click a point of a curve to look at its chart."
@@ -26,7 +33,7 @@ pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, 
         weak_ui(ui, text);
         return;
     }
-    let Some(shown) = model.lab.current_chart().cloned() else {
+    let Some(shown) = model.current_chart() else {
         ui.horizontal(|ui| {
             ui.spinner();
             ui.weak("Making the chart again…");
@@ -34,25 +41,25 @@ pub fn lab_chart_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, 
         return;
     };
     let judged = shown.judged(model.lab.all_detected);
-    key_ui(ui, &shown, &judged);
-    picture_ui(ui, &shown, &judged, texture);
+    key_ui(ui, shown, &judged);
+    picture_ui(ui, shown, &judged, texture);
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::OpenChart, None);
-        ui.checkbox(&mut model.lab.all_detected, "All detections").on_hover_text(
+        ui.checkbox(&mut lab.all_detected, "All detections").on_hover_text(
             "Otherwise only those above the threshold at which the curves compare methods: a tenth of them is false",
         );
     });
 }
 
-fn choice_ui(ui: &mut Ui, lab: &mut Lab) {
-    let sets: Vec<(LabSet, String)> = lab
-        .shown_results()
+fn choice_ui(ui: &mut Ui, model: &Model, lab: &mut Lab) {
+    let sets: Vec<(LabSet, String)> = model
+        .lab_results()
         .iter()
         .map(|(set, name, _)| (*set, name.map_or_else(|| "This study".to_owned(), str::to_owned)))
         .collect();
     let Some((first, _)) = sets.first() else { return };
     let set = lab.selected.map_or(*first, |(set, _)| set);
-    let Some(result) = lab.result(set) else { return };
+    let Some(result) = model.studies.result(set) else { return };
     let mut points: Vec<(StudyPoint, String)> = Vec::new();
     for plot in result.report.plots(usize::MAX) {
         for curve in &plot.curves {

@@ -1,8 +1,11 @@
 //! Curves of the Lab: one large plot, smaller ones beside it. Clicking a point shows its chart.
 
 use super::curve_colour;
+use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::project::lab::{Lab, LabResult, LabSet};
+use crate::app::project::Model;
+use crate::app::project::lab::{LabResult, LabSet};
 use crate::evaluate::curves::{StudyCurve, StudyPlot};
 use crate::export::SeriesPoint;
 use crate::inspect::words::number;
@@ -20,8 +23,9 @@ struct Drawn {
     curve: StudyCurve,
 }
 
-pub fn curves_ui(ui: &mut Ui, lab: &mut Lab) {
-    let results = lab.shown_results();
+pub fn curves_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let mut lab = model.lab.clone();
+    let results = model.lab_results();
     let Some((.., first)) = results.first() else {
         empty_ui(ui);
         return;
@@ -74,10 +78,11 @@ pub fn curves_ui(ui: &mut Ui, lab: &mut Lab) {
     if let Some(row) = chosen_row {
         lab.roc_row = row;
     }
-    let has_charts = |set| lab.result(set).is_some_and(|result| result.study.seeds().is_some());
+    let has_charts = |set| model.studies.result(set).is_some_and(|result| result.study.seeds().is_some());
     if let Some((set, point, true)) = pointed.filter(|(set, ..)| has_charts(*set)) {
         (lab.selected, lab.selected_chart) = (Some((set, point)), 0);
     }
+    queue.set(&model.lab, lab, |lab| Action::SetLab(Box::new(lab)));
 }
 
 /// Draws the legend of all plots above them, where it covers no curve; a click hides or shows the curves of a name.
@@ -117,14 +122,15 @@ fn empty_ui(ui: &mut Ui) {
     });
 }
 
-pub fn shown_plots(lab: &Lab) -> Vec<(String, Vec<StudyPlot>)> {
-    let rows = lab.shown_results().first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
-    let row_label = rows.get(lab.roc_row).or(rows.last());
+pub fn shown_plots(model: &Model) -> Vec<(String, Vec<StudyPlot>)> {
+    let results = model.lab_results();
+    let rows = results.first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
+    let row_label = rows.get(model.lab.roc_row).or(rows.last());
     let set = |(_, name, result): &(LabSet, Option<&str>, &LabResult)| {
         let row = row_label.and_then(|label| result.report.roc_rows().iter().position(|row| row == label));
         (name.unwrap_or("This study").to_owned(), result.report.plots(row.unwrap_or(usize::MAX)))
     };
-    lab.shown_results().iter().map(set).collect()
+    results.iter().map(set).collect()
 }
 
 /// Plots of all results, those of one subject laid over one another.
@@ -281,17 +287,18 @@ mod tests {
 
     #[test]
     fn what_is_exported_is_what_is_drawn() {
-        let mut lab = Lab { current: Some(result()), roc_row: 1, ..Lab::default() };
-        let plots = shown_plots(&lab);
+        let mut model = Model::default();
+        (model.studies.current, model.lab.roc_row) = (Some(result()), 1);
+        let plots = shown_plots(&model);
         assert_eq!(plots, [("This study".to_owned(), result().report.plots(1))]);
-        lab.kept.push(crate::app::project::lab::KeptCurves {
+        model.studies.kept.push(crate::app::project::lab::KeptCurves {
             name: "before".to_owned(),
             is_shown: false,
             result: result(),
         });
-        assert_eq!(shown_plots(&lab).len(), 1, "what is hidden is not written");
-        lab.kept[0].is_shown = true;
-        assert_eq!(shown_plots(&lab)[1].0, "before");
-        assert!(shown_plots(&Lab::default()).is_empty());
+        assert_eq!(shown_plots(&model).len(), 1, "what is hidden is not written");
+        model.studies.kept[0].is_shown = true;
+        assert_eq!(shown_plots(&model)[1].0, "before");
+        assert!(shown_plots(&Model::default()).is_empty());
     }
 }

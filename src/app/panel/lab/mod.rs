@@ -14,9 +14,10 @@ pub mod curves;
 pub mod planted;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui};
 use crate::app::project::Model;
-use crate::app::project::lab::{Lab, LabQuestion};
+use crate::app::project::lab::{Lab, LabQuestion, Studies};
 use crate::evaluate::BurstMethod;
 use crate::synth::Motion;
 use egui::{Color32, DragValue, Grid, Label, RichText, TextEdit, Ui};
@@ -27,28 +28,30 @@ fn curve_colour(ui: &Ui, colour: &str) -> Color32 {
     if ui.visuals().dark_mode { colour.lerp_to_gamma(Color32::WHITE, 0.3) } else { colour }
 }
 
-pub fn lab_settings_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn lab_settings_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let mut lab = model.lab.clone();
     section_ui(ui, "Study", |ui| {
-        question_ui(ui, &mut model.lab);
+        question_ui(ui, &mut lab);
         ui.add_space(4.0);
         start_ui(ui, model, queue);
     });
-    if !model.lab.kept.is_empty() {
-        section_ui(ui, "Kept curves", |ui| kept_ui(ui, &mut model.lab));
+    if !model.studies.kept.is_empty() {
+        section_ui(ui, "Kept curves", |ui| kept_ui(ui, &model.studies, queue));
     }
     if model.lab.question.counts_frames() {
-        section_ui(ui, "Frames", |ui| counts_ui(ui, &mut model.lab));
+        section_ui(ui, "Frames", |ui| counts_ui(ui, &mut lab));
     }
     if model.lab.question.needs_charts() {
-        section_ui(ui, "Charts", |ui| charts_ui(ui, &mut model.lab));
+        section_ui(ui, "Charts", |ui| charts_ui(ui, &mut lab));
     }
     if model.lab.question == LabQuestion::InBurst {
-        section_ui(ui, "Planted things", |ui| planted::planted_settings_ui(ui, &mut model.lab.planted));
+        section_ui(ui, "Planted things", |ui| planted::planted_settings_ui(ui, &mut lab.planted));
     }
     if model.lab.question.compares_methods() {
-        section_ui(ui, "Methods", |ui| methods_ui(ui, &mut model.lab));
+        section_ui(ui, "Methods", |ui| methods_ui(ui, &mut lab));
     }
-    section_ui(ui, "Dark copy of A", |ui| dark_copy_ui(ui, model, queue));
+    section_ui(ui, "Dark copy of A", |ui| dark_copy_ui(ui, model, &mut lab, queue));
+    queue.set(&model.lab, lab, |lab| Action::SetLab(Box::new(lab)));
     let text = "All methods use the detector's parameters of this window. Only the method 'slopes found' finds the slopes \
                 of each burst; the others search the given range, or ±3 px/frame.";
     ui.add(Label::new(RichText::new(text).small().weak()).wrap());
@@ -63,7 +66,7 @@ fn question_ui(ui: &mut Ui, lab: &mut Lab) {
 }
 
 fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if let Some(running) = model.lab.wanted.running() {
+    if let Some(running) = model.studies.wanted.running() {
         progress_ui(ui, &running, None, progress_text(&running));
         button_ui(ui, model, queue, ActionId::CancelStudy, None);
         return;
@@ -72,7 +75,7 @@ fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::RunStudy, None);
         button_ui(ui, model, queue, ActionId::KeepCurves, None);
     });
-    if let Some(problem) = model.lab_study().err().or_else(|| model.lab.problem.clone()) {
+    if let Some(problem) = model.lab_study().err().or_else(|| model.studies.problem.clone()) {
         error_ui(ui, problem);
     }
 }
@@ -169,8 +172,8 @@ fn methods_ui(ui: &mut Ui, lab: &mut Lab) {
     }
 }
 
-fn dark_copy_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
-    let noise = &mut model.lab.dark_copy;
+fn dark_copy_ui(ui: &mut Ui, model: &Model, lab: &mut Lab, queue: &mut Queue) {
+    let noise = &mut lab.dark_copy;
     ui.horizontal(|ui| {
         let help = "Ratio of the frames' contrast to the noise of one pixel in one frame";
         let label = ui.label("SNR of the copy").on_hover_text(help);
@@ -182,22 +185,21 @@ fn dark_copy_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     button_ui(ui, model, queue, ActionId::OpenDarkCopy, None);
 }
 
-pub fn kept_ui(ui: &mut Ui, lab: &mut Lab) {
-    let mut forgotten = None;
-    for (index, kept) in lab.kept.iter_mut().enumerate() {
+fn kept_ui(ui: &mut Ui, studies: &Studies, queue: &mut Queue) {
+    for (index, kept) in studies.kept.iter().enumerate() {
+        let (mut is_shown, mut name) = (kept.is_shown, kept.name.clone());
         ui.horizontal(|ui| {
-            let shown = ui.checkbox(&mut kept.is_shown, "").on_hover_text(kept.result.report.summary());
+            let shown = ui.checkbox(&mut is_shown, "").on_hover_text(kept.result.report.summary());
             shown.widget_info(|| {
-                egui::WidgetInfo::selected(egui::Role::CheckBox, true, kept.is_shown, format!("Show {}", kept.name))
+                egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_shown, format!("Show {name}"))
             });
-            let field = ui.add(TextEdit::singleline(&mut kept.name).desired_width(120.0));
-            name_field(&field, "Name of kept curves", &kept.name);
+            let field = ui.add(TextEdit::singleline(&mut name).desired_width(120.0));
+            name_field(&field, "Name of kept curves", &name);
             if ui.small_button("Remove").on_hover_text("Remove these curves").clicked() {
-                forgotten = Some(index);
+                queue.push(Action::ForgetKept(index));
             }
         });
-    }
-    if let Some(index) = forgotten {
-        lab.forget_kept(index);
+        queue.set(&kept.is_shown, is_shown, |shown| Action::ShowKept(index, shown));
+        queue.set(&kept.name, name, |name| Action::NameKept(index, name));
     }
 }

@@ -1,9 +1,11 @@
 //! Things planted in the open burst: how faint a thing is seen at each place, and what became of one.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dots_ui, named, weak_ui};
 use crate::app::project::Model;
+use crate::app::project::lab::Lab;
 use crate::detector::Test;
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
@@ -65,8 +67,8 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
         .on_hover_text("Otherwise strong features of the burst are left alone");
 }
 
-pub fn lab_planted_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture, queue: &mut Queue) {
-    let Some((_, report)) = model.lab.recovered() else {
+pub fn lab_planted_ui(ui: &mut Ui, model: &Model, texture: &mut PlaneTexture, queue: &mut Queue) {
+    let Some((_, report)) = model.studies.recovered() else {
         let text = "Press Run study: things are planted in copies of the open burst and searched for. Here is then how faint a thing is seen at each place.";
         weak_ui(ui, text);
         return;
@@ -79,15 +81,16 @@ pub fn lab_planted_ui(ui: &mut Ui, model: &mut Model, texture: &mut PlaneTexture
     for fate in &report.fates {
         ui.label(RichText::new(format!("{} missed: {}", fate.count, fate.reason)).small());
     }
-    if let Some(chosen) = chosen {
-        model.lab.selected_thing = Some(chosen);
-    }
-    let missed = model.lab.recovered().and_then(|(_, report)| next_missed(report, model.lab.selected_thing));
+    let mut selected = chosen.or(model.lab.selected_thing);
+    let missed = next_missed(report, selected);
     let next = ui.add_enabled(missed.is_some(), egui::Button::new("Next missed"));
     if next.on_hover_text("Look at the next thing in the range of the slopes that was missed").clicked() {
-        model.lab.selected_thing = missed;
+        selected = missed;
     }
-    match model.lab.selected_thing() {
+    queue.set(&model.lab.selected_thing, selected, |selected_thing| {
+        Action::SetLab(Box::new(Lab { selected_thing, ..model.lab.clone() }))
+    });
+    match model.selected_thing() {
         None => {
             weak_ui(ui, "Click a thing to see what became of it.");
         }

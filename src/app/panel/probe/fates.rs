@@ -2,6 +2,7 @@
 
 use super::{apply_ui, go_to_ui};
 use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::panel::widgets::{named, weak_ui};
 use crate::app::project::Model;
 use crate::app::style;
@@ -17,9 +18,9 @@ use std::ops::Range;
 const ROW: f32 = 18.0;
 const ROWS_SEEN: usize = 6;
 
-pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
+pub(super) fn fates_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
     let (probe, subject) = (&answer.probe, answer.probe.subject.fate);
-    scale_ui(ui, model, answer);
+    scale_ui(ui, model, answer, queue);
     if probe.fates.is_empty() {
         ui.weak("No sample here is an extremum in place and scale.");
         return;
@@ -28,7 +29,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
     if near.is_empty() {
         ui.weak("No candidate is centred near this place.");
     } else {
-        list_ui(ui, model, answer, near.clone());
+        list_ui(ui, answer, near.clone(), queue);
     }
     let larger = probe.near..probe.fates.len();
     if !larger.is_empty() {
@@ -37,7 +38,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
         egui::CollapsingHeader::new(format!("Larger blobs over this place ({})", larger.len()))
             .id_salt(("larger blobs", is_open))
             .default_open(is_open)
-            .show_unindented(ui, |ui| list_ui(ui, model, answer, larger));
+            .show_unindented(ui, |ui| list_ui(ui, answer, larger, queue));
     }
     ui.add_space(4.0);
     match answer.probe.subject_fate() {
@@ -52,21 +53,22 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &
     }
 }
 
-fn scale_ui(ui: &mut Ui, model: &mut Model, answer: &Probed) {
+fn scale_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
     let sigma_text = |sigma: f32| format!("Near σ {} px", number(sigma, 1));
-    let chosen = model.probe.near_sigma;
+    let mut chosen = model.probe.near_sigma;
     let text = chosen.map_or_else(|| "All scales".to_owned(), sigma_text);
     let combo = egui::ComboBox::from_id_salt("scale of candidates").selected_text(&text).show_ui(ui, |ui| {
-        ui.selectable_value(&mut model.probe.near_sigma, None, "All scales");
+        ui.selectable_value(&mut chosen, None, "All scales");
         for scale in &answer.probe.response.scales {
-            ui.selectable_value(&mut model.probe.near_sigma, Some(scale.sigma), sigma_text(scale.sigma));
+            ui.selectable_value(&mut chosen, Some(scale.sigma), sigma_text(scale.sigma));
         }
     });
+    queue.set(&model.probe.near_sigma, chosen, Action::ProbeNear);
     let help = "Candidates near this scale come first; a probe begins with the scale of the DoG in view";
     named(&combo.response.on_hover_text(help), egui::Role::ComboBox, format!("Scale of candidates: {text}"));
 }
 
-fn list_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, listed: Range<usize>) {
+fn list_ui(ui: &mut Ui, answer: &Probed, listed: Range<usize>, queue: &mut Queue) {
     let (fates, first) = (&answer.probe.fates[listed.clone()], listed.start);
     heading_ui(ui);
     let seen = fates.len().min(ROWS_SEEN) as f32;
@@ -76,7 +78,7 @@ fn list_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, listed: Range<usize>
         for row in rows {
             let (index, fate) = (first + row, &fates[row]);
             if row_ui(ui, &answer.probe, index, answer.probe.subject.fate == Some(index)) {
-                model.probe.look_at(Wanted::Candidate(fate.of_sample()));
+                queue.push(Action::ProbeSubject(Wanted::Candidate(fate.of_sample())));
             }
         }
     });
@@ -146,7 +148,7 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     clicked
 }
 
-fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outlook>), queue: &mut Queue) {
+fn fate_ui(ui: &mut Ui, model: &Model, (fate, outlook): (&Fate, Option<&Outlook>), queue: &mut Queue) {
     let verdict = counted_from_one(&fate.verdict);
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {
@@ -160,7 +162,7 @@ fn fate_ui(ui: &mut Ui, model: &mut Model, (fate, outlook): (&Fate, Option<&Outl
         label.on_hover_text("What would have to change in the world, from the noise of the burst");
     }
     if let Some(rival) = fate.first_failed.and_then(|test| fate.report(test).rival) {
-        go_to_ui(ui, model, rival.feature, (rival.pos_image, rival.slope));
+        go_to_ui(ui, model, rival.feature, (rival.pos_image, rival.slope), queue);
     }
     ui.add_space(2.0);
     // A test that is off and has no number tells nothing.

@@ -6,6 +6,7 @@ mod response;
 mod shares;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::selection::texture_of;
 use crate::app::panel::widgets::{named, paint, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;
@@ -13,6 +14,7 @@ use crate::app::project::Model;
 use crate::app::project::explained::verdict_words;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
+use crate::app::project::panes::Destination;
 use crate::app::project::workspace::Workspace;
 use crate::app::style;
 use crate::app::view::signed;
@@ -40,7 +42,7 @@ pub struct ProbePanel {
 /// content of the `other` tab. Without a probe of a burst of this workspace nothing is drawn.
 pub fn probe_tab_ui(
     ui: &mut Ui,
-    model: &mut Model,
+    model: &Model,
     panel: &mut ProbePanel,
     (other, help): (&str, &str),
     queue: &mut Queue,
@@ -49,11 +51,13 @@ pub fn probe_tab_ui(
         return false;
     }
     if model.probe.is_in_use() {
+        let mut is_open = model.probe.is_open;
         ui.horizontal(|ui| {
-            ui.selectable_value(&mut model.probe.is_open, false, other).on_hover_text(help);
-            ui.selectable_value(&mut model.probe.is_open, true, "Probe")
+            ui.selectable_value(&mut is_open, false, other).on_hover_text(help);
+            ui.selectable_value(&mut is_open, true, "Probe")
                 .on_hover_text("Why there is a feature at a place, or why there is none");
         });
+        queue.set(&model.probe.is_open, is_open, Action::OpenProbe);
         ui.separator();
     }
     if model.probe.is_open {
@@ -62,14 +66,14 @@ pub fn probe_tab_ui(
     model.probe.is_open
 }
 
-fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut Queue) {
+fn probe_ui(ui: &mut Ui, model: &Model, panel: &mut ProbePanel, queue: &mut Queue) {
     mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
     if let Some(problem) = &model.probe.problem {
         warning_ui(ui, problem);
     }
-    let Some(answer) = model.probe.answer.clone() else {
+    let Some(answer) = &model.probe.answer else {
         if model.probe.question.is_none() {
             ui.add_space(4.0);
             weak_ui(ui, HOW);
@@ -84,16 +88,16 @@ fn probe_ui(ui: &mut Ui, model: &mut Model, panel: &mut ProbePanel, queue: &mut 
             .on_hover_text("At mid-burst, pixels; the centre of the first pixel is (0, 0)");
         stale_ui(ui, model, queue);
         ui.add(Label::new(counted_from_one(&answer.probe.summary)).wrap());
-        reasons_ui(ui, model, &answer, queue);
+        reasons_ui(ui, model, answer, queue);
         ui.add_space(4.0);
-        suspicions_ui(ui, model, &answer, queue);
-        section_ui(ui, "Candidates here", |ui| fates::fates_ui(ui, model, &answer, queue));
+        suspicions_ui(ui, model, answer, queue);
+        section_ui(ui, "Candidates here", |ui| fates::fates_ui(ui, model, answer, queue));
         section_ui(ui, "Response over slope and scale", |ui| {
-            response::response_ui(ui, model, &answer, &mut panel.response, &mut panel.plane);
+            response::response_ui(ui, model, answer, (&mut panel.response, &mut panel.plane), queue);
             mark(ui, Part::Response, ui.min_rect());
         });
         section_ui(ui, "Each frame's response", |ui| {
-            shares::shares_ui(ui, model, &answer, &mut panel.patches);
+            shares::shares_ui(ui, model, answer, &mut panel.patches, queue);
             mark(ui, Part::Shares, ui.min_rect());
         });
     });
@@ -138,7 +142,7 @@ fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 /// Reasons that no single candidate tells, each with what can be done about it.
-fn reasons_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
+fn reasons_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
     for reason in &answer.probe.reasons {
         let help = match reason.kind {
             ReasonKind::TooSmall => "Measured at this place, at the slope named, beyond the scales that are searched",
@@ -151,54 +155,49 @@ fn reasons_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue
                 apply_ui(ui, model, change, queue);
             }
             if let Some(feature) = reason.feature {
-                go_to_feature_ui(ui, model, answer, feature);
+                go_to_feature_ui(ui, model, answer, feature, queue);
             }
         });
         if reason.kind == ReasonKind::AtAnotherSlope && model.look.overlay == FeaturesShown::ThisSlope {
             weak_ui(ui, "It is shown under All, not under This slope.");
         }
     }
-    for feature in model.probe.as_dots.clone() {
+    for &feature in &model.probe.as_dots {
         let text =
             format!("Feature {} was found here, but is drawn as a dot: stronger ones take the room.", feature + 1);
         ui.add(Label::new(text).wrap()).on_hover_text("Zoom in, or select it, to see it in full");
-        go_to_feature_ui(ui, model, answer, feature);
+        go_to_feature_ui(ui, model, answer, feature, queue);
     }
 }
 
-fn go_to_feature_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, feature: usize) {
+fn go_to_feature_ui(ui: &mut Ui, model: &Model, answer: &Probed, feature: usize, queue: &mut Queue) {
     if let Some(found) = answer.request.traced.cache.detection().features.get(feature) {
-        go_to_ui(ui, model, Some(feature), ([found.u, found.v], found.slope));
+        go_to_ui(ui, model, Some(feature), ([found.u, found.v], found.slope), queue);
     }
 }
 
 /// Draws a button that shows a place at a slope, and selects the feature there if there is one.
-fn go_to_ui(ui: &mut Ui, model: &mut Model, feature: Option<usize>, ([u, v], slope): ([f32; 2], Slope)) {
+fn go_to_ui(ui: &mut Ui, model: &Model, feature: Option<usize>, ([u, v], slope): ([f32; 2], Slope), queue: &mut Queue) {
     let label =
         feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {}", index + 1));
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(slope));
     if ui.button(label).on_hover_text(tip).clicked() {
         let side = model.probe.side;
         if feature.is_some() && side == Side::A {
-            model.selected = feature;
+            queue.push(Action::Select(feature));
         }
-        model.focus_on_side(side);
-        let pane = model.focused_mut();
-        pane.cursor.slope = slope;
-        pane.show_slope();
-        let (before, zoom) = (pane.view, pane.view.points_per_pixel().max(1.0));
-        pane.view.look_at(egui::pos2(u, v), zoom);
-        model.panes.follow_view(model.focus(), &before);
+        let to = Destination { slope: Some(slope), at: Some(([u, v], 1.0)), ..Destination::default() };
+        queue.push(Action::GoTo(side, to));
     }
 }
 
-fn apply_ui(ui: &mut Ui, model: &mut Model, change: &ParamChange, queue: &mut Queue) {
+fn apply_ui(ui: &mut Ui, model: &Model, change: &ParamChange, queue: &mut Queue) {
     let button = ui.add_enabled(model.takes_advice(model.probe.side), egui::Button::new("Apply"));
     let response =
         button.on_hover_text(format!("Set {} and detect again; Undo reverts it\n{}", change.label(), change.option()));
     named(&response, egui::Role::Button, format!("Apply {}", change.label()));
     if response.clicked() {
-        model.apply_change(change);
+        queue.push(Action::ApplyChanges(model.probe.side, vec![change.clone()]));
         if !model.auto_detect {
             queue.push(ActionId::Detect);
         }
@@ -248,7 +247,7 @@ impl PlaneTexture {
     }
 }
 
-fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Queue) {
+fn suspicions_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
     let is_clear = |judged: &&Judged| matches!(judged.verdict, Verdict::Real | Verdict::Unclear);
     if let Some(judged) = answer.probe.judged.as_ref().filter(is_clear) {
         let index = answer.probe.subject_fate().and_then(|fate| fate.features.first());
@@ -266,7 +265,7 @@ fn suspicions_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, queue: &mut Qu
     }
 }
 
-fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &mut Queue) {
+fn suspicion_ui(ui: &mut Ui, model: &Model, suspicion: &Suspicion, queue: &mut Queue) {
     let (name, help) = match suspicion.kind {
         Kind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
         Kind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),
@@ -290,7 +289,7 @@ fn suspicion_ui(ui: &mut Ui, model: &mut Model, suspicion: &Suspicion, queue: &m
                 .on_hover_text("Show why that feature was kept")
                 .clicked()
         {
-            model.probe_feature(model.probe.side, other);
+            queue.push(Action::ProbeFeature(model.probe.side, other));
         }
     });
 }

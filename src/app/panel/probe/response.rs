@@ -2,9 +2,12 @@
 
 use super::colour_bar::{self, ColourBar, range_of};
 use super::{PlaneTexture, strength_text};
+use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::panel::widgets::named;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
+use crate::app::project::panes::Destination;
 use crate::detector::Slope;
 use crate::inspect::probe::Wanted;
 use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane, outline};
@@ -19,18 +22,18 @@ const ROW: f32 = 9.0;
 
 pub(super) fn response_ui(
     ui: &mut Ui,
-    model: &mut Model,
+    model: &Model,
     answer: &Probed,
-    texture: &mut PlaneTexture,
-    plane_texture: &mut PlaneTexture,
+    (texture, plane_texture): (&mut PlaneTexture, &mut PlaneTexture),
+    queue: &mut Queue,
 ) {
     let map = &answer.probe.response;
-    scales_ui(ui, model, answer, map, texture);
+    scales_ui(ui, model, answer, texture, queue);
     if let Some(plane) = &map.plane {
         ui.add_space(6.0);
         let text = format!("Slope u and v at σ {} px", number(plane.scale.sigma, 1));
         ui.label(RichText::new(text).small()).on_hover_text("Click a row above to choose another scale");
-        slopes_ui(ui, model, answer, plane, plane_texture);
+        slopes_ui(ui, model, (answer, plane), plane_texture, queue);
     }
     let unit = if map.is_noiseless {
         "D; each scale has its own range".to_owned()
@@ -42,7 +45,8 @@ pub(super) fn response_ui(
     ui.add(egui::Label::new(RichText::new(legend).small().weak()).wrap());
 }
 
-fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap, texture: &mut PlaneTexture) {
+fn scales_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+    let map = &answer.probe.response;
     let (columns, rows) = map.snr.size();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
     let (area, response) = area_ui(ui, height, map.snr.size());
@@ -83,10 +87,11 @@ fn scales_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, map: &ResponseMap,
     let value = strength_text(answer, map.snr.at(column, row));
     response.on_hover_text_at_pointer(reading(slope, &scale, &value));
     if clicked {
-        go_to(model, slope, &scale);
+        queue.push(go_to(model, slope, &scale));
         if map.plane.is_some() {
             let slope_index = answer.probe.subject.slope_index;
-            model.probe.look_at(Wanted::Scale { octave: scale.octave, level: scale.level, slope_index });
+            let subject = Wanted::Scale { octave: scale.octave, level: scale.level, slope_index };
+            queue.push(Action::ProbeSubject(subject));
         }
     }
 }
@@ -96,7 +101,13 @@ fn small_ui(ui: &Ui, at: Pos2, text: &str) {
     ui.painter().text(at, Align2::RIGHT_CENTER, text, font, ui.visuals().weak_text_color());
 }
 
-fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane, texture: &mut PlaneTexture) {
+fn slopes_ui(
+    ui: &mut Ui,
+    model: &Model,
+    (answer, plane): (&Probed, &SlopePlane),
+    texture: &mut PlaneTexture,
+    queue: &mut Queue,
+) {
     let (columns, rows) = plane.snr.size();
     let room = ui.available_width() - LEFT - RIGHT;
     let height = (room * rows as f32 / columns as f32).clamp(60.0, room);
@@ -148,17 +159,14 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, plane: &SlopePlane
     let slope = grid.at(place(&plane.u, column), place(&plane.v, row));
     response.on_hover_text_at_pointer(reading(slope, &plane.scale, &strength_text(answer, plane.snr.at(column, row))));
     if clicked {
-        go_to(model, slope, &plane.scale);
+        queue.push(go_to(model, slope, &plane.scale));
     }
 }
 
-fn go_to(model: &mut Model, slope: Slope, scale: &Scale) {
-    model.focus_on_side(model.probe.side);
-    model.playing = false;
-    let pane = model.focused_mut();
-    (pane.cursor.slope, pane.slope_chosen) = (slope, true);
-    (pane.cursor.octave, pane.cursor.level) = (scale.octave, scale.level);
-    pane.show(ViewKind::Dog);
+fn go_to(model: &Model, slope: Slope, scale: &Scale) -> Action {
+    let scale = Some((scale.octave, scale.level));
+    let kind = Some(ViewKind::Dog);
+    Action::GoTo(model.probe.side, Destination { slope: Some(slope), scale, kind, ..Destination::default() })
 }
 
 fn reading(slope: Slope, scale: &Scale, value: &str) -> String {

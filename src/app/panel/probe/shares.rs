@@ -1,8 +1,12 @@
 //! Share of each frame: the pixels along the motion, and the response of each frame alone, with its noise.
 
 use super::PlaneTexture;
+use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::project::Model;
+use crate::app::project::cursor::ViewKind;
+use crate::app::project::panes::Destination;
 use crate::app::style::ACCENT;
 use crate::detector::coherence::FrameResponse;
 use crate::detector::coherence::Shape;
@@ -16,14 +20,14 @@ use egui_plot::{HLine, Line, PlotPoints, Points};
 const IN_ROW: usize = 12;
 const PATCH: f32 = 18.0;
 
-pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
+pub(super) fn shares_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
     let shares = &answer.probe.shares;
     if shares.frames.is_empty() {
         return;
     }
     let along = format!("Along slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1));
     ui.label(RichText::new(along).small().weak());
-    strip_ui(ui, model, answer, texture);
+    strip_ui(ui, model, answer, texture, queue);
     ui.add_space(4.0);
     plot_ui(ui, shares);
     let colour = match shares.evenness.shape {
@@ -34,7 +38,7 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture
         .on_hover_text("Coherence: 1 if all frames respond alike; if only some respond, about their share");
 }
 
-fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut PlaneTexture) {
+fn strip_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
     let shares = &answer.probe.shares;
     let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);
     let columns = shares.frames.len().min(fits);
@@ -68,11 +72,9 @@ fn strip_ui(ui: &mut Ui, model: &mut Model, answer: &Probed, texture: &mut Plane
     let clicked = response.clicked();
     response.on_hover_text_at_pointer(text);
     if clicked {
-        let (slope, index) = (shares.slope, frame.frame);
-        model.focus_on_side(model.probe.side);
-        let pane = model.focused_mut();
-        (pane.cursor.slope, pane.slope_chosen, pane.cursor.frame) = (slope, true, index);
-        pane.show(crate::app::project::cursor::ViewKind::Frame);
+        let (slope, frame) = (Some(shares.slope), Some(frame.frame));
+        let to = Destination { slope, frame, kind: Some(ViewKind::Frame), ..Destination::default() };
+        queue.push(Action::GoTo(model.probe.side, to));
     }
 }
 

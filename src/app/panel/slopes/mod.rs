@@ -5,10 +5,11 @@ mod set_up;
 
 use crate::app::actions::Queue;
 use crate::app::canvas::number;
+use crate::app::document::Action;
 use crate::app::panel::status::advice_ui;
 use crate::app::panel::widgets::{named, warning_ui, weak_ui, with_whole_numbers};
 use crate::app::project::side::Side;
-use crate::app::project::{BottomTab, Model, Visibility};
+use crate::app::project::{BottomTab, Model};
 use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
@@ -30,9 +31,9 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }
 
-pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
-    let Some(spectrum) = model.spectrum().cloned() else {
-        waiting_ui(ui, model);
+pub fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let Some(spectrum) = model.spectrum() else {
+        waiting_ui(ui, model, queue);
         return;
     };
     ui.spacing_mut().item_spacing.x = 14.0;
@@ -42,13 +43,13 @@ pub fn slopes_ui(ui: &mut Ui, model: &mut Model) {
         ui.allocate_ui_with_layout(vec2(width, height), Layout::top_down(Align::Min), |ui| {
             ui.set_width(width);
             let marks = chart::Marks { here: model.cursor().slope, expected: set_up::expected(model) };
-            chart::chart_ui(ui, &spectrum, &marks, height);
+            chart::chart_ui(ui, spectrum, &marks, height);
         });
-        ui.vertical(|ui| advice_list_ui(ui, model, &spectrum));
+        ui.vertical(|ui| advice_list_ui(ui, model, spectrum, queue));
     });
 }
 
-fn waiting_ui(ui: &mut Ui, model: &mut Model) {
+fn waiting_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space(16.0);
         if model.slots.a.found.is_none() {
@@ -62,25 +63,25 @@ fn waiting_ui(ui: &mut Ui, model: &mut Model) {
             let secs = model.slots.a.found.as_ref().map_or(0.0, |found| found.elapsed.as_secs_f32());
             let tip = format!("It takes about as long as the detection did, {secs:.0} s, in the background");
             if ui.button("Analyse slopes").on_hover_text(tip).clicked() {
-                model.explained.slopes_wanted = true;
+                queue.push(Action::ExamineSlopes);
             }
         } else {
             ui.weak("Analysing the slopes…");
         }
     });
-    set_up::set_up_ui(ui, model);
+    set_up::set_up_ui(ui, model, queue);
 }
 
-fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
+fn advice_list_ui(ui: &mut Ui, model: &Model, spectrum: &Arc<Spectrum>, queue: &mut Queue) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
         if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
             ui.add(Label::new(RichText::new(sentence_of(&fits.sentence)).color(style::good(ui))).wrap());
         }
         for (index, advice) in spectrum.advice.iter().enumerate() {
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
-            piece_ui(ui, model, &name, advice);
+            piece_ui(ui, model, &name, advice, queue);
         }
-        set_up::set_up_ui(ui, model);
+        set_up::set_up_ui(ui, model, queue);
         let cost = &spectrum.cost;
         let text = format!("Cost: {} slopes, {} samples", cost.slopes, grouped(cost.samples));
         let tip = format!("Search time: {} s", number(cost.search_secs, 2));
@@ -93,11 +94,11 @@ fn advice_list_ui(ui: &mut Ui, model: &mut Model, spectrum: &Arc<Spectrum>) {
 }
 
 /// Draws the judgement of the slopes and a button that applies its advice, unless the slopes suffice: above the table.
-pub fn judgement_ui(ui: &mut Ui, model: &mut Model) {
-    let advice = model.slope_judgement().and_then(|judgement| judgement.advice.clone());
+pub fn judgement_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let advice = model.slope_judgement().and_then(|judgement| judgement.advice.as_ref());
     let Some(advice) = advice.filter(|advice| advice.subject != Subject::Cost) else { return };
     ui.horizontal(|ui| {
-        apply_ui(ui, model, "Apply slopes", &advice);
+        apply_ui(ui, model, "Apply slopes", advice, queue);
         let sentence = sentence_of(&advice.sentence);
         ui.add(Label::new(RichText::new(&sentence).color(style::warning(ui))).truncate()).on_hover_text(sentence);
     });
@@ -108,12 +109,12 @@ fn sentence_of(clause: &str) -> String {
 }
 
 /// Draws one piece of advice; `name` is that of its button.
-fn piece_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
+fn piece_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
     warning_ui(ui, sentence_of(&advice.sentence));
     if !advice.changes.is_empty() {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            apply_ui(ui, model, name, advice);
+            apply_ui(ui, model, name, advice, queue);
             ui.label(RichText::new(changes_of(advice)).monospace());
         });
     }
@@ -125,25 +126,22 @@ fn changes_of(advice: &SlopeAdvice) -> String {
     changes.join(", ")
 }
 
-fn apply_ui(ui: &mut Ui, model: &mut Model, name: &str, advice: &SlopeAdvice) {
+fn apply_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
     let changes = changes_of(advice);
     let tip = format!("Set {changes}; Ctrl+Z undoes it");
     let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
     named(&button, egui::Role::Button, name);
     if button.clicked() {
-        match model.apply_changes(Side::A, &advice.changes) {
-            Ok(()) => model.messages.note(format!("Set {changes}")),
-            Err(error) => model.messages.error("Apply", error.to_string()),
-        }
+        queue.push(Action::ApplyChanges(Side::A, advice.changes.clone()));
     }
 }
 
 /// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the
 /// slopes fit the burst, with the change that mends it; nothing while there are no features of the present parameters.
-pub fn verdict_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn verdict_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let has_advice =
         model.stale().is_none() && model.slots.a.found.as_ref().is_some_and(|found| found.advice.is_some());
-    let judgement = model.slope_judgement().cloned();
+    let judgement = model.slope_judgement();
     if !has_advice && judgement.is_none() {
         return;
     }
@@ -158,13 +156,13 @@ pub fn verdict_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
             None => {
                 ui.add(Label::new(RichText::new(sentence_of(&judgement.sentence)).color(style::good(ui))).wrap());
             }
-            Some(advice) if !has_advice => piece_ui(ui, model, "Apply slopes", advice),
+            Some(advice) if !has_advice => piece_ui(ui, model, "Apply slopes", advice, queue),
             // Without features it comes second; the tab has it.
             Some(_) => {}
         }
         let details = Button::new(RichText::new("Slopes…").small().weak()).frame(false);
         if ui.add(details).on_hover_text("Features and evidence at each slope, and all advice").clicked() {
-            (model.bottom_tab, model.panels.bottom) = (BottomTab::Slopes, Visibility::Open);
+            queue.push(Action::OpenTab(BottomTab::Slopes));
         }
     });
 }

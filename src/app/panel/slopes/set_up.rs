@@ -1,10 +1,12 @@
 //! Slopes from the set-up (speed, turning, frame rate, lens and depths), and slopes read as depths.
 
+use crate::app::actions::Queue;
+use crate::app::document::Action;
 use crate::app::panel::widgets::error_ui;
 use crate::app::project::Model;
 use crate::app::project::side::Side;
 use crate::app::view::{number, signed_slope};
-use crate::detector::{Slope, SlopeChoice};
+use crate::detector::Slope;
 use crate::inspect::set_up::{SetUp, bounds};
 use egui::{Button, CollapsingHeader, DragValue, Grid, Label, Role, Ui, WidgetInfo};
 
@@ -15,15 +17,17 @@ pub(super) fn expected(model: &Model) -> Option<[Slope; 2]> {
     in_use.then(|| state.values.depth_m.map(|metres| state.values.slope_at(metres)))
 }
 
-pub(super) fn set_up_ui(ui: &mut Ui, model: &mut Model) {
+pub(super) fn set_up_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let mut state = model.set_up;
     let header = CollapsingHeader::new("Slopes from the set-up").id_salt("slopes from the set-up");
     let unfolded = header.open(Some(model.set_up.is_open)).show(ui, |ui| {
-        fields_ui(ui, &mut model.set_up.values);
-        slopes_ui(ui, model);
+        fields_ui(ui, &mut state.values);
+        slopes_ui(ui, model, queue);
     });
     if unfolded.header_response.clicked() {
-        model.set_up.is_open ^= true;
+        state.is_open ^= true;
     }
+    queue.set(&model.set_up, state, Action::SetSetUp);
 }
 
 fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
@@ -61,7 +65,7 @@ fn depth_field(metres: &mut f64) -> DragValue<'_> {
     DragValue::new(metres).range(bounds::DEPTH.span()).speed(0.02).suffix(" m")
 }
 
-fn slopes_ui(ui: &mut Ui, model: &mut Model) {
+fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let set_up = model.set_up.values;
     let frames = model.slots.a.burst.as_ref().map_or(10, |open| open.burst.len());
     let slopes = set_up.slopes(model.params.used_frames(frames).len(), &model.params);
@@ -69,16 +73,14 @@ fn slopes_ui(ui: &mut Ui, model: &mut Model) {
         let can_apply = slopes.is_ok() && model.takes_advice(Side::A);
         let apply = ui.add_enabled(can_apply, Button::new("Apply"));
         apply.widget_info(|| WidgetInfo::labeled(Role::Button, can_apply, "Apply set-up"));
-        let clicked = apply.on_hover_text("Search these slopes; Ctrl+Z undoes it").clicked();
-        if let Some(slopes) = slopes.as_ref().ok().filter(|_| clicked) {
-            (model.params.slopes, model.slopes) = (slopes.grid, SlopeChoice::Given);
-            model.messages.note(format!("Set {}", slopes.options()));
+        if apply.on_hover_text("Search these slopes; Ctrl+Z undoes it").clicked() {
+            queue.push(Action::ApplySetUp);
         }
         let mut reads = model.set_up.reads_depths;
         let tip =
             "Give every feature the depth that its motion means, with its error: in the table, in the tips over the picture, and as colours";
         if ui.checkbox(&mut reads, "Read slopes as depths").on_hover_text(tip).changed() {
-            model.read_depths(reads);
+            queue.push(Action::ReadDepths(reads));
         }
     });
     match slopes {

@@ -214,6 +214,15 @@ impl Model {
         }
     }
 
+    /// Selects a row of the comparison of `side`, and of A its feature.
+    pub fn select_row(&mut self, side: Side, row: Option<usize>) {
+        let against = &mut self.slots[side].against;
+        against.selected = row;
+        if side == Side::A {
+            self.document.selected = row.and_then(|row| against.shown.as_ref()?.rows.get(row)?.feature);
+        }
+    }
+
     pub(in crate::app) fn take_comparisons(&mut self) {
         for side in Side::BOTH {
             let wanted = self.wanted_comparison(side);

@@ -282,7 +282,7 @@ impl CompareLook {
 impl Model {
     /// In *Methods*, methods that were switched on get a pane, others lose theirs; the rest of the arrangement stays.
     pub fn refresh_workspace(&mut self) {
-        self.panes.turn_to(self.workspace);
+        self.document.panes.turn_to(self.document.workspace);
         if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
             return;
         }

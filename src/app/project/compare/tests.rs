@@ -7,7 +7,9 @@ use crate::app::project::tests::open;
 use crate::app::project::workspace::Workspace;
 
 fn methods() -> Model {
-    Model { workspace: Workspace::Methods, ..pair() }
+    let mut model = pair();
+    model.workspace = Workspace::Methods;
+    model
 }
 
 fn do_job(model: &mut Model, job: &CompareJob) {

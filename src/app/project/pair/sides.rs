@@ -43,7 +43,7 @@ impl Model {
     }
 
     pub fn picture_of(&self, side: Side) -> Option<&Picture> {
-        self.panes.get(self.pane_for(side))?.picture.as_ref()
+        self.picture_in(self.pane_for(side))
     }
 
     pub fn ranges_of_side(&self, side: Side) -> &Ranges {

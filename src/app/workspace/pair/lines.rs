@@ -1,7 +1,9 @@
 //! Lines of the matches between panes of A and of B, and the marks of an unmatched feature and its candidates.
 
+use crate::app::actions::Queue;
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{self, ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
+use crate::app::document::{Action, Pointed};
 use crate::app::inspector::{Drawn, JoinedPanes, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
@@ -20,10 +22,10 @@ pub(super) const CANDIDATE_COLOURS: [Color32; PATCHES] =
 
 /// Draws the matches over the drawn panes of A and B and lets the pointer choose among them. Returns the hovered match;
 /// the outer `None` while the pointer is over no picture.
-pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option<Option<usize>> {
+pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Queue) -> Option<Option<usize>> {
     let views = MatchViews::of(model, drawn, None);
     let pointer = views.pointed();
-    let Some(matches) = model.pair.matches.clone() else {
+    let Some(matches) = &model.pair.matches else {
         return pointer.map(|_| None);
     };
     let look = model.pair.look;
@@ -44,7 +46,7 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
     if look.geometry
         && let Some(row) = focus.and_then(|index| matches.row(index))
     {
-        locus_ui(model, &matches, &row, &views);
+        locus_ui(model, matches, &row, &views);
     }
     let style =
         MatchLineStyle { opacity: look.opacity, selected: model.pair.selected, hovered, others_faint: focus.is_some() };
@@ -59,24 +61,22 @@ pub fn lines_ui(ui: &Ui, model: &mut Model, drawn: &[(PaneId, Drawn)]) -> Option
         overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &drawn, &style);
         numbers = (numbers.0 + drawn.len(), numbers.1 + lines.len());
     }
-    model.pair.lines_drawn = numbers;
+    queue.set(&model.pair.lines_drawn, numbers, |(drawn, all)| Action::Point(Pointed::Lines(drawn, all)));
     if let Some(row) = focus.and_then(|index| matches.row(index)) {
         for view in &views.views {
             let feature = if view.side == Side::A { row.a } else { row.b };
-            circle_ui(model, &matches, view.side, at_time(feature, view.shift), view.output);
+            circle_ui(model, matches, view.side, at_time(feature, view.shift), view.output);
         }
     }
     // A click with Shift probes the place, and selects nothing.
     let selects = |view: &&MatchView<'_>| view.output.response.clicked() && !is_with_shift(ui);
     for view in views.views.iter().filter(selects) {
-        model.pair.selected = pointed;
         // Where there is no line, a click on a feature of A asks why it has no match.
-        model.pair.lost.selected = None;
-        if pointed.is_none() && view.side == Side::A {
-            let pos = view.output.response.interact_pointer_pos();
-            let feature = pos.and_then(|pos| feature_of_a(&matches, view, pos));
-            model.ask_feature(feature);
-        }
+        let pos = view.output.response.interact_pointer_pos().filter(|_| view.side == Side::A);
+        queue.push(match pointed {
+            Some(_) => Action::SelectMatch(pointed),
+            None => Action::AskFeature(pos.and_then(|pos| feature_of_a(matches, view, pos))),
+        });
     }
     unmatched_marks_ui(model, &views);
     if let Some(row) = pointed.filter(|_| !dragged).and_then(|index| matches.row(index)) {
@@ -192,7 +192,7 @@ impl<'a> MatchViews<'a> {
         of_drawn.sort_by_key(|(place, _)| *place);
         let shift = |id: PaneId| {
             let pane = model.panes.get(id)?;
-            frames_from_middle(pane.picture.as_ref(), model.detection_in(pane)?)
+            frames_from_middle(model.picture_in(id), model.detection_in(pane)?)
         };
         let view = |(place, side): &(usize, Side)| {
             let drawn = &drawn[*place].1;

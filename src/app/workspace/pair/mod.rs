@@ -8,7 +8,8 @@ mod table;
 use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue, button_ui, checked, tooltip};
 use crate::app::canvas::overlay::LineKind;
-use crate::app::inspector::{Change, Drawn, inspector_ui};
+use crate::app::document::{Action, Pointed};
+use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::pane::PaneId;
 use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
@@ -27,9 +28,9 @@ pub struct PairPanels {
     pub camera_text: parameters::CameraText,
 }
 
-pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) -> Vec<Change> {
+pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let WorkspaceParts { model, widgets, pair, probe, queue, .. } = parts;
-    folded_ui(ui, model);
+    folded_ui(ui, model, queue);
     if model.shows_left() {
         left_panel(ui, "pair left", side_width(model), |ui| {
             sides_ui(ui, model, queue);
@@ -45,10 +46,10 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
                 return;
             }
             scroll_ui(ui, |ui| {
-                switches_ui(ui, model);
+                switches_ui(ui, model, queue);
                 detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
                 detail::why_ui(ui, model, &mut pair.candidate_textures, queue);
-                panel::display::ranges_ui(ui, model, widgets);
+                panel::display::ranges_ui(ui, model, widgets, queue);
             });
         });
     }
@@ -58,37 +59,33 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             mark(ui, Part::Below, ui.max_rect());
             table::numbers_ui(ui, model);
             ui.separator();
-            table::switch_ui(ui, model);
+            table::switch_ui(ui, model, queue);
             match model.pair.tab {
                 PairTab::Matches => in_table = table::table_ui(ui, model, queue),
-                PairTab::Unmatched => table::lost_table_ui(ui, model),
+                PairTab::Unmatched => table::lost_table_ui(ui, model, queue),
                 PairTab::Compared => panel::against::against_ui(ui, model, widgets, queue),
             }
         });
         over_list = is_over && model.pair.tab == PairTab::Compared;
     }
     let between = ui.visuals().panel_fill;
-    CentralPanel::default()
-        .frame(Frame::new().fill(between))
-        .show(ui, |ui| {
-            mark(ui, Part::Pictures, ui.max_rect());
-            let inspected = inspector_ui(ui, model, widgets, queue);
-            let over_pictures = lines::lines_ui(ui, model, &inspected.drawn);
-            model.pair.hovered = over_pictures.unwrap_or(in_table);
-            for side in Side::BOTH {
-                let is_over = |(id, drawn): &(PaneId, Drawn)| {
-                    drawn.output.pointer_ui.is_some() && model.panes.get(*id).is_some_and(|pane| pane.side == side)
-                };
-                if !(inspected.drawn.iter().any(is_over) || (over_list && model.active_side() == side)) {
-                    model.slots[side].against.hovered = None;
-                }
+    CentralPanel::default().frame(Frame::new().fill(between)).show(ui, |ui| {
+        mark(ui, Part::Pictures, ui.max_rect());
+        let drawn = inspector_ui(ui, model, widgets, queue);
+        let over_pictures = lines::lines_ui(ui, model, &drawn, queue);
+        queue.point(&model.pair.hovered, over_pictures.unwrap_or(in_table), Pointed::Match);
+        for side in Side::BOTH {
+            let is_over = |(id, drawn): &(PaneId, Drawn)| {
+                drawn.output.pointer_ui.is_some() && model.panes.get(*id).is_some_and(|pane| pane.side == side)
+            };
+            if !(drawn.iter().any(is_over) || (over_list && model.active_side() == side)) {
+                queue.point(&model.slots[side].against.hovered, None, |row| Pointed::Row(side, row));
             }
-            inspected.changes
-        })
-        .inner
+        }
+    });
 }
 
-pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
+pub fn sides_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "A and B", |ui| {
         let both = model.burst_of(Side::B).is_some();
         ui.add_enabled_ui(both, |ui| {
@@ -105,7 +102,7 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
                     response
                         .widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, both, active == side, &name));
                     if response.clicked() && active != side {
-                        model.focus_other_side();
+                        queue.push(ActionId::OtherSide);
                     }
                 }
                 button_ui(ui, model, queue, ActionId::SwapSides, Some("Swap"));
@@ -132,13 +129,14 @@ pub fn sides_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) {
     });
 }
 
-pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
+pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Matches", |ui| {
         let verified = model.pair.matches.as_ref().is_none_or(|m| m.result.verification.is_some());
         let counts = model.pair.matches.as_ref().map(|m| m.result.counts);
         let inliers = counts.map(|c| c.inliers.unwrap_or(c.putative));
         let outliers = counts.and_then(|c| c.inliers.map(|inliers| c.putative - inliers));
-        let look = &mut model.pair.look;
+        let mut changed = model.pair.look;
+        let look = &mut changed;
         let (kind, label) = if verified { (LineKind::Inlier, "Inliers") } else { (LineKind::Unverified, "Putative") };
         let tip = "Matches that agree with the geometry of the two views  (I)";
         kind_ui(ui, &mut look.inliers, kind, label, inliers, tip);
@@ -160,6 +158,7 @@ pub fn switches_ui(ui: &mut Ui, model: &mut Model) {
         for (on, label, tip) in boxes {
             ui.checkbox(on, label).on_hover_text(tip);
         }
+        queue.set(&model.pair.look, changed, Action::SetMatchLook);
     });
 }
 

@@ -1,6 +1,7 @@
 //! Parameters of matching: all of them, with unit, default, effect of raising it, and error.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::document::Action;
 use crate::app::panel::parameter_rows::{self as rows, ParamTable};
 use crate::app::panel::widgets::{name_field, section_ui};
 use crate::app::project::Model;
@@ -41,7 +42,7 @@ impl CameraText {
     }
 }
 
-pub fn parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
+pub fn parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         ui.horizontal(|ui| {
             button_ui(ui, model, queue, ActionId::Match, None);
@@ -50,23 +51,24 @@ pub fn parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, qu
             });
         });
         ui.add_space(4.0);
-        all_rows_ui(ui, model, camera);
+        all_rows_ui(ui, model, camera, queue);
     });
 }
 
-pub fn dataset_parameters_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText, queue: &mut Queue) {
+pub fn dataset_parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
         ui.add_space(4.0);
-        all_rows_ui(ui, model, camera);
+        all_rows_ui(ui, model, camera, queue);
     });
 }
 
-fn all_rows_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText) {
+fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
     let size = model.burst_of(Side::A).map(|open| open.burst.size());
-    let error = model.pair.param_error.clone();
-    let p = &mut model.pair.params;
-    let table = ParamTable { error: error.as_ref(), defaults: MatchParams::default(), frame_count: 0, note: None };
+    let error = model.pair.param_error.as_ref();
+    let mut params = model.pair.params.clone();
+    let p = &mut params;
+    let table = ParamTable { error, defaults: MatchParams::default(), frame_count: 0, note: None };
     for record in &doc::ALL {
         ui.add_enabled_ui((record.in_use)(p), |ui| {
             if *record == doc::CAMERA {
@@ -76,6 +78,7 @@ fn all_rows_ui(ui: &mut Ui, model: &mut Model, camera: &mut CameraText) {
             }
         });
     }
+    queue.set(&model.pair.params, params, |params| Action::SetMatching(Box::new(params)));
 }
 
 fn camera_ui(

@@ -1,6 +1,7 @@
 //! Tables of two bursts: the matches, and where the other features of A were lost; and the numbers of the pair.
 
 use crate::app::actions::{ActionId, Queue};
+use crate::app::document::Action;
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
@@ -28,9 +29,9 @@ impl SortedColumn for MatchColumn {
 }
 
 /// Draws the table; returns the match whose row is under the pointer.
-pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usize> {
-    let matches = model.pair.matches.clone()?;
-    let pair = &mut model.pair;
+pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> {
+    let pair = &model.pair;
+    let matches = pair.matches.as_ref()?;
     let listed = Listed { items: &pair.listed, selected: pair.selected, hovered: pair.hovered };
     let text = |column: MatchColumn, index: usize| matches.row(index).map_or_else(String::new, |row| column.text(&row));
     let mut chosen = None;
@@ -42,24 +43,26 @@ pub fn table_ui(ui: &mut Ui, model: &mut Model, queue: &mut Queue) -> Option<usi
     };
     let order = (&MatchColumn::ALL[..], pair.order);
     let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Match {}", index + 1), menu);
-    (pair.order, pair.selected) = (pointed.order, chosen.or(pointed.selected));
+    queue.set(&pair.order, pointed.order, Action::SetMatchOrder);
+    queue.set(&pair.selected, chosen.or(pointed.selected), Action::SelectMatch);
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
     pointed.hovered
 }
 
-pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
+pub fn switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
         let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
-        let tab = &mut model.pair.tab;
-        ui.selectable_value(tab, PairTab::Matches, "Matches");
-        ui.selectable_value(tab, PairTab::Unmatched, "Unmatched features of A")
+        let mut tab = model.pair.tab;
+        ui.selectable_value(&mut tab, PairTab::Matches, "Matches");
+        ui.selectable_value(&mut tab, PairTab::Unmatched, "Unmatched features of A")
             .on_hover_text("Features of A that are not inliers, and the step at which each was lost");
-        if is_compared || *tab == PairTab::Compared {
-            ui.selectable_value(tab, PairTab::Compared, "Compared features")
+        if is_compared || tab == PairTab::Compared {
+            ui.selectable_value(&mut tab, PairTab::Compared, "Compared features")
                 .on_hover_text("Features of the burst in focus, compared with others");
         }
+        queue.set(&model.pair.tab, tab, Action::SetPairTab);
         ui.separator();
         if let Some(running) = &model.pair.lost.wanted.running() {
             ui.weak(progress_text(running));
@@ -76,9 +79,7 @@ pub fn switch_ui(ui: &mut Ui, model: &mut Model) {
             let mark = spacing.icon_width + spacing.icon_spacing;
             make_room(ui, mark + text_width(ui, &text));
             if ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed() {
-                model.pair.lost.hidden.retain(|hidden| *hidden != lost);
-                model.pair.lost.hidden.extend((!on).then_some(lost));
-                model.pair.tab = PairTab::Unmatched;
+                queue.push(Action::ShowLost(lost, on));
             }
         }
     });
@@ -98,8 +99,8 @@ fn help(lost: Lost) -> &'static str {
 const LOST_COLUMNS: [(&str, f32); 7] =
     [("#", 50.0), ("Lost to", 120.0), ("u", 60.0), ("v", 60.0), ("σ", 50.0), ("Slope", 100.0), ("SNR", 0.0)];
 
-pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
-    let Some(found) = model.losses().cloned() else {
+pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let Some(found) = model.losses() else {
         ui.weak("There are no matches yet.");
         return;
     };
@@ -129,7 +130,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: &mut Model) {
         }
     });
     if let Some(index) = clicked {
-        model.ask_feature(Some(index));
+        queue.push(Action::AskFeature(Some(index)));
     }
 }
 

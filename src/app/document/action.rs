@@ -1,0 +1,207 @@
+//! Changes that the user asks for. Panels and panes push them while they are drawn; they are applied after the drawing,
+//! by one function (`actions::apply`).
+
+use crate::app::actions::registry::ActionId;
+use crate::app::pane::{Arrangement, Content, Link, Over, PaneId};
+use crate::app::project::against::{Kind, With};
+use crate::app::project::compare::{CompareLook, Contender};
+use crate::app::project::datasets::PairChoice;
+use crate::app::project::datasets::pairs::{BurstPair, PairColumn};
+use crate::app::project::figure::FigureChoice;
+use crate::app::project::film::FilmChoice;
+use crate::app::project::filter::{Filter, Order};
+use crate::app::project::lab::Lab;
+use crate::app::project::look::{Look, RangeClass};
+use crate::app::project::measure::Measure;
+use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
+use crate::app::project::panels::Panels;
+use crate::app::project::panes::{Change, Destination};
+use crate::app::project::set_up::SetUpState;
+use crate::app::project::side::Side;
+use crate::app::view::{ColourBy, View};
+use crate::burst::OpenOptions;
+use crate::dataset::DatasetSource;
+use crate::detector::{ParamChange, Quantity, SearchParams, Slope, Test};
+use crate::evaluate::poses::{PoseStudy, Projection};
+use crate::inspect::probe::Wanted as ProbeSubject;
+use crate::inspect::unmatched::Lost;
+use crate::matching::MatchParams;
+use crate::plane::display::Display;
+use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
+use crate::teach::BottomTab;
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// A row of the action table: what menus, keys and buttons do.
+    Do(ActionId),
+    Open(Side, BurstSource),
+    OpenDataset(DatasetSource),
+    /// The burst at a place of the open dataset.
+    OpenBurstAt(usize),
+    /// The open burst as a dataset of bursts of this many frames.
+    CutOpenBurst(usize),
+    Calibrate(OpenOptions),
+    /// Also where features of other parameters are replaced.
+    DetectAllAnyway,
+
+    Focus(PaneId),
+    Rearrange(Arrangement),
+    ChangePanes(Change),
+    MoveView {
+        pane: PaneId,
+        before: View,
+        after: View,
+    },
+    GoTo(Side, Destination),
+    SetFrame(PaneId, usize),
+    SetSlope(PaneId, Slope),
+    /// The next slope, while slopes are played.
+    PlaySlope(PaneId, Slope),
+    /// Octave and level.
+    SetScale(PaneId, i32, i32),
+    Show(PaneId, ViewKind),
+    SetContent(PaneId, Content),
+    SetOver(PaneId, Option<Over>),
+    SetLink(PaneId, Link, bool),
+    SetMethod(PaneId, Contender),
+    SetSide(PaneId, Side),
+
+    /// Of the pane in focus, or of all that share its display.
+    SetDisplay(RangeClass, Display),
+    /// All but its value ranges.
+    SetLook(Look),
+    ColourBy(ColourBy),
+    SetMeasure(Measure),
+    SetPanels(Panels),
+    OpenTab(BottomTab),
+    ToggleTab(BottomTab),
+    SetFigure(FigureChoice),
+    SetFilm(FilmChoice),
+
+    SetSearch(Box<SearchParams>),
+    /// The first `n` frames, added up along the slope; of one its frame.
+    UseFrames(usize),
+    /// Advice for the burst of a side.
+    ApplyChanges(Side, Vec<ParamChange>),
+    SetSetUp(SetUpState),
+    ApplySetUp,
+    ReadDepths(bool),
+
+    Select(Option<usize>),
+    SetFilter(Filter),
+    SetOrder(Order<Quantity>),
+    ShowTest(Option<Test>),
+    SelectCandidate(Option<usize>),
+    ExamineSlopes,
+    SearchDecoys,
+
+    Probe(Side, ProbeQuestion),
+    ProbeFeature(Side, usize),
+    ProbeSubject(ProbeSubject),
+    /// Scale σ near which candidates come first, input pixels.
+    ProbeNear(Option<f32>),
+    OpenProbe(bool),
+    StopFollowing,
+
+    CompareWith(Side, Option<With>),
+    ShowKind(Side, Kind, bool),
+    SelectRow(Side, Option<usize>),
+
+    SetMatching(Box<MatchParams>),
+    SetMatchLook(MatchLook),
+    SetMatchOrder(Order<MatchColumn>),
+    SetPairTab(PairTab),
+    SelectMatch(Option<usize>),
+    /// Why a feature of A has no match.
+    AskFeature(Option<usize>),
+    ShowLost(Lost, bool),
+    SetMethods(CompareLook),
+
+    SetLab(Box<Lab>),
+    ShowKept(usize, bool),
+    NameKept(usize, String),
+    ForgetKept(usize),
+
+    SetPairChoice(PairChoice),
+    /// A burst of the open dataset, by its place, as A or B of a pair.
+    ChooseBurst(Side, usize),
+    SelectPair(BurstPair),
+    SortPairs(PairColumn),
+
+    SetPoseStudy(PoseStudy),
+    SetProjection(Projection),
+    MoveCameras(View),
+    SelectCamera(Option<usize>),
+    /// The burst of a camera, by its label.
+    OpenCamera(String),
+
+    Note(String),
+    DismissMessage(u64),
+    Point(Pointed),
+}
+
+/// Thing under the pointer, or as last drawn: of no lasting effect.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Pointed {
+    Feature(Option<usize>),
+    Candidate(Option<usize>),
+    Row(Side, Option<usize>),
+    Match(Option<usize>),
+    Camera(Option<usize>),
+    /// Its burst, and pixels at mid-burst.
+    Place(Option<(Side, [f32; 2])>),
+    /// Features at the probed place that are drawn as dots.
+    Dots(Vec<usize>),
+    /// Numbers of match lines that are drawn, and of those that could be.
+    Lines(usize, usize),
+}
+
+impl From<ActionId> for Action {
+    fn from(id: ActionId) -> Self {
+        Self::Do(id)
+    }
+}
+
+impl From<Pointed> for Action {
+    fn from(pointed: Pointed) -> Self {
+        Self::Point(pointed)
+    }
+}
+
+/// Actions of a pass, in the order in which they were asked for.
+#[derive(Debug, Default)]
+pub struct Queue(Vec<Action>);
+
+impl Queue {
+    pub fn push(&mut self, action: impl Into<Action>) {
+        self.0.push(action.into());
+    }
+
+    /// Pushes the action that sets a value, if `after` is another one.
+    pub fn set<T: PartialEq>(&mut self, before: &T, after: T, action: impl FnOnce(T) -> Action) {
+        if *before != after {
+            self.0.push(action(after));
+        }
+    }
+
+    pub fn point(&mut self, before: &Option<usize>, after: Option<usize>, to: impl FnOnce(Option<usize>) -> Pointed) {
+        self.set(before, after, |after| Action::Point(to(after)));
+    }
+
+    pub fn replace(&mut self, action: impl Into<Action>) {
+        self.0 = vec![action.into()];
+    }
+
+    pub fn asked(&self) -> impl Iterator<Item = ActionId> {
+        self.0.iter().filter_map(|action| if let Action::Do(id) = action { Some(*id) } else { None })
+    }
+}
+
+impl IntoIterator for Queue {
+    type Item = Action;
+    type IntoIter = std::vec::IntoIter<Action>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
