@@ -53,8 +53,7 @@ fn every_kind_of_picture_is_what_the_library_makes() {
     let window = laid_out(open(), Key::Num9);
     let model = &window.app().model;
     let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let planes: Vec<_> =
-        shown(&window).iter().map(|id| model.picture_in(*id).unwrap().plane.clone()).collect();
+    let planes: Vec<_> = shown(&window).iter().map(|id| model.picture_in(*id).unwrap().plane.clone()).collect();
     let (cursor, params, monitor) = (*model.cursor(), &model.params, Monitor::default());
     assert_eq!(planes[0], burst.frames[cursor.frame]);
     assert_eq!(*planes[1], stack_view(burst, params, cursor.slope, &monitor).unwrap());

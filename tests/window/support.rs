@@ -179,7 +179,7 @@ impl Window {
     /// Clicks a button (or another clickable widget) with this text.
     pub fn click(&mut self, label: &str) {
         self.harness.get_by_role_and_label(Role::Button, label).click();
-        self.harness.run_steps(2);
+        self.harness.run_steps(3);
     }
 
     /// Presses a key.

@@ -5,6 +5,8 @@ mod change;
 pub mod menu;
 pub mod registry;
 mod state_of;
+#[cfg(test)]
+mod tests;
 
 pub use crate::app::document::Queue;
 pub use apply::apply;

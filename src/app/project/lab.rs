@@ -133,6 +133,9 @@ impl Model {
     }
 
     pub fn forget_kept(&mut self, index: usize) {
+        if index >= self.studies.kept.len() {
+            return;
+        }
         self.studies.kept.remove(index);
         match &mut self.lab.selected {
             Some((LabSet::Kept(selected), _)) if *selected > index => *selected -= 1,

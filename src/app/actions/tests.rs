@@ -1,0 +1,142 @@
+//! Laws of actions: any list of them leaves a valid document, and undo and redo return to what was.
+
+use super::{ActionId, apply};
+use crate::app::document::{Action, Document};
+use crate::app::pane::{Direction, Link, PaneId, Preset};
+use crate::app::project::Model;
+use crate::app::project::panes::{Change, Destination};
+use crate::app::project::side::Side;
+use crate::app::project::tests::{Bench, open};
+use crate::app::view::{View, Zoom};
+use crate::detector::{DetectorParams, SearchParams, Slope, SlopeChoice, SlopeGrid};
+use crate::matching::MatchParams;
+use crate::requests::ViewKind;
+use proptest::prelude::*;
+
+fn bench() -> Bench {
+    let mut bench = Bench::new();
+    bench.model.take_burst(open((64, 48), 5));
+    bench.model.take_second_burst(open((48, 64), 3));
+    bench
+}
+
+/// As in a pass of the window.
+fn pass(bench: &mut Bench, action: Action) {
+    let _ = apply(action, &mut bench.model, &bench.engine);
+    bench.model.refresh_workspace();
+    bench.model.check_params();
+    bench.model.check_pair();
+    bench.model.close_step(false);
+}
+
+fn search(params: DetectorParams) -> Action {
+    Action::SetSearch(Box::new(SearchParams { detector: params, slopes: SlopeChoice::Given }))
+}
+
+/// Actions on settings that undo covers.
+fn of_settings() -> impl Strategy<Value = Action> {
+    let pane = (0..2u32).prop_map(PaneId);
+    let slope = (-9.0f32..9.0, -9.0f32..9.0).prop_map(|(u, v)| Slope::new(u, v));
+    prop_oneof![
+        (1.0f32..30.0).prop_map(|edge_threshold| search(DetectorParams { edge_threshold, ..Default::default() })),
+        (1.0f32..6.0, 2..9usize).prop_map(|(end, count)| {
+            search(DetectorParams { slopes: SlopeGrid::line(-end..=end, count), ..Default::default() })
+        }),
+        (0.5f32..0.95).prop_map(|ratio| Action::SetMatching(Box::new(MatchParams { ratio, ..Default::default() }))),
+        (pane, slope).prop_map(|(pane, slope)| Action::SetSlope(pane, slope)),
+        Just(ActionId::ResetParams.into()),
+        Just(ActionId::Preset2d.into()),
+        Just(ActionId::SlopeUMore.into()),
+    ]
+}
+
+/// Actions of all kinds; many of them on panes, and some on panes that are not there.
+fn any_action() -> impl Strategy<Value = Action> {
+    let pane = || (0..6u32).prop_map(PaneId);
+    let directions = prop::sample::select(vec![Direction::Right, Direction::Down]);
+    let ids: Vec<ActionId> = super::ACTIONS.iter().map(|row| row.id).filter(|id| !opens(*id)).collect();
+    prop_oneof![
+        of_settings(),
+        prop::sample::select(ids).prop_map(Action::Do),
+        pane().prop_map(Action::Focus),
+        (pane(), directions).prop_map(|(pane, to)| Action::ChangePanes(Change::Split(pane, to))),
+        pane().prop_map(|pane| Action::ChangePanes(Change::Close(pane))),
+        (pane(), prop::sample::select(Preset::ALL.to_vec()))
+            .prop_map(|(pane, preset)| Action::ChangePanes(Change::LayOut(pane, preset))),
+        (pane(), prop::sample::select(ViewKind::ALL.to_vec())).prop_map(|(pane, kind)| Action::Show(pane, kind)),
+        (pane(), 0..9usize).prop_map(|(pane, frame)| Action::SetFrame(pane, frame)),
+        (pane(), -3..9i32, -3..9i32).prop_map(|(pane, octave, level)| Action::SetScale(pane, octave, level)),
+        (pane(), prop::sample::select(Link::ALL.to_vec()), any::<bool>())
+            .prop_map(|(pane, link, on)| Action::SetLink(pane, link, on)),
+        (pane(), prop::sample::select(Side::BOTH.to_vec())).prop_map(|(pane, side)| Action::SetSide(pane, side)),
+        (pane(), 0.1f32..50.0, -99.0f32..99.0).prop_map(|(pane, zoom, u)| {
+            let after = View::new(Zoom::PointsPerPixel(zoom), [u, -u]);
+            Action::MoveView { pane, before: View::fit(), after }
+        }),
+        (0..9usize, -9.0f32..9.0).prop_map(|(frame, u)| {
+            let to = Destination { frame: Some(frame), slope: Some(Slope::new(u, 0.0)), ..Default::default() };
+            Action::GoTo(Side::B, to)
+        }),
+        prop::option::of(0..9usize).prop_map(Action::Select),
+        prop::option::of(0..9usize).prop_map(Action::AskFeature),
+        (0..9usize).prop_map(Action::ForgetKept),
+        (0..9usize).prop_map(Action::UseFrames),
+    ]
+}
+
+/// Whether the action opens something, or asks the engine for work.
+fn opens(id: ActionId) -> bool {
+    let label = id.action().label;
+    let menu = id.action().menu;
+    label.ends_with('…') || menu == super::Menu::File || menu == super::Menu::Help || menu == super::Menu::Dataset
+}
+
+fn assert_valid(model: &Model) {
+    let Document { panes, .. } = &model.document;
+    let shown = panes.shown();
+    assert!(!shown.is_empty() && shown.contains(&panes.focus()), "{:?} of {shown:?}", panes.focus());
+    let followers = panes.followers();
+    for (id, pane) in panes.iter() {
+        let slot = &model.slots[pane.side];
+        if let Some(burst) = slot.burst.as_ref().filter(|_| !followers.contains(&id)) {
+            assert_eq!(pane.cursor, pane.cursor_within(burst, &slot.usable_params), "the cursor of pane {id:?}");
+        }
+        assert!(pane.others().iter().all(|other| panes.get(*other).is_some()), "{pane:?} shows a pane that is closed");
+    }
+    assert!(model.pair.params.ratio > 0.0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_list_of_actions_leaves_a_valid_document(actions in prop::collection::vec(any_action(), 1..160)) {
+        let mut bench = bench();
+        for action in actions {
+            pass(&mut bench, action);
+            assert_valid(&bench.model);
+        }
+    }
+
+    #[test]
+    fn undo_and_redo_return_to_what_was(actions in prop::collection::vec(of_settings(), 1..160)) {
+        let mut bench = bench();
+        let before = bench.model.document.clone();
+        for action in actions {
+            pass(&mut bench, action);
+        }
+        let after = bench.model.document.clone();
+        while bench.model.history.can_undo() {
+            pass(&mut bench, ActionId::Undo.into());
+        }
+        let undone = &bench.model.document;
+        prop_assert_eq!((&undone.params, undone.slopes), (&before.params, before.slopes));
+        prop_assert_eq!(bench.model.pair.params.clone(), MatchParams::default());
+        let slopes = |document: &Document| -> Vec<_> { document.panes.iter().map(|(_, p)| p.cursor.slope).collect() };
+        prop_assert_eq!(slopes(undone), slopes(&before));
+        while bench.model.history.can_redo() {
+            pass(&mut bench, ActionId::Redo.into());
+        }
+        prop_assert_eq!(&bench.model.document, &after);
+    }
+}
