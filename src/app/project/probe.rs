@@ -429,7 +429,7 @@ mod tests {
         assert_eq!((of, price.now), (&change, bench.model.features().len()));
         assert!(price.own.is_some_and(|(now, then)| now == 0 && then > 0), "{price:?}");
         assert!(bench.model.price_text(Side::A, &change).is_some_and(|text| text.starts_with("Keeps this one, and ")));
-        bench.model.apply_advice(Side::A, &[change.clone()]);
+        bench.model.apply_advice(Side::A, std::slice::from_ref(&change));
         bench.settle();
         assert_eq!(bench.model.features().len(), price.then);
         // Twice the slopes.

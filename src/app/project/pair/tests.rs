@@ -14,7 +14,7 @@ use std::time::Duration;
 /// A model with two bursts and the features of both; B's are A's, moved by (2, 0).
 pub(in crate::app::project) fn pair() -> Model {
     let mut model = Model::default();
-    model.workspace = Workspace::Pair;
+    model.document.workspace = Workspace::Pair;
     let (a, b) = (open((64, 48), 5), open((64, 48), 5));
     model.take_burst(a.clone());
     model.take_second_burst(b.clone());
