@@ -101,7 +101,7 @@ class Detection:
 
     @cached_property
     def field(self) -> NDArray[np.float32]:
-        """Motions of the features' places, from the field of motion [n, 2], pixels per frame."""
+        """Motions of the features' places, from the field of motion [n, 2], pixels per frame; NaN where unknown."""
         return _fixed(np.column_stack([self._raw.column("field_u"), self._raw.column("field_v")]))
 
     @cached_property
@@ -113,6 +113,11 @@ class Detection:
     def layer(self) -> NDArray[np.int32]:
         """Motion layers that they move with [n], from 1, the nearest; 0 for none."""
         return _fixed(self._raw.column("layer"))
+
+    @cached_property
+    def motion(self) -> NDArray[np.str_]:
+        """Their motions beside those of their places [n]: "surroundings", "own", "edge", "ghost" or "unknown"."""
+        return _fixed(np.array(self._raw.column("motion"), dtype="U12"))
 
     @cached_property
     def descriptors(self) -> NDArray[np.uint8]:

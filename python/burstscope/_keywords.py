@@ -123,7 +123,7 @@ class DetectorKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
-    search: Literal["all", "field"]
+    search: Literal["full", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -560,7 +560,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
-    search: Literal["all", "field"]
+    search: Literal["full", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -741,7 +741,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
-    search: Literal["all", "field"]
+    search: Literal["full", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -893,7 +893,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
-    search: Literal["all", "field"]
+    search: Literal["full", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -1038,7 +1038,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
-    search: Literal["all", "field"]
+    search: Literal["full", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float
@@ -1250,7 +1250,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     noise_model: Literal["local", "white"]
     flicker: Literal["auto", "off"]
     edge_threshold: float
-    search: Literal["all", "field"]
+    search: Literal["full", "field"]
     slope_extrema: Literal["each", "joint"]
     distinct: Union[float, Literal["off"]]
     distinct_scale: float

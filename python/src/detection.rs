@@ -16,6 +16,7 @@ use burstscope::{Burst, Detection, DetectorParams, Monitor, Plane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 use std::path::PathBuf;
 
 /// Features of a burst.
@@ -60,9 +61,10 @@ impl RawDetection {
         let quantity = quantity.ok_or_else(|| PyValueError::new_err(format!("there is no column '{key}'")))?;
         let features = self.features().iter().copied();
         Ok(match quantity.record().place {
-            Place::Real(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
+            Place::Real(_) => PyArray1::from_iter(py, features.filter_map(|f| quantity.of(&f))).into_any(),
             Place::Whole(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
             Place::Flag(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
+            Place::Moves(at) => PyList::new(py, features.map(|mut f| at(&mut f).key()))?.into_any(),
             Place::Beside => return Err(PyValueError::new_err(format!("no feature holds '{key}'"))),
         })
     }

@@ -36,6 +36,7 @@ def test_the_bits_are_those_of_the_command(
             found.xy, found.sigma, found.angle, found.slope, found.response, found.snr,
             found.octave, found.level, found.at_slope_limit,
             found.slope_sigma, found.field, found.field_sigma, found.layer,
+            [("unknown", "surroundings", "own", "edge", "ghost").index(word) for word in found.motion],
         ]
     )  # fmt: skip
     np.testing.assert_array_equal(ours.astype(np.float32), columns)

@@ -51,9 +51,10 @@ pub struct DetectArgs {
 
 const DETECT_HELP: &str = "\
 Files, for each burst NAME:
-  csv     NAME.csv  u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,field_v,field_sigma,layer; strongest first
+  csv     NAME.csv  u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,field_v,field_sigma,layer,motion; strongest first;
+                    empty: no field or layer there; motion: surroundings, own, edge, ghost or unknown
   colmap  NAME.txt  'N 128', then x y scale orientation d1 … d128; first pixel centre at 0.5, UBC order
-  npz     NAME.npz  features [N,11] f32 in the csv's columns, descriptors [N,128] u8
+  npz     NAME.npz  features [N,17] f32 in the csv's columns (motion: 0 unknown, 1 surroundings, 2 own, 3 edge, 4 ghost), descriptors [N,128] u8
 
 JSON (--json):
   {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},

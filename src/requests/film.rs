@@ -1,10 +1,11 @@
 //! A sweep over slope, scale or frames as a film: each step as a figure with its features, its numbers, the meaning of
 //! the colours, and the response at a place over all steps.
 
+use super::map::SlopeColours;
 use super::open::OpenBurst;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, SlopeGrid, memory};
+use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, memory};
 use crate::error::{Error, ErrorKind};
 use crate::export::film::write_film;
 use crate::export::{
@@ -14,7 +15,7 @@ use crate::export::{
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
-use crate::plane::display::{Display, direction_colour, to_rgba8};
+use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::bilinear;
 use crate::plane::statistics::{Region, percentiles_until};
 use image::RgbaImage;
@@ -331,11 +332,11 @@ impl Film {
             dashed: true,
             ..FigureMark::circle(place.at, 9.0, MARK)
         });
-        let (grid, frames) = (self.params.used_slopes(), self.frame_count());
-        let mark = |feature: &&Feature| FigureMark::of(feature, frames, colour(feature.motion().0, &grid));
+        let (colours, frames) = (SlopeColours::of(&self.params.used_slopes()), self.frame_count());
+        let mark = |feature: &&Feature| FigureMark::of(feature, frames, colours.colour(feature.motion().0));
         let marks = drawn.iter().map(mark).chain(place);
         let legend =
-            self.detection.as_ref().map(|found| slope_legend(found, MAX_LEGEND_ENTRIES, |s| colour(s, &found.slopes)));
+            self.detection.as_ref().map(|found| slope_legend(found, MAX_LEGEND_ENTRIES, |s| colours.colour(s)));
         let [low, high] = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
         FigurePanel {
             size,
@@ -439,10 +440,6 @@ impl Film {
 }
 
 /// Colour of a slope: its direction as hue, its length as saturation.
-fn colour(slope: Slope, grid: &SlopeGrid) -> [u8; 3] {
-    direction_colour(slope.v.atan2(slope.u), slope.magnitude() / grid.max_magnitude().max(1e-3))
-}
-
 /// Slopes of the grid that have features, at most `most` of them, each with its colour.
 pub fn slope_legend(detection: &Detection, most: usize, colour: impl Fn(Slope) -> [u8; 3]) -> Vec<LegendEntry> {
     let mut used: Vec<usize> = detection.features.iter().map(|feature| feature.slope_index).collect();
@@ -459,6 +456,7 @@ pub fn slope_legend(detection: &Detection, most: usize, colour: impl Fn(Slope) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::SlopeGrid;
     use crate::export::FigureShape;
     use crate::requests::BurstSource;
     use std::sync::atomic::{AtomicUsize, Ordering};

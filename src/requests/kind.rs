@@ -172,8 +172,8 @@ impl ViewKind {
             Self::Motion => AboutView {
                 key: "motion",
                 label: "Winning slope",
-                help: "The slope that answers most strongly at each place, at the octave and level: its direction is \
-                       the colour, and it is the brighter the further all other slopes stay behind",
+                help: "The slope that answers most strongly at each place, at the octave and level: it is the colour, \
+                       the brighter the further all other slopes stay behind",
                 of_slope: false,
                 of_scale: true,
                 range: RangeClass::Motion,
@@ -182,8 +182,8 @@ impl ViewKind {
             Self::Field => AboutView {
                 key: "field",
                 label: "Field of motion",
-                help: "The motion of every place, from all that lies around it: its direction is the colour, and it \
-                       is the brighter the more certain it is; grey where it is unknown",
+                help: "The motion of every place, from all that lies around it: its slope is the colour, the \
+                       brighter the more certain it is; grey where it is unknown",
                 of_slope: false,
                 range: RangeClass::Motion,
                 ..MAP

@@ -37,7 +37,7 @@ pub use explain::{
 };
 pub use film::{Film, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
-pub use map::MotionMap;
+pub use map::{MotionMap, SlopeColours};
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
 pub use picture::{Picture, PictureRequest};

@@ -84,17 +84,19 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Lines of a CSV file of features as numbers, without the header.
+/// Lines of a CSV file of features as numbers, without the header and the words of the last column; NaN for empty cells.
 pub fn features(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("a file");
     let mut lines = text.lines();
     assert_eq!(
         lines.next(),
         Some(
-            "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,field_v,field_sigma,layer"
+            "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,field_v,field_sigma,layer,motion"
         )
     );
-    lines.map(|line| line.split(',').map(|x| x.parse().expect("a number")).collect()).collect()
+    let number = |cell: &str| if cell.is_empty() { f64::NAN } else { cell.parse().expect("a number") };
+    let numbers = |line: &str| line.split(',').take(16).map(number).collect();
+    lines.map(numbers).collect()
 }
 
 /// All files below `folder`, with their contents.

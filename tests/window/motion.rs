@@ -6,6 +6,7 @@ use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::session::Session;
 use burstscope::app::view::{View, Zoom, layer_text, motion_text};
 use burstscope::detector::{Moves, Slope};
+use burstscope::inspect::verdict::{Judged, Verdict};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -37,57 +38,91 @@ fn one_count_of_the_features_at_this_slope() {
 }
 
 #[test]
-fn one_layer_alone_and_what_moves_by_itself_are_filters_that_sessions_keep() {
+fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep() {
     let mut window = open();
     let field = window.app().model.slots.a.found.as_ref().unwrap().detection.field.clone().expect("a field");
     let count = |window: &Window, wanted: &dyn Fn(&burstscope::Feature) -> bool| {
         window.app().model.features().iter().filter(|feature| wanted(feature)).count()
     };
-    let first = count(&window, &|feature| feature.layer == 1);
-    let alone = count(&window, &|feature| feature.layer == 1 && feature.moves() == Moves::ByItself);
-    assert!(first > alone, "{first} {alone}");
+    let listed = |window: &Window| window.app().model.listed.len();
+    let (total, first) = (count(&window, &|_| true), count(&window, &|feature| feature.layer == 1));
+    let none = count(&window, &|feature| feature.layer == 0);
+    let alone = count(&window, &|feature| feature.layer == 1 && feature.moves == Moves::ByItself);
+    assert!(total > first && first > alone && none > 0, "{total} {first} {alone} {none}");
+    let name = layer_text(1, &field.layers[0]);
     window.click("Filter");
     window.harness.run_steps(3);
-    window.click(&layer_text(1, &field.layers[0]));
-    window.settle();
-    assert_eq!((window.app().model.filter.layer, window.app().model.listed.len()), (Some(1), first));
-    // A choice closes the menu.
-    let open_again = |window: &mut Window| {
-        window.click("Filter (on)");
-        window.harness.run_steps(3);
+    // A switch leaves the menu open for the next.
+    let switch = |window: &mut Window, name: &str| {
+        window.harness.get_by_role_and_label(Role::CheckBox, name).click();
+        window.settle();
     };
-    open_again(&mut window);
+    switch(&mut window, &name);
+    assert_eq!(listed(&window), total - first);
+    switch(&mut window, "no layer");
+    assert_eq!(listed(&window), total - first - none);
+    window.click(&format!("Solo {name}"));
+    window.settle();
+    assert_eq!(listed(&window), first, "alone, though it is switched off");
     window.click("moves by itself");
     window.settle();
-    assert_eq!(window.app().model.listed.len(), alone);
+    assert_eq!(listed(&window), alone);
     let session = Session::of(&window.app().model).expect("a burst is open");
     assert_eq!(Session::from_toml(&session.to_toml()).expect("a session").filter, window.app().model.filter);
-    open_again(&mut window);
     window.click("any way");
+    window.click(&format!("Solo {name}"));
     window.settle();
-    open_again(&mut window);
-    window.click("no layer");
-    window.settle();
-    assert_eq!(window.app().model.listed.len(), count(&window, &|feature| feature.layer == 0));
+    assert_eq!(listed(&window), total - first - none, "the switches are as they were");
     window.key(Key::Escape);
+}
+
+#[test]
+fn a_hidden_layer_is_dark_in_the_field_of_motion() {
+    let mut window = open();
+    window.key(Key::O);
+    window.run_action("show field of motion");
+    window.settle();
+    let shown = window.harness.render().expect("a picture");
+    window.app_mut().model.filter.solo_layer = Some(1);
+    window.settle();
+    let model = &window.app().model;
+    let field = model.picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
+    let solo = window.harness.render().expect("a picture");
+    let brightness = |picture: &image::RgbaImage, layer: u8| {
+        let cells = (0..field.size.0 * field.size.1).filter(|cell| field.layer[*cell] == layer);
+        let middle = |at: usize| (at as f32 + 0.5) * field.cell_px as f32 - 0.5;
+        let pixel = |cell: usize| {
+            let at = egui::pos2(middle(cell % field.size.0), middle(cell / field.size.0));
+            let at = window.app().ui_from_image(at).expect("drawn");
+            let at = at * window.harness.ctx.pixels_per_point();
+            picture.get_pixel(at.x as u32, at.y as u32).0[..3].iter().map(|c| f32::from(*c)).sum::<f32>()
+        };
+        let (sum, count) = cells.map(pixel).fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+        sum / count
+    };
+    // Where panels lie over the picture they tell other numbers.
+    assert!((brightness(&solo, 1) / brightness(&shown, 1) - 1.0).abs() < 0.02);
+    assert!(brightness(&solo, 2) < 0.5 * brightness(&shown, 2));
 }
 
 #[test]
 fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
     let mut window = open();
     let features = window.app().model.features().to_vec();
-    let judged = |window: &Window, index: usize| window.app().model.judged().map(|judged| judged[index].verdict);
-    for moves in [Moves::WithSurroundings, Moves::ByItself] {
-        let index = features.iter().position(|f| f.moves() == moves && f.layer > 0).expect("one moves so");
+    for moves in [Moves::WithSurroundings, Moves::ByItself, Moves::Edge, Moves::Ghost] {
+        let index = features.iter().position(|f| f.moves == moves && f.layer > 0).expect("one moves so");
         let feature = features[index];
         window.app_mut().model.selected = Some(index);
         window.settle();
         assert!(window.shows(&motion_text(feature.slope, feature.slope_sigma, 2)), "{feature:?}");
         assert!(window.shows(&motion_text(feature.field, feature.field_sigma, 2)), "{feature:?}");
-        let is_ghost = judged(&window, index) == Some(burstscope::inspect::verdict::Verdict::Ghost);
-        assert!(window.shows(if is_ghost { "ghost" } else { moves.words() }), "{feature:?}");
+        assert!(window.shows(moves.words()), "{feature:?}");
     }
-    assert!(features.iter().any(|feature| feature.moves() == Moves::ByItself));
+    let judged = window.app().model.judged().expect("judged for the table");
+    let is_ghost = |(feature, judged): (&burstscope::Feature, &Judged)| {
+        (feature.moves == Moves::Ghost) == (judged.verdict == Verdict::Ghost)
+    };
+    assert!(features.iter().zip(judged.iter()).all(is_ghost), "said the same way");
 }
 
 #[test]

@@ -40,67 +40,93 @@ pub struct Feature {
     /// Standard deviation of `slope` along its least certain direction, pixels per frame: large along an edge, whose
     /// motion along itself is not defined.
     pub slope_sigma: f32,
-    /// Motion of its place, from the [field of motion](super::field), pixels per frame.
+    /// Motion of its place, from the [field of motion](super::field), pixels per frame; 0 where it is unknown.
     pub field: Slope,
     /// Standard deviation of `field` along its least certain direction, pixels per frame; infinite where the motion of
     /// the place is unknown, and where a burst has no field.
     pub field_sigma: f32,
     /// [Layer](super::field::MotionLayer) that it moves with, from 1, the nearest; 0 for none.
     pub layer: i32,
+    /// Its motion beside that of its surroundings.
+    pub moves: Moves,
 }
 
 /// Motion of a feature beside that of its surroundings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, serde::Serialize, serde::Deserialize)]
 pub enum Moves {
-    /// As its surroundings do, as far as its own motion is known.
-    WithSurroundings,
-    /// Otherwise: a thing that moves by itself, an alias, or a ghost of another motion.
-    ByItself,
-    /// Its own motion says little: it is an edge, which shows no motion along itself, or it is faint.
-    Undefined,
-    /// The motion of its place is unknown.
+    /// Nothing is known of its surroundings.
+    #[default]
+    #[serde(rename = "unknown")]
     Unknown,
+    /// As its surroundings do, as far as its own motion is known.
+    #[serde(rename = "surroundings")]
+    WithSurroundings,
+    /// Otherwise: a thing that moves by itself, or an alias.
+    #[serde(rename = "own")]
+    ByItself,
+    /// Its own motion is not defined by its shape: an edge shows no motion along itself.
+    #[serde(rename = "edge")]
+    Edge,
+    /// A ghost of another motion: only some of the frames respond, one after the other, along its slope.
+    #[serde(rename = "ghost")]
+    Ghost,
 }
 
 impl Moves {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::WithSurroundings, Self::ByItself, Self::Undefined, Self::Unknown];
+    /// All of them, in the order of their numbers in files without text, from 0.
+    pub const ALL: [Self; 5] = [Self::Unknown, Self::WithSurroundings, Self::ByItself, Self::Edge, Self::Ghost];
+
+    /// Word in files.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Unknown => "unknown",
+            Self::WithSurroundings => "surroundings",
+            Self::ByItself => "own",
+            Self::Edge => "edge",
+            Self::Ghost => "ghost",
+        }
+    }
 
     /// Words for people.
     pub fn words(self) -> &'static str {
         match self {
+            Self::Unknown => "surroundings unknown",
             Self::WithSurroundings => "moves with its surroundings",
             Self::ByItself => "moves by itself",
-            Self::Undefined => "motion not defined",
-            Self::Unknown => "surroundings unknown",
+            Self::Edge => "motion not defined (edge)",
+            Self::Ghost => "ghost",
+        }
+    }
+
+    /// Motion of `feature` by the numbers that it holds; they do not tell ghosts and edges.
+    pub fn by_numbers(feature: &Feature) -> Self {
+        let Feature { slope, slope_sigma, field, field_sigma, .. } = feature;
+        let apart = (slope.u - field.u).hypot(slope.v - field.v);
+        match () {
+            () if field_sigma.is_infinite() => Self::Unknown,
+            () if apart > BY_ITSELF_SIGMAS * slope_sigma.hypot(*field_sigma) => Self::ByItself,
+            () => Self::WithSurroundings,
         }
     }
 }
 
 /// Uncertainty of a feature's own motion above which it is not defined, pixels per frame.
-const DEFINED_SIGMA: f32 = 0.75;
+pub(super) const DEFINED_SIGMA: f32 = 0.75;
 /// Standard deviations by which a feature that moves by itself differs from its surroundings.
 const BY_ITSELF_SIGMAS: f32 = 3.0;
 
 impl Feature {
-    /// Its motion beside that of its surroundings.
-    pub fn moves(&self) -> Moves {
-        let apart = (self.slope.u - self.field.u).hypot(self.slope.v - self.field.v);
-        match self {
-            _ if self.field_sigma.is_infinite() => Moves::Unknown,
-            _ if self.slope_sigma > DEFINED_SIGMA => Moves::Undefined,
-            _ if apart > BY_ITSELF_SIGMAS * self.slope_sigma.hypot(self.field_sigma) => Moves::ByItself,
-            _ => Moves::WithSurroundings,
-        }
-    }
-
-    /// Motion to be said of it, and its standard deviation, pixels per frame: its own where it moves by itself or the
-    /// motion of its place is unknown, else that of its place, on which more of the picture decides.
+    /// Motion to be said of it, and its standard deviation, pixels per frame: its own where it moves by itself, where the
+    /// motion of its place is unknown, and where it is surer and within one standard deviation of that; else that of its
+    /// place, on which more of the picture decides.
     pub fn motion(&self) -> (Slope, f32) {
-        match self.moves() {
-            Moves::ByItself | Moves::Unknown => (self.slope, self.slope_sigma),
-            Moves::WithSurroundings | Moves::Undefined => (self.field, self.field_sigma),
+        let (own, of_place) = ((self.slope, self.slope_sigma), (self.field, self.field_sigma));
+        let apart = (self.slope.u - self.field.u).hypot(self.slope.v - self.field.v);
+        match self.moves {
+            Moves::ByItself | Moves::Unknown => own,
+            _ if self.field_sigma.is_infinite() => own,
+            Moves::WithSurroundings if self.slope_sigma < self.field_sigma && apart <= self.field_sigma => own,
+            Moves::WithSurroundings | Moves::Edge | Moves::Ghost => of_place,
         }
     }
 
@@ -227,7 +253,7 @@ pub fn strength(response: f32, snr: f32) -> f32 {
 /// Revision of the detector. It goes up by one with every change after which an unchanged burst and unchanged
 /// parameters give other bits of any feature or descriptor; not with new parameters whose defaults change nothing
 /// (parameters are compared separately).
-pub const REVISION: u32 = 12;
+pub const REVISION: u32 = 13;
 
 #[cfg(test)]
 mod tests {
@@ -239,20 +265,28 @@ mod tests {
     /// Results of this revision on a small chart: features; sums over all of |u|, |v|, σ, |slope u|, |response|·10³;
     /// mean of the descriptors' values. Sums, with a tolerance, because processors round the last bit differently.
     const FOUND: (u32, usize, [f64; 6]) =
-        (12, 140, [11858.151178, 12447.308279, 543.862808, 113.796307, 88.636163, 34.802567]);
+        (13, 140, [11858.151178, 12447.308279, 543.862808, 113.796307, 88.636163, 34.802567]);
 
     #[test]
     fn the_motion_said_is_that_of_the_place_unless_it_moves_otherwise() {
         let known = Feature { field: Slope::new(2.0, 0.5), field_sigma: 0.05, slope_sigma: 0.2, ..Feature::default() };
         let of = |u: f32, slope_sigma: f32, field_sigma: f32| {
             let feature = Feature { slope: Slope::new(u, 0.5), slope_sigma, field_sigma, ..known };
-            (feature.moves(), feature.motion())
+            let moves = Moves::by_numbers(&feature);
+            (moves, Feature { moves, ..feature }.motion())
         };
         let own = Slope::new(-1.0, 0.5);
         assert_eq!(of(2.3, 0.2, 0.05), (Moves::WithSurroundings, (known.field, 0.05)));
         assert_eq!(of(-1.0, 0.2, 0.05), (Moves::ByItself, (own, 0.2)));
-        assert_eq!(of(-1.0, 0.9, 0.05), (Moves::Undefined, (known.field, 0.05)), "an edge");
+        assert_eq!(of(-1.0, 2.0, 0.05), (Moves::WithSurroundings, (known.field, 0.05)), "too faint to tell otherwise");
+        assert_eq!(of(2.3, 0.05, 0.57), (Moves::WithSurroundings, (Slope::new(2.3, 0.5), 0.05)), "its own is surer");
+        assert_eq!(of(2.8, 0.05, 0.57), (Moves::WithSurroundings, (known.field, 0.57)), "but does not quite agree");
         assert_eq!(of(-1.0, 0.9, f32::INFINITY), (Moves::Unknown, (own, 0.9)));
+        for moves in [Moves::Edge, Moves::Ghost] {
+            let feature = Feature { slope: own, slope_sigma: 0.2, moves, ..known };
+            assert_eq!(feature.motion(), (known.field, 0.05));
+            assert_eq!(Feature { field_sigma: f32::INFINITY, ..feature }.motion(), (own, 0.2));
+        }
     }
 
     #[test]

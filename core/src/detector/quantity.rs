@@ -1,11 +1,11 @@
 //! Quantities of a feature. One record for each says how files, tables, filters and colours have it, so that a new one
 //! is added here, where it is computed, and nowhere else.
 
-use super::feature::Feature;
+use super::feature::{Feature, Moves};
 use crate::plane::display::ColourMap;
 use serde::{Deserialize, Serialize};
 
-/// A quantity of a feature. The last three are found after the detection; [`Feature`] does not hold them.
+/// A quantity of a feature. Depth, coherence and verdict are found after the detection; [`Feature`] does not hold them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs)] // each is described by the help of its record
@@ -31,6 +31,7 @@ pub enum Quantity {
     FieldV,
     FieldSigma,
     Layer,
+    #[serde(rename = "motion")]
     Moves,
 }
 
@@ -43,6 +44,8 @@ pub enum Place {
     Whole(fn(&mut Feature) -> &mut i32),
     /// Yes or no.
     Flag(fn(&mut Feature) -> &mut bool),
+    /// The way it moves: a word, or its number in [`Moves::ALL`].
+    Moves(fn(&mut Feature) -> &mut Moves),
     /// Not in the feature.
     Beside,
 }
@@ -160,8 +163,8 @@ impl Quantity {
     /// The columns of files, in order. Positions and scale are in input pixels; orientation in radians; slopes in
     /// pixels per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is
     /// |response|/σ_D; `at_slope_limit` is 1 or 0. The motions' uncertainties are standard deviations along the least
-    /// certain direction, infinite where nothing is known.
-    pub const STORED: [Self; 16] = [
+    /// certain direction. Tables as text have [empty](Self::is_empty) cells where the field or the layer is unknown.
+    pub const STORED: [Self; 17] = [
         Self::U,
         Self::V,
         Self::Sigma,
@@ -178,9 +181,10 @@ impl Quantity {
         Self::FieldV,
         Self::FieldSigma,
         Self::Layer,
+        Self::Moves,
     ];
-    /// Number of the stored columns that files of earlier versions have.
-    pub const STORED_EARLIER: usize = 11;
+    /// Numbers of the stored columns that files of earlier versions have.
+    pub const STORED_EARLIER: [usize; 2] = [16, 11];
 
     /// The record of the quantity.
     pub fn record(self) -> Record {
@@ -325,13 +329,15 @@ impl Quantity {
                 ..named("layer", "Layer", "", "Motion layer that it moves with, from 1, the nearest; 0 for none")
             },
             Self::Moves => Record {
+                place: Place::Moves(|f| &mut f.moves),
                 term: Some("field"),
-                width: 120.0,
+                width: 150.0,
+                colours: Some(Colours { span: Span::Always(0.0, 4.0), ..BRIGHT }),
                 ..named(
-                    "moves",
+                    "motion",
                     "Moves",
                     "",
-                    "With its surroundings, by itself, or not defined: an edge, which shows no motion along itself, or faint",
+                    "With its surroundings, by itself, not defined (an edge, which shows no motion along itself), or a ghost of another motion",
                 )
             },
             Self::Coherence => Record {
@@ -372,35 +378,57 @@ impl Quantity {
         }
     }
 
-    /// The value of `feature`; `None` if a feature does not hold this quantity.
+    /// Whether `feature` lacks this quantity: its field where the motion of its place is unknown, and its layer where it
+    /// has none.
+    pub fn is_empty(self, feature: &Feature) -> bool {
+        match self {
+            Self::FieldU | Self::FieldV | Self::FieldSigma => feature.field_sigma.is_infinite(),
+            Self::Layer => feature.layer == 0,
+            _ => false,
+        }
+    }
+
+    /// The value of `feature`; `None` if a feature does not hold this quantity. Where its field is unknown, that is NaN
+    /// ± infinity; no layer is 0.
     pub fn of(self, feature: &Feature) -> Option<f32> {
         let mut feature = *feature;
+        if matches!(self, Self::FieldU | Self::FieldV) && self.is_empty(&feature) {
+            return Some(f32::NAN);
+        }
         match self.record().place {
             Place::Real(at) => Some(*at(&mut feature)),
             Place::Whole(at) => Some(*at(&mut feature) as f32),
             Place::Flag(at) => Some(f32::from(u8::from(*at(&mut feature)))),
+            Place::Moves(at) => Some(f32::from(*at(&mut feature) as u8)),
             Place::Beside => None,
         }
     }
 
     /// The value of `feature` as files have it: with the fewest digits that read back to the same number; a flag is 1
-    /// or 0. Empty if a feature does not hold this quantity.
+    /// or 0, and the way it moves a word. Empty if a feature does not hold this quantity, or [lacks](Self::is_empty) it.
     pub fn cell(self, feature: &Feature) -> String {
         let mut feature = *feature;
         match self.record().place {
+            _ if self.is_empty(&feature) => String::new(),
             Place::Real(at) => at(&mut feature).to_string(),
             Place::Whole(at) => at(&mut feature).to_string(),
             Place::Flag(at) => u8::from(*at(&mut feature)).to_string(),
+            Place::Moves(at) => at(&mut feature).key().to_owned(),
             Place::Beside => String::new(),
         }
     }
 
-    /// Sets the value of `feature` to that of a file's cell.
+    fn may_be_empty(self) -> bool {
+        matches!(self, Self::FieldU | Self::FieldV | Self::FieldSigma | Self::Layer)
+    }
+
+    /// Sets the value of `feature` to that of a file's cell; an empty one changes nothing.
     ///
     /// # Errors
     /// The values that the cell may have, in words.
     pub fn read(self, feature: &mut Feature, cell: &str) -> Result<(), &'static str> {
         match self.record().place {
+            _ if cell.is_empty() && self.may_be_empty() => {}
             Place::Real(at) => *at(feature) = cell.parse().map_err(|_| "a number")?,
             Place::Whole(at) => *at(feature) = cell.parse().map_err(|_| "a whole number")?,
             Place::Flag(at) => {
@@ -409,6 +437,10 @@ impl Quantity {
                     "1" => true,
                     _ => return Err("0 or 1"),
                 }
+            }
+            Place::Moves(at) => {
+                let moves = Moves::ALL.into_iter().find(|moves| moves.key() == cell);
+                *at(feature) = moves.ok_or("unknown, surroundings, own, edge or ghost")?;
             }
             Place::Beside => return Err("in no file"),
         }

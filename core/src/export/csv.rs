@@ -1,10 +1,10 @@
 //! Tables as CSV: features, matches, and profiles of pictures; a header line, then one line for each, in order.
 //!
-//! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0, so that every cell is
-//! a number. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
+//! Numbers have the fewest digits that read back to the same `f32`. `at_slope_limit` is 1 or 0; `motion` is a word, and
+//! nothing else is. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
 
 use super::atomic::write_whole;
-use crate::detector::{Feature, Quantity};
+use crate::detector::{Feature, Moves, Quantity};
 use crate::error::Error;
 use crate::files::{MAX_TABLE_BYTES, read_bytes, read_text};
 use crate::plane::sample::ProfileSample;
@@ -21,6 +21,11 @@ fn header_of(columns: usize) -> String {
     Quantity::STORED[..columns].iter().map(|quantity| quantity.record().key).collect::<Vec<_>>().join(",")
 }
 
+/// Numbers of columns of tables of features, also of earlier versions.
+fn feature_columns() -> impl Iterator<Item = usize> {
+    std::iter::once(Quantity::STORED.len()).chain(Quantity::STORED_EARLIER)
+}
+
 /// Writes the features as CSV.
 pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), Error> {
     write_whole(path, |out| {
@@ -32,7 +37,8 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), Error> {
     })
 }
 
-/// Reads a table that [`write_csv`] wrote, also one of an earlier version, which says nothing about the field of motion.
+/// Reads a table that [`write_csv`] wrote, also one of an earlier version, which says nothing about the field of motion,
+/// or of ghosts and edges.
 /// Strict: the header must be exact and every line complete. The table does not say at which of the searched slopes a
 /// feature was found: `slope_index` is 0.
 ///
@@ -51,8 +57,7 @@ pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>, Error> {
 fn parse(text: &str) -> Result<Vec<Feature>, (usize, String)> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
     let first = lines.next().map_or("", |(_, first)| first);
-    let columns =
-        [Quantity::STORED.len(), Quantity::STORED_EARLIER].into_iter().find(|&count| header_of(count) == first);
+    let columns = feature_columns().find(|&count| header_of(count) == first);
     let columns = columns.ok_or_else(|| (1, format!("the header must be {}", feature_header())))?;
     lines.map(|(number, line)| row(line, columns).map_err(|problem| (number, problem))).collect()
 }
@@ -67,6 +72,9 @@ fn row(line: &str, columns: usize) -> Result<Feature, String> {
         let wrong = |right| format!("{} must be {right}, not '{cell}'", quantity.record().key);
         quantity.read(&mut feature, cell).map_err(wrong)?;
     }
+    if columns < Quantity::STORED.len() {
+        feature.moves = Moves::by_numbers(&feature);
+    }
     Ok(feature)
 }
 
@@ -77,11 +85,11 @@ pub const PLANTED_COLUMNS: &str = "seed,id,varied,u,v,radius,slope_u,slope_v,sig
 
 /// Whether the file at `path` has one of our headers, as many cells on every line, and a complete last one.
 pub(super) fn is_table(path: &Path) -> bool {
-    let (features, earlier) = (feature_header(), header_of(Quantity::STORED_EARLIER));
-    let headers = [features.as_str(), earlier.as_str(), MATCH_COLUMNS, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
+    let others = [MATCH_COLUMNS, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
+    let is_known = |header: &str| others.contains(&header) || feature_columns().any(|count| header_of(count) == header);
     // Commas outside of quotes.
     let commas = |line: &str| line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();
-    first_line(path).is_some_and(|header| headers.contains(&header.as_str()))
+    first_line(path).is_some_and(|header| is_known(&header))
         && read_text(path, MAX_TABLE_BYTES).is_ok_and(|text| {
             let count = commas(text.lines().next().unwrap_or_default());
             text.ends_with('\n') && text.lines().all(|line| commas(line) == count)

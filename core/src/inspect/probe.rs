@@ -220,7 +220,7 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
             true => format!("{left_out} of {} slopes are not searched here", grid.len()),
             false => format!("It is {NOT_SEARCHED}, nor at {} others of {}", left_out - 1, grid.len()),
         };
-        summary += &format!(" {here}: the field of motion has none near. --search all tries them.");
+        summary += &format!(" {here}: the field of motion has none near. --search full tries them.");
     }
     Ok(Probe {
         pos_image: place,

@@ -1,7 +1,7 @@
 //! Exported files can be read back: by our own reader, by other libraries, and according to the formats' descriptions.
 
 use burstscope_core::detector::{
-    Descriptor, Detection, DetectorParams, Feature, Quantity, Slope, SlopeGrid, StageTimes, Tally,
+    Descriptor, Detection, DetectorParams, Feature, Moves, Quantity, Slope, SlopeGrid, StageTimes, Tally,
 };
 use burstscope_core::error::ErrorKind;
 use burstscope_core::export::{
@@ -71,7 +71,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-fn stored(feature: &Feature) -> [f32; 16] {
+fn stored(feature: &Feature) -> [f32; 17] {
     Quantity::STORED.map(|quantity| quantity.of(feature).expect("it is stored"))
 }
 
@@ -84,9 +84,9 @@ fn csv_has_the_exact_header_and_one_row_for_each_feature() {
     let text = fs::read_to_string(&path).expect("read");
     let mut lines = text.lines();
     let header = "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,\
-                  field_v,field_sigma,layer";
+                  field_v,field_sigma,layer,motion";
     assert_eq!(lines.next(), Some(header));
-    assert_eq!(lines.next(), Some("10.1,20.7,1.6,-3,0.33333334,-0,-0.0000001,inf,-1,0,0,0,0.5,0.75,inf,0"));
+    assert_eq!(lines.next(), Some("10.1,20.7,1.6,-3,0.33333334,-0,-0.0000001,inf,-1,0,0,0,,,,,unknown"));
     assert_eq!(text.lines().count(), 5);
     assert!(text.ends_with('\n'));
     let rows = features.iter().map(|f| Feature { slope_index: 0, ..*f }).collect();
@@ -94,16 +94,22 @@ fn csv_has_the_exact_header_and_one_row_for_each_feature() {
 }
 
 #[test]
-fn a_csv_of_before_the_field_of_motion_is_read() {
+fn csv_of_earlier_versions_is_read() {
     let folder = folder();
     let path = folder.path().join("a.csv");
-    write_csv(&path, &[feature(1)]).expect("written");
+    let by_itself = Feature { slope: Slope::new(9.0, 0.0), slope_sigma: 0.1, field_sigma: 0.1, ..feature(1) };
+    write_csv(&path, &[by_itself]).expect("written");
     let text = fs::read_to_string(&path).expect("read");
-    let cut = |line: &str| line.split(',').take(11).collect::<Vec<_>>().join(",") + "\n";
-    fs::write(&path, text.lines().map(cut).collect::<String>()).expect("written");
-    let unknown =
-        Feature { slope_sigma: 0.0, field: Slope::default(), field_sigma: f32::INFINITY, layer: 0, ..feature(1) };
-    assert_eq!(read_features_csv(&path), Ok(vec![Feature { slope_index: 0, ..unknown }]));
+    let cut = |columns: usize| {
+        let cut = |line: &str| line.split(',').take(columns).collect::<Vec<_>>().join(",") + "\n";
+        fs::write(&path, text.lines().map(cut).collect::<String>()).expect("written");
+        read_features_csv(&path)
+    };
+    let found = Feature { slope_index: 0, ..by_itself };
+    assert_eq!(cut(16), Ok(vec![Feature { moves: Moves::ByItself, ..found }]), "as its numbers say");
+    let (field, field_sigma) = (Slope::default(), f32::INFINITY);
+    let unknown = Feature { slope_sigma: 0.0, field, field_sigma, layer: 0, moves: Moves::Unknown, ..found };
+    assert_eq!(cut(11), Ok(vec![unknown]));
     fs::write(&path, text.lines().map(|line| line.to_owned() + ",1\n").collect::<String>()).expect("written");
     assert!(read_features_csv(&path).is_err(), "an unknown column");
 }

@@ -10,7 +10,9 @@ use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::named;
+use crate::app::project::filter::Filter;
 use crate::app::project::look::RangeClass;
+use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Model, Visibility};
 use crate::app::{canvas, style};
@@ -73,7 +75,7 @@ pub(super) fn picture_ui(
     let output = canvas.show(ui, &mut view);
     let state = &mut widgets.of(shown).picture;
     let picture = model.picture_in(shown);
-    state.paint_colours(ui, picture, &output);
+    state.paint_colours(ui, picture, filter_of(model, shown), &output);
     state.readout = match (picture, state.shown(), output.hover_image) {
         (Some(picture), Some(canvas), Some(pos)) => readout_of(picture, canvas, pos, full_scale(model, shown)),
         _ => None,
@@ -103,7 +105,7 @@ pub(super) fn over_ui(
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
     let canvas = Canvas { picture: state.shown(), ..canvas_of(model, other, "Wipe, right side") };
     let over = canvas.show_over(ui, &drawn.output, right);
-    state.paint_colours(ui, picture, &over);
+    state.paint_colours(ui, picture, filter_of(model, other), &over);
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false, queue);
     drawn.right = Some((other, over));
@@ -129,6 +131,13 @@ pub(super) fn over_names_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn, q
             queue.set(&before, at, |at| Action::SetOver(id, Some(Over::Wipe { other, at })));
         }
     }
+}
+
+/// The filter that holds for pane `id`: where A is inspected.
+fn filter_of(model: &Model, id: PaneId) -> Option<&Filter> {
+    let is_inspected = model.workspace == Workspace::Inspect;
+    let pane = model.panes.get(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
+    pane.map(|_| &model.filter)
 }
 
 fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {

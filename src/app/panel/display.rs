@@ -144,7 +144,7 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
 
 fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let Some(scale) = motion_key(model, id, rect) else { return };
-    let size = vec2(148.0, 66.0);
+    let size = vec2(148.0, scale.height() + 12.0);
     let background = Rect::from_min_size(rect.right_bottom() - size - vec2(10.0, 10.0), size);
     ui.painter().rect_filled(background, 5.0, ground(ui));
     ui.scope_builder(UiBuilder::new().max_rect(background.shrink2(vec2(8.0, 6.0))), |ui| {

@@ -9,7 +9,7 @@ use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
-use crate::app::project::explained::{coherence_words, motion_words, verdict_words};
+use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::method::Contender;
@@ -249,7 +249,7 @@ fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
     let text = format!(
         "{name}  σ {:.2} px{depth}\n{}{layer}\nslope {}{field}\nresponse {}  SNR {:.1}{coherence}",
         f.sigma,
-        motion_words(f, judged),
+        f.moves.words(),
         motion_text(f.slope, f.slope_sigma, 2),
         signed_number(f.response, 3),
         f.snr
@@ -299,9 +299,8 @@ fn features_legend_ui(
 ) {
     // Beside the key of the picture's motions it has to say what it is of.
     let roomy = is_beside_key || place.rect_ui.height() > 340.0 && place.rect_ui.width() > 480.0;
-    let key = if scale.has_wheel() { 54.0 } else { 28.0 };
     let texts = if roomy { 1 + notes.len() } else { 0 };
-    let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, key + 12.0 + 18.0 * texts as f32);
+    let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, scale.height() + 12.0 + 18.0 * texts as f32);
     legend::legend_ui(ui, model, size, place, queue, |ui| {
         if roomy {
             ui.label(RichText::new(scale.name()).small());

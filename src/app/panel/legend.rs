@@ -1,7 +1,7 @@
 //! Legends in a corner of the picture. A click folds one to a small chip, and unfolds it.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::overlay::{ColourBy, ColourScale};
+use crate::app::canvas::overlay::ColourScale;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::named;
 use crate::app::project::Model;
@@ -32,7 +32,7 @@ pub const KEY_ROOM: Vec2 = vec2(430.0, 150.0);
 pub fn motion_key(model: &Model, id: PaneId, rect: Rect) -> Option<ColourScale> {
     let motion = model.picture_in(id)?.motion.as_ref()?;
     let has_room = rect.width() >= KEY_ROOM.x && rect.height() >= KEY_ROOM.y;
-    has_room.then(|| ColourScale::with_range(ColourBy::SlopeDirection, 0.0, motion.max_px_per_frame))
+    has_room.then(|| ColourScale::of_slopes(&motion.grid))
 }
 
 const CHIP: Vec2 = vec2(62.0, 20.0);

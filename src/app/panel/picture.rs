@@ -3,15 +3,27 @@
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{self, Quantity, Readout, overlay};
 use crate::app::panel::widgets::paint;
+use crate::app::project::filter::Filter;
 use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::app::project::{Model, Stale};
 use crate::app::style;
 use crate::app::view::fixed;
-use crate::detector::{Detection, Feature, Slope};
+use crate::detector::{Detection, Feature, MotionField, Slope};
 use crate::inspect::verdict::Judged;
 use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
+
+/// Colours of a picture of motions on the card.
+struct Colours {
+    of: Arc<MotionMap>,
+    /// Layers of the field that are drawn dark.
+    hidden: Vec<u8>,
+    texture: egui::TextureHandle,
+}
+
+/// Brightness of the hidden layers of a field, as a fraction.
+const HIDDEN: f32 = 0.2;
 
 #[derive(Default)]
 pub struct PictureState {
@@ -19,7 +31,7 @@ pub struct PictureState {
     pub visible_image: Option<Rect>,
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
-    colours: Option<(Arc<MotionMap>, egui::TextureHandle)>,
+    colours: Option<Colours>,
     scale: Option<(Arc<Detection>, overlay::ColourScale)>,
     /// Numbers of features drawn in full, and in view, as last drawn; `None` without features.
     pub drawn_of: Option<(usize, usize)>,
@@ -45,13 +57,27 @@ impl PictureState {
         self.shown.as_ref()
     }
 
-    pub(in crate::app) fn paint_colours(&mut self, ui: &Ui, picture: Option<&Picture>, output: &canvas::CanvasOutput) {
+    /// Of a field of motion, layers that `filter` hides are dark.
+    pub(in crate::app) fn paint_colours(
+        &mut self,
+        ui: &Ui,
+        picture: Option<&Picture>,
+        filter: Option<&Filter>,
+        output: &canvas::CanvasOutput,
+    ) {
         let Some(motion) = picture.and_then(|picture| picture.motion.as_ref()) else {
             self.colours = None;
             return;
         };
         let Some(rect_image) = self.shown.as_ref().map(canvas::Picture::rect_image) else { return };
-        if self.colours.as_ref().is_none_or(|(of, _)| !Arc::ptr_eq(of, motion)) {
+        let layers = motion.field.iter().flat_map(|field| 0..=field.layers.len() as u8);
+        let hidden: Vec<u8> =
+            layers.filter(|n| filter.is_some_and(|filter| !filter.shows_layer((*n).into()))).collect();
+        let is_hidden = |u: f32, v: f32| {
+            let of = |field: &MotionField| hidden.contains(&field.layer_at(u, v));
+            !hidden.is_empty() && motion.field.as_ref().is_some_and(of)
+        };
+        if self.colours.as_ref().is_none_or(|last| !Arc::ptr_eq(&last.of, motion) || last.hidden != hidden) {
             // Only every n-th pixel, where the card cannot hold a picture of this size.
             let most = ui.ctx().input(|i| i.max_texture_side).max(1) as u32;
             let (width, height) = motion.colours.dimensions();
@@ -60,17 +86,20 @@ impl PictureState {
             let pixels = (0..size[0] * size[1]).map(|i| {
                 let (x, y) = ((i % size[0]) as u32 * every, (i / size[0]) as u32 * every);
                 let [r, g, b, _] = motion.colours.get_pixel(x, y).0;
+                let brightness = if is_hidden(x as f32, y as f32) { HIDDEN } else { 1.0 };
+                let [r, g, b] = [r, g, b].map(|channel| (brightness * f32::from(channel)) as u8);
                 egui::Color32::from_rgb(r, g, b)
             });
             let image = egui::ColorImage::new(size, pixels.collect());
             let texture = ui.ctx().load_texture("winning slopes", image, egui::TextureOptions::NEAREST);
-            self.colours = Some((motion.clone(), texture));
+            self.colours = Some(Colours { of: motion.clone(), hidden: hidden.clone(), texture });
         }
-        if let Some((_, texture)) = &self.colours {
-            paint(&output.painter, texture.id(), output.ui_from_image.rect(rect_image));
+        if let Some(colours) = &self.colours {
+            paint(&output.painter, colours.texture.id(), output.ui_from_image.rect(rect_image));
         }
         if let Some(field) = &motion.field {
-            overlay::draw_field(output, field, motion.max_px_per_frame);
+            let known = |u: f32, v: f32| field.known_at(u, v).filter(|_| !is_hidden(u, v));
+            overlay::draw_field(output, field, motion.grid.max_magnitude().max(f32::MIN_POSITIVE), known);
         }
     }
 

@@ -5,7 +5,7 @@ use crate::app::canvas::signed_number;
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
 use crate::app::project::Model;
-use crate::app::project::explained::{coherence_words, motion_words, verdict_words};
+use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::workspace::Workspace;
 use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
@@ -105,7 +105,7 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: 
             "Motion of its place, from the field of motion, ± the standard deviation along the least certain direction",
             f.known_field().map_or_else(|| "unknown".to_owned(), |field| motion_text(field, f.field_sigma, 2)),
         );
-        row("Moves", Quantity::Moves.record().help, motion_words(f, known.judged).to_owned());
+        row("Moves", Quantity::Moves.record().help, f.moves.words().to_owned());
         let layer = usize::try_from(f.layer - 1).ok().and_then(|index| layers.get(index));
         let layer = layer.map_or_else(|| "none".to_owned(), |layer| layer_text(f.layer, layer));
         row("Layer", Quantity::Layer.record().help, layer);

@@ -14,6 +14,7 @@ use crate::app::words::{explained, word};
 use crate::detector::quantity::Record;
 use crate::detector::{Feature, Moves, Quantity};
 use crate::inspect::verdict::Verdict;
+use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align, Label, Layout, Response, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
 
@@ -232,8 +233,10 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let text = if listed == total { format!("{total}") } else { format!("{listed} of {total}") };
     ui.label(text).on_hover_text("Features that pass the filter");
     let title = if model.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
+    // It stays open, so that several of its switches can be set.
+    let config = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
     let mut filter = model.filter;
-    ui.menu_button(title, |ui| {
+    MenuButton::new(title).config(config).ui(ui, |ui| {
         ui.set_min_width(330.0);
         ranges_ui(ui, model, &mut filter);
         ui.separator();
@@ -270,7 +273,6 @@ fn ranges_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
 fn verdict_ui(ui: &mut Ui, filter: &mut Filter) {
     ui.horizontal_wrapped(|ui| {
         label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
-        // No list that unfolds: a click on one would close the menu.
         for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {
             ui.selectable_value(&mut filter.verdict, verdict, verdict.map_or("all", Verdict::word));
         }
@@ -286,24 +288,48 @@ fn moves_ui(ui: &mut Ui, filter: &mut Filter) {
     });
 }
 
-/// Draws a choice of one layer, of all, or of the features of none; nothing without a field.
+/// Draws a switch for each layer, and one for the features of none, each with a button that shows it alone; nothing
+/// without a field.
 fn layers_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
     let Some(field) = model.slots.a.found.as_ref().and_then(|found| found.detection.field.clone()) else { return };
     ui.horizontal_top(|ui| {
-        label_ui(ui, "Layer", 70.0).on_hover_text(Quantity::Layer.record().help);
-        let names = field.layers.iter().zip(1..).map(|(layer, number)| (Some(number), layer_text(number, layer)));
-        let ends = [(None, "all layers".to_owned()), (Some(0), "no layer".to_owned())];
+        label_ui(ui, "Layers", 70.0).on_hover_text(Quantity::Layer.record().help);
+        let names = (1..).zip(&field.layers).map(|(number, layer)| (number, layer_text(number, layer)));
         egui::ScrollArea::vertical().max_height(LAYERS_HEIGHT).show(ui, |ui| {
             ui.vertical(|ui| {
-                for (layer, name) in ends.into_iter().chain(names) {
-                    let tip = "All features, only those of one layer, or only those that move like none";
-                    ui.selectable_value(&mut filter.layer, layer, name).on_hover_text(tip);
+                for (number, name) in names.chain([(0, NO_LAYER.to_owned())]) {
+                    layer_ui(ui, filter, number, &name);
                 }
             });
         });
     });
 }
 
+fn layer_ui(ui: &mut Ui, filter: &mut Filter, number: i32, name: &str) {
+    ui.horizontal(|ui| {
+        let is_alone = filter.solo_layer == Some(number);
+        let solo = ui.selectable_label(is_alone, "solo");
+        named(&solo, egui::Role::Button, format!("Solo {name}"));
+        let tip =
+            "Show it alone, over the picture, in the table and in the field of motion; again for those switched on";
+        if solo.on_hover_text(tip).clicked() {
+            filter.solo_layer = (!is_alone).then_some(number);
+        }
+        let mut is_on = !filter.hidden_layers.contains(&number);
+        let tip = "Show or hide what moves with this layer: features, and places in the field of motion";
+        let switch = ui.add_enabled(filter.solo_layer.is_none(), egui::Checkbox::new(&mut is_on, name));
+        if switch.on_hover_text(tip).on_disabled_hover_text("One layer is shown alone: see solo").changed() {
+            if is_on {
+                filter.hidden_layers.remove(&number);
+            } else {
+                filter.hidden_layers.insert(number);
+            }
+        }
+    });
+}
+
+/// Name of the switch for the features of no layer.
+const NO_LAYER: &str = "no layer";
 /// Maximum height of the list of layers, points.
 const LAYERS_HEIGHT: f32 = 130.0;
 

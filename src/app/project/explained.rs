@@ -272,16 +272,10 @@ impl Model {
 
 /// Verdict on `feature`, where it is known; of one that is likely real also how it moves, unless as all around it.
 pub fn verdict_words(feature: Option<&Feature>, judged: &Judged) -> String {
-    let moves = feature.map(Feature::moves).filter(|_| judged.verdict == Verdict::Real);
-    let moves = moves.filter(|moves| matches!(moves, Moves::ByItself | Moves::Undefined));
+    let moves = feature.map(|feature| feature.moves).filter(|_| judged.verdict == Verdict::Real);
+    let moves = moves.filter(|moves| matches!(moves, Moves::ByItself | Moves::Edge));
     let moves = moves.map_or_else(String::new, |moves| format!(", {}", moves.words()));
     format!("{}{moves}: {}.", capitalised(judged.verdict.clause()), counted_from_one(&judged.why))
-}
-
-/// Name of a feature by its motion: a ghost, or how it moves.
-pub fn motion_words(feature: &Feature, judged: Option<&Judged>) -> &'static str {
-    let is_ghost = judged.is_some_and(|judged| judged.verdict == Verdict::Ghost);
-    if is_ghost { Verdict::Ghost.word() } else { feature.moves().words() }
 }
 
 pub fn coherence_words(coherence: Option<f32>) -> String {
@@ -291,17 +285,15 @@ pub fn coherence_words(coherence: Option<f32>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Slope;
 
     #[test]
     fn a_real_feature_that_moves_by_itself_is_said_to() {
-        let at = |u: f32| Feature { slope: Slope::new(u, 0.0), slope_sigma: 0.1, ..Feature::default() };
+        let at = |moves| Feature { moves, ..Feature::default() };
         let judged = |verdict| Judged { verdict, coherence: None, why: "because".to_owned() };
-        let words = |u, verdict| verdict_words(Some(&at(u)), &judged(verdict));
-        assert_eq!(words(0.1, Verdict::Real), "Likely real: because.");
-        assert_eq!(words(1.0, Verdict::Real), "Likely real, moves by itself: because.");
-        assert_eq!(words(1.0, Verdict::Ghost), "Likely a ghost: because.");
-        assert_eq!(motion_words(&at(1.0), Some(&judged(Verdict::Ghost))), "ghost");
-        assert_eq!(motion_words(&at(0.1), Some(&judged(Verdict::Real))), "moves with its surroundings");
+        let words = |moves, verdict| verdict_words(Some(&at(moves)), &judged(verdict));
+        assert_eq!(words(Moves::WithSurroundings, Verdict::Real), "Likely real: because.");
+        assert_eq!(words(Moves::ByItself, Verdict::Real), "Likely real, moves by itself: because.");
+        assert_eq!(words(Moves::Edge, Verdict::Real), "Likely real, motion not defined (edge): because.");
+        assert_eq!(words(Moves::Ghost, Verdict::Ghost), "Likely a ghost: because.");
     }
 }

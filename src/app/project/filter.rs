@@ -7,6 +7,7 @@ use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::{Judged, Verdict};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -22,7 +23,7 @@ impl Interval {
 }
 
 /// Conditions that a feature must satisfy to be shown; `None` lets all features pass.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Filter {
     /// Slope u, pixels per frame.
@@ -37,8 +38,10 @@ pub struct Filter {
     /// Coherence of the frames' responses, 0 … 1. Features without one (too noisy to tell) pass.
     pub coherence: Option<Interval>,
     pub verdict: Option<Verdict>,
-    /// Number of the motion layer, from 1; 0 for the features of none.
-    pub layer: Option<i32>,
+    /// Motion layers that are switched off, by number from 1; 0 for what is in none.
+    pub hidden_layers: BTreeSet<i32>,
+    /// Motion layer that is shown alone, whatever is switched off.
+    pub solo_layer: Option<i32>,
     pub moves: Option<Moves>,
     /// Largest distance of a feature's motion from the slope on show, pixels per frame.
     pub near_slope: Option<f32>,
@@ -65,6 +68,11 @@ impl Filter {
         self.coherence.is_some() || self.verdict.is_some()
     }
 
+    /// Whether layer `number` is shown; 0 for what is in none.
+    pub fn shows_layer(&self, number: i32) -> bool {
+        self.solo_layer.map_or_else(|| !self.hidden_layers.contains(&number), |solo| number == solo)
+    }
+
     /// When the slope on show is `slope`; before `judged` is known, the feature passes.
     pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, slope: Slope) -> bool {
         let inside = |limit: Option<Interval>, x: f32| limit.is_none_or(|i| i.holds(x));
@@ -77,8 +85,8 @@ impl Filter {
                     && self.verdict.is_none_or(|verdict| judged.verdict == verdict)
             })
             && !(self.hide_slope_limit && feature.at_slope_limit)
-            && self.layer.is_none_or(|layer| feature.layer == layer)
-            && self.moves.is_none_or(|moves| feature.moves() == moves)
+            && self.shows_layer(feature.layer)
+            && self.moves.is_none_or(|moves| feature.moves == moves)
             && self.near_slope.is_none_or(|limit| moves_by(feature, slope, limit))
     }
 }
@@ -130,7 +138,7 @@ impl Model {
         let now = ListedFor {
             detection: Arc::as_ptr(&found.detection) as usize,
             judged: judged.map_or(0, |judged| Arc::as_ptr(judged) as usize),
-            filter: self.filter,
+            filter: self.filter.clone(),
             order: self.order,
             slope,
             set_up: self.set_up.depths_by().copied(),
@@ -227,20 +235,28 @@ mod tests {
     fn features_are_at_a_slope_by_their_motion_and_filtered_by_layer_and_by_how_they_move() {
         let placed =
             Feature { field: Slope::new(2.0, 0.0), field_sigma: 0.05, slope_sigma: 0.2, ..feature(5.0, 2.0, 2.2) };
-        let by_itself = Feature { slope: Slope::new(-1.0, 0.0), layer: 0, ..placed };
-        let edge = Feature { slope: Slope::new(0.0, 0.5), slope_sigma: 0.9, ..placed };
-        let unknown = Feature { field_sigma: f32::INFINITY, layer: 2, ..placed };
+        let placed = Feature { moves: Moves::WithSurroundings, ..placed };
+        let by_itself = Feature { slope: Slope::new(-1.0, 0.0), layer: 0, moves: Moves::ByItself, ..placed };
+        let edge = Feature { slope: Slope::new(0.0, 0.5), slope_sigma: 0.9, moves: Moves::Edge, ..placed };
+        let unknown = Feature { field_sigma: f32::INFINITY, layer: 2, moves: Moves::Unknown, ..placed };
         let features = [Feature { layer: 1, ..placed }, by_itself, Feature { layer: 1, ..edge }, unknown];
         let passing = |filter: Filter| {
             listed(&features, (None, &SetUpState::default()), &filter, Slope::new(2.0, 0.0), Order::default())
         };
-        let open = Filter::default();
-        assert_eq!(passing(Filter { near_slope: Some(0.1), ..open }), [0, 2], "an edge moves as its surroundings");
-        assert_eq!([1, 2, 0].map(|n| passing(Filter { layer: Some(n), ..open })), [vec![0, 2], vec![3], vec![1]]);
-        let moving = Moves::ALL.map(|moves| passing(Filter { moves: Some(moves), ..open }));
-        assert_eq!(moving, [[0], [1], [2], [3]]);
-        let text = toml::to_string(&Filter { layer: Some(1), moves: Some(Moves::ByItself), ..open }).expect("text");
-        assert!(text.contains("layer = 1") && text.contains("moves = \"by-itself\""), "{text}");
+        let open = Filter::default;
+        assert_eq!(passing(Filter { near_slope: Some(0.1), ..open() }), [0, 2], "an edge moves as its surroundings");
+        let hidden = |layers: &[i32], solo_layer| {
+            passing(Filter { hidden_layers: layers.iter().copied().collect(), solo_layer, ..open() })
+        };
+        assert_eq!([1, 2, 0].map(|n| hidden(&[], Some(n))), [vec![0, 2], vec![3], vec![1]]);
+        assert_eq!((hidden(&[1], None), hidden(&[0, 2], None)), (vec![1, 3], vec![0, 2]));
+        assert_eq!(hidden(&[1, 2], Some(1)), [0, 2], "alone, whatever is switched off");
+        let moving = Moves::ALL.map(|moves| passing(Filter { moves: Some(moves), ..open() }));
+        assert_eq!(moving, [vec![3], vec![0], vec![1], vec![2], vec![]]);
+        let filter = Filter { hidden_layers: [2].into(), solo_layer: Some(1), moves: Some(Moves::ByItself), ..open() };
+        let text = toml::to_string(&filter).expect("text");
+        assert!(text.contains("solo_layer = 1") && text.contains("hidden_layers = [2]"), "{text}");
+        assert_eq!(toml::from_str::<Filter>(&text).expect("a filter"), filter);
     }
 
     #[test]

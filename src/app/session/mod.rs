@@ -98,7 +98,7 @@ impl Session {
             pair_panes,
             methods_panes,
             look: model.look.clone(),
-            filter: model.filter,
+            filter: model.filter.clone(),
             order: model.order,
             selection: model.saved_selection(),
             probe: model.probe.saved(Side::A),
@@ -225,7 +225,7 @@ impl Session {
         model.set_search(self.params.clone());
         model.calibration = self.calibration.clone();
         model.look = self.look.clone();
-        model.filter = self.filter;
+        model.filter = self.filter.clone();
         model.order = self.order;
         model.colour_by = self.colour_by;
         model.set_up = model.set_up.reading_by(self.depths_by);

@@ -20,6 +20,7 @@ pub enum ColourBy {
     FieldU,
     FieldV,
     Layer,
+    Moves,
     Scale,
     /// The DoG value with its sign: bright blobs are negative.
     Response,
@@ -31,9 +32,9 @@ pub enum ColourBy {
 }
 
 impl ColourBy {
-    pub const ALL: [Self; 12] = {
+    pub const ALL: [Self; 13] = {
         use ColourBy::*;
-        [SlopeDirection, SlopeU, SlopeV, Scale, Response, Snr, Limit, Coherence, FieldU, FieldV, Layer, Depth]
+        [SlopeDirection, SlopeU, SlopeV, Scale, Response, Snr, Limit, Coherence, FieldU, FieldV, Layer, Moves, Depth]
     };
 
     /// The choices, in the order of a picker; depths only where slopes are read as depths.
@@ -50,6 +51,7 @@ impl ColourBy {
             Self::FieldU => Some(Quantity::FieldU),
             Self::FieldV => Some(Quantity::FieldV),
             Self::Layer => Some(Quantity::Layer),
+            Self::Moves => Some(Quantity::Moves),
             Self::Scale => Some(Quantity::Sigma),
             Self::Response => Some(Quantity::Response),
             Self::Snr => Some(Quantity::Snr),
@@ -93,10 +95,8 @@ pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known
         Quantity::Depth => known.depth_m.map(|[metres, _]| metres as f32),
         Quantity::Coherence => known.judged.and_then(|judged| judged.coherence),
         Quantity::Verdict => known.judged.map(|judged| judged.verdict as u8 as f32),
-        Quantity::Moves => Some(feature.moves() as u8 as f32),
-        Quantity::FieldU | Quantity::FieldV => feature.known_field().and_then(|_| quantity.of(feature)),
-        Quantity::Layer => Some(feature.layer as f32).filter(|layer| *layer > 0.0),
-        stored => stored.of(feature),
+        Quantity::FieldSigma => quantity.of(feature),
+        stored => stored.of(feature).filter(|_| !stored.is_empty(feature)),
     }
 }
 
@@ -105,7 +105,7 @@ pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known:
     match (quantity, known.judged) {
         (Quantity::Coherence | Quantity::Verdict, None) => return "…".to_owned(),
         (Quantity::Verdict, Some(judged)) => return judged.verdict.word().to_owned(),
-        (Quantity::Moves, _) => return feature.moves().words().to_owned(),
+        (Quantity::Moves, _) => return feature.moves.words().to_owned(),
         _ => {}
     }
     let record = quantity.record();

@@ -40,7 +40,7 @@ pub(crate) use words;
 
 words!(Method, (Buff, "buff", "BuFF"), (Sift, "sift", "SIFT"), (Merge, "merge", "Merge + SIFT"));
 words!(SlopeExtrema, (Each, "each", "Each"), (Joint, "joint", "Joint"));
-words!(SearchSlopes, (All, "all", "All slopes"), (Field, "field", "Around the field"));
+words!(SearchSlopes, (All, "full", "All slopes"), (Field, "field", "Around the field"));
 words!(NoiseModelKind, (Local, "local", "Local"), (White, "white", "White"));
 words!(Flicker, (Auto, "auto", "Auto"), (Off, "off", "Off"));
 
@@ -76,6 +76,7 @@ pub enum SlopeExtrema {
 pub enum SearchSlopes {
     /// All of the grid.
     #[default]
+    #[serde(rename = "full")]
     All,
     /// Those around the motions that the [field of motion](crate::detector::field) finds around the place; all where
     /// its motion is unknown, and in bursts without a field.

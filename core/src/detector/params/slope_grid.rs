@@ -212,6 +212,16 @@ impl SlopeGrid {
         self.len() == 0
     }
 
+    /// Direction of a line of slopes, degrees from +u towards +v, and the slopes along it; `None` for a plane, and for
+    /// a single slope.
+    pub fn as_line(&self) -> Option<(f32, SlopeAxis)> {
+        match (self.u.count > 1, self.v.count > 1) {
+            (true, false) => Some((self.direction_deg, self.u)),
+            (false, true) => Some((self.direction_deg + 90.0, self.v)),
+            _ => None,
+        }
+    }
+
     /// Whether both axes have more than one slope (BuFF 2D).
     pub fn is_plane(&self) -> bool {
         self.u.count > 1 && self.v.count > 1

@@ -5,9 +5,10 @@
 //! the strength of its keypoint, so the result is that of describing all and keeping the strongest.
 
 use crate::detector::along::Along;
+use crate::detector::coherence::Shape;
 use crate::detector::describe::Described;
 use crate::detector::distinct::{Blob, Deciding, Rule};
-use crate::detector::feature::{Feature, Keypoint, Tally, Test};
+use crate::detector::feature::{DEFINED_SIGMA, Feature, Keypoint, Moves, Tally, Test};
 use crate::detector::params::Distinct;
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints};
 use crate::detector::search::setup::Search;
@@ -153,8 +154,8 @@ impl Chooser<'_> {
         Ok(())
     }
 
-    /// Marks the features at the limit of the slopes, and says how certain their motion is and how their surroundings
-    /// move.
+    /// Marks the features at the limit of the slopes, and says how certain their motion is, how their surroundings move,
+    /// and how they move beside these.
     pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
         let grid = &self.search.grid;
         // Where nothing is known it is somewhere among the slopes.
@@ -166,20 +167,35 @@ impl Chooser<'_> {
             let rises = self.outcome.rises[number].get_or_init(|| self.along.rises(&one.feature));
             one.feature.at_slope_limit = rises.iter().any(|rise| rise.exceeds_noise(one.feature.snr));
             // Noise moves the peak of a response of that width by the width over the signal-to-noise ratio.
-            let by_noise = one.slope_width / one.feature.snr;
-            one.feature.slope_sigma = (CHOSEN[usize::from(grid.is_plane())] * by_noise).min(least_known);
+            let by_noise = |width: f32| CHOSEN[usize::from(grid.is_plane())] * width / one.feature.snr;
+            let round_width = one.feature.sigma / self.search.inputs.times.spread_frames();
+            let is_defined_if_round = by_noise(round_width) <= DEFINED_SIGMA;
+            one.feature.slope_sigma = by_noise(one.slope_width).min(least_known);
             one.feature.field_sigma = f32::INFINITY;
             if let Some(field) = &self.outcome.field {
                 let Feature { u, v, slope, slope_sigma, .. } = one.feature;
-                let motion = field.at(u, v);
-                one.feature.field = motion.slope;
-                if field.is_known(&motion) {
-                    one.feature.field_sigma = motion.ellipse().0[0];
+                if let Some(motion) = field.known_at(u, v) {
+                    (one.feature.field, one.feature.field_sigma) = (motion.slope, motion.ellipse().0[0]);
                 }
                 one.feature.layer = field.layer_of((u, v), slope, slope_sigma).into();
             }
+            one.feature.moves = match one.feature {
+                feature if self.is_ghost(number, &feature)? => Moves::Ghost,
+                Feature { slope_sigma, .. } if is_defined_if_round && slope_sigma > DEFINED_SIGMA => Moves::Edge,
+                feature => Moves::by_numbers(&feature),
+            };
             Ok(())
         })
+    }
+
+    /// Whether `feature` of keypoint `number` is a ghost. The thresholds that are judged later change nothing of that.
+    fn is_ghost(&self, number: usize, feature: &Feature) -> Result<bool, Cancelled> {
+        let known = &self.outcome.ghosts[number];
+        if let Some(is_ghost) = known.get() {
+            return Ok(*is_ghost);
+        }
+        let is_ghost = self.along.evenness(feature, self.search.monitor)?.shape == Shape::Bump;
+        Ok(*known.get_or_init(|| is_ghost))
     }
 }
 

@@ -52,6 +52,8 @@ pub(super) struct Outcome {
     pub(super) described: Vec<OnceLock<Box<[Described]>>>,
     /// Rises beyond the slopes of the features of each keypoint, once they were asked for.
     pub(super) rises: Vec<OnceLock<Vec<Rise>>>,
+    /// Whether the features of each keypoint are ghosts, once it was asked for.
+    pub(super) ghosts: Vec<OnceLock<bool>>,
     pub(super) means: Means,
     pub(super) field: Option<Arc<MotionField>>,
 }
@@ -83,6 +85,7 @@ impl Outcome {
             groups: groups.to_vec(),
             described: vec![OnceLock::new(); if keeps { keypoints.len() } else { 0 }],
             rises: vec![OnceLock::new(); keypoints.len()],
+            ghosts: vec![OnceLock::new(); keypoints.len()],
             keypoints,
             evidence,
             tallies,
@@ -164,6 +167,7 @@ impl Outcome {
         described
             + size_of_val(&self.described[..])
             + size_of_val(&self.rises[..])
+            + size_of_val(&self.ghosts[..])
             + size_of_val(&self.keypoints[..])
             + size_of_val(&self.evidence[..])
     }

@@ -1,7 +1,7 @@
 //! Ghosts of crossing motions, aliases of a periodic texture, and duplicates: the verdict on each feature.
 
 use super::probing::{blobs, cache, slopes_of};
-use burstscope_core::detector::{DetectorParams, Distinct, Slope, SlopeGrid, Test};
+use burstscope_core::detector::{DetectorParams, Distinct, Moves, Slope, SlopeGrid, Test};
 use burstscope_core::inspect::probe::{Wanted, fate_of};
 use burstscope_core::inspect::suspicion::Kind;
 use burstscope_core::inspect::verdict::{Judged, Verdict, judged};
@@ -51,6 +51,9 @@ fn blobs_of_two_crossing_motions_are_real_and_what_lies_between_their_slopes_is_
     let (burst, truth) = crossing();
     let cache = cache(&burst, &params());
     let (features, judged) = (&cache.detection().features, judge(&cache));
+    let is_said_alike =
+        |(f, judged): (&Feature, &Judged)| (f.moves == Moves::Ghost) == (judged.verdict == Verdict::Ghost);
+    assert!(features.iter().zip(&judged).all(is_said_alike), "the search names the same ones");
     let (mut of_true, mut of_others) = (Vec::new(), Vec::new());
     for (feature, judged) in features.iter().zip(&judged) {
         // Hollows between blobs of one motion move with it. What moves by neither is a ghost.

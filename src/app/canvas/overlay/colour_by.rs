@@ -2,11 +2,11 @@
 
 use crate::app::view::{ColourBy, Known, quantity_value};
 use crate::detector::quantity::{Colours, Span};
-use crate::detector::{Feature, Slope, SlopeAxis, SlopeGrid};
+use crate::detector::{Feature, Moves, Slope, SlopeGrid};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 use crate::plane::display::direction_colour;
-use egui::{Color32, Mesh, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{Color32, Label, Mesh, Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
 
 /// The range stays until the next detection, so that a colour keeps its meaning.
@@ -31,9 +31,8 @@ const UNKNOWN: Color32 = Color32::from_gray(150);
 impl ColourScale {
     /// Over the searched range for slopes on a line, over all features for σ and SNR, ± the largest |response|.
     pub fn of(by: ColourBy, features: &[Feature], grid: &SlopeGrid) -> Self {
-        if let Some((line_deg, axis)) = line_of(grid).filter(|_| by == ColourBy::SlopeDirection) {
-            return Self { line_deg: Some(line_deg), ..Self::with_range(ColourBy::SlopeU, axis.min, axis.max) }
-                .of_line();
+        if by == ColourBy::SlopeDirection && grid.as_line().is_some() {
+            return Self::of_slopes(grid);
         }
         let stored = |feature: &Feature| by.quantity().and_then(|by| quantity_value(by, 0, feature, Known::default()));
         let of = |value: &dyn Fn(&Feature) -> f32| {
@@ -56,6 +55,15 @@ impl ColourScale {
         Self { lacks_some, ..Self::with_range(by, min, max) }
     }
 
+    /// The slopes of `grid`, by direction and length, along a line from its first to its last.
+    pub fn of_slopes(grid: &SlopeGrid) -> Self {
+        let Some((line_deg, axis)) = grid.as_line() else {
+            return Self::with_range(ColourBy::SlopeDirection, 0.0, grid.max_magnitude());
+        };
+        let along = Self::with_range(ColourBy::SlopeU, axis.min, axis.max);
+        Self { by: ColourBy::SlopeDirection, line_deg: Some(line_deg), ..along }
+    }
+
     /// Creates a scale over a given range; an empty range is widened.
     pub fn with_range(by: ColourBy, min: f32, max: f32) -> Self {
         let Colours { map, part: [first, last], is_log, .. } = by.colours();
@@ -75,10 +83,6 @@ impl ColourScale {
             })
             .collect();
         Self { by, min, max, line_deg: None, table, coherences: None, set_up: None, lacks_some: false }
-    }
-
-    fn of_line(self) -> Self {
-        Self { by: ColourBy::SlopeDirection, ..self }
     }
 
     pub fn name(&self) -> String {
@@ -154,12 +158,17 @@ impl ColourScale {
     }
 
     pub fn legend_ui(&self, ui: &mut Ui) -> Response {
-        let response = if self.has_wheel() { self.wheel_ui(ui) } else { self.bar_ui(ui) };
+        let response = match self.by {
+            ColourBy::Moves => self.words_ui(ui),
+            _ if self.has_wheel() => self.wheel_ui(ui),
+            _ => self.bar_ui(ui),
+        };
         let text = match self.by {
             ColourBy::SlopeDirection if self.has_wheel() => {
                 format!("Legend: slope up to {}", self.limit_text())
             }
             ColourBy::Limit => "Legend: inside the searched slopes, or at their limit".to_owned(),
+            ColourBy::Moves => format!("Legend: {}", Moves::ALL.map(Moves::words).join(", ")),
             by => format!(
                 "Legend: {} from {} to {} {}",
                 self.name().to_lowercase(),
@@ -205,6 +214,24 @@ impl ColourScale {
         response
     }
 
+    /// Words for the ways to move, each in its colour.
+    fn words_ui(&self, ui: &mut Ui) -> Response {
+        let words = Moves::ALL.map(|moves| {
+            let colour = self.along(f32::from(moves as u8));
+            Label::new(RichText::new(format!("● {}", moves.words())).small().color(colour)).selectable(false)
+        });
+        ui.vertical(|ui| words.into_iter().for_each(|word| drop(ui.add(word)))).response
+    }
+
+    /// Height of the key, points.
+    pub fn height(&self) -> f32 {
+        match self.by {
+            ColourBy::Moves => 17.0 * Moves::ALL.len() as f32,
+            _ if self.has_wheel() => 54.0,
+            _ => 28.0,
+        }
+    }
+
     fn bar_ui(&self, ui: &mut Ui) -> Response {
         let small = egui::TextStyle::Small.resolve(ui.style());
         let colour = ui.visuals().text_color();
@@ -239,14 +266,6 @@ impl ColourScale {
     }
 }
 
-fn line_of(grid: &SlopeGrid) -> Option<(f32, SlopeAxis)> {
-    match (grid.u.count > 1, grid.v.count > 1) {
-        (true, false) => Some((grid.direction_deg, grid.u)),
-        (false, true) => Some((grid.direction_deg + 90.0, grid.v)),
-        _ => None,
-    }
-}
-
 pub(super) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
@@ -255,6 +274,7 @@ pub(super) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
 mod tests {
     use super::super::tests::feature;
     use super::*;
+    use crate::detector::SlopeAxis;
 
     const PLANE: SlopeGrid = SlopeGrid {
         u: SlopeAxis { min: -3.0, max: 3.0, count: 7 },
@@ -272,8 +292,8 @@ mod tests {
         for by in ColourBy::ALL {
             let scale = ColourScale::of(by, &features, &PLANE).with_set_up(Some(&SetUp::default()));
             // The two features have this quantity in common.
-            use ColourBy::{Coherence, FieldU, FieldV, Layer, SlopeV};
-            if matches!(by, SlopeV | FieldU | FieldV | Layer | Coherence) {
+            use ColourBy::{Coherence, FieldU, FieldV, Layer, Moves, SlopeV};
+            if matches!(by, SlopeV | FieldU | FieldV | Layer | Moves | Coherence) {
                 assert_eq!(scale.colour(0, &features[0]), scale.colour(1, &features[1]));
             } else {
                 assert_ne!(scale.colour(0, &features[0]), scale.colour(1, &features[1]), "{by:?}");
@@ -304,7 +324,8 @@ mod tests {
     fn places_of_unknown_motion_and_features_of_no_layer_are_grey_and_colours_follow_the_motion() {
         let own = feature(0.0, 0.0, 2.0, (1.0, 0.0), 0.1);
         let edge = Feature { field: Slope::new(-2.0, 0.5), field_sigma: 0.1, slope_sigma: 1.0, layer: 3, ..own };
-        let unknown = Feature { field_sigma: f32::INFINITY, layer: 0, ..edge };
+        let edge = Feature { moves: Moves::Edge, ..edge };
+        let unknown = Feature { field_sigma: f32::INFINITY, layer: 0, moves: Moves::Unknown, ..edge };
         let features = [edge, Feature { field: Slope::new(2.0, 0.0), layer: 1, ..edge }, unknown];
         for by in [ColourBy::FieldU, ColourBy::FieldV, ColourBy::Layer] {
             let scale = ColourScale::of(by, &features, &PLANE);

@@ -41,9 +41,14 @@ pub fn add_fan(mesh: &mut Mesh, points: &[[f32; 2]], colour: Color32) {
 }
 
 /// Draws the motions of the field's cells as lines from their middles, each with the ellipse of one standard deviation
-/// at its end, as soon as the cells are large on screen. A motion of `max_px_per_frame` is as long as half the distance
-/// between two lines.
-pub fn draw_field(output: &CanvasOutput, field: &MotionField, max_px_per_frame: f32) {
+/// at its end, as soon as the cells are large on screen: of those that `known` has at a place (u, v) of the image. A
+/// motion of `max_px_per_frame` is as long as half the distance between two lines.
+pub fn draw_field(
+    output: &CanvasOutput,
+    field: &MotionField,
+    max_px_per_frame: f32,
+    known: impl Fn(f32, f32) -> Option<Motion>,
+) {
     let cell_points = field.cell_px as f32 * output.ui_from_image.scale();
     if cell_points < MIN_CELL_POINTS {
         return;
@@ -56,7 +61,7 @@ pub fn draw_field(output: &CanvasOutput, field: &MotionField, max_px_per_frame: 
         let columns = (0..field.size.0).step_by(every);
         columns.map(move |i| (middle(i), middle(j)))
     }) {
-        let Some(motion) = field.known_at(u, v).filter(|_| seen.contains(pos2(u, v))) else { continue };
+        let Some(motion) = known(u, v).filter(|_| seen.contains(pos2(u, v))) else { continue };
         let from = output.ui_from_image.pos(pos2(u, v));
         let line = [from, from + points * vec2(motion.slope.u, motion.slope.v)];
         let rim: Vec<Pos2> = rim(&motion).map(|aside| line[1] + points * aside).collect();
