@@ -1,0 +1,142 @@
+//! Motions between the swept slopes, and what the evidence around each says of it.
+//!
+//! Each cell's evidence is read at its own motion plus a common offset, whose sum over a window has its peak where the
+//! window is off on average. The offset is held by a prior, as noise would move each cell where it likes. How sharply such
+//! a sum over a wide window falls tells whether its structure says anything: an edge says nothing along itself, and noise
+//! nothing at all.
+
+use super::evidence::Evidence;
+use super::posterior::Found;
+use super::{eigen, turned};
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use crate::plane::blur::smoothed;
+use rayon::prelude::*;
+
+/// Standard deviation of the window, cells.
+const WINDOW_CELLS: f64 = 3.0;
+/// Number of times that each motion is moved.
+const ROUNDS: usize = 2;
+/// Standard deviation of the offsets, pixels of smear between the first and the last frame.
+const OFFSET_SMEAR_PX: f32 = 1.2;
+/// Standard deviation of the wide window, cells.
+const WIDE_CELLS: f64 = 14.0;
+/// Evidence in it that a motion needs to be known, nats.
+const KNOWN_NATS: f32 = 6.0;
+/// Standard deviation of the second difference of evidence between steps that noise alone gives, as a part of the root
+/// of twice the evidence: the noise of stacks a step apart is nearly the same.
+const CHANCE: f32 = 0.2;
+
+/// Moves each motion by the offset that the window around it asks for. Returns the covariances that the wide window alone
+/// leaves, squared steps: where nothing is known, it is somewhere in the swept range.
+pub(super) fn refine(found: &mut [Found], evidence: &Evidence, monitor: &Monitor) -> Result<Vec<[f32; 3]>, Cancelled> {
+    let grid = &evidence.grid;
+    let step = grid.u.step().max(grid.v.step());
+    let prior_steps = OFFSET_SMEAR_PX / evidence.last_frame / step.max(f32::MIN_POSITIVE);
+    for _ in 0..ROUNDS {
+        let around = Around::new(found, evidence, WINDOW_CELLS, monitor)?;
+        for (place, found) in found.iter_mut().enumerate() {
+            let (_, gradient, information) = around.derivatives(place);
+            let offset = offset(gradient, information, prior_steps);
+            found.at = [found.at[0] + offset[0], found.at[1] + offset[1]];
+        }
+    }
+    let wide = Around::new(found, evidence, WIDE_CELLS, monitor)?;
+    let active = wide.reach.map(|reach| reach > 0);
+    let range = [grid.u, grid.v].map(|axis| 12f32.sqrt() / axis.count as f32);
+    let least = if active == [true; 2] { range[0].max(range[1]) } else { range[usize::from(active[1])] };
+    let covariance = |place: usize| {
+        let (nats, _, information) = wide.derivatives(place);
+        let chance = if nats < KNOWN_NATS { f32::INFINITY } else { CHANCE * (2.0 * nats).sqrt() };
+        let (rotation, values) = eigen(information);
+        // What is no more than chance says nothing.
+        let certain = values.map(|value| (value * value.abs() - chance * chance).max(0.0).sqrt());
+        let [uu, uv, vv] = turned(rotation, certain.map(|nats| 1.0 / (nats + least * least)));
+        match active {
+            [true, true] => [uu, uv, vv],
+            [along_u, _] => [if along_u { uu } else { 0.0 }, 0.0, if along_u { 0.0 } else { vv }],
+        }
+    };
+    Ok((0..found.len()).map(covariance).collect())
+}
+
+/// Sums over windows of the evidence for each cell's own motion and those a step beside it.
+struct Around {
+    /// Steps to each side along u and v: 0 where there is one slope.
+    reach: [i64; 2],
+    /// Row by row.
+    sums: Vec<Plane>,
+}
+
+impl Around {
+    fn new(found: &[Found], evidence: &Evidence, sigma_cells: f64, monitor: &Monitor) -> Result<Self, Cancelled> {
+        let (width, height) = evidence.size;
+        let reach = [evidence.grid.u, evidence.grid.v].map(|axis| i64::from(axis.count > 1));
+        let [reach_u, reach_v] = reach;
+        let steps: Vec<(i64, i64)> =
+            (-reach_v..=reach_v).flat_map(|dj| (-reach_u..=reach_u).map(move |di| (di, dj))).collect();
+        let sum_of = |&(di, dj): &(i64, i64)| {
+            let nats = |(place, found): (usize, &Found)| {
+                nats_at(evidence, place, [found.at[0] + di as f32, found.at[1] + dj as f32])
+            };
+            let at_offset = Plane::from_vec(width, height, found.iter().enumerate().map(nats).collect());
+            window_sums(&at_offset, sigma_cells, monitor)
+        };
+        Ok(Self { reach, sums: steps.par_iter().map(sum_of).collect::<Result<_, _>>()? })
+    }
+
+    /// The sum of the cell `place`, its gradient, and minus its second derivatives (of u, of u with v, of v), by steps.
+    fn derivatives(&self, place: usize) -> (f32, [f32; 2], [f32; 3]) {
+        let [reach_u, reach_v] = self.reach;
+        // A step along an axis of one slope changes nothing.
+        let at = |di: i64, dj: i64| {
+            let (i, j) = (di.clamp(-reach_u, reach_u) + reach_u, dj.clamp(-reach_v, reach_v) + reach_v);
+            self.sums[(j * (2 * reach_u + 1) + i) as usize].data()[place]
+        };
+        let middle = at(0, 0);
+        let along = |[before, after]: [f32; 2]| (0.5 * (after - before), 2.0 * middle - before - after);
+        let (gradient_u, uu) = along([at(-1, 0), at(1, 0)]);
+        let (gradient_v, vv) = along([at(0, -1), at(0, 1)]);
+        let uv = -0.25 * (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1));
+        (middle, [gradient_u, gradient_v], [uu, uv, vv])
+    }
+}
+
+/// Most likely offset, steps, of at most one step: that of the quadratic with a Gaussian prior of standard deviation
+/// `prior_steps`. A direction in which the sum does not fall says nothing.
+fn offset([gradient_u, gradient_v]: [f32; 2], information: [f32; 3], prior_steps: f32) -> [f32; 2] {
+    let ((cos, sin), values) = eigen(information);
+    let held = values.map(|nats| nats.max(0.0) + 1.0 / (prior_steps * prior_steps));
+    let along = (cos * gradient_u + sin * gradient_v) / held[0];
+    let across = (cos * gradient_v - sin * gradient_u) / held[1];
+    let shorter = 1.0 / along.hypot(across).max(1.0);
+    [shorter * (cos * along - sin * across), shorter * (sin * along + cos * across)]
+}
+
+/// Evidence of the cell `place` for the motion `at`, steps, linear between the slopes and constant beyond them.
+pub(super) fn nats_at(evidence: &Evidence, place: usize, at: [f32; 2]) -> f32 {
+    let grid = &evidence.grid;
+    let along = |x: f32, count: usize| {
+        let x = x.clamp(0.0, (count - 1) as f32);
+        let below = (x as usize).min(count.saturating_sub(2));
+        (below, (below + 1).min(count - 1), x - below as f32)
+    };
+    let (i, i_next, u) = along(at[0], grid.u.count);
+    let (j, j_next, v) = along(at[1], grid.v.count);
+    let nats = |i: usize, j: usize| evidence.nats[j * grid.u.count + i].data()[place];
+    let between = |a: f32, b: f32, part: f32| (1.0 - part) * a + part * b;
+    between(between(nats(i, j), nats(i_next, j), u), between(nats(i, j_next), nats(i_next, j_next), u), v)
+}
+
+/// Sums of `plane` over Gaussian windows of standard deviation `sigma_cells` around each cell, with weight 1 in its middle and nothing beyond the edges: a repeated
+/// edge would count as often as all it stands for.
+pub(super) fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
+    let (width, height) = plane.size();
+    let margin = (3.0 * sigma_cells).ceil() as usize;
+    let mut wide = Plane::zeros(width + 2 * margin, height + 2 * margin);
+    (0..height).for_each(|v| wide.row_mut(v + margin)[margin..margin + width].copy_from_slice(plane.row(v)));
+    let wide = smoothed(&wide, sigma_cells, monitor)?;
+    let area = (std::f64::consts::TAU * sigma_cells * sigma_cells) as f32;
+    let rows = (0..height).flat_map(|v| wide.row(v + margin)[margin..margin + width].iter().map(|x| area * x));
+    Ok(Plane::from_vec(width, height, rows.collect()))
+}
