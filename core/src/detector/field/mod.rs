@@ -45,10 +45,10 @@ const CELL_PX: usize = 8;
 const SMALL_CELL_PX: usize = 6;
 /// Pixels of the largest image that counts as small.
 const SMALL_IMAGE_PX: usize = 360_000;
-/// Parts of three variances that the errors in real pictures have: that of the probabilities, since a tree does not count
-/// all that cells beside one another know; that of the wide window; and the change of the motion to the next cell, since a
-/// border may lie a cell beside where it was found.
-const VARIANCE_PARTS: [f32; 3] = [0.15, 0.5, 0.75];
+/// Parts of two variances that the errors in real pictures have: that of the probabilities, since a tree does not count all
+/// that cells beside one another know, and the change of the motion to the next cell, since a border may lie a cell beside
+/// where it was found.
+const VARIANCE_PARTS: [f32; 2] = [0.15, 0.75];
 /// Standard deviation of the window in which changes of the motion are looked at, cells.
 const CHANGE_WINDOW_CELLS: f64 = 1.0;
 /// Standard deviations by which two motions differ significantly.
@@ -218,9 +218,9 @@ fn complete_covariances(
     };
     let (along_u, along_v) = (change(0)?, change(1)?);
     let changes = along_u.data().iter().zip(along_v.data()).map(|(uu, vv)| [*uu, 0.0, *vv]);
-    let [own, window, border] = VARIANCE_PARTS;
+    let [own, border] = VARIANCE_PARTS;
     for ((found, of_window), change) in found.iter_mut().zip(of_window).zip(changes) {
-        found.covariance = [0, 1, 2].map(|k| own * found.covariance[k] + window * of_window[k] + border * change[k]);
+        found.covariance = [0, 1, 2].map(|k| own * found.covariance[k] + of_window[k] + border * change[k]);
     }
     Ok(())
 }

@@ -21,6 +21,8 @@ const ROUNDS: usize = 2;
 const OFFSET_SMEAR_PX: f32 = 1.2;
 /// Standard deviation of the wide window, cells.
 const WIDE_CELLS: f64 = 14.0;
+/// Part of the variance that it leaves which the errors in real pictures have besides other variances.
+const WIDE_PART: f32 = 0.5;
 /// Evidence in it that a motion needs to be known, nats.
 const KNOWN_NATS: f32 = 6.0;
 /// Standard deviation of the second difference of evidence between steps that noise alone gives, as a part of the root
@@ -51,7 +53,7 @@ pub(super) fn refine(found: &mut [Found], evidence: &Evidence, monitor: &Monitor
         let (rotation, values) = eigen(information);
         // What is no more than chance says nothing.
         let certain = values.map(|value| (value * value.abs() - chance * chance).max(0.0).sqrt());
-        let [uu, uv, vv] = turned(rotation, certain.map(|nats| 1.0 / (nats + least * least)));
+        let [uu, uv, vv] = turned(rotation, certain.map(|nats| 1.0 / (nats / WIDE_PART + least * least)));
         match active {
             [true, true] => [uu, uv, vv],
             [along_u, _] => [if along_u { uu } else { 0.0 }, 0.0, if along_u { 0.0 } else { vv }],
