@@ -12,6 +12,7 @@
 use super::evidence::means;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 /// Probability that a motion goes to the next candidate on one side, from cell to cell.
@@ -88,8 +89,7 @@ impl Candidates {
         all
     }
 
-    /// Makes the likelihoods of each chain of `length` cells the posteriors given all of its cells, where motions drift
-    /// by `drift` candidates from cell to cell.
+    /// Makes the likelihoods of each chain of `length` cells the posteriors given all of its cells.
     fn along_chains(
         &self,
         cells: &mut [f32],
@@ -97,46 +97,13 @@ impl Candidates {
         model: &Model,
         monitor: &Monitor,
     ) -> Result<(), Cancelled> {
-        let count = self.len();
-        cells.par_chunks_mut(length * count).try_for_each(|chain| {
+        let (count, taps) = (self.len(), [model.taps(1.0), model.taps(-1.0)]);
+        let messages = || vec![0.0; (length + 3) * count];
+        cells.par_chunks_mut(length * count).try_for_each_init(messages, |messages, chain| {
             monitor.check()?;
-            let (forth, back) = (model.taps(1.0), model.taps(-1.0));
-            let even = 1.0 / count as f32;
-            // What the cells before each one say of it.
-            let mut before = vec![even; chain.len()];
-            let (mut belief, mut scratch) = (vec![0.0; count], vec![0.0; count]);
-            for cell in 1..length {
-                let (said, message) = before[(cell - 1) * count..].split_at_mut(count);
-                let likelihood = &chain[(cell - 1) * count..cell * count];
-                belief.iter_mut().zip(likelihood).zip(said).for_each(|((belief, l), said)| *belief = l * *said);
-                self.pass(&belief, &mut scratch, &mut message[..count], &forth);
-            }
-            let mut after = vec![even; count];
-            for (cell, before) in chain.chunks_mut(count).zip(before.chunks(count)).rev() {
-                belief.iter_mut().zip(&*cell).zip(&after).for_each(|((belief, l), after)| *belief = l * after);
-                cell.iter_mut().zip(&belief).zip(before).for_each(|((cell, belief), before)| *cell = belief * before);
-                let scale = 1.0 / sum(cell);
-                cell.iter_mut().for_each(|x| *x *= scale);
-                self.pass(&belief, &mut scratch, &mut after, &back);
-            }
+            along_chain(chain, messages, self.count, &taps);
             Ok(())
         })
-    }
-
-    /// What a cell of this `belief` says of the next one: `message`, which adds up to 1.
-    fn pass(&self, belief: &[f32], scratch: &mut [f32], message: &mut [f32], taps: &[[f32; 3]; 2]) {
-        let [columns, rows] = self.count;
-        let kept = (1.0 - BORDER) / sum(belief);
-        let any = BORDER / belief.len() as f32;
-        let scaled = taps.map(|taps| taps.map(|tap| kept * tap));
-        match (columns > 1, rows > 1) {
-            (true, true) => {
-                moved(belief, scratch, (1, columns), taps[0], 0.0);
-                moved(scratch, message, (columns, belief.len()), scaled[1], any);
-            }
-            (_, false) => moved(belief, message, (1, columns), scaled[0], any),
-            (false, true) => moved(belief, message, (1, rows), scaled[1], any),
-        }
     }
 
     /// The motion that `probabilities` speak for: their mean around the largest one. The covariance is that of all of them
@@ -176,6 +143,47 @@ impl Candidates {
     }
 }
 
+/// Makes the likelihoods of the cells of a chain, `counts` values each, their posteriors given all of them, with the
+/// weights `taps` from each cell to the next and back. `messages` holds one more for each cell, and three.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [forth, back]: &[[Taps; 2]; 2]) {
+    let count = counts[0] * counts[1];
+    let (before, rest) = messages.split_at_mut(chain.len());
+    let (belief, rest) = rest.split_at_mut(count);
+    let (after, scratch) = rest.split_at_mut(count);
+    // What the cells before each one say of it.
+    before[..count].fill(1.0 / count as f32);
+    for (cell, likelihood) in chain.chunks(count).enumerate().take(chain.len() / count - 1) {
+        let (said, next) = before[cell * count..].split_at_mut(count);
+        belief.iter_mut().zip(likelihood).zip(said).for_each(|((belief, l), said)| *belief = l * *said);
+        pass(belief, scratch, &mut next[..count], counts, forth);
+    }
+    after.fill(1.0 / count as f32);
+    for (cell, before) in chain.chunks_mut(count).zip(before.chunks(count)).rev() {
+        belief.iter_mut().zip(&*cell).zip(&*after).for_each(|((belief, l), after)| *belief = l * after);
+        cell.iter_mut().zip(&*belief).zip(before).for_each(|((cell, belief), before)| *cell = belief * before);
+        let scale = 1.0 / sum(cell);
+        cell.iter_mut().for_each(|x| *x *= scale);
+        pass(belief, scratch, after, counts, back);
+    }
+}
+
+/// What a cell of this `belief` says of the next one: `message`, which adds up to 1.
+#[inline(always)]
+fn pass(belief: &[f32], scratch: &mut [f32], message: &mut [f32], [columns, rows]: [usize; 2], taps: &[Taps; 2]) {
+    let kept = (1.0 - BORDER) / sum(belief);
+    let any = BORDER / belief.len() as f32;
+    let scaled = taps.map(|taps| taps.scaled(kept));
+    match (columns > 1, rows > 1) {
+        (true, true) => {
+            moved(belief, scratch, (1, columns), taps[0], 0.0);
+            moved(scratch, message, (columns, belief.len()), scaled[1], any);
+        }
+        (_, false) => moved(belief, message, (1, columns), scaled[0], any),
+        (false, true) => moved(belief, message, (1, rows), scaled[1], any),
+    }
+}
+
 /// How motions change from cell to cell along a chain, in candidates.
 struct Model {
     drift: [f32; 2],
@@ -183,14 +191,34 @@ struct Model {
 }
 
 impl Model {
-    /// Weights, along u and v, of the candidate before, the same one, and the one after it, in the cell before; in the one
-    /// after for a `sign` of −1.
-    fn taps(&self, sign: f32) -> [[f32; 3]; 2] {
+    /// Weights, along u and v, of the candidates in the cell before, or in the one after for a `sign` of −1.
+    fn taps(&self, sign: f32) -> [Taps; 2] {
         self.drift.map(|drift| {
-            let drift = sign * drift.clamp(-0.9, 0.9);
+            let drift = drift.clamp(-0.9, 0.9);
             let half = self.wander.max(0.5 * drift.abs());
-            [half + 0.5 * drift, 1.0 - 2.0 * half, half - 0.5 * drift]
+            let (down, up) = (half - 0.5 * drift, half + 0.5 * drift);
+            let same = 1.0 - 2.0 * half;
+            let (before, after) = if sign > 0.0 { (up, down) } else { (down, up) };
+            // What would leave the candidates stays at the first or the last one.
+            Taps { before, same, after, first: same + down, last: same + up }
         })
+    }
+}
+
+/// Weights of the candidate before, of the same one and of the one after; and of the same one where it is the first or last.
+#[derive(Clone, Copy)]
+struct Taps {
+    before: f32,
+    same: f32,
+    after: f32,
+    first: f32,
+    last: f32,
+}
+
+impl Taps {
+    fn scaled(self, by: f32) -> Self {
+        let Self { before, same, after, first, last } = self;
+        Self { before: by * before, same: by * same, after: by * after, first: by * first, last: by * last }
     }
 }
 
@@ -267,24 +295,27 @@ fn block_sums(nats: &Plane) -> Plane {
 
 /// `from` with a part of each value moved to the places `stride` before and after it in its line of `line` values, which
 /// nothing leaves, and `more` added everywhere.
-fn moved(from: &[f32], to: &mut [f32], (stride, line): (usize, usize), [before, same, after]: [f32; 3], more: f32) {
+#[inline(always)]
+fn moved(from: &[f32], to: &mut [f32], (stride, line): (usize, usize), taps: Taps, more: f32) {
     let count = from.len();
+    let Taps { before, same, after, first, last } = taps;
     let around = from.iter().zip(&from[stride..]).zip(&from[2 * stride..]);
     for (to, ((a, b), c)) in to[stride..count - stride].iter_mut().zip(around) {
         *to = more + before * a + same * b + after * c;
     }
     for start in (0..count).step_by(line) {
-        for (first, last) in (start..start + stride).zip(start + line - stride..start + line) {
-            to[first] = more + (before + same) * from[first] + after * from[first + stride];
-            to[last] = more + before * from[last - stride] + (same + after) * from[last];
+        for (low, high) in (start..start + stride).zip(start + line - stride..start + line) {
+            to[low] = more + first * from[low] + after * from[low + stride];
+            to[high] = more + before * from[high - stride] + last * from[high];
         }
     }
 }
 
 /// Sum in the order of the processor's vectors.
+#[inline(always)]
 fn sum(values: &[f32]) -> f32 {
-    let mut lanes = [0.0f32; 8];
-    let chunks = values.chunks_exact(8);
+    let mut lanes = [0.0f32; 16];
+    let chunks = values.chunks_exact(16);
     let rest: f32 = chunks.remainder().iter().sum();
     chunks.for_each(|chunk| lanes.iter_mut().zip(chunk).for_each(|(lane, x)| *lane += x));
     lanes.iter().sum::<f32>() + rest
@@ -299,4 +330,50 @@ fn transposed(cells: &[f32], (width, height): (usize, usize), count: usize) -> V
         }
     });
     columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_has_the_posterior_of_all_its_assignments() {
+        let nats = [[0.3, 1.2, 0.0, 0.4], [0.9, 0.1, 0.2, 1.5], [0.0, 0.7, 2.0, 0.1]];
+        let planes: Vec<Plane> = nats.iter().map(|row| Plane::from_vec(4, 1, row.to_vec())).collect();
+        let (drift, wander) = ([[0.1f32, 0.0], [0.0, 0.0]], WANDER);
+        let candidates = Candidates { count: [3, 1], per_step: 1 };
+        let posterior =
+            Posterior::with(&planes, candidates, (drift, wander), &Monitor::default()).expect("not cancelled");
+        let Taps { before, same, after, .. } = Model { drift: drift[0], wander }.taps(1.0)[0];
+        // Probability of `to` beside `from`; what would leave the candidates stays.
+        let beside = |from: usize, to: usize| {
+            let stays = same + if from == 0 { after } else { 0.0 } + if from == 2 { before } else { 0.0 };
+            let goes = if to == from {
+                stays
+            } else if to == from + 1 {
+                before
+            } else if to + 1 == from {
+                after
+            } else {
+                0.0
+            };
+            (1.0 - BORDER) * goes + BORDER / 3.0
+        };
+        let mut sums = [[0.0f32; 3]; 4];
+        for assignment in 0..81usize {
+            let motions = [assignment % 3, assignment / 3 % 3, assignment / 9 % 3, assignment / 27];
+            let evidence: f32 = motions.iter().enumerate().map(|(cell, motion)| nats[*motion][cell]).sum();
+            let weight = motions.windows(2).map(|pair| beside(pair[0], pair[1])).product::<f32>() * evidence.exp();
+            motions.iter().zip(&mut sums).for_each(|(motion, sums)| sums[*motion] += weight);
+        }
+        for (cell, sums) in posterior.probabilities.chunks(3).zip(sums) {
+            let total: f32 = sums.iter().sum();
+            let close = cell.iter().zip(sums).all(|(x, sum)| (x / sum_of(cell) - sum / total).abs() < 0.01);
+            assert!(close, "{cell:?} {:?}", sums.map(|sum| sum / total));
+        }
+    }
+
+    fn sum_of(cell: &[f32]) -> f32 {
+        cell.iter().sum()
+    }
 }

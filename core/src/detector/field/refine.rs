@@ -10,7 +10,7 @@ use super::posterior::Found;
 use super::{eigen, turned};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use crate::plane::blur::smoothed;
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 /// Standard deviation of the window, cells.
@@ -130,15 +130,33 @@ pub(super) fn nats_at(evidence: &Evidence, place: usize, at: [f32; 2]) -> f32 {
     between(between(nats(i, j), nats(i_next, j), u), between(nats(i, j_next), nats(i_next, j_next), u), v)
 }
 
-/// Sums of `plane` over Gaussian windows of standard deviation `sigma_cells` around each cell, with weight 1 in its middle and nothing beyond the edges: a repeated
-/// edge would count as often as all it stands for.
+/// Sums of `plane` over Gaussian windows of standard deviation `sigma_cells` around each cell, with weight 1 in its middle
+/// and nothing beyond the edges: a repeated edge would count as often as all it stands for.
 pub(super) fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
+    monitor.check()?;
+    let reach = (3.0 * sigma_cells).ceil() as usize;
+    let weights: Vec<f32> = (0..=reach).map(|k| (-0.5 * (k as f64 / sigma_cells).powi(2)).exp() as f32).collect();
+    Ok(weighted_sums(plane, &weights))
+}
+
+/// Sums along rows and columns with `weights` for the cells in the middle, and those beside them on both sides.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn weighted_sums(plane: &Plane, weights: &[f32]) -> Plane {
     let (width, height) = plane.size();
-    let margin = (3.0 * sigma_cells).ceil() as usize;
-    let mut wide = Plane::zeros(width + 2 * margin, height + 2 * margin);
-    (0..height).for_each(|v| wide.row_mut(v + margin)[margin..margin + width].copy_from_slice(plane.row(v)));
-    let wide = smoothed(&wide, sigma_cells, monitor)?;
-    let area = (std::f64::consts::TAU * sigma_cells * sigma_cells) as f32;
-    let rows = (0..height).flat_map(|v| wide.row(v + margin)[margin..margin + width].iter().map(|x| area * x));
-    Ok(Plane::from_vec(width, height, rows.collect()))
+    let (mut columns, mut sums) = (Plane::zeros(width, height), Plane::zeros(width, height));
+    for v in 0..height {
+        let out = columns.row_mut(v);
+        for from in v.saturating_sub(weights.len() - 1)..(v + weights.len()).min(height) {
+            let weight = weights[from.abs_diff(v)];
+            out.iter_mut().zip(plane.row(from)).for_each(|(sum, x)| *sum += weight * x);
+        }
+        let (from, out) = (columns.row(v), sums.row_mut(v));
+        for (k, weight) in weights.iter().enumerate().take(width) {
+            out.iter_mut().zip(&from[k..]).for_each(|(sum, x)| *sum += weight * x);
+            if k > 0 {
+                out[k..].iter_mut().zip(from).for_each(|(sum, x)| *sum += weight * x);
+            }
+        }
+    }
+    sums
 }
