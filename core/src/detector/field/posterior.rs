@@ -146,7 +146,7 @@ impl Candidates {
 /// Makes the likelihoods of the cells of a chain, `counts` values each, their posteriors given all of them, with the
 /// weights `taps` from each cell to the next and back. `messages` holds one more for each cell, and three.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [forth, back]: &[[Taps; 2]; 2]) {
+fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [forth, back]: &[[[f32; 3]; 2]; 2]) {
     let count = counts[0] * counts[1];
     let (before, rest) = messages.split_at_mut(chain.len());
     let (belief, rest) = rest.split_at_mut(count);
@@ -168,12 +168,12 @@ fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [for
     }
 }
 
-/// What a cell of this `belief` says of the next one: `message`, which adds up to 1.
+/// What a cell of this `belief` says of the next one: `message`.
 #[inline(always)]
-fn pass(belief: &[f32], scratch: &mut [f32], message: &mut [f32], [columns, rows]: [usize; 2], taps: &[Taps; 2]) {
+fn pass(belief: &[f32], scratch: &mut [f32], message: &mut [f32], [columns, rows]: [usize; 2], taps: &[[f32; 3]; 2]) {
     let kept = (1.0 - BORDER) / sum(belief);
     let any = BORDER / belief.len() as f32;
-    let scaled = taps.map(|taps| taps.scaled(kept));
+    let scaled = taps.map(|taps| taps.map(|tap| kept * tap));
     match (columns > 1, rows > 1) {
         (true, true) => {
             moved(belief, scratch, (1, columns), taps[0], 0.0);
@@ -191,34 +191,14 @@ struct Model {
 }
 
 impl Model {
-    /// Weights, along u and v, of the candidates in the cell before, or in the one after for a `sign` of −1.
-    fn taps(&self, sign: f32) -> [Taps; 2] {
+    /// Weights, along u and v, of the candidate before, the same one, and the one after it, in the cell before; in the one
+    /// after for a `sign` of −1.
+    fn taps(&self, sign: f32) -> [[f32; 3]; 2] {
         self.drift.map(|drift| {
-            let drift = drift.clamp(-0.9, 0.9);
+            let drift = sign * drift.clamp(-0.9, 0.9);
             let half = self.wander.max(0.5 * drift.abs());
-            let (down, up) = (half - 0.5 * drift, half + 0.5 * drift);
-            let same = 1.0 - 2.0 * half;
-            let (before, after) = if sign > 0.0 { (up, down) } else { (down, up) };
-            // What would leave the candidates stays at the first or the last one.
-            Taps { before, same, after, first: same + down, last: same + up }
+            [half + 0.5 * drift, 1.0 - 2.0 * half, half - 0.5 * drift]
         })
-    }
-}
-
-/// Weights of the candidate before, of the same one and of the one after; and of the same one where it is the first or last.
-#[derive(Clone, Copy)]
-struct Taps {
-    before: f32,
-    same: f32,
-    after: f32,
-    first: f32,
-    last: f32,
-}
-
-impl Taps {
-    fn scaled(self, by: f32) -> Self {
-        let Self { before, same, after, first, last } = self;
-        Self { before: by * before, same: by * same, after: by * after, first: by * first, last: by * last }
     }
 }
 
@@ -293,20 +273,20 @@ fn block_sums(nats: &Plane) -> Plane {
     sums
 }
 
-/// `from` with a part of each value moved to the places `stride` before and after it in its line of `line` values, which
-/// nothing leaves, and `more` added everywhere.
+/// `from` with a part of each value moved to the places `stride` before and after it in its line of `line` values, and
+/// `more` added everywhere. Beyond the ends of a line the values are as at the ends: motions that drift neither gather
+/// there nor are kept away.
 #[inline(always)]
-fn moved(from: &[f32], to: &mut [f32], (stride, line): (usize, usize), taps: Taps, more: f32) {
+fn moved(from: &[f32], to: &mut [f32], (stride, line): (usize, usize), [before, same, after]: [f32; 3], more: f32) {
     let count = from.len();
-    let Taps { before, same, after, first, last } = taps;
     let around = from.iter().zip(&from[stride..]).zip(&from[2 * stride..]);
     for (to, ((a, b), c)) in to[stride..count - stride].iter_mut().zip(around) {
         *to = more + before * a + same * b + after * c;
     }
     for start in (0..count).step_by(line) {
-        for (low, high) in (start..start + stride).zip(start + line - stride..start + line) {
-            to[low] = more + first * from[low] + after * from[low + stride];
-            to[high] = more + before * from[high - stride] + last * from[high];
+        for (first, last) in (start..start + stride).zip(start + line - stride..start + line) {
+            to[first] = more + (before + same) * from[first] + after * from[first + stride];
+            to[last] = more + before * from[last - stride] + (same + after) * from[last];
         }
     }
 }
@@ -340,24 +320,15 @@ mod tests {
     fn a_row_has_the_posterior_of_all_its_assignments() {
         let nats = [[0.3, 1.2, 0.0, 0.4], [0.9, 0.1, 0.2, 1.5], [0.0, 0.7, 2.0, 0.1]];
         let planes: Vec<Plane> = nats.iter().map(|row| Plane::from_vec(4, 1, row.to_vec())).collect();
-        let (drift, wander) = ([[0.1f32, 0.0], [0.0, 0.0]], WANDER);
+        let wander = 0.2;
         let candidates = Candidates { count: [3, 1], per_step: 1 };
         let posterior =
-            Posterior::with(&planes, candidates, (drift, wander), &Monitor::default()).expect("not cancelled");
-        let Taps { before, same, after, .. } = Model { drift: drift[0], wander }.taps(1.0)[0];
-        // Probability of `to` beside `from`; what would leave the candidates stays.
-        let beside = |from: usize, to: usize| {
-            let stays = same + if from == 0 { after } else { 0.0 } + if from == 2 { before } else { 0.0 };
-            let goes = if to == from {
-                stays
-            } else if to == from + 1 {
-                before
-            } else if to + 1 == from {
-                after
-            } else {
-                0.0
-            };
-            (1.0 - BORDER) * goes + BORDER / 3.0
+            Posterior::with(&planes, candidates, ([[0.0; 2]; 2], wander), &Monitor::default()).expect("not cancelled");
+        // Probability of a motion beside another; what would leave the candidates stays.
+        let beside = |one: usize, other: usize| {
+            let stays = if one == 1 { 1.0 - 2.0 * wander } else { 1.0 - wander };
+            let near = [stays, wander, 0.0][one.abs_diff(other)];
+            (1.0 - BORDER) * near + BORDER / 3.0
         };
         let mut sums = [[0.0f32; 3]; 4];
         for assignment in 0..81usize {
