@@ -177,8 +177,8 @@ fn to_nats(power: &mut Plane, scale: &Plane) {
     let equal = nothing - (SHARE / (1.0 + POWER).sqrt()).ln();
     for (power, scale) in power.data_mut().iter_mut().zip(scale.data()) {
         let exponent = (scale * *power).clamp(0.0, f32::MAX);
-        // Bright things must tell slopes apart, and not speak for all around them. A float's bits are its logarithm, linear
-        // between powers of two.
+        // Bright things must tell slopes apart, and not speak for all around them. A float's bits are its logarithm,
+        // linear between powers of two.
         let octaves = ((exponent * (1.0 / BRIGHT)).to_bits() as i32 - (127 << 23)) as f32 * (1.0 / (1 << 23) as f32);
         let x =
             if exponent > BRIGHT { BRIGHT * (1.0 + std::f32::consts::LN_2 / 3.0 * octaves) } else { exponent } - equal;
@@ -245,8 +245,8 @@ impl Shift {
     }
 }
 
-/// The band shifted down by so many cells, with `margin` columns more at both sides; beyond the edge the nearest cell is
-/// repeated.
+/// The band shifted down by so many cells, with `margin` columns more at both sides; beyond the edge the nearest cell
+/// is repeated.
 fn shifted_down(band: &Plane, cells: f32, margin: usize) -> Plane {
     let (width, height) = band.size();
     let shift = Shift::new(cells);

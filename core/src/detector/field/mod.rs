@@ -1,11 +1,11 @@
 //! Field of motion: how each place of a burst moves, and how surely that is known.
 //!
 //! The slope of a single feature is where the noise happens to help it most, and along an edge it is not defined at
-//! all. The motion of a *place* is known much better, since all that lies around it moves the same way.
-//! A sweep (`evidence`) of the plane of slopes on reduced, band-passed frames says for each cell and slope how much more
-//! likely the frames are if the cell moves so, in nats. Cells beside one another mostly move alike, and all evidence
-//! together tells how likely each motion is at each cell (`posterior`): its mean around the likeliest one is the motion,
-//! its variance the uncertainty. Things of a few cells are found by the window around each (`small_things`). The motions
+//! all. The motion of a *place* is known much better, since all that lies around it moves the same way. A sweep
+//! (`evidence`) of the plane of slopes on reduced, band-passed frames says for each cell and slope how much more likely
+//! the frames are if the cell moves so, in nats. Cells beside one another mostly move alike, and all evidence together
+//! tells how likely each motion is at each cell (`posterior`): its mean around the likeliest one is the motion, its
+//! variance the uncertainty. Things of a few cells are found by the window around each (`windows`). The motions
 //! that exist in the burst become [layers](MotionLayer), and [`in_focus`] stacks each place at its own.
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
@@ -15,10 +15,9 @@ mod evidence;
 mod in_focus;
 mod layers;
 mod posterior;
-mod refine;
-mod small_things;
 #[cfg(test)]
 mod tests;
+mod windows;
 
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::stack::FrameTimes;
@@ -30,8 +29,8 @@ pub use in_focus::in_focus;
 use layers::KnownCell;
 pub use layers::MotionLayer;
 use posterior::{Found, Posterior};
-use refine::refine;
 use serde::Serialize;
+use windows::{overrule, refine};
 
 /// Reason why a burst has no field, and the remedy.
 pub const NO_FIELD: &str =
@@ -45,9 +44,9 @@ const CELL_PX: usize = 8;
 const SMALL_CELL_PX: usize = 6;
 /// Pixels of the largest image that counts as small.
 const SMALL_IMAGE_PX: usize = 360_000;
-/// Parts of two variances that the errors in real pictures have: that of the probabilities, since a tree does not count all
-/// that cells beside one another know, and the change of the motion to the next cell, since a border may lie a cell beside
-/// where it was found.
+/// Parts of two variances that the errors in real pictures have: that of the probabilities, since a tree does not count
+/// all that cells beside one another know, and the change of the motion to the next cell, since a border may lie a cell
+/// beside where it was found.
 const VARIANCE_PARTS: [f32; 2] = [0.15, 0.75];
 /// Standard deviation of the window in which changes of the motion are looked at, cells.
 const CHANGE_WINDOW_CELLS: f64 = 1.0;
@@ -127,8 +126,8 @@ impl MotionField {
         self.layer[self.cell(u, v)]
     }
 
-    /// Layer, from 1, of what is found at the place (`u`, `v`) and moves by `slope` ± `sigma`, pixels per frame: that of
-    /// the place unless it moves otherwise, and else the nearest motion among the others; 0 if it moves like none.
+    /// Layer, from 1, of what is found at the place (`u`, `v`) and moves by `slope` ± `sigma`, pixels per frame: that
+    /// of the place unless it moves otherwise, and else the nearest motion among the others; 0 if it moves like none.
     pub fn layer_of(&self, (u, v): (f32, f32), slope: Slope, sigma: f32) -> u8 {
         let here = self.at(u, v);
         if here.distance(slope, sigma) < OTHER_SIGMAS {
@@ -185,7 +184,7 @@ pub fn motion_field(
     let evidence = Evidence::new(frames, times, cell_px, grid, monitor)?;
     let swept = [evidence.grid.u.count, evidence.grid.v.count];
     let mut found = Posterior::new(&evidence.nats, swept, monitor)?.found();
-    small_things::overrule(&mut found, &evidence, monitor)?;
+    overrule(&mut found, &evidence, monitor)?;
     let of_window = refine(&mut found, &evidence, monitor)?;
     complete_covariances(&mut found, &of_window, evidence.size, monitor)?;
     let motions = found.iter().map(|found| motion(found, &evidence)).collect();

@@ -1,11 +1,12 @@
 //! Posterior of the motion of each cell, given the evidence of all cells.
 //!
-//! What lies beside a cell mostly moves as it does: from cell to cell a motion wanders a little ([`WANDER`]) around what
-//! it does on the whole ([`drift`](Posterior::drift): a picture that comes nearer grows), and seldom, at the border of a
-//! thing, it becomes any other ([`BORDER`]). Between the cells of a tree such a model is solved exactly, by passing messages
-//! along its branches (Pearl, "Probabilistic Reasoning in Intelligent Systems", 1988). Each cell has two trees, which hold
-//! all cells: its column with the rows as branches, and its row with the columns (Bleyer and Gelautz, "Simple but effective
-//! tree structures for dynamic programming-based stereo matching", 2008). Their geometric mean has no preferred direction.
+//! What lies beside a cell mostly moves as it does: from cell to cell a motion wanders a little ([`WANDER`]) around
+//! what it does on the whole ([`drift`](Posterior::drift): a picture that comes nearer grows), and seldom, at the
+//! border of a thing, it becomes any other ([`BORDER`]). Between the cells of a tree such a model is solved exactly, by
+//! passing messages along its branches (Pearl, "Probabilistic Reasoning in Intelligent Systems", 1988). Each cell has
+//! two trees, which hold all cells: its column with the rows as branches, and its row with the columns (Bleyer and
+//! Gelautz, "Simple but effective tree structures for dynamic programming-based stereo matching", 2008). Their
+//! geometric mean has no preferred direction.
 //!
 //! So there is no window in which everything moves alike: evidence reaches as far as nothing speaks against it.
 
@@ -106,8 +107,8 @@ impl Candidates {
         })
     }
 
-    /// The motion that `probabilities` speak for: their mean around the largest one. The covariance is that of all of them
-    /// around it, so that another motion that is likely too counts.
+    /// The motion that `probabilities` speak for: their mean around the largest one. The covariance is that of all of
+    /// them around it, so that another motion that is likely too counts.
     pub fn found(&self, probabilities: &[f32]) -> Found {
         let columns = self.count[0];
         let larger = |best: usize, (index, x): (usize, &f32)| if *x > probabilities[best] { index } else { best };
@@ -191,8 +192,8 @@ struct Model {
 }
 
 impl Model {
-    /// Weights, along u and v, of the candidate before, the same one, and the one after it, in the cell before; in the one
-    /// after for a `sign` of −1.
+    /// Weights, along u and v, of the candidate before, the same one, and the one after it, in the cell before; in the
+    /// one after for a `sign` of −1.
     fn taps(&self, sign: f32) -> [[f32; 3]; 2] {
         self.drift.map(|drift| {
             let drift = sign * drift.clamp(-0.9, 0.9);
@@ -242,8 +243,8 @@ impl Posterior {
         self.probabilities.par_chunks(self.candidates.len()).map(|cell| self.candidates.found(cell)).collect()
     }
 
-    /// Mean change of the motion, candidates along u and v, for each cell to the right and down, between blocks of cells in
-    /// `size` columns and rows that move nearly alike.
+    /// Mean change of the motion, candidates along u and v, for each cell to the right and down, between blocks of
+    /// cells in `size` columns and rows that move nearly alike.
     fn drift(&self, (width, height): (usize, usize)) -> [[f32; 2]; 2] {
         let found = self.found();
         let variance = |found: &Found| found.covariance[0] + found.covariance[2];

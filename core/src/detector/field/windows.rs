@@ -1,19 +1,31 @@
-//! Motions between the swept slopes, and what the evidence around each says of it.
+//! What windows around each cell add to the posterior.
 //!
-//! Each cell's evidence is read at its own motion plus a common offset, whose sum over a window has its peak where the
-//! window is off on average. The offset is held by a prior, as noise would move each cell where it likes. How sharply such
-//! a sum over a wide window falls tells whether its structure says anything: an edge says nothing along itself, and noise
-//! nothing at all.
+//! *Small things.* A row of cells on a thing of a few cells seldom has enough evidence to pay for two borders, and the
+//! posterior does not see that the rows beside it have it too. A small window overrules it where another motion has much
+//! more evidence in it.
+//!
+//! *Motions between the swept slopes.* Each cell's evidence is read at its own motion plus a common offset, whose sum over
+//! a window has its peak where the window is off on average. The offset is held by a prior, as noise would move each cell
+//! where it likes.
+//!
+//! *What a motion is worth.* How sharply such a sum over a wide window falls tells whether its structure says anything: an
+//! edge says nothing along itself, and noise nothing at all.
 
 use super::evidence::Evidence;
-use super::posterior::Found;
+use super::posterior::{Candidates, Found};
 use super::{eigen, turned};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-/// Standard deviation of the window, cells.
+/// Standard deviation of the window that overrules, cells.
+const SMALL_CELLS: f64 = 1.75;
+/// Evidence that another motion needs in it, nats.
+const OVERRULING_NATS: f32 = 3.0;
+/// Steps of the sweep between two motions that differ.
+const OTHER_STEPS: f32 = 1.0;
+/// Standard deviation of the window that moves motions, cells.
 const WINDOW_CELLS: f64 = 3.0;
 /// Number of times that each motion is moved.
 const ROUNDS: usize = 2;
@@ -29,8 +41,34 @@ const KNOWN_NATS: f32 = 6.0;
 /// of twice the evidence: the noise of stacks a step apart is nearly the same.
 const CHANCE: f32 = 0.2;
 
-/// Moves each motion by the offset that the window around it asks for. Returns the covariances that the wide window alone
-/// leaves, squared steps: where nothing is known, it is somewhere in the swept range.
+/// Gives cells the motion of the window around them where it overrules what was `found`.
+pub(super) fn overrule(found: &mut [Found], evidence: &Evidence, monitor: &Monitor) -> Result<(), Cancelled> {
+    let (width, height) = evidence.size;
+    let grid = &evidence.grid;
+    let sums = evidence.nats.par_iter().map(|nats| window_sums(nats, SMALL_CELLS, monitor));
+    let sums: Vec<Plane> = sums.collect::<Result<_, _>>()?;
+    let own = (0..found.len()).map(|place| nats_at(evidence, place, found[place].at));
+    let own = window_sums(&Plane::from_vec(width, height, own.collect()), SMALL_CELLS, monitor)?;
+    let candidates = Candidates { count: [grid.u.count, grid.v.count], per_step: 1 };
+    let cells = found.par_iter_mut().zip(own.data()).enumerate();
+    cells.for_each_init(Vec::new, |in_window, (place, (found, own))| {
+        in_window.clear();
+        in_window.extend(sums.iter().map(|sums| sums.data()[place]));
+        let larger = |best: usize, (index, x): (usize, &f32)| if *x > in_window[best] { index } else { best };
+        let best = in_window.iter().enumerate().fold(0, larger);
+        let (i, j) = grid.coordinates(best);
+        let apart = (i as f32 - found.at[0]).hypot(j as f32 - found.at[1]);
+        let most = in_window[best];
+        if apart > OTHER_STEPS && most - own > OVERRULING_NATS {
+            in_window.iter_mut().for_each(|x| *x = (*x - most).exp());
+            *found = candidates.found(in_window);
+        }
+    });
+    Ok(())
+}
+
+/// Moves each motion by the offset that the window around it asks for. Returns the covariances that the wide window
+/// alone leaves, squared steps: where nothing is known, it is somewhere in the swept range.
 pub(super) fn refine(found: &mut [Found], evidence: &Evidence, monitor: &Monitor) -> Result<Vec<[f32; 3]>, Cancelled> {
     let grid = &evidence.grid;
     let step = grid.u.step().max(grid.v.step());
@@ -116,7 +154,7 @@ fn offset([gradient_u, gradient_v]: [f32; 2], information: [f32; 3], prior_steps
 }
 
 /// Evidence of the cell `place` for the motion `at`, steps, linear between the slopes and constant beyond them.
-pub(super) fn nats_at(evidence: &Evidence, place: usize, at: [f32; 2]) -> f32 {
+fn nats_at(evidence: &Evidence, place: usize, at: [f32; 2]) -> f32 {
     let grid = &evidence.grid;
     let along = |x: f32, count: usize| {
         let x = x.clamp(0.0, (count - 1) as f32);
@@ -130,9 +168,9 @@ pub(super) fn nats_at(evidence: &Evidence, place: usize, at: [f32; 2]) -> f32 {
     between(between(nats(i, j), nats(i_next, j), u), between(nats(i, j_next), nats(i_next, j_next), u), v)
 }
 
-/// Sums of `plane` over Gaussian windows of standard deviation `sigma_cells` around each cell, with weight 1 in its middle
-/// and nothing beyond the edges: a repeated edge would count as often as all it stands for.
-pub(super) fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
+/// Sums of `plane` over Gaussian windows of standard deviation `sigma_cells` around each cell, with weight 1 in its
+/// middle and nothing beyond the edges: a repeated edge would count as often as all it stands for.
+fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
     monitor.check()?;
     let reach = (3.0 * sigma_cells).ceil() as usize;
     let weights: Vec<f32> = (0..=reach).map(|k| (-0.5 * (k as f64 / sigma_cells).powi(2)).exp() as f32).collect();
