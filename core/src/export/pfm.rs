@@ -38,7 +38,6 @@ mod tests {
                 motion(-1.0, 0.5, 4.0),
                 motion(2.0, 0.0, 0.01),
             ],
-            window_px: vec![8.0; 4],
             unknown_sigma: 1.0,
             layers: Vec::new(),
             layer: vec![0; 4],

@@ -11,6 +11,7 @@ use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 /// Band that is looked at: Gaussians of these σ, in the finest cells, as all lengths here.
@@ -36,8 +37,6 @@ pub(super) const MERGED_CELLS: usize = 2;
 pub(super) struct Evidence {
     /// Columns and rows of cells.
     pub size: (usize, usize),
-    /// Pixels on a side of a cell.
-    pub cell_px: usize,
     /// Swept slopes; one step more on each side than asked for.
     pub grid: SlopeGrid,
     /// Number of the last frame, from 0.
@@ -83,16 +82,17 @@ impl Evidence {
                 nats.push(power);
             }
         }
-        let variance = enlarged(&variance, NOISE_CELLS, size);
-        let table = nats_table();
+        let mut scale = enlarged(&variance, NOISE_CELLS, size);
+        let gain = 0.5 * POWER / (1.0 + POWER);
+        scale.data_mut().iter_mut().for_each(|x| *x = gain / x.max(f32::MIN_POSITIVE));
         nats.par_iter_mut().for_each(|power| {
-            to_nats(power, &variance, &table);
+            to_nats(power, &scale);
             let mut merged = means(power, MERGED_CELLS);
             merged.data_mut().iter_mut().for_each(|nats| *nats *= (MERGED_CELLS * MERGED_CELLS) as f32);
             *power = merged;
         });
         let last_frame = (times.frame_count - 1) as f32;
-        Ok(Self { size: nats[0].size(), cell_px, grid, last_frame, nats })
+        Ok(Self { size: nats[0].size(), grid, last_frame, nats })
     }
 }
 
@@ -129,6 +129,7 @@ fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cance
 /// S²/N of the sum S of the frames, which are shifted down already and have a `margin` of columns at both sides, at the
 /// `shifts` to the right; and the variance of the frames around their mean, of squares of [`NOISE_CELLS`]. Both are in
 /// the power of one frame.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) {
     let (width, height) = (frames[0].width() - 2 * margin, frames[0].height());
     let count = frames.len() as f32;
@@ -165,25 +166,26 @@ fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) 
     (power, residual)
 }
 
-/// Evidence of a cell for exponents from 0 in sixteenths.
-fn nats_table() -> Vec<f32> {
-    let cost = (1.0 + POWER).sqrt();
-    let nats = |exponent: f32| (1.0 - SHARE + SHARE / cost * exponent.exp()).ln() / CORRELATED_CELLS;
-    (0..=60 * 16 + 1).map(|i| nats(i as f32 / 16.0)).collect()
-}
+/// Exponent from which on evidence grows with its logarithm.
+const BRIGHT: f32 = 60.0;
 
-/// Exponent, in sixteenths, from which on evidence grows with its logarithm.
-const BRIGHT: f32 = 60.0 * 16.0;
-
-/// Makes the power of a stack its evidence, with `variance` that of the noise of one frame in each cell.
-fn to_nats(power: &mut Plane, variance: &Plane, table: &[f32]) {
-    let gain = 16.0 * 0.5 * POWER / (1.0 + POWER);
-    for (power, variance) in power.data_mut().iter_mut().zip(variance.data()) {
-        let at = (gain * *power / variance.max(f32::MIN_POSITIVE)).clamp(0.0, f32::MAX);
-        // Bright things must tell slopes apart, and not speak for all around them.
-        let at = if at > BRIGHT { BRIGHT * (1.0 + (at / BRIGHT).ln() / 3.0) } else { at };
-        let below = at.min(60.0 * 16.0) as usize;
-        *power = table[below] + (at - below as f32) * (table[below + 1] - table[below]);
+/// Makes the power of a stack its evidence: ln(1 − π + π·(1 + ρ)^−½·exp(x)) for the exponent x, its `scale` times the
+/// power, to a hundredth of a nat before cells are taken for correlated.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn to_nats(power: &mut Plane, scale: &Plane) {
+    let nothing = (1.0 - SHARE).ln();
+    let equal = nothing - (SHARE / (1.0 + POWER).sqrt()).ln();
+    for (power, scale) in power.data_mut().iter_mut().zip(scale.data()) {
+        let exponent = (scale * *power).clamp(0.0, f32::MAX);
+        // Bright things must tell slopes apart, and not speak for all around them. A float's bits are its logarithm,
+        // linear between powers of two.
+        let octaves = ((exponent * (1.0 / BRIGHT)).to_bits() as i32 - (127 << 23)) as f32 * (1.0 / (1 << 23) as f32);
+        let x =
+            if exponent > BRIGHT { BRIGHT * (1.0 + std::f32::consts::LN_2 / 3.0 * octaves) } else { exponent } - equal;
+        // ln(1 + exp(x)), which is x where it is large; what is missing has value and slope at 0 of this power.
+        let missing = (1.0 - x.abs() * (0.5 / (6.0 * std::f32::consts::LN_2))).max(0.0);
+        let cubed = missing * missing * missing;
+        *power = (nothing + x.max(0.0) + std::f32::consts::LN_2 * cubed * cubed) * (1.0 / CORRELATED_CELLS);
     }
 }
 
@@ -243,8 +245,8 @@ impl Shift {
     }
 }
 
-/// The band shifted down by so many cells, with `margin` columns more at both sides; beyond the edge the nearest cell is
-/// repeated.
+/// The band shifted down by so many cells, with `margin` columns more at both sides; beyond the edge the nearest cell
+/// is repeated.
 fn shifted_down(band: &Plane, cells: f32, margin: usize) -> Plane {
     let (width, height) = band.size();
     let shift = Shift::new(cells);

@@ -1,12 +1,12 @@
 //! Field of motion: how each place of a burst moves, and how surely that is known.
 //!
 //! The slope of a single feature is where the noise happens to help it most, and along an edge it is not defined at
-//! all. The motion of a *place* is known much better, since all that lies around it moves the same way.
-//! A sweep (`evidence`) of the plane of slopes on reduced, band-passed frames says for each cell and slope how much more
-//! likely the frames are if the cell moves so, in nats. These are added up over windows from large to small (`windows`);
-//! a smaller window overrules a larger one only where it has more evidence than chance would give it. The motion between
-//! the slopes and its uncertainty come from the curvature of the same sum. The motions that exist in the burst become
-//! [layers](MotionLayer), and [`in_focus`] stacks each place at its own.
+//! all. The motion of a *place* is known much better, since all that lies around it moves the same way. A sweep
+//! (`evidence`) of the plane of slopes on reduced, band-passed frames says for each cell and slope how much more likely
+//! the frames are if the cell moves so, in nats. Cells beside one another mostly move alike, and all evidence together
+//! tells how likely each motion is at each cell (`posterior`): its mean around the likeliest one is the motion, its
+//! variance the uncertainty. Things of a few cells are found by the window around each (`windows`). The motions
+//! that exist in the burst become [layers](MotionLayer), and [`in_focus`] stacks each place at its own.
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 
@@ -14,6 +14,7 @@ pub(crate) mod depth;
 mod evidence;
 mod in_focus;
 mod layers;
+mod posterior;
 #[cfg(test)]
 mod tests;
 mod windows;
@@ -22,11 +23,14 @@ use crate::detector::params::slope_grid::{Slope, SlopeGrid};
 use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
+use crate::plane::blur::smoothed;
 use evidence::{Evidence, MERGED_CELLS, swept};
 pub use in_focus::in_focus;
 use layers::KnownCell;
 pub use layers::MotionLayer;
+use posterior::{Found, Posterior};
 use serde::Serialize;
+use windows::{overrule, refine};
 
 /// Reason why a burst has no field, and the remedy.
 pub const NO_FIELD: &str =
@@ -36,11 +40,23 @@ pub const NO_FIELD: &str =
 const MAX_VALUES: usize = 20_000_000;
 /// Pixels on a side of the smallest cells.
 const CELL_PX: usize = 8;
+/// The same for images of at most [`SMALL_IMAGE_PX`]: things are small in them.
+const SMALL_CELL_PX: usize = 6;
+/// Pixels of the largest image that counts as small.
+const SMALL_IMAGE_PX: usize = 360_000;
+/// Parts of two variances that the errors in real pictures have: that of the probabilities, since a tree does not count
+/// all that cells beside one another know, and the change of the motion to the next cell, since a border may lie a cell
+/// beside where it was found.
+const VARIANCE_PARTS: [f32; 2] = [0.15, 0.75];
+/// Standard deviation of the window in which changes of the motion are looked at, cells.
+const CHANGE_WINDOW_CELLS: f64 = 1.0;
 /// Standard deviations by which two motions differ significantly.
 const OTHER_SIGMAS: f32 = 3.0;
 /// Uncertainty of a motion along its least certain direction from which on it is unknown, pixels of smear between the
 /// first and the last frame.
 const UNKNOWN_SMEAR_PX: f32 = 6.0;
+/// Uncertainty of any motion, pixels of smear: structure that moves otherwise within a cell.
+const LEAST_SMEAR_PX: f32 = 0.3;
 
 /// Motion of a place with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -80,8 +96,6 @@ pub struct MotionField {
     pub cell_px: usize,
     /// Motion of each cell, row by row.
     pub motions: Vec<Motion>,
-    /// Standard deviation of the window that decided on the cell, pixels of the input image.
-    pub window_px: Vec<f32>,
     /// Uncertainty from which on a motion counts as unknown, pixels per frame.
     pub unknown_sigma: f32,
     /// Motions that exist in the burst, the nearest first, and after them those of what moves by itself.
@@ -112,8 +126,8 @@ impl MotionField {
         self.layer[self.cell(u, v)]
     }
 
-    /// Layer, from 1, of what is found at the place (`u`, `v`) and moves by `slope` ± `sigma`, pixels per frame: that of
-    /// the place unless it moves otherwise, and else the nearest motion among the others; 0 if it moves like none.
+    /// Layer, from 1, of what is found at the place (`u`, `v`) and moves by `slope` ± `sigma`, pixels per frame: that
+    /// of the place unless it moves otherwise, and else the nearest motion among the others; 0 if it moves like none.
     pub fn layer_of(&self, (u, v): (f32, f32), slope: Slope, sigma: f32) -> u8 {
         let here = self.at(u, v);
         if here.distance(slope, sigma) < OTHER_SIGMAS {
@@ -161,16 +175,22 @@ pub fn motion_field(
     let (width, height) = first.size();
     let cells = |cell_px: usize| MERGED_CELLS * MERGED_CELLS * (width / cell_px) * (height / cell_px);
     let values = |cell_px: &usize| cells(*cell_px) * swept(grid, times, *cell_px).len();
-    let cell_px = (CELL_PX..).step_by(MERGED_CELLS).find(|cell_px| values(cell_px) <= MAX_VALUES).unwrap_or(CELL_PX);
-    if frames.len() < 3 || grid.len() < 2 || width.min(height) < 4 * cell_px {
+    let smallest_px = if width * height > SMALL_IMAGE_PX { CELL_PX } else { SMALL_CELL_PX };
+    let cell_px =
+        (smallest_px..).step_by(MERGED_CELLS).find(|cell_px| values(cell_px) <= MAX_VALUES).unwrap_or(smallest_px);
+    if frames.len() < 3 || grid.len() < 2 || width.min(height) < 4 * cell_px.max(CELL_PX) {
         return Ok(None);
     }
     let evidence = Evidence::new(frames, times, cell_px, grid, monitor)?;
-    let (motions, window_px) = windows::motions(&evidence, monitor)?;
+    let swept = [evidence.grid.u.count, evidence.grid.v.count];
+    let mut found = Posterior::new(&evidence.nats, swept, monitor)?.found();
+    overrule(&mut found, &evidence, monitor)?;
+    let of_window = refine(&mut found, &evidence, monitor)?;
+    complete_covariances(&mut found, &of_window, evidence.size, monitor)?;
+    let motions = found.iter().map(|found| motion(found, &evidence)).collect();
     let (size, last_frame) = (evidence.size, evidence.last_frame);
     let unknown_sigma = UNKNOWN_SMEAR_PX / last_frame;
-    let mut field =
-        MotionField { size, cell_px, motions, window_px, unknown_sigma, layers: Vec::new(), layer: Vec::new() };
+    let mut field = MotionField { size, cell_px, motions, unknown_sigma, layers: Vec::new(), layer: Vec::new() };
     let known_cell = |(index, motion): (usize, &Motion)| {
         let centre = |at: usize| (at as f64 + 0.5) * cell_px as f64 - 0.5;
         let pos_image = [centre(index % size.0), centre(index / size.0)];
@@ -181,10 +201,55 @@ pub fn motion_field(
     Ok(Some(field))
 }
 
+/// Makes the covariances that were `found` those of the errors, with those `of_window` and the changes between cells.
+fn complete_covariances(
+    found: &mut [Found],
+    of_window: &[[f32; 3]],
+    (width, height): (usize, usize),
+    monitor: &Monitor,
+) -> Result<(), Cancelled> {
+    let change = |axis: usize| {
+        let change = Plane::from_fn(width, height, |i, j| {
+            let at = |i: usize, j: usize| found[j.min(height - 1) * width + i.min(width - 1)].at[axis];
+            (at(i, j) - at(i + 1, j)).powi(2) + (at(i, j) - at(i, j + 1)).powi(2)
+        });
+        smoothed(&change, CHANGE_WINDOW_CELLS, monitor)
+    };
+    let (along_u, along_v) = (change(0)?, change(1)?);
+    let changes = along_u.data().iter().zip(along_v.data()).map(|(uu, vv)| [*uu, 0.0, *vv]);
+    let [own, border] = VARIANCE_PARTS;
+    for ((found, of_window), change) in found.iter_mut().zip(of_window).zip(changes) {
+        found.covariance = [0, 1, 2].map(|k| own * found.covariance[k] + of_window[k] + border * change[k]);
+    }
+    Ok(())
+}
+
+/// What was found on the grid of the sweep, in pixels per frame.
+fn motion(found: &Found, evidence: &Evidence) -> Motion {
+    let grid = &evidence.grid;
+    let (sin, cos) = grid.direction_deg.to_radians().sin_cos();
+    let (step_u, step_v) = (grid.u.step(), grid.v.step());
+    let [uu, uv, vv] = found.covariance;
+    let [a, b, c] = [uu * step_u * step_u, uv * step_u * step_v, vv * step_v * step_v];
+    let least = (LEAST_SMEAR_PX / evidence.last_frame).powi(2);
+    let covariance = [
+        a * cos * cos - 2.0 * b * sin * cos + c * sin * sin + least,
+        (a - c) * sin * cos + b * (cos * cos - sin * sin),
+        a * sin * sin + 2.0 * b * sin * cos + c * cos * cos + least,
+    ];
+    Motion { slope: grid.at(found.at[0], found.at[1]), covariance }
+}
+
 /// Rotation (cosine, sine) to the principal axes of a symmetric matrix (uu, uv, vv), and its eigenvalues, the larger
 /// first.
 fn eigen([uu, uv, vv]: [f32; 3]) -> ((f32, f32), [f32; 2]) {
     let (mean, half) = (0.5 * (uu + vv), (0.5 * (uu - vv)).hypot(uv));
     let (sin, cos) = (0.5 * (2.0 * uv).atan2(uu - vv)).sin_cos();
     ((cos, sin), [mean + half, mean - half])
+}
+
+/// The symmetric matrix with these principal axes and eigenvalues.
+fn turned((cos, sin): (f32, f32), [first, second]: [f32; 2]) -> [f32; 3] {
+    let uv = (first - second) * cos * sin;
+    [first * cos * cos + second * sin * sin, uv, first * sin * sin + second * cos * cos]
 }

@@ -1,270 +1,145 @@
-//! From evidence to motions: windows from large to small, and the peak of their sums between the slopes.
+//! What windows around each cell add to the posterior.
 //!
-//! The evidence of all cells in a window adds up. A large window knows most but sees only what most of it does; a small
-//! one sees small things and is easily led astray. So the largest decides first, and each smaller one overrules it only
-//! where another slope has [`OVERRULING_NATS`] more evidence in it: by chance alone odds of e⁵ are rare among the
-//! windows of a picture. The decided motions then follow how the scene's motion changes within a window: each cell's
-//! evidence is read at its own motion plus a common offset, whose sum over the window has its peak where the window is
-//! off on average. The offset is held by a prior, as noise would move each cell where it likes.
+//! *Small things.* A row of cells on a thing of a few cells seldom has enough evidence to pay for two borders, and the
+//! posterior does not see that the rows beside it have it too. A small window overrules it where another motion has much
+//! more evidence in it.
+//!
+//! *Motions between the swept slopes.* Each cell's evidence is read at its own motion plus a common offset, whose sum over
+//! a window has its peak where the window is off on average. The offset is held by a prior, as noise would move each cell
+//! where it likes.
+//!
+//! *What a motion is worth.* How sharply such a sum over a wide window falls tells whether its structure says anything: an
+//! edge says nothing along itself, and noise nothing at all.
 
-use super::evidence::{Evidence, enlarged, means};
-use super::{Motion, eigen};
-use crate::detector::params::slope_grid::Slope;
+use super::evidence::Evidence;
+use super::posterior::{Candidates, Found};
+use super::{eigen, turned};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use crate::plane::blur::smoothed;
+use multiversion::multiversion;
 use rayon::prelude::*;
 
-/// Number of places whose evidence is compared at once: as many as the cache holds.
-const PLACES_AT_ONCE: usize = 2048;
-/// Evidence that a motion needs to be known, nats: the best of all slopes in noise has less.
-const KNOWN_NATS: f32 = 6.0;
-/// Standard deviations of the windows that decide, cells.
-const DECIDING_CELLS: [f64; 4] = [14.0, 7.0, 3.5, 1.75];
-/// Standard deviations of the windows whose offsets refine the motions, cells.
-const REFINING_CELLS: [f64; 5] = [12.0, 8.0, 6.0, 4.0, 3.0];
-/// Evidence that a smaller window needs for another slope than the larger one's, nats.
-const OVERRULING_NATS: f32 = 5.0;
-/// Steps of the sweep between two slopes that differ.
-const OTHER_STEPS: f32 = 0.9;
-/// Standard deviation of the peak's distance from the best slope, steps: hardly a constraint.
-const PEAK_STEPS: f32 = 2.0;
+/// Standard deviation of the window that overrules, cells.
+const SMALL_CELLS: f64 = 1.75;
+/// Evidence that another motion needs in it, nats.
+const OVERRULING_NATS: f32 = 3.0;
+/// Steps of the sweep between two motions that differ.
+const OTHER_STEPS: f32 = 1.0;
+/// Standard deviation of the window that moves motions, cells.
+const WINDOW_CELLS: f64 = 3.0;
+/// Number of times that each motion is moved.
+const ROUNDS: usize = 2;
 /// Standard deviation of the offsets, pixels of smear between the first and the last frame.
 const OFFSET_SMEAR_PX: f32 = 1.2;
-
-/// Variance of a motion that no evidence describes: structure that moves otherwise within the window, (px/frame)² of a
-/// smear of this many pixels.
-const FLOOR_SMEAR_PX: f32 = 0.3;
-
-/// Standard deviation of the window in which changes of the motion are looked at, cells.
-const CHANGE_WINDOW_CELLS: f64 = 4.0;
-/// Cells by which a border between motions is placed wrongly: where the motion changes, it is as uncertain as it changes
-/// over so many.
-const CHANGE_CELLS: f32 = 0.5;
+/// Standard deviation of the wide window, cells.
+const WIDE_CELLS: f64 = 14.0;
+/// Part of the variance that it leaves which the errors in real pictures have besides other variances.
+const WIDE_PART: f32 = 0.5;
+/// Evidence in it that a motion needs to be known, nats.
+const KNOWN_NATS: f32 = 6.0;
 /// Standard deviation of the second difference of evidence between steps that noise alone gives, as a part of the root
 /// of twice the evidence: the noise of stacks a step apart is nearly the same.
 const CHANCE: f32 = 0.2;
 
-/// Motion of each cell and the standard deviation of the window that decided on it, pixels.
-pub(super) fn motions(evidence: &Evidence, monitor: &Monitor) -> Result<(Vec<Motion>, Vec<f32>), Cancelled> {
-    let sweep = Sweep { evidence, active: [evidence.grid.u.count > 1, evidence.grid.v.count > 1] };
-    let mut cells = sweep.decided(monitor)?;
-    if sweep.active != [false; 2] {
-        for cells_sigma in REFINING_CELLS {
-            sweep.refine(&mut cells, cells_sigma, monitor)?;
+/// Gives cells the motion of the window around them where it overrules what was `found`.
+pub(super) fn overrule(found: &mut [Found], evidence: &Evidence, monitor: &Monitor) -> Result<(), Cancelled> {
+    let (width, height) = evidence.size;
+    let grid = &evidence.grid;
+    let sums = evidence.nats.par_iter().map(|nats| window_sums(nats, SMALL_CELLS, monitor));
+    let sums: Vec<Plane> = sums.collect::<Result<_, _>>()?;
+    let own = (0..found.len()).map(|place| nats_at(evidence, place, found[place].at));
+    let own = window_sums(&Plane::from_vec(width, height, own.collect()), SMALL_CELLS, monitor)?;
+    let candidates = Candidates { count: [grid.u.count, grid.v.count], per_step: 1 };
+    let cells = found.par_iter_mut().zip(own.data()).enumerate();
+    cells.for_each_init(Vec::new, |in_window, (place, (found, own))| {
+        in_window.clear();
+        in_window.extend(sums.iter().map(|sums| sums.data()[place]));
+        let larger = |best: usize, (index, x): (usize, &f32)| if *x > in_window[best] { index } else { best };
+        let best = in_window.iter().enumerate().fold(0, larger);
+        let (i, j) = grid.coordinates(best);
+        let apart = (i as f32 - found.at[0]).hypot(j as f32 - found.at[1]);
+        let most = in_window[best];
+        if apart > OTHER_STEPS && most - own > OVERRULING_NATS {
+            in_window.iter_mut().for_each(|x| *x = (*x - most).exp());
+            *found = candidates.found(in_window);
+        }
+    });
+    Ok(())
+}
+
+/// Moves each motion by the offset that the window around it asks for. Returns the covariances that the wide window
+/// alone leaves, squared steps: where nothing is known, it is somewhere in the swept range.
+pub(super) fn refine(found: &mut [Found], evidence: &Evidence, monitor: &Monitor) -> Result<Vec<[f32; 3]>, Cancelled> {
+    let grid = &evidence.grid;
+    let step = grid.u.step().max(grid.v.step());
+    let prior_steps = OFFSET_SMEAR_PX / evidence.last_frame / step.max(f32::MIN_POSITIVE);
+    for _ in 0..ROUNDS {
+        let around = Around::new(found, evidence, WINDOW_CELLS, monitor)?;
+        for (place, found) in found.iter_mut().enumerate() {
+            let (_, gradient, information) = around.derivatives(place);
+            let offset = offset(gradient, information, prior_steps);
+            found.at = [found.at[0] + offset[0], found.at[1] + offset[1]];
         }
     }
-    let cell_px = evidence.cell_px as f32;
-    let changes = [sweep.changes(0, &cells, monitor)?, sweep.changes(1, &cells, monitor)?];
-    let told = |(place, cell): (usize, &Cell)| {
-        let change = [&changes[0], &changes[1]].map(|change| change.data()[place]);
-        (sweep.motion(cell, change), cell.window_cells * cell_px)
+    let wide = Around::new(found, evidence, WIDE_CELLS, monitor)?;
+    let active = wide.reach.map(|reach| reach > 0);
+    let range = [grid.u, grid.v].map(|axis| 12f32.sqrt() / axis.count as f32);
+    let least = if active == [true; 2] { range[0].max(range[1]) } else { range[usize::from(active[1])] };
+    let covariance = |place: usize| {
+        let (nats, _, information) = wide.derivatives(place);
+        let chance = if nats < KNOWN_NATS { f32::INFINITY } else { CHANCE * (2.0 * nats).sqrt() };
+        let (rotation, values) = eigen(information);
+        // What is no more than chance says nothing.
+        let certain = values.map(|value| (value * value.abs() - chance * chance).max(0.0).sqrt());
+        let [uu, uv, vv] = turned(rotation, certain.map(|nats| 1.0 / (nats / WIDE_PART + least * least)));
+        match active {
+            [true, true] => [uu, uv, vv],
+            [along_u, _] => [if along_u { uu } else { 0.0 }, 0.0, if along_u { 0.0 } else { vv }],
+        }
     };
-    Ok(cells.iter().enumerate().map(told).unzip())
+    Ok((0..found.len()).map(covariance).collect())
 }
 
-/// Decision on one cell.
-#[derive(Clone, Copy)]
-struct Cell {
-    /// Swept slope with the most evidence.
-    index: usize,
-    /// Motion in coordinates of the sweep's grid, steps.
-    at: [f32; 2],
-    /// Minus the second derivatives of the evidence there: along u, mixed, along v; nats a squared step.
-    information: [f32; 3],
-    /// Standard deviation of the window that decided, cells.
-    window_cells: f32,
-    /// Evidence in that window, nats.
-    nats: f32,
+/// Sums over windows of the evidence for each cell's own motion and those a step beside it.
+struct Around {
+    /// Steps to each side along u and v: 0 where there is one slope.
+    reach: [i64; 2],
+    /// Row by row.
+    sums: Vec<Plane>,
 }
 
-struct Sweep<'a> {
-    evidence: &'a Evidence,
-    /// Whether the axes of the grid have several slopes.
-    active: [bool; 2],
-}
-
-impl Sweep<'_> {
-    /// Decides on all cells, the largest window first.
-    fn decided(&self, monitor: &Monitor) -> Result<Vec<Cell>, Cancelled> {
-        let mut decided: Option<Vec<Cell>> = None;
-        for sigma_cells in DECIDING_CELLS {
-            let sums = self.evidence.nats.par_iter().map(|nats| window_sums(nats, sigma_cells, monitor));
-            let sums: Vec<Plane> = sums.collect::<Result<_, _>>()?;
-            let most = most(&sums);
-            let cell_of = |place: usize| -> Cell {
-                let sum = |index: usize| sums[index].data()[place];
-                let index = most[place] as usize;
-                let own = || self.peak(index, &sum, sigma_cells as f32);
-                let Some(larger) = decided.as_ref().map(|cells| cells[place]) else { return own() };
-                let [(i, j), (k, l)] = [index, larger.index].map(|index| self.evidence.grid.coordinates(index));
-                let apart = (i as f32 - k as f32).hypot(j as f32 - l as f32);
-                if apart > OTHER_STEPS && sum(index) - sum(larger.index) > OVERRULING_NATS { own() } else { larger }
-            };
-            decided = Some((0..self.cell_count()).into_par_iter().map(cell_of).collect());
-        }
-        Ok(decided.unwrap_or_default())
-    }
-
-    fn cell_count(&self) -> usize {
-        self.evidence.size.0 * self.evidence.size.1
-    }
-
-    /// The peak of the window's sums around the slope `index`, which has the most.
-    fn peak(&self, index: usize, sum: &dyn Fn(usize) -> f32, window_cells: f32) -> Cell {
-        let grid = &self.evidence.grid;
-        let (i, j) = grid.coordinates(index);
-        let inside = |at: usize, count: usize| at.clamp(usize::from(count > 1), count.saturating_sub(2));
-        let (i, j) = (inside(i, grid.u.count), inside(j, grid.v.count));
-        let around = |di: i64, dj: i64| sum((j as i64 + dj) as usize * grid.u.count + (i as i64 + di) as usize);
-        let (gradient, information) = self.derivatives(&around);
-        let offset = offset(gradient, information, PEAK_STEPS);
-        let information = certain(information, sum(index));
-        let nats = sum(index);
-        Cell { index, at: [i as f32 + offset[0], j as f32 + offset[1]], information, window_cells, nats }
-    }
-
-    /// Gradient and information of a function of the offset in steps, by differences of one step.
-    fn derivatives(&self, around: &dyn Fn(i64, i64) -> f32) -> ([f32; 2], [f32; 3]) {
-        let middle = around(0, 0);
-        let along = |axis: usize| {
-            if !self.active[axis] {
-                return (0.0, 0.0);
-            }
-            let ends = [-1, 1].map(|step| if axis == 0 { around(step, 0) } else { around(0, step) });
-            (0.5 * (ends[1] - ends[0]), 2.0 * middle - ends[0] - ends[1])
-        };
-        let ((gradient_u, uu), (gradient_v, vv)) = (along(0), along(1));
-        let uv = if self.active == [true; 2] {
-            -0.25 * (around(1, 1) - around(1, -1) - around(-1, 1) + around(-1, -1))
-        } else {
-            0.0
-        };
-        ([gradient_u, gradient_v], [uu, uv, vv])
-    }
-
-    /// Moves each cell by the offset that its window of `sigma_cells` asks for.
-    fn refine(&self, cells: &mut [Cell], sigma_cells: f64, monitor: &Monitor) -> Result<(), Cancelled> {
-        let (width, height) = self.evidence.size;
-        let [reach_u, reach_v] = self.active.map(i64::from);
+impl Around {
+    fn new(found: &[Found], evidence: &Evidence, sigma_cells: f64, monitor: &Monitor) -> Result<Self, Cancelled> {
+        let (width, height) = evidence.size;
+        let reach = [evidence.grid.u, evidence.grid.v].map(|axis| i64::from(axis.count > 1));
+        let [reach_u, reach_v] = reach;
         let steps: Vec<(i64, i64)> =
             (-reach_v..=reach_v).flat_map(|dj| (-reach_u..=reach_u).map(move |di| (di, dj))).collect();
         let sum_of = |&(di, dj): &(i64, i64)| {
-            let nats =
-                |(place, cell): (usize, &Cell)| self.nats_at(place, [cell.at[0] + di as f32, cell.at[1] + dj as f32]);
-            let at_offset = Plane::from_vec(width, height, cells.iter().enumerate().map(nats).collect());
+            let nats = |(place, found): (usize, &Found)| {
+                nats_at(evidence, place, [found.at[0] + di as f32, found.at[1] + dj as f32])
+            };
+            let at_offset = Plane::from_vec(width, height, found.iter().enumerate().map(nats).collect());
             window_sums(&at_offset, sigma_cells, monitor)
         };
-        let sums: Vec<Plane> = steps.par_iter().map(sum_of).collect::<Result<_, _>>()?;
-        let row = 2 * reach_u + 1;
-        let prior = self.prior_steps();
-        for (place, cell) in cells.iter_mut().enumerate() {
-            let around = |di: i64, dj: i64| sums[((dj + reach_v) * row + di + reach_u) as usize].data()[place];
-            let (gradient, information) = self.derivatives(&around);
-            let offset = offset(gradient, information, prior);
-            cell.at = [cell.at[0] + offset[0], cell.at[1] + offset[1]];
-        }
-        Ok(())
+        Ok(Self { reach, sums: steps.par_iter().map(sum_of).collect::<Result<_, _>>()? })
     }
 
-    /// Evidence of the cell `place` for the motion `at`, linear between the slopes and constant beyond them.
-    fn nats_at(&self, place: usize, at: [f32; 2]) -> f32 {
-        let grid = &self.evidence.grid;
-        let along = |x: f32, count: usize| {
-            let x = x.clamp(0.0, (count - 1) as f32);
-            let below = (x as usize).min(count.saturating_sub(2));
-            (below, (below + 1).min(count - 1), x - below as f32)
+    /// The sum of the cell `place`, its gradient, and minus its second derivatives (of u, of u with v, of v), by steps.
+    fn derivatives(&self, place: usize) -> (f32, [f32; 2], [f32; 3]) {
+        let [reach_u, reach_v] = self.reach;
+        // A step along an axis of one slope changes nothing.
+        let at = |di: i64, dj: i64| {
+            let (i, j) = (di.clamp(-reach_u, reach_u) + reach_u, dj.clamp(-reach_v, reach_v) + reach_v);
+            self.sums[(j * (2 * reach_u + 1) + i) as usize].data()[place]
         };
-        let (i, i_next, u) = along(at[0], grid.u.count);
-        let (j, j_next, v) = along(at[1], grid.v.count);
-        let nats = |i: usize, j: usize| self.evidence.nats[j * grid.u.count + i].data()[place];
-        let between = |a: f32, b: f32, part: f32| (1.0 - part) * a + part * b;
-        let row = |j: usize| between(nats(i, j), nats(i_next, j), u);
-        if v == 0.0 { row(j) } else { between(row(j), row(j_next), v) }
+        let middle = at(0, 0);
+        let along = |[before, after]: [f32; 2]| (0.5 * (after - before), 2.0 * middle - before - after);
+        let (gradient_u, uu) = along([at(-1, 0), at(1, 0)]);
+        let (gradient_v, vv) = along([at(0, -1), at(0, 1)]);
+        let uv = -0.25 * (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1));
+        (middle, [gradient_u, gradient_v], [uu, uv, vv])
     }
-
-    /// Length of a step along the axes, px/frame; that of the other axis where one has no steps.
-    fn step_px_per_frame(&self) -> [f32; 2] {
-        [self.evidence.grid.u, self.evidence.grid.v].map(|axis| axis.step())
-    }
-
-    fn prior_steps(&self) -> f32 {
-        let step = self.step_px_per_frame().into_iter().fold(0.0, f32::max);
-        OFFSET_SMEAR_PX / self.evidence.last_frame / step.max(f32::MIN_POSITIVE)
-    }
-
-    /// Mean square of the change of the motion along an axis of the grid from cell to cell, around each, (px/frame)².
-    fn changes(&self, axis: usize, cells: &[Cell], monitor: &Monitor) -> Result<Plane, Cancelled> {
-        let (width, height) = self.evidence.size;
-        let step = self.step_px_per_frame()[axis];
-        let square = |one: &Cell, other: &Cell| (step * (one.at[axis] - other.at[axis])).powi(2);
-        let change = Plane::from_fn(width, height, |i, j| {
-            let at = |i: usize, j: usize| &cells[j * width + i];
-            square(at(i, j), at((i + 1).min(width - 1), j)) + square(at(i, j), at(i, (j + 1).min(height - 1)))
-        });
-        smoothed(&change, CHANGE_WINDOW_CELLS, monitor)
-    }
-
-    /// The motion of a cell in pixels per frame; `change` is the mean square of its change around it along both axes.
-    fn motion(&self, cell: &Cell, change: [f32; 2]) -> Motion {
-        let grid = &self.evidence.grid;
-        let slope: Slope = grid.at(cell.at[0], cell.at[1]);
-        let step = self.step_px_per_frame();
-        let floor = (FLOOR_SMEAR_PX / self.evidence.last_frame).powi(2);
-        // Where nothing is known it is somewhere in the swept range.
-        let range = [grid.u, grid.v].map(|axis| 12f32.sqrt() / axis.count as f32);
-        let (rotation, values) = eigen(cell.information);
-        let known = if self.active == [true; 2] { range[0].max(range[1]) } else { range[usize::from(self.active[1])] };
-        let values = if cell.nats < KNOWN_NATS { [0.0; 2] } else { values };
-        let variances = values.map(|nats| 1.0 / (nats.max(0.0) + known * known));
-        let [mut uu, uv, mut vv] = turned(rotation, variances);
-        (uu, vv) = (if self.active[0] { uu } else { 0.0 }, if self.active[1] { vv } else { 0.0 });
-        let uv = if self.active == [true; 2] { uv } else { 0.0 };
-        let scaled = [uu * step[0] * step[0], uv * step[0] * step[1], vv * step[1] * step[1]];
-        let (sin, cos) = grid.direction_deg.to_radians().sin_cos();
-        let [a, b, c] = scaled;
-        let [a, c] = [a + CHANGE_CELLS * CHANGE_CELLS * change[0], c + CHANGE_CELLS * CHANGE_CELLS * change[1]];
-        let covariance = [
-            a * cos * cos - 2.0 * b * sin * cos + c * sin * sin,
-            (a - c) * sin * cos + b * (cos * cos - sin * sin),
-            a * sin * sin + 2.0 * b * sin * cos + c * cos * cos,
-        ];
-        let covariance = [covariance[0] + floor, covariance[1], covariance[2] + floor];
-        Motion { slope, covariance }
-    }
-}
-
-/// Index of the plane with the largest value, of each place; the first of equal ones.
-fn most(planes: &[Plane]) -> Vec<u32> {
-    let count = planes.first().map_or(0, |plane| plane.data().len());
-    let mut most = vec![0u32; count];
-    most.par_chunks_mut(PLACES_AT_ONCE).enumerate().for_each(|(chunk, most)| {
-        let start = chunk * PLACES_AT_ONCE;
-        let mut largest = vec![f32::NEG_INFINITY; most.len()];
-        for (index, plane) in planes.iter().enumerate() {
-            let values = &plane.data()[start..start + most.len()];
-            // Without branches, for the processor's vectors.
-            for ((largest, most), &value) in largest.iter_mut().zip(most.iter_mut()).zip(values) {
-                *most = if value > *largest { index as u32 } else { *most };
-                *largest = if value > *largest { value } else { *largest };
-            }
-        }
-    });
-    most
-}
-
-/// The symmetric matrix with these principal axes and eigenvalues.
-fn turned((cos, sin): (f32, f32), [first, second]: [f32; 2]) -> [f32; 3] {
-    let uv = (first - second) * cos * sin;
-    [first * cos * cos + second * sin * sin, uv, first * sin * sin + second * cos * cos]
-}
-
-/// The `information` that is no chance: along an edge the stack's noise alone makes evidence rise and fall by about the
-/// root of all there is, `nats`.
-fn certain(information: [f32; 3], nats: f32) -> [f32; 3] {
-    let chance = CHANCE * (2.0 * nats.max(0.0)).sqrt();
-    let (rotation, values) = eigen(information);
-    turned(rotation, values.map(|value| (value * value.abs() - chance * chance).max(0.0).sqrt()))
 }
 
 /// Most likely offset, steps, of at most one step: that of the quadratic with a Gaussian prior of standard deviation
@@ -278,28 +153,48 @@ fn offset([gradient_u, gradient_v]: [f32; 2], information: [f32; 3], prior_steps
     [shorter * (cos * along - sin * across), shorter * (sin * along + cos * across)]
 }
 
-/// Sums of `plane` over Gaussian windows of standard deviation `sigma_cells` with weight 1 in their middle. Large
-/// windows are summed on fewer, larger cells.
-fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
-    let by = (sigma_cells / 4.0).floor().max(1.0) as usize;
-    let mut sums = if by == 1 {
-        summed(plane, sigma_cells, monitor)?
-    } else {
-        enlarged(&summed(&means(plane, by), sigma_cells / by as f64, monitor)?, by, plane.size())
+/// Evidence of the cell `place` for the motion `at`, steps, linear between the slopes and constant beyond them.
+fn nats_at(evidence: &Evidence, place: usize, at: [f32; 2]) -> f32 {
+    let grid = &evidence.grid;
+    let along = |x: f32, count: usize| {
+        let x = x.clamp(0.0, (count - 1) as f32);
+        let below = (x as usize).min(count.saturating_sub(2));
+        (below, (below + 1).min(count - 1), x - below as f32)
     };
-    let area = (std::f64::consts::TAU * sigma_cells * sigma_cells) as f32;
-    sums.data_mut().iter_mut().for_each(|sum| *sum *= area);
-    Ok(sums)
+    let (i, i_next, u) = along(at[0], grid.u.count);
+    let (j, j_next, v) = along(at[1], grid.v.count);
+    let nats = |i: usize, j: usize| evidence.nats[j * grid.u.count + i].data()[place];
+    let between = |a: f32, b: f32, part: f32| (1.0 - part) * a + part * b;
+    between(between(nats(i, j), nats(i_next, j), u), between(nats(i, j_next), nats(i_next, j_next), u), v)
 }
 
-/// `plane` smoothed by a Gaussian of `sigma_cells`, with nothing beyond its edges: a repeated edge would count as often
-/// as all it stands for.
-fn summed(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
+/// Sums of `plane` over Gaussian windows of standard deviation `sigma_cells` around each cell, with weight 1 in its
+/// middle and nothing beyond the edges: a repeated edge would count as often as all it stands for.
+fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
+    monitor.check()?;
+    let reach = (3.0 * sigma_cells).ceil() as usize;
+    let weights: Vec<f32> = (0..=reach).map(|k| (-0.5 * (k as f64 / sigma_cells).powi(2)).exp() as f32).collect();
+    Ok(weighted_sums(plane, &weights))
+}
+
+/// Sums along rows and columns with `weights` for the cells in the middle, and those beside them on both sides.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn weighted_sums(plane: &Plane, weights: &[f32]) -> Plane {
     let (width, height) = plane.size();
-    let margin = (3.0 * sigma_cells).ceil() as usize;
-    let mut wide = Plane::zeros(width + 2 * margin, height + 2 * margin);
-    (0..height).for_each(|v| wide.row_mut(v + margin)[margin..margin + width].copy_from_slice(plane.row(v)));
-    let wide = smoothed(&wide, sigma_cells, monitor)?;
-    let rows = (0..height).flat_map(|v| wide.row(v + margin)[margin..margin + width].iter().copied());
-    Ok(Plane::from_vec(width, height, rows.collect()))
+    let (mut columns, mut sums) = (Plane::zeros(width, height), Plane::zeros(width, height));
+    for v in 0..height {
+        let out = columns.row_mut(v);
+        for from in v.saturating_sub(weights.len() - 1)..(v + weights.len()).min(height) {
+            let weight = weights[from.abs_diff(v)];
+            out.iter_mut().zip(plane.row(from)).for_each(|(sum, x)| *sum += weight * x);
+        }
+        let (from, out) = (columns.row(v), sums.row_mut(v));
+        for (k, weight) in weights.iter().enumerate().take(width) {
+            out.iter_mut().zip(&from[k..]).for_each(|(sum, x)| *sum += weight * x);
+            if k > 0 {
+                out[k..].iter_mut().zip(from).for_each(|(sum, x)| *sum += weight * x);
+            }
+        }
+    }
+    sums
 }
