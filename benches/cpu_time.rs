@@ -3,20 +3,23 @@
 //!
 //! Writes the middle frames of its scene and of its burst by day as 8-bit PNG files `scene.png` and `day.png` to the
 //! folder given as the first argument, then reads commands from standard input, one a line: `METHOD THREADS
-//! [PEAK_THRESHOLD]`, with METHOD one of `1d`, `2d`, `1d-doubled`, `sift` on the scene, or `1d-day`, `2d-day`: the
-//! defaults by day, the 3000 strongest kept. Answers each with a line of `METHOD features cpu_secs wall_secs
-//! peak_bytes_over_burst`. The burst by day is made of a picture of `../shared` (or `BURSTSCOPE_SHARED`); without it
-//! there is none.
+//! [PEAK_THRESHOLD]`, with METHOD one of `1d`, `2d`, `2d-field`, `1d-doubled`, `sift` on the scene, or `1d-day`,
+//! `2d-day`, `2d-day-field`: the defaults by day, the 3000 strongest kept. Those with `field` search around the field of
+//! motion. Answers each with a line of `METHOD features cpu_secs wall_secs peak_bytes_over_burst`. The burst by day is
+//! made of a picture of `../shared` (or `BURSTSCOPE_SHARED`); without it there is none.
 
 mod common;
 
-use burstscope::detector::{DetectorParams, Method, SlopeGrid};
+use burstscope::detector::{DetectorParams, Method, SearchSlopes, SlopeGrid};
 use burstscope::plane::statistics::{Region, summary};
 use burstscope::{Burst, Monitor, detect};
 use std::io::BufRead;
 use std::path::Path;
 
 fn params(method: &str, peak_threshold: f32) -> Option<DetectorParams> {
+    if let Some(method) = method.strip_suffix("-field") {
+        return params(method, peak_threshold).map(|all| DetectorParams { search: SearchSlopes::Field, ..all });
+    }
     let base = DetectorParams { octaves: 16, levels: 3, peak_threshold, ..DetectorParams::default() };
     Some(match method {
         "1d" => base,
@@ -72,8 +75,8 @@ fn main() {
         let Some(params) = params(method, peak) else { break };
         let burst = match (*method, &day) {
             ("1d-day", Some((along_u, _))) => along_u,
-            ("2d-day", Some((_, along_both))) => along_both,
-            ("1d-day" | "2d-day", None) => break,
+            ("2d-day" | "2d-day-field", Some((_, along_both))) => along_both,
+            (day, None) if day.contains("-day") => break,
             _ => &burst,
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");

@@ -114,7 +114,8 @@ pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
 
 /// Computes row `v`, columns `columns`, of the motion-stack image into `out`, one value a column.
 pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: Range<usize>, out: &mut [f32]) {
-    RowStacker::new(frames, vec![offsets]).row(v, columns, &mut [out]);
+    let stride = out.len();
+    RowStacker::new(frames, vec![offsets]).rows(v..v + 1, &columns, &mut [out], stride);
 }
 
 /// Number of frames that cover the pixel (u, v) of an image of `size`.
@@ -194,6 +195,34 @@ mod tests {
             let slow = by_definition(&frames, slope, interpolation);
             for (a, b) in fast.data().iter().zip(slow.data()) {
                 prop_assert!((a - b).abs() < 1e-5, "{a} {b}");
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn bands_of_several_slopes_have_the_bits_of_single_rows(
+            along_u in prop::collection::vec(-9.0f32..9.0, 1..4), along_v in prop::collection::vec(-3.0f32..3.0, 1..4),
+            whole in any::<bool>(), first in 0usize..20, how in 0usize..3,
+        ) {
+            let interpolation = [Interpolation::Linear, Interpolation::Nearest, Interpolation::Truncated][how];
+            let frames: Vec<Plane> = (0..4).map(texture).collect();
+            let frames: Vec<&Plane> = frames.iter().collect();
+            let along_v = along_v.into_iter().map(|v| if whole { v.round() } else { v });
+            let slopes = along_v.flat_map(|v| along_u.iter().map(move |&u| Slope::new(u, v)));
+            let offsets: Vec<_> = slopes.map(|slope| frame_offsets(4, slope, interpolation)).collect();
+            let (rows, columns, stride) = (first..23, 3..37, 48);
+            let mut bands = vec![vec![f32::NAN; stride * rows.len()]; offsets.len()];
+            let mut outs: Vec<&mut [f32]> = bands.iter_mut().map(|band| &mut band[..]).collect();
+            let mut stacker = RowStacker::new(&frames, offsets.iter().map(|of| &of[..]).collect());
+            stacker.rows(rows.clone(), &columns, &mut outs, stride);
+            for (band, offsets) in bands.iter().zip(&offsets) {
+                for (row, v) in band.chunks(stride).zip(rows.clone()) {
+                    let mut alone = vec![0.0; columns.len()];
+                    stack_row(&frames, offsets, v, columns.clone(), &mut alone);
+                    prop_assert_eq!(&row[..columns.len()], &alone[..]);
+                    prop_assert!(row[columns.len()..].iter().all(|x| x.is_nan()), "no other values are written");
+                }
             }
         }
     }

@@ -27,6 +27,8 @@ pub(crate) const WINDOWS_BYTES: usize = 128 << 20;
 pub(crate) const WINDOW_BYTES: usize = 6 << 20;
 /// Slopes whose frames are stacked together at most: whole rows of a plane's grid share the mixing of rows.
 pub(crate) const STACKED_SLOPES: usize = 16;
+/// Rows that are stacked together: those of all frames, mixed for a row of a grid, stay in the second cache.
+pub(crate) const STACKED_ROWS: usize = 16;
 /// Width of the strips in which keypoints are described, columns: the pixels they share stay in the cache.
 pub(crate) const STRIP_COLUMNS: f32 = 200.0;
 /// Keypoints that one thread describes in a row.

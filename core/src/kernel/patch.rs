@@ -198,11 +198,8 @@ pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
     let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
     let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
     if !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
-        let mut stacker = RowStacker::new(frames, vec![offsets]);
-        for v in rows {
-            stacker.row(v, columns.clone(), &mut [&mut patch.values_mut(left, v as i64)[..columns.len()]]);
-        }
-        return;
+        let out = patch.values_mut(left, top);
+        return RowStacker::new(frames, vec![offsets]).rows(rows, &columns, &mut [out], stride);
     }
     let mut taps: Vec<Tap<'_>> = Vec::with_capacity(2 * frames.len());
     let scale = 1.0 / frames.len() as f32;

@@ -1,11 +1,12 @@
 //! Rows of motion-stack images, for several slopes at once.
 //!
 //! The slopes of a group read the same rows of the same frames, a few columns apart, so each row comes from memory
-//! once; slopes that agree in their vertical part share the mixing of two rows into one. Where every frame of a row
-//! covers the column and the next one, rows are weighted sums of the frames' rows (`WeightedRows`). Each frame pixel
-//! adds to two pixels of the sum, the one at its place and the one before: so two sums are made from the same loads and
-//! finally added, the second one shifted by a pixel; one is enough where all fractions are alike. At the sides frames
-//! are added one after the other and divided by their number. The patches around features use the same, to the bit.
+//! once; slopes that agree in their vertical part share the mixing of two rows into one. Some rows are made together,
+//! since to set up a sum takes as long as a part of it. Where every frame of a row covers the column and the next one,
+//! rows are weighted sums of the frames' rows (`WeightedRows`). Each frame pixel adds to two pixels of the sum, the one
+//! at its place and the one before: so two sums are made from the same loads and finally added, the second one shifted
+//! by a pixel; one is enough where all fractions are alike. At the sides frames are added one after the other and
+//! divided by their number. The patches around features use the same, to the bit.
 
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::plane::Plane;
@@ -19,7 +20,7 @@ pub struct RowStacker<'a> {
     frames: &'a [&'a Plane],
     slopes: Vec<&'a [FrameOffset]>,
     groups: Vec<Group<'a>>,
-    mixed: Vec<f32>,
+    mixed: Aligned,
     counts: Vec<f32>,
     sums: WeightedRows,
 }
@@ -107,84 +108,101 @@ impl<'a> RowStacker<'a> {
                 _ => groups.push(Group { slopes: index..index + 1, run: Run::default() }),
             }
         }
-        let (mixed, counts, sums) = (Vec::new(), Vec::new(), WeightedRows::default());
+        let (mixed, counts, sums) = (Aligned::default(), Vec::new(), WeightedRows::default());
         Self { frames, slopes, groups, mixed, counts, sums }
     }
 
-    /// Writes row `v`, columns `columns`, of each slope's motion-stack image to its slice of `outs`.
-    pub fn row(&mut self, v: usize, columns: Range<usize>, outs: &mut [&mut [f32]]) {
+    /// Writes rows `rows`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, where rows are
+    /// `stride` apart.
+    pub fn rows(&mut self, rows: Range<usize>, columns: &Range<usize>, outs: &mut [&mut [f32]], stride: usize) {
         for index in 0..self.groups.len() {
-            let Group { slopes, run } = &mut self.groups[index];
-            if !run.rows.contains(&v) || run.columns != columns {
-                *run = Run::new(self.frames, &self.slopes[slopes.clone()], v, columns.clone());
+            let mut next = rows.start;
+            while next < rows.end {
+                let Group { slopes, run } = &mut self.groups[index];
+                if !run.rows.contains(&next) || run.columns != *columns {
+                    *run = Run::new(self.frames, &self.slopes[slopes.clone()], next, columns.clone());
+                }
+                let part = next..rows.end.min(run.rows.end);
+                next = part.end;
+                self.group_rows(index, part.clone(), outs, (part.start - rows.start) * stride, stride);
             }
-            self.group_row(index, v, outs);
         }
     }
 
-    fn group_row(&mut self, group: usize, v: usize, outs: &mut [&mut [f32]]) {
+    /// Writes `rows`, which are of one run, from `first` on in each of `outs`.
+    fn group_rows(&mut self, group: usize, rows: Range<usize>, outs: &mut [&mut [f32]], first: usize, stride: usize) {
         let Self { frames, slopes, groups, mixed, counts, sums } = self;
         let Group { slopes: group, run } = &groups[group];
         let width = frames[0].width();
-        let columns = &run.columns;
-        let sided = run.inner.iter().any(|inner| inner != columns);
-        let sources = match run.mixes || sided {
-            true => sources(frames, slopes[group.start], run, v, mixed),
-            false => Vec::new(),
-        };
-        let mut taps: Vec<Tap<'_>> = Vec::with_capacity(if run.mixes { sources.len() } else { 0 });
-        for (index, slope) in group.clone().enumerate() {
-            let (offsets, out, inner) = (slopes[slope], &mut *outs[slope], &run.inner[index]);
-            let here = &mut out[inner.start - columns.start..inner.end - columns.start];
-            if run.mixes && !inner.is_empty() {
-                taps.clear();
-                taps.extend(sources.iter().map(|source| {
-                    let offset = &offsets[source.frame];
-                    let x = (inner.start as i64 + offset.whole_u) as usize - source.left;
-                    Tap::new(&source.pixels[x..], 1.0 / sources.len() as f32, offset.part_u)
-                }));
-                sums.make(&taps, 0, inner.len(), 0..1, here, inner.len());
-            } else if !inner.is_empty() {
-                let row = v - run.rows.start;
-                sums.make(&run.taps[index], width, inner.len(), row..row + 1, here, inner.len());
+        let Run { columns, wide, covering, .. } = run;
+        let upper = |frame: usize, v: usize| (v as i64 + slopes[group.start][frame].whole_v).max(0) as usize;
+        // Rows of one frame, then of the next; each begins a cache line.
+        let mixed_stride = wide.len().next_multiple_of(WIDEST_VECTOR);
+        if run.mixes {
+            mixed.grow(covering.len() * rows.len() * mixed_stride);
+            for (&frame, mixed) in covering.iter().zip(mixed.chunks_exact_mut(rows.len() * mixed_stride)) {
+                let y = upper(frame, rows.start);
+                let from = &frames[frame].data()[y * width + wide.start..];
+                mix(from, width, slopes[group.start][frame].part_v, wide.len(), mixed, mixed_stride);
             }
-            for side in [columns.start..inner.start, inner.end..columns.end] {
-                if !side.is_empty() {
-                    let out = &mut out[side.start - columns.start..side.end - columns.start];
-                    side_columns(frames, offsets, &sources, v, &side, counts, out);
+        }
+        let mut taps: Vec<Tap<'_>> = Vec::with_capacity(if run.mixes { covering.len() } else { 0 });
+        for (index, slope) in group.clone().enumerate() {
+            let (offsets, out, inner) = (slopes[slope], &mut outs[slope][first..], &run.inner[index]);
+            if inner.is_empty() {
+                continue;
+            }
+            let here = &mut out[inner.start - columns.start..];
+            if run.mixes {
+                taps.clear();
+                let mixed = mixed.chunks_exact(rows.len() * mixed_stride);
+                taps.extend(covering.iter().zip(mixed).map(|(&frame, mixed)| {
+                    let x = (inner.start as i64 + offsets[frame].whole_u) as usize - wide.start;
+                    Tap::new(&mixed[x..], 1.0 / covering.len() as f32, offsets[frame].part_u)
+                }));
+                sums.make(&taps, mixed_stride, inner.len(), 0..rows.len(), here, stride);
+            } else {
+                let row = rows.start - run.rows.start;
+                sums.make(&run.taps[index], width, inner.len(), row..row + rows.len(), here, stride);
+            }
+        }
+        if run.inner.iter().all(|inner| inner == columns) {
+            return;
+        }
+        for (row, v) in rows.clone().enumerate() {
+            let mixed = |index: usize| &mixed[(index * rows.len() + row) * mixed_stride..][..wide.len()];
+            let source = |(index, &frame): (usize, &usize)| match run.mixes {
+                true => Source { frame, pixels: mixed(index), left: wide.start },
+                false => Source { frame, pixels: frames[frame].row(upper(frame, v)), left: 0 },
+            };
+            let sources: Vec<Source<'_>> = covering.iter().enumerate().map(source).collect();
+            for (slope, inner) in group.clone().zip(&run.inner) {
+                let out = &mut outs[slope][first + row * stride..][..columns.len()];
+                for side in [columns.start..inner.start, inner.end..columns.end] {
+                    if !side.is_empty() {
+                        let out = &mut out[side.start - columns.start..side.end - columns.start];
+                        side_columns(frames, slopes[slope], &sources, v, &side, counts, out);
+                    }
                 }
             }
         }
     }
 }
 
-/// The sources of row `v` of `run`; two rows that are read together are mixed into one in `mixed`.
-fn sources<'s>(
-    frames: &[&'s Plane],
-    offsets: &[FrameOffset],
-    run: &Run<'_>,
-    v: usize,
-    mixed: &'s mut Vec<f32>,
-) -> Vec<Source<'s>> {
-    let wide = &run.wide;
-    mixed.resize(run.covering.len() * wide.len(), 0.0);
-    let source = |(&frame, mixed): (&usize, &'s mut [f32])| {
-        let (offset, pixels) = (&offsets[frame], frames[frame]);
-        let y = (v as i64 + offset.whole_v).max(0) as usize;
-        if offset.part_v == 0.0 {
-            return Source { frame, pixels: pixels.row(y), left: 0 };
-        }
-        mix(&pixels.row(y)[wide.clone()], &pixels.row(y + 1)[wide.clone()], offset.part_v, mixed);
-        Source { frame, pixels: mixed, left: wide.start }
-    };
-    run.covering.iter().zip(mixed.chunks_mut(wide.len())).map(source).collect()
-}
-
-/// `out = (1 − part)·upper + part·lower`. Two rows are too few for [`WeightedRows`], whose setting up they would wait for.
+/// Rows `(1 − part)·upper + part·lower` of the neighbouring rows of `from`, `width` apart: `columns` values each to rows
+/// of `out`. Two rows are too few for [`WeightedRows`], whose setting up they would wait for.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn mix(upper: &[f32], lower: &[f32], part: f32, out: &mut [f32]) {
-    for ((out, upper), lower) in out.iter_mut().zip(upper).zip(lower) {
-        *out = part.mul_add(*lower, (1.0 - part) * upper);
+fn mix(from: &[f32], width: usize, part: f32, columns: usize, out: &mut [f32], stride: usize) {
+    for (row, out) in out.chunks_exact_mut(stride).enumerate() {
+        let (out, upper) = (&mut out[..columns], &from[row * width..][..columns]);
+        if part == 0.0 {
+            out.copy_from_slice(upper);
+            continue;
+        }
+        let lower = &from[(row + 1) * width..][..columns];
+        for ((out, upper), lower) in out.iter_mut().zip(upper).zip(lower) {
+            *out = part.mul_add(*lower, (1.0 - part) * upper);
+        }
     }
 }
 

@@ -19,6 +19,7 @@ pub(super) mod planes;
 use crate::detector::params::{CoarseStart, DetectorParams, MIN_OCTAVE_SIDE};
 use crate::detector::stack::stack_row;
 use crate::kernel::gaussian_bank::{Axis, FilterBank, FilterScratch, filter_tile};
+use crate::kernel::machine::STACKED_ROWS;
 use crate::kernel::stack::{FrameOffset, RowStacker};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -284,15 +285,15 @@ pub fn stack_tiles(
     tiles: &mut Vec<Tile>,
 ) {
     tiles.resize_with(slopes.len().max(tiles.len()), Tile::default);
-    tiles
-        .iter_mut()
-        .take(slopes.len())
-        .for_each(|tile| tile.reset(region, (region.columns.len() + PADDING).next_multiple_of(16)));
+    let stride = (region.columns.len() + PADDING).next_multiple_of(16);
+    tiles.iter_mut().take(slopes.len()).for_each(|tile| tile.reset(region, stride));
     if octave == 0 {
         let mut stacker = RowStacker::new(frames, slopes.iter().map(AsRef::as_ref).collect());
-        for v in region.rows.clone() {
-            let mut rows: Vec<&mut [f32]> = tiles[..slopes.len()].iter_mut().map(|tile| tile.row_mut(v)).collect();
-            stacker.row(v, region.columns.clone(), &mut rows);
+        for first in region.rows.clone().step_by(STACKED_ROWS) {
+            let rows = first..(first + STACKED_ROWS).min(region.rows.end);
+            let part = |tile| Tile::rows_from_mut(tile, first, rows.len());
+            let mut outs: Vec<&mut [f32]> = tiles[..slopes.len()].iter_mut().map(part).collect();
+            stacker.rows(rows.clone(), &region.columns, &mut outs, stride);
         }
         return;
     }
