@@ -153,7 +153,8 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
                 let mut model = model();
                 session.apply(&mut model);
                 session.pair.apply(&mut model);
-                model.panes.split(model.focus(), burstscope::app::pane::Direction::Right);
+                let focus = model.focus();
+                model.panes.split(focus, burstscope::app::pane::Direction::Right);
                 assert!(model.cursor().slope.u.is_finite() && model.look.smoothing_px <= 8.0, "{path} = {value}");
                 if path.starts_with("burst.") {
                     // It is made or refused; what cannot be seen beforehand is said when it is opened.

@@ -235,7 +235,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let title = if model.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
     // It stays open, so that several of its switches can be set.
     let config = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
-    let mut filter = model.filter;
+    let mut filter = model.filter.clone();
     MenuButton::new(title).config(config).ui(ui, |ui| {
         ui.set_min_width(330.0);
         ranges_ui(ui, model, &mut filter);

@@ -179,10 +179,15 @@ impl Chooser<'_> {
                 }
                 one.feature.layer = field.layer_of((u, v), slope, slope_sigma).into();
             }
-            one.feature.moves = match one.feature {
-                feature if self.is_ghost(number, &feature)? => Moves::Ghost,
-                Feature { slope_sigma, .. } if is_defined_if_round && slope_sigma > DEFINED_SIGMA => Moves::Edge,
-                feature => Moves::by_numbers(&feature),
+            let by_numbers = Moves::by_numbers(&one.feature);
+            // A ghost moves as nothing at its place does: what moves as its place is none, and need not be examined.
+            let may_be_ghost = by_numbers != Moves::WithSurroundings;
+            one.feature.moves = if may_be_ghost && self.is_ghost(number, &one.feature)? {
+                Moves::Ghost
+            } else if is_defined_if_round && one.feature.slope_sigma > DEFINED_SIGMA {
+                Moves::Edge
+            } else {
+                by_numbers
             };
             Ok(())
         })
