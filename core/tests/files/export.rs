@@ -36,9 +36,10 @@ fn feature(seed: u32) -> Feature {
         slope_index: seed as usize,
         at_slope_limit: seed % 2 == 1,
         slope_sigma: 0.125 * x,
-        field: Slope::new(0.5 - x, 0.75),
+        field: if seed == 0 { Slope::default() } else { Slope::new(0.5 - x, 0.75) },
         field_sigma: if seed == 0 { f32::INFINITY } else { 0.0625 },
         layer: seed as i32,
+        moves: Moves::ALL[seed as usize % Moves::ALL.len()],
     }
 }
 
