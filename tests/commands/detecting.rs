@@ -24,7 +24,7 @@ fn the_demo_gives_features_in_all_formats() {
     let mut npz = NpzReader::new(std::fs::File::open(out.join("demo.npz")).expect("a file")).expect("an archive");
     let array: ndarray::Array2<f32> = npz.by_name("features").expect("an array");
     let descriptors: ndarray::Array2<u8> = npz.by_name("descriptors").expect("an array");
-    assert_eq!((array.dim(), descriptors.dim()), ((rows.len(), 16), (rows.len(), 128)));
+    assert_eq!((array.dim(), descriptors.dim()), ((rows.len(), 17), (rows.len(), 128)));
 }
 
 #[test]

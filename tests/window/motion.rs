@@ -119,10 +119,12 @@ fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
         assert!(window.shows(moves.words()), "{feature:?}");
     }
     let judged = window.app().model.judged().expect("judged for the table");
-    let is_ghost = |(feature, judged): (&burstscope::Feature, &Judged)| {
-        (feature.moves == Moves::Ghost) == (judged.verdict == Verdict::Ghost)
+    // What moves as its place does has that motion, also where only some of the frames respond.
+    let is_said_alike = |(feature, judged): (&burstscope::Feature, &Judged)| {
+        let has_place = Moves::by_numbers(feature) == Moves::WithSurroundings;
+        (feature.moves == Moves::Ghost) == (judged.verdict == Verdict::Ghost && !has_place)
     };
-    assert!(features.iter().zip(judged.iter()).all(is_ghost), "said the same way");
+    assert!(features.iter().zip(judged.iter()).all(is_said_alike), "said the same way");
 }
 
 #[test]

@@ -67,7 +67,8 @@ pub enum Moves {
     /// Its own motion is not defined by its shape: an edge shows no motion along itself.
     #[serde(rename = "edge")]
     Edge,
-    /// A ghost of another motion: only some of the frames respond, one after the other, along its slope.
+    /// A ghost of another motion: only some of the frames respond, one after the other, along its slope, with which
+    /// nothing at its place moves.
     #[serde(rename = "ghost")]
     Ghost,
 }

@@ -241,8 +241,9 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     })
 }
 
-/// Certainty of the field's motion from which on it is taken for that of a single place.
-const CERTAIN: f32 = 0.7;
+/// Certainty of the field's motion from which on it is taken for that of a single place. Between two planes the field
+/// goes from one motion to the other within a few cells; places in between are less certain.
+const CERTAIN: f32 = 0.8;
 
 /// Motion of a place from the field of the search, where it is certain.
 fn motion_of(trail: &Trail, [u, v]: [f32; 2]) -> Option<PlaceMotion> {

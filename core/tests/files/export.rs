@@ -168,7 +168,7 @@ fn npz_holds_both_arrays() {
         assert_eq!(npz.names().expect("names"), ["features", "descriptors"]);
         let rows: Array2<f32> = npz.by_name("features").expect("features");
         let bytes: Array2<u8> = npz.by_name("descriptors").expect("descriptors");
-        assert_eq!((rows.dim(), bytes.dim()), ((count as usize, 16), (count as usize, 128)));
+        assert_eq!((rows.dim(), bytes.dim()), ((count as usize, 17), (count as usize, 128)));
         for (i, (feature, descriptor)) in features.iter().zip(&descriptors).enumerate() {
             assert_eq!(rows.row(i).to_vec(), stored(feature));
             assert_eq!(bytes.row(i).to_vec(), descriptor);

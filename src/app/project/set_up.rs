@@ -52,7 +52,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Slope;
+    use crate::detector::{Moves, Slope};
 
     #[test]
     fn only_a_sound_set_up_gives_depths() {
@@ -61,7 +61,8 @@ mod tests {
         assert_eq!(state.known(&alone, None).depth_m, None);
         let read = state.reading_by(Some(SetUp::default()));
         assert_eq!(read.known(&alone, None).depth_m, Some([8.0, 0.8]), "by itself");
-        let edge = Feature { field: Slope::new(-5.0, 0.0), slope_sigma: 1.0, field_sigma: 0.25, ..alone };
+        let field = Slope::new(-5.0, 0.0);
+        let edge = Feature { field, slope_sigma: 1.0, field_sigma: 0.25, moves: Moves::Edge, ..alone };
         assert_eq!(read.known(&edge, None).depth_m, Some([4.0, 0.2]), "as its surroundings");
         let odd = SetUp { focal_px: f64::NAN, ..SetUp::default() };
         assert_eq!(state.reading_by(Some(odd)), state);

@@ -28,7 +28,7 @@ use evidence::{Evidence, MERGED_CELLS, swept};
 pub use in_focus::in_focus;
 use layers::KnownCell;
 pub use layers::MotionLayer;
-use posterior::{Found, Posterior};
+use posterior::{MotionEstimate, Posterior};
 use serde::Serialize;
 use windows::{overrule, refine};
 
@@ -203,7 +203,7 @@ pub fn motion_field(
 
 /// Makes the covariances that were `found` those of the errors, with those `of_window` and the changes between cells.
 fn complete_covariances(
-    found: &mut [Found],
+    found: &mut [MotionEstimate],
     of_window: &[[f32; 3]],
     (width, height): (usize, usize),
     monitor: &Monitor,
@@ -225,7 +225,7 @@ fn complete_covariances(
 }
 
 /// What was found on the grid of the sweep, in pixels per frame.
-fn motion(found: &Found, evidence: &Evidence) -> Motion {
+fn motion(found: &MotionEstimate, evidence: &Evidence) -> Motion {
     let grid = &evidence.grid;
     let (sin, cos) = grid.direction_deg.to_radians().sin_cos();
     let (step_u, step_v) = (grid.u.step(), grid.v.step());

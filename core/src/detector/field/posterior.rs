@@ -44,7 +44,7 @@ pub(super) struct Candidates {
 
 /// Motion of a cell in coordinates of the sweep's grid, steps, and its covariance (of u, of u with v, of v).
 #[derive(Clone, Copy)]
-pub(super) struct Found {
+pub(super) struct MotionEstimate {
     pub at: [f32; 2],
     pub covariance: [f32; 3],
 }
@@ -109,7 +109,7 @@ impl Candidates {
 
     /// The motion that `probabilities` speak for: their mean around the largest one. The covariance is that of all of
     /// them around it, so that another motion that is likely too counts.
-    pub fn found(&self, probabilities: &[f32]) -> Found {
+    pub fn found(&self, probabilities: &[f32]) -> MotionEstimate {
         let columns = self.count[0];
         let larger = |best: usize, (index, x): (usize, &f32)| if *x > probabilities[best] { index } else { best };
         let best = probabilities.iter().enumerate().fold(0, larger);
@@ -140,7 +140,7 @@ impl Candidates {
         let [u, v, uu, uv, vv] = [1, 2, 3, 4, 5].map(|index| all[index] / all[0]);
         let step = 1.0 / reach;
         let covariance = [uu - du * (2.0 * u - du), uv - du * v - dv * u + du * dv, vv - dv * (2.0 * v - dv)];
-        Found { at: [step * (best_i + du), step * (best_j + dv)], covariance: covariance.map(|x| step * step * x) }
+        MotionEstimate { at: [step * (best_i + du), step * (best_j + dv)], covariance: covariance.map(|x| step * step * x) }
     }
 }
 
@@ -239,7 +239,7 @@ impl Posterior {
     }
 
     /// The motion of each cell.
-    pub fn found(&self) -> Vec<Found> {
+    pub fn found(&self) -> Vec<MotionEstimate> {
         self.probabilities.par_chunks(self.candidates.len()).map(|cell| self.candidates.found(cell)).collect()
     }
 
@@ -247,7 +247,7 @@ impl Posterior {
     /// cells in `size` columns and rows that move nearly alike.
     fn drift(&self, (width, height): (usize, usize)) -> [[f32; 2]; 2] {
         let found = self.found();
-        let variance = |found: &Found| found.covariance[0] + found.covariance[2];
+        let variance = |found: &MotionEstimate| found.covariance[0] + found.covariance[2];
         [(BLOCKS_APART, 0), (0, BLOCKS_APART)].map(|(right, down)| {
             let mut sums = [0.0f64; 3];
             for j in 0..height.saturating_sub(down) {

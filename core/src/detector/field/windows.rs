@@ -12,7 +12,7 @@
 //! edge says nothing along itself, and noise nothing at all.
 
 use super::evidence::Evidence;
-use super::posterior::{Candidates, Found};
+use super::posterior::{Candidates, MotionEstimate};
 use super::{eigen, turned};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -42,7 +42,7 @@ const KNOWN_NATS: f32 = 6.0;
 const CHANCE: f32 = 0.2;
 
 /// Gives cells the motion of the window around them where it overrules what was `found`.
-pub(super) fn overrule(found: &mut [Found], evidence: &Evidence, monitor: &Monitor) -> Result<(), Cancelled> {
+pub(super) fn overrule(found: &mut [MotionEstimate], evidence: &Evidence, monitor: &Monitor) -> Result<(), Cancelled> {
     let (width, height) = evidence.size;
     let grid = &evidence.grid;
     let sums = evidence.nats.par_iter().map(|nats| window_sums(nats, SMALL_CELLS, monitor));
@@ -69,7 +69,7 @@ pub(super) fn overrule(found: &mut [Found], evidence: &Evidence, monitor: &Monit
 
 /// Moves each motion by the offset that the window around it asks for. Returns the covariances that the wide window
 /// alone leaves, squared steps: where nothing is known, it is somewhere in the swept range.
-pub(super) fn refine(found: &mut [Found], evidence: &Evidence, monitor: &Monitor) -> Result<Vec<[f32; 3]>, Cancelled> {
+pub(super) fn refine(found: &mut [MotionEstimate], evidence: &Evidence, monitor: &Monitor) -> Result<Vec<[f32; 3]>, Cancelled> {
     let grid = &evidence.grid;
     let step = grid.u.step().max(grid.v.step());
     let prior_steps = OFFSET_SMEAR_PX / evidence.last_frame / step.max(f32::MIN_POSITIVE);
@@ -109,14 +109,14 @@ struct Around {
 }
 
 impl Around {
-    fn new(found: &[Found], evidence: &Evidence, sigma_cells: f64, monitor: &Monitor) -> Result<Self, Cancelled> {
+    fn new(found: &[MotionEstimate], evidence: &Evidence, sigma_cells: f64, monitor: &Monitor) -> Result<Self, Cancelled> {
         let (width, height) = evidence.size;
         let reach = [evidence.grid.u, evidence.grid.v].map(|axis| i64::from(axis.count > 1));
         let [reach_u, reach_v] = reach;
         let steps: Vec<(i64, i64)> =
             (-reach_v..=reach_v).flat_map(|dj| (-reach_u..=reach_u).map(move |di| (di, dj))).collect();
         let sum_of = |&(di, dj): &(i64, i64)| {
-            let nats = |(place, found): (usize, &Found)| {
+            let nats = |(place, found): (usize, &MotionEstimate)| {
                 nats_at(evidence, place, [found.at[0] + di as f32, found.at[1] + dj as f32])
             };
             let at_offset = Plane::from_vec(width, height, found.iter().enumerate().map(nats).collect());

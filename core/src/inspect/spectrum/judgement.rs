@@ -35,6 +35,9 @@ const ENOUGH_FEATURES: usize = 10;
 /// Part of the field of motion beyond an end of the range from which a wider one is advised. It is at most 0.006 on
 /// fifteen bursts whose slopes fit, and 0.06 where a floor comes nearer than the range.
 const FIELD_BEYOND: f32 = 0.02;
+/// Number of features at an end of the range that bear out a field of motion beyond it. What the field says there is less
+/// sure than inside, as the frames were not compared farther out; noise and aliases leave one or two such features.
+const FEATURES_BEYOND: usize = 3;
 /// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
 const STRAIGHT_PX: f32 = 1.4;
 
@@ -311,9 +314,9 @@ impl<'a> Judging<'a> {
         }
     }
 
-    /// Where a part of the picture moves, by its field, beyond the slopes that the frames show most clearly. Places whose
-    /// evidence still rises at an end of the sweep, such as a near floor, have no known motion but lie there, with features
-    /// at the limit; of places that show nothing, as many lie at either end by chance.
+    /// Where a part of the picture moves, by its field and some features, beyond the slopes that the frames show most
+    /// clearly. Places whose evidence still rises at an end of the sweep, such as a near floor, have no known motion but
+    /// lie there; of places that show nothing, as many lie at either end by chance.
     fn range_of_field(&self) -> Option<SlopeAdvice> {
         // Without clear evidence nothing moves surely.
         let field = self.detection.field.as_ref().filter(|_| !self.evidence.is_empty())?;
@@ -323,7 +326,6 @@ impl<'a> Judging<'a> {
             if second { b } else { a }
         };
         let (mut wanted, mut ends, mut share) = (self.grid, Vec::new(), 0.0);
-        let rises = self.detection.features.iter().any(|feature| feature.at_slope_limit);
         for (second, axis) in self.axes() {
             let margin = 0.5 * axis.step();
             let count = |is_known: bool, is_beyond: &dyn Fn(f32) -> bool| {
@@ -333,12 +335,17 @@ impl<'a> Judging<'a> {
             let is_below = |x: f32| x < axis.min - margin;
             let is_above = |x: f32| x > axis.max + margin;
             let [by_chance_below, by_chance_above] = [count(false, &is_below), count(false, &is_above)];
-            let more_than = |one: usize, other: usize| if rises { one.saturating_sub(other) } else { 0 };
-            let below = count(true, &is_below) + more_than(by_chance_below, by_chance_above);
-            let above = count(true, &is_above) + more_than(by_chance_above, by_chance_below);
+            let below = count(true, &is_below) + by_chance_below.saturating_sub(by_chance_above);
+            let above = count(true, &is_above) + by_chance_above.saturating_sub(by_chance_below);
+            let middle = 0.5 * (axis.min + axis.max);
+            let at_end = |end: f32| {
+                let is_there = |slope: Slope| (along(slope, second) - middle) * (end - middle) > 0.0;
+                let features = self.detection.features.iter().filter(|feature| feature.at_slope_limit);
+                features.filter(|feature| is_there(feature.slope)).count()
+            };
             let mut more = |beyond: usize, end: f32| {
                 let part = beyond as f32 / field.motions.len() as f32;
-                if part <= FIELD_BEYOND {
+                if part <= FIELD_BEYOND || at_end(end) < FEATURES_BEYOND {
                     return 0;
                 }
                 share = f32::max(share, part);
