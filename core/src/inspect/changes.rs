@@ -363,7 +363,9 @@ mod tests {
         assert!(error.contains("x;y;z") && error.contains("u,v,sigma") && error.contains("COLMAP"), "{error}");
         assert!(error_of("").contains("neither"));
         let header = feature_header();
-        assert!(error_of(&format!("{header}\nnan,2,3,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("two numbers"));
+        assert!(
+            error_of(&format!("{header}\nnan,2,3,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("two numbers")
+        );
         assert!(error_of(&format!("{header}\n1,2,0,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("above 0"));
         let error = read_features(Path::new("/nowhere/at.all")).expect_err("missing").to_string();
         assert!(error.contains("/nowhere/at.all"), "{error}");

@@ -1,6 +1,6 @@
 //! Centre of *Inspect*, *Two bursts* and *Methods*: panes in any arrangement, which `egui_tiles` draws and lets be
-//! dragged, their content and links. What a pane's menu or buttons change in other panes is collected as [`Change`]s, and
-//! run after all panes are drawn.
+//! dragged, their content and links. What a pane's menu or buttons change is pushed as actions, which are applied after
+//! all panes are drawn.
 
 mod aside;
 mod header;

@@ -140,7 +140,10 @@ impl Candidates {
         let [u, v, uu, uv, vv] = [1, 2, 3, 4, 5].map(|index| all[index] / all[0]);
         let step = 1.0 / reach;
         let covariance = [uu - du * (2.0 * u - du), uv - du * v - dv * u + du * dv, vv - dv * (2.0 * v - dv)];
-        MotionEstimate { at: [step * (best_i + du), step * (best_j + dv)], covariance: covariance.map(|x| step * step * x) }
+        MotionEstimate {
+            at: [step * (best_i + du), step * (best_j + dv)],
+            covariance: covariance.map(|x| step * step * x),
+        }
     }
 }
 

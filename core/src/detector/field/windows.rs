@@ -69,7 +69,11 @@ pub(super) fn overrule(found: &mut [MotionEstimate], evidence: &Evidence, monito
 
 /// Moves each motion by the offset that the window around it asks for. Returns the covariances that the wide window
 /// alone leaves, squared steps: where nothing is known, it is somewhere in the swept range.
-pub(super) fn refine(found: &mut [MotionEstimate], evidence: &Evidence, monitor: &Monitor) -> Result<Vec<[f32; 3]>, Cancelled> {
+pub(super) fn refine(
+    found: &mut [MotionEstimate],
+    evidence: &Evidence,
+    monitor: &Monitor,
+) -> Result<Vec<[f32; 3]>, Cancelled> {
     let grid = &evidence.grid;
     let step = grid.u.step().max(grid.v.step());
     let prior_steps = OFFSET_SMEAR_PX / evidence.last_frame / step.max(f32::MIN_POSITIVE);
@@ -109,7 +113,12 @@ struct Around {
 }
 
 impl Around {
-    fn new(found: &[MotionEstimate], evidence: &Evidence, sigma_cells: f64, monitor: &Monitor) -> Result<Self, Cancelled> {
+    fn new(
+        found: &[MotionEstimate],
+        evidence: &Evidence,
+        sigma_cells: f64,
+        monitor: &Monitor,
+    ) -> Result<Self, Cancelled> {
         let (width, height) = evidence.size;
         let reach = [evidence.grid.u, evidence.grid.v].map(|axis| i64::from(axis.count > 1));
         let [reach_u, reach_v] = reach;
