@@ -170,7 +170,11 @@ fn npz_holds_both_arrays() {
         let bytes: Array2<u8> = npz.by_name("descriptors").expect("descriptors");
         assert_eq!((rows.dim(), bytes.dim()), ((count as usize, 17), (count as usize, 128)));
         for (i, (feature, descriptor)) in features.iter().zip(&descriptors).enumerate() {
-            assert_eq!(rows.row(i).to_vec(), stored(feature));
+            // A motion of the field that is unknown is no number.
+            let same = |(a, b): (&f32, &f32)| a == b || a.is_nan() && b.is_nan();
+            let expected = stored(feature);
+            assert_eq!(rows.row(i).len(), expected.len());
+            assert!(rows.row(i).iter().zip(&expected).all(same), "{} {expected:?}", rows.row(i));
             assert_eq!(bytes.row(i).to_vec(), descriptor);
         }
     }
