@@ -76,10 +76,10 @@ class DetectorKeywords(TypedDict, total=False):
     edge_threshold : float
         Max ratio of the principal curvatures of D. Raise it to keep more features on edges, which are poorly
         localised along the edge. [default: 12]
-    search : ['all', 'field']
+    search : ['full', 'field']
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
         motion finds around it, and all where its motion is unknown. Field saves time where few motions fill a
-        wide plane of slopes; it finds nothing that moves otherwise than the field says. [default: all]
+        wide plane of slopes; it finds nothing that moves otherwise than the field says. [default: full]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too. Each finds more in noise and leaves it to distinct keypoints
@@ -92,11 +92,11 @@ class DetectorKeywords(TypedDict, total=False):
         Max ratio of the scales of two keypoints that count as the same blob. Raise it to let a keypoint remove
         others of more different sizes at its place. [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
-        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
-        that a joint extremum must beat, and the slope of descriptors. Burstscope's are the most accurate; the
-        others reproduce the code of the BuFF authors, LiFF and VLFeat, with its levels, thresholds and extrema
-        set beside them. [default: burstscope]
+        Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
+        levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
+        gate, noise, extrema, distinct, orientations and describe scales; those given besides count.
+        Burstscope's find most in the dark; the others show what the published methods find, down to how their
+        codes shift frames, end kernels and place features. [default: burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all. Unit: features. Lower it to keep only the most reliable. [default: 0]
@@ -501,9 +501,9 @@ class EvaluateChartKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['all', 'field']
+    search : ['full', 'field']
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: all]
+        motion finds around it, and all where its motion is unknown [default: full]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -513,9 +513,10 @@ class EvaluateChartKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
-        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
-        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
+        Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
+        levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
+        gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
+        burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -650,9 +651,9 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['all', 'field']
+    search : ['full', 'field']
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: all]
+        motion finds around it, and all where its motion is unknown [default: full]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -662,9 +663,10 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
-        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
-        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
+        Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
+        levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
+        gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
+        burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -836,9 +838,9 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['all', 'field']
+    search : ['full', 'field']
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: all]
+        motion finds around it, and all where its motion is unknown [default: full]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -848,9 +850,10 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
-        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
-        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
+        Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
+        levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
+        gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
+        burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -982,9 +985,9 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['all', 'field']
+    search : ['full', 'field']
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: all]
+        motion finds around it, and all where its motion is unknown [default: full]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -994,9 +997,10 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
-        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
-        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
+        Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
+        levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
+        gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
+        burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]
@@ -1153,9 +1157,9 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['all', 'field']
+    search : ['full', 'field']
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: all]
+        motion finds around it, and all where its motion is unknown [default: full]
     slope_extrema : ['each', 'joint']
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -1165,9 +1169,10 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
     rules : ['burstscope', 'buff', 'liff', 'vlfeat']
-        Details in which published codes differ: how frames are shifted between pixels, whether a coarse first
-        octave bins pixels or skips them, where kernels end, how places are found between samples, the slopes
-        that a joint extremum must beat, and the slope of descriptors [default: burstscope]
+        Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
+        levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
+        gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
+        burstscope]
     max_features : int
         Keep only this many features, the strongest by response times the square root of the signal-to-noise
         ratio; 0 keeps all [default: 0]

@@ -31,7 +31,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.add_space(4.0);
         let error = model.slots.a.param_error.as_ref();
         let given = model.params.slopes;
-        let mut defaults = DetectorParams::default();
+        let mut defaults = DetectorParams::implied_by(model.params.rules);
         if model.slopes.is_auto() {
             // Found slopes have no other default.
             defaults.slopes = given;
