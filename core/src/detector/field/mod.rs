@@ -40,7 +40,7 @@ pub const NO_FIELD: &str =
 const MAX_VALUES: usize = 20_000_000;
 /// Pixels on a side of the smallest cells.
 const CELL_PX: usize = 8;
-/// The same for images of at most [`SMALL_IMAGE_PX`]: things are small in them.
+/// Side of a cell in images of at most [`SMALL_IMAGE_PX`], pixels: things are small in them.
 const SMALL_CELL_PX: usize = 6;
 /// Pixels of the largest image that counts as small.
 const SMALL_IMAGE_PX: usize = 360_000;
@@ -224,7 +224,7 @@ fn complete_covariances(
     Ok(())
 }
 
-/// What was found on the grid of the sweep, in pixels per frame.
+/// Motion in pixels per frame of an estimate on the grid of the sweep.
 fn motion(found: &MotionEstimate, evidence: &Evidence) -> Motion {
     let grid = &evidence.grid;
     let (sin, cos) = grid.direction_deg.to_radians().sin_cos();

@@ -172,7 +172,7 @@ fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [for
     }
 }
 
-/// What a cell of this `belief` says of the next one: `message`.
+/// Writes the `message` of a cell of this `belief` to the next one.
 #[inline(always)]
 fn pass(belief: &[f32], scratch: &mut [f32], message: &mut [f32], [columns, rows]: [usize; 2], taps: &[[f32; 3]; 2]) {
     let kept = (1.0 - BORDER) / sum(belief);

@@ -1,4 +1,4 @@
-//! What windows around each cell add to the posterior.
+//! Evidence of windows around each cell, beside the posterior.
 //!
 //! *Small things.* A row of cells on a thing of a few cells seldom has enough evidence to pay for two borders, and the
 //! posterior does not see that the rows beside it have it too. A small window overrules it where another motion has much
