@@ -1,6 +1,6 @@
 //! Posterior of the motion of each cell, given the evidence of all cells.
 //!
-//! What lies beside a cell mostly moves as it does: from cell to cell a motion wanders a little ([`WANDER`]) around
+//! Neighbouring cells mostly move alike: from cell to cell a motion wanders a little ([`WANDER`]) around
 //! what it does on the whole ([`drift`](Posterior::drift): a picture that comes nearer grows), and seldom, at the
 //! border of a thing, it becomes any other ([`BORDER`]). Between the cells of a tree such a model is solved exactly, by
 //! passing messages along its branches (Pearl, "Probabilistic Reasoning in Intelligent Systems", 1988). Each cell has
