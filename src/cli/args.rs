@@ -189,7 +189,7 @@ pub struct CalibrationArgs {
     /// grey. The notes say which they are [default: such a frame is an error].
     #[arg(long)]
     pub accept_damaged: bool,
-    /// Colour of the 2×2 of raw frames and mosaics that is used: luma, the mean of the four, green, the mean of two,
+    /// What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean of two,
     /// red or blue [default: luma].
     #[arg(long, value_name = "COLOUR", value_parser = words::<RawColour>(RAW_COLOURS))]
     pub raw_colour: Option<RawColour>,

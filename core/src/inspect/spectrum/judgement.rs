@@ -51,7 +51,8 @@ pub struct SlopeJudgement {
 }
 
 /// Judges the slopes with which `detection` was made from `burst`; `finding` is what the frames show, if that was
-/// examined. They fit only where the motion is straight and, by the field of motion, inside. `None` for a method without slopes and for a single frame.
+/// examined. They fit only where the motion is straight and, by the field of motion, inside. `None` for a method without
+/// slopes and for a single frame.
 pub fn judgement(
     detection: &Detection,
     params: &DetectorParams,
