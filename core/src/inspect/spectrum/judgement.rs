@@ -50,9 +50,8 @@ pub struct SlopeJudgement {
     pub advice: Option<SlopeAdvice>,
 }
 
-/// Judges the slopes with which `detection` was made from `burst`; `finding` is what the frames show, if that was
-/// examined. They fit only where the motion is straight and, by the field of motion, inside. `None` for a method without
-/// slopes and for a single frame.
+/// Judges the slopes with which `detection` was made from `burst`; `finding` is what the frames show, if it is known.
+/// Slopes fit only where the motion is straight and lies inside. `None` for a method without slopes, or one frame.
 pub fn judgement(
     detection: &Detection,
     params: &DetectorParams,
