@@ -2,9 +2,10 @@
 //!
 //! The picture is cut into blocks, whatever the tiles of an octave, so that threads and memory change nothing. In a
 //! block the slopes are searched that lie within [`STEPS`] steps of the motions of its cells and of the other layers
-//! that occur beside it; all of them where most of its cells have no known motion. D is the same as in a search of
-//! all slopes, since coarser octaves start from the whole first levels of all slopes that are searched anywhere: a tile
-//! in which a slope is not searched makes no more of it than the pixels from which they come.
+//! that occur beside it; where most of its cells have no known motion, as where nothing has structure, around the known
+//! motions of the whole picture. D is the same as in a search of all slopes, since coarser octaves start from the whole
+//! first levels of all slopes that are searched anywhere: a tile in which a slope is not searched makes no more of it
+//! than the pixels from which they come.
 
 use crate::detector::field::MotionField;
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
@@ -16,8 +17,10 @@ use std::ops::Range;
 const STEPS: usize = 2;
 /// Side of a block, pixels of the input image.
 const BLOCK_PX: usize = 64;
-/// Part of a block's cells without a known motion from which on all slopes are searched in it.
+/// Part of a block's cells without a known motion from which on its motion is unknown.
 const MOSTLY: f32 = 0.5;
+/// Part of the blocks that have a known motion below which all slopes are searched in the others.
+const FEW: f32 = 0.2;
 
 /// Slopes that are searched in each block of a picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +39,12 @@ impl SlopesAround {
     pub(crate) fn new(field: &MotionField, grid: SlopeGrid, size: (usize, usize)) -> Self {
         let blocks = (size.0.div_ceil(BLOCK_PX), size.1.div_ceil(BLOCK_PX));
         let places = (0..blocks.1).flat_map(|row| (0..blocks.0).map(move |column| (column, row)));
-        let searched: Vec<Vec<bool>> = places.map(|block| of_block(field, &grid, block)).collect();
+        let near: Vec<Option<Vec<bool>>> = places.map(|block| of_block(field, &grid, block)).collect();
+        let known = || near.iter().flatten();
+        let few_known = (known().count() as f32) < FEW * near.len() as f32;
+        let all: Vec<bool> = (0..grid.len()).map(|index| few_known || known().any(|block| block[index])).collect();
+        let searched: Vec<Vec<bool>> =
+            near.iter().map(|block| widened(&grid, block.as_ref().unwrap_or(&all), STEPS)).collect();
         let anywhere: Vec<bool> = (0..grid.len()).map(|index| searched.iter().any(|block| block[index])).collect();
         let held = widened(&grid, &anywhere, 1);
         Self { grid, size: blocks, searched, held }
@@ -100,8 +108,9 @@ impl SlopesAround {
     }
 }
 
-/// Slopes that are searched in the block at this column and row of blocks.
-fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Vec<bool> {
+/// Slopes nearest to the motions in and beside the block at this column and row of blocks; `None` where most of its
+/// cells have no known one.
+fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Option<Vec<bool>> {
     // Pixels beyond the last whole cell have the motion of the nearest one.
     let cells = |first_px: usize, end_px: usize, count: usize| {
         (first_px / field.cell_px).min(count - 1)..end_px.div_ceil(field.cell_px).clamp(1, count)
@@ -120,7 +129,7 @@ fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Vec
         }
     }
     if unknown as f32 >= MOSTLY * places.clone().count() as f32 {
-        return vec![true; grid.len()];
+        return None;
     }
     // The motions of its own layers are known better from its cells.
     let own_layers: Vec<u8> = places.map(|cell| field.layer[cell]).collect();
@@ -132,7 +141,7 @@ fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Vec
             near[nearest(grid, layer.slope)] = true;
         }
     }
-    widened(grid, &near, STEPS)
+    Some(near)
 }
 
 /// Indices of the cells in `columns` and `rows` of a field of `width` columns.
