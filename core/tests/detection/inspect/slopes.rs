@@ -94,6 +94,16 @@ fn a_range_that_is_too_narrow_is_widened_to_the_motion() {
 }
 
 #[test]
+fn a_range_that_nearly_fits_keeps_its_slopes_when_widened() {
+    let burst = uniform(Slope::new(4.2, 0.0), 8);
+    let grid = SlopeGrid::line(2.4..=3.6, 4);
+    let advice = about(&asked(&burst, grid), Subject::Range).cloned().expect("the motion is beyond the range");
+    let wider = applied(grid, &advice.changes).slopes;
+    assert!(wider.u.max > 4.2 && wider.u.count < 9, "{wider:?}");
+    assert!(grid.slopes().all(|slope| wider.slopes().any(|other| other == slope)), "{wider:?}");
+}
+
+#[test]
 fn a_step_that_is_too_coarse_is_refined() {
     let burst = uniform(Slope::new(1.0, 0.0), 10);
     let grid = SlopeGrid::line(-1.5..=3.0, 4);
