@@ -12,7 +12,7 @@ from burstscope._burst import Burst
 from burstscope._command import command
 from burstscope._keywords import ChartKeywords, NoisyKeywords, SceneKeywords, TrajectoryKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import documented, options, paths
+from burstscope._values import documented, fault, options, paths
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -30,7 +30,10 @@ class Synthetic(NamedTuple):
 
 def _made(kind: str, keywords: Any, progress: Progress) -> Synthetic:
     with shown(progress) as tell:
-        burst, truth = _burstscope.synthesise([kind, *options(keywords)], tell)
+        try:
+            burst, truth = _burstscope.synthesise([kind, *options(keywords)], tell)
+        except ValueError as error:
+            raise fault(str(error)) from None
     return Synthetic(Burst._of(burst), json.loads(truth))
 
 
