@@ -330,7 +330,7 @@ class Detection(Made):
     def to_napari(self) -> list[tuple[Any, dict[str, Any], str]]:
         """Layers for napari as (data, options, kind): the frames, and the features, which move with the frames.
 
-        ``for layer in found.to_napari(): viewer._add_layer_from_data(*layer)``, or what a napari plugin's reader returns;
+        ``viewer.add_layer(napari.layers.Layer.create(*layer))`` adds each; a reader of a napari plugin may return them all.
         napari is not needed to make them. Places are (frame, row, column), as napari has them; the rings are of 2σ.
         """
         count, _, _ = self.burst.shape
