@@ -10,7 +10,7 @@ use crate::app::project::Effect;
 use crate::app::project::effect::Purpose;
 use crate::app::project::side::Side;
 use crate::requests::BurstSource;
-use crate::teach::Lesson;
+use crate::teach::{Lesson, citation};
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -45,6 +45,10 @@ impl BurstscopeApp {
                 Some(Err(why)) => model.messages.error("Copy as command", why),
                 copied => self.note(copied.and_then(Result::ok)),
             },
+            ActionId::Cite => {
+                ctx.copy_text(citation::bibtex());
+                model.messages.note("Copied the program and the paper as BibTeX");
+            }
             ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, &self.model)),
             _ => {
                 let effects = actions::apply(id.into(), model, engine);

@@ -5,8 +5,9 @@
 //!
 //! A number in a sentence or a table has its source in a comment of its paragraph: `<!-- $ burstscope slopes demo | 25;
 //! 0.95 ± 0.1 -->` says that the command writes 25, and a number within 0.1 of 0.95. With `--json` a number may have a
-//! place in the document: `25 = /spectrum/features`. Measurements that take too long to be repeated by a test stand below
-//! the words `measured with version X.Y.Z`, which count up to the next heading of that level or a higher one.
+//! place in the document: `25 = /spectrum/features`. With `> FILE` the numbers are those of a file that the command wrote; of
+//! a figure (SVG) those of its texts. Measurements that take too long to be repeated by a test stand below
+//! the words `measured with version X.Y.Z`, which count up to the next heading.
 
 use super::house::documents::documents;
 use super::support::run_well;
@@ -129,28 +130,38 @@ fn is_measured(block: &str) -> bool {
 
 /// Paragraphs, tables and samples of output of a document, each with whether it stands below a version mark.
 fn blocks(text: &str) -> Vec<(&str, bool)> {
-    let mut marked_at: Option<usize> = None;
-    let mut in_code = false;
-    let mut level = 0;
+    let (mut is_marked, mut in_code) = (false, false);
     let mut found = Vec::new();
     for block in text.split("\n\n") {
         let block = block.trim_matches('\n');
-        let is_code =
-            std::mem::replace(&mut in_code, in_code ^ (block.matches("```").count() % 2 == 1)) || block.contains("```");
-        if !is_code && block.starts_with('#') {
-            level = block.bytes().take_while(|&byte| byte == b'#').count();
-            marked_at = marked_at.filter(|&marked| level > marked);
-        }
+        let begins_in_code = in_code;
+        in_code ^= block.matches("```").count() % 2 == 1;
+        let is_code = begins_in_code || block.contains("```");
+        is_marked &= is_code || !block.starts_with('#');
         if let Some((_, version)) = block.split_once(VERSION_MARK) {
             assert!(version.starts_with(|c: char| c.is_ascii_digit()), "{block}");
-            marked_at = Some(level);
+            is_marked = true;
         }
         let is_output = block.starts_with("```text") && !block.contains("\n$ burstscope ");
         if is_output || (!is_code && is_measured(&apart(block).0)) {
-            found.push((block, marked_at.is_some()));
+            found.push((block, is_marked));
         }
     }
     found
+}
+
+/// Output of a command, or of the file that it writes (`COMMAND > FILE`).
+fn output_of(home: &Path, command: &str) -> String {
+    let (command, file) = command.split_once(" > ").map_or((command, None), |(command, file)| (command, Some(file)));
+    let output = run_well(home, &command.split_whitespace().collect::<Vec<_>>());
+    let Some(file) = file else { return output };
+    let text = std::fs::read_to_string(home.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+    let is_figure = file.ends_with(".svg");
+    if is_figure {
+        text.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| format!("{text} ")).collect()
+    } else {
+        text
+    }
 }
 
 /// Asserts that the output of a command has a number.
@@ -184,7 +195,7 @@ fn every_measured_number_has_its_source_or_its_version() {
         for block in text.split("\n\n") {
             let (shown, comments) = apart(block);
             for (command, numbers) in comments.into_iter().filter_map(source) {
-                let run = || run_well(home.path(), &command.split_whitespace().collect::<Vec<_>>());
+                let run = || output_of(home.path(), command);
                 let output = outputs.entry(command.to_owned()).or_insert_with(run);
                 for expected in numbers {
                     assert!(shown.contains(expected.text), "{name}: {} does not stand in\n{shown}", expected.text);
@@ -201,7 +212,7 @@ fn every_measured_number_has_its_source_or_its_version() {
 fn numbers_without_a_source_are_seen_and_those_with_one_are_read() {
     let text = "# A\n\nIt finds 254 features.\n\n## B\n\nmeasured with version 0.1.0.\n\n| a | b |\n| 1 | 2 |\n\n### C\n\n5 % more.\n\n## D\n\n3 times.\n\n```text\nout\n```\n\nTen frames.";
     let found: Vec<bool> = blocks(text).into_iter().map(|(_, is_marked)| is_marked).collect();
-    assert_eq!(found, [false, true, true, false, false]);
+    assert_eq!(found, [false, true, false, false, false]);
     let (shown, comments) =
         apart("A 1\u{2009}077.<!-- $ burstscope slopes demo --json | 1\u{2009}077; 0.95 ± 0.1 = /a/b -->");
     assert_eq!(shown, "A 1\u{2009}077.");
