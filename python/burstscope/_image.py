@@ -138,6 +138,9 @@ def stack(
 ) -> Image:
     """The motion-stack image: the frames shifted by a slope and averaged, as ``burstscope stack``.
 
+    Frames that are shifted by fractions of a pixel are interpolated, which smooths their noise: at whole slopes an image is
+    noisier than between them. To find the slopes of a burst use `burstscope.slopes`, not the sharpness of such images.
+
     Parameters
     ----------
     burst : Burst

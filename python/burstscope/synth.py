@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 __all__ = ["Synthetic", "chart", "noisy", "scene", "trajectory"]
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 class Synthetic(NamedTuple):
     """A synthetic burst and its truth."""
 

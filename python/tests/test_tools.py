@@ -43,6 +43,8 @@ def test_matches_images_answers_and_faults_are_copied(chart: bs.Burst, found: bs
     for image in copies(response):
         assert isinstance(image, bs.Image) and image.signed
         np.testing.assert_array_equal(image, response)
+    field = bs.field(chart, slopes_u=(-1, 1, 5))
+    assert all((again.motion == field.motion).all() and again.burst.shape == chart.shape for again in copies(field))
     answer = bs.slopes(chart, slopes_u=(-1, 1, 5))
     assert all(again.data == answer.data and again.svg == answer.svg for again in copies(answer))
     fault = pickle.loads(pickle.dumps(bs.CommandError("gone", 1)))
@@ -181,6 +183,7 @@ def test_layers_for_napari_follow_the_frames(chart: bs.Burst, found: bs.Detectio
 def test_the_module_has_its_names_and_no_others() -> None:
     modules = {"evaluate", "synth"}
     assert {name for name in dir(bs) if not name.startswith("_")} | {"__version__"} == set(bs.__all__)
+    assert dir(bs.evaluate) == sorted(bs.evaluate.__all__) and dir(bs.synth) == sorted(bs.synth.__all__)
     assert all(getattr(bs, name).__doc__ for name in set(bs.__all__) - {"REVISION", "__version__"} - modules)
     for private in (bs.Detection, bs.Matches, bs.Field):
         with pytest.raises(TypeError, match="no constructor"):
