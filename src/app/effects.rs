@@ -6,11 +6,9 @@ use super::dialogs::Question;
 use super::document::Action;
 use super::window::BurstscopeApp;
 use super::{clipboard, files};
-use crate::app::project::Effect;
-use crate::app::project::effect::Purpose;
-use crate::app::project::side::Side;
+use crate::app::project::{Effect, effect::Purpose, side::Side};
 use crate::requests::BurstSource;
-use crate::teach::{Lesson, citation};
+use crate::teach::Lesson;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -46,7 +44,7 @@ impl BurstscopeApp {
                 copied => self.note(copied.and_then(Result::ok)),
             },
             ActionId::Cite => {
-                ctx.copy_text(citation::bibtex());
+                ctx.copy_text(include_str!("../../assets/burstscope.bib").to_owned());
                 model.messages.note("Copied the program and the paper as BibTeX");
             }
             ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, &self.model)),

@@ -2,7 +2,6 @@
 //! what is set up, highlighted, explained (in CommonMark) and to be tried; the [`glossary`] explains every term of the
 //! window. This module reads and checks them.
 
-pub mod citation;
 pub mod glossary;
 mod goal;
 mod lesson;

@@ -119,9 +119,9 @@ fn apart(text: &str) -> (String, Vec<&str>) {
 /// Whether a paragraph or table states measured numbers.
 fn is_measured(block: &str) -> bool {
     let cells = |line: &str| {
-        line.split('|').filter(|cell| cell.split_whitespace().next().is_some_and(|w| number(w).is_some())).count()
+        line.split('|').filter(|cell| cell.split_ascii_whitespace().next().is_some_and(|w| number(w).is_some())).count()
     };
-    let words: Vec<&str> = block.split_whitespace().collect();
+    let words: Vec<&str> = block.split_ascii_whitespace().collect();
     let has_unit = |pair: &[&str]| {
         number(pair[0]).is_some() && MEASURED.contains(&pair[1].trim_end_matches([',', '.', ';', ':', ')']))
     };
@@ -174,7 +174,7 @@ fn assert_written(name: &str, command: &str, expected: &Expected<'_>, output: &s
             let document: serde_json::Value = serde_json::from_str(output).expect("JSON");
             document.pointer(pointer).and_then(serde_json::Value::as_f64).is_some_and(is_it)
         }
-        None => output.split_whitespace().filter_map(number).any(is_it),
+        None => output.split_ascii_whitespace().filter_map(number).any(is_it),
     };
     assert!(is_written, "{name} says {text} ± {tolerance}, `burstscope {command}` does not; it writes\n{output}");
 }

@@ -114,16 +114,14 @@ impl Field<'_> {
     /// The fault in `text`.
     pub fn read(self, text: &str) -> Result<(), String> {
         fn number<T: std::str::FromStr>(place: &mut T, text: &str, kind: &str) -> Result<(), String> {
-            *place = text.trim().parse().map_err(|_| format!("'{text}' is not a {kind}"))?;
-            Ok(())
+            text.trim().parse().map(|value| *place = value).map_err(|_| format!("'{text}' is not a {kind}"))
         }
-        const COUNT: &str = "whole number of 0 or more";
         match self {
             Self::F32(x) => number(x, text, "number")?,
-            Self::U32(n) => number(n, text, COUNT)?,
+            Self::U32(n) => number(n, text, "whole number of 0 or more")?,
             Self::I32(n) => number(n, text, "whole number")?,
-            Self::Usize(n) => number(n, text, COUNT)?,
-            Self::U64(n) => number(n, text, COUNT)?,
+            Self::Usize(n) => number(n, text, "whole number of 0 or more")?,
+            Self::U64(n) => number(n, text, "whole number of 0 or more")?,
             Self::Flag(flag) => *flag = text.trim().parse().map_err(|_| format!("'{text}' is not true or false"))?,
             Self::Word(word) => word.set_word(text).then_some(()).ok_or_else(|| format!("'{text}' is not known"))?,
             Self::Axis(axis) => *axis = text.parse()?,
