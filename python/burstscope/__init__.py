@@ -16,19 +16,19 @@ Conventions, as everywhere in Burstscope:
 * Frames are float32 fractions of full scale, and so are responses; scales (sigma) and slopes are in input pixels.
 
 Long work shows its progress, lets other threads run, and ends with Ctrl-C (``KeyboardInterrupt``). Faults are exceptions
-of Python's own kinds: ``ValueError`` for values that make no sense, ``TypeError`` for keywords that do not exist,
+of Python's own kinds: ``ValueError`` for values that make no sense, ``TypeError`` for other types and keywords that do not exist,
 ``OSError`` and its kinds for files, ``MemoryError``.
 """
-
-from __future__ import annotations
 
 from burstscope import _decoding, evaluate, synth
 from burstscope._burst import Burst, open
 from burstscope._burstscope import REVISION as REVISION
 from burstscope._burstscope import __version__ as __version__
 from burstscope._command import CommandError, command
-from burstscope._detection import Detection, detect
+from burstscope._detection import Detection, detect, load
+from burstscope._field import Field, field
 from burstscope._image import Image, coverage, dog, merge, stack
+from burstscope._memory import case, film, recover
 from burstscope._inspect import Noise, Probe, Slopes, noise, probe, slopes
 from burstscope._matches import Matches, match
 from burstscope._show import Window, show
@@ -38,6 +38,7 @@ __all__ = [
     "Burst",
     "CommandError",
     "Detection",
+    "Field",
     "Image",
     "Matches",
     "Noise",
@@ -47,16 +48,21 @@ __all__ = [
     "Slopes",
     "Window",
     "__version__",
+    "case",
     "command",
     "coverage",
     "detect",
     "dog",
     "evaluate",
+    "field",
+    "film",
+    "load",
     "match",
     "merge",
     "noise",
     "open",
     "probe",
+    "recover",
     "show",
     "slider",
     "slopes",

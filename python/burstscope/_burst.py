@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import builtins
 import html
+import operator
 import os
+import warnings
 from collections.abc import Iterator, Sequence
 from typing import Any, Literal, Union
 
@@ -14,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from burstscope import _burstscope
 from burstscope._image import Image, data_uri, reduced, stretched
 from burstscope._progress import Progress, shown
+from burstscope._values import needed, path, real
 from burstscope._values import paths as path_texts
 
 _NATIVE = (np.dtype(np.uint8), np.dtype(np.uint16), np.dtype(np.float32))
@@ -27,6 +30,8 @@ def _frames(name: str, values: Any) -> list[NDArray[Any]]:
         arrays = [np.asarray(frame) for frame in values]
     else:
         array = np.asarray(values)
+        if array.ndim == 0:
+            raise TypeError(f"{name}: an array is needed, not {type(values).__name__}")
         if array.ndim == 2 and name != "frames":
             array = array[None]
         if array.ndim != 3:
@@ -55,8 +60,9 @@ class Burst:
     ----------
     frames : array [N, H, W], or a sequence of arrays [H, W]
         uint8 and uint16 are divided by 255 and 65535. float32 in [0, 1] is taken as it is and **not copied** where it is
-        contiguous: do not write into the array while the burst is in use. Floats in other units are divided by their
-        largest magnitude. float64 and float16 are converted to float32.
+        contiguous: do not write into the array while the burst is in use. Floats above 1 are divided by their largest
+        magnitude, which `notes` and a warning name; give ``full_scale``, so that bursts have one unit. float64 and
+        float16 are converted to float32.
     times : sequence of N numbers, optional
         When the frames were taken, in any unit, evenly spaced. Then `frame_interval` and `Detection.velocity` are known.
         Slopes are per frame in any case: frames at uneven times are refused.
@@ -100,20 +106,26 @@ class Burst:
         arrays = _frames("frames", frames)
         self._times = None if times is None else _even(times, len(arrays))
         self._raw = _burstscope.RawBurst.of_arrays(
-            name,
+            needed("name", name, str, "give words"),
             arrays,
             [] if bias is None else _frames("bias", bias),
             [] if flat is None else _frames("flat", flat),
-            full_scale,
-            black_level,
+            real("full_scale", full_scale),
+            real("black_level", black_level),
         )
         self._inspections: dict[Any, Any] = {}
+        if full_scale is None and self.quantisation_step == 0 and self.full_scale != 1:
+            message = f"frames: floats above 1; the largest, {self.full_scale:g}, was taken for full scale; give full_scale"
+            warnings.warn(message, stacklevel=2)
 
     @classmethod
-    def _of(cls, raw: _burstscope.RawBurst) -> Burst:
+    def _of(cls, raw: _burstscope.RawBurst, times: NDArray[np.float64] | None = None) -> Burst:
         burst = cls.__new__(cls)
-        burst._raw, burst._times, burst._inspections = raw, None, {}
+        burst._raw, burst._times, burst._inspections = raw, times, {}
         return burst
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, ([self._raw.frame(t) for t in range(len(self))], self._raw.about(), self._times)
 
     @property
     def name(self) -> str:
@@ -182,6 +194,11 @@ class Burst:
 
     def __getitem__(self, t: int) -> Image:
         """Frame t as an image [H, W]; negative numbers count from the end."""
+        try:
+            t = operator.index(t)
+        except TypeError:
+            kind = type(t).__name__
+            raise TypeError(f"a frame has a whole number, not {kind}; of several frames make a burst: Burst(burst.frames[2:5])") from None
         index = t + len(self) if t < 0 else t
         if not 0 <= index < len(self):
             raise IndexError(f"there is no frame {t}: the burst has {len(self)}")
@@ -210,8 +227,15 @@ class Burst:
         return f'<img src="{data_uri(middle, limits=stretched(middle))}" width="{width}"><br>' + "<br>".join(lines)
 
 
+def _restored(frames: list[NDArray[np.float32]], about: Any, times: NDArray[np.float64] | None) -> Burst:
+    return Burst._of(_burstscope.RawBurst.of_parts(frames, about), times)
+
+
 def _even(times: Any, count: int) -> NDArray[np.float64]:
-    values = np.asarray(times, np.float64)
+    try:
+        values = np.asarray(times, np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"times: numbers are needed, not {type(times).__name__}") from None
     if values.shape != (count,) or not np.isfinite(values).all():
         raise ValueError(f"times: {values.shape} values for {count} frames; give one finite number a frame")
     if count > 1:
@@ -284,18 +308,16 @@ def open(
     ValueError
         Files that are no burst: of several sizes, damaged, of several bursts. The message says what would be right.
     """
-    calibration = {
-        "bias": bias,
-        "flat": flat,
-        "full_scale": full_scale,
-        "black_level": black_level,
-        "linearise": linearise,
-        "accept_damaged": accept_damaged,
-        "raw_colour": raw_colour,
-        "mosaic": mosaic,
-        "raw": raw,
-        "axis": axis,
-        "array": array,
+    calibration: dict[str, Any] = {
+        "bias": None if bias is None else path("bias", bias),
+        "flat": None if flat is None else path("flat", flat),
+        "full_scale": real("full_scale", full_scale),
+        "black_level": real("black_level", black_level),
+        "linearise": bool(linearise),
+        "accept_damaged": bool(accept_damaged),
+        "raw_colour": needed("raw_colour", raw_colour, str, "give luma, green, red or blue"),
     }
+    for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array}.items():
+        calibration[name] = None if word is None else needed(name, word, str, "see the documentation")
     with shown(progress) as tell:
         return Burst._of(_burstscope.RawBurst.open(path_texts(paths), calibration, tell))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 import signal
@@ -10,7 +11,8 @@ import sys
 from typing import Any
 
 from burstscope import _burstscope, _decoding
-from burstscope._values import options
+from burstscope._keywords import COMMANDS
+from burstscope._values import fault, options, paths
 
 
 def main() -> int:
@@ -33,6 +35,9 @@ class CommandError(RuntimeError):
         super().__init__(message)
         self.returncode = returncode
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return CommandError, (str(self), self.returncode)
+
 
 def command(*arguments: str | os.PathLike[str], **keywords: Any) -> Any:
     """Runs a command of Burstscope in a process of its own, and returns its JSON document.
@@ -53,14 +58,19 @@ def command(*arguments: str | os.PathLike[str], **keywords: Any) -> Any:
     Raises
     ------
     ValueError
-        Wrong use (exit code 2).
+        Wrong use (exit code 2), also a command that does not exist.
+    TypeError
+        A keyword that the command does not have.
     CommandError
         The command failed.
     KeyboardInterrupt
         Ctrl-C; the command ends too, in order.
     """
-    words = [os.fspath(argument) for argument in arguments]
-    # Inputs follow the options, so that none of them is taken for one.
+    words = paths(arguments)
+    if not words or words[0] not in COMMANDS:
+        close = difflib.get_close_matches(words[0], COMMANDS, 1) if words else []
+        hint = f"did you mean {close[0]}?" if close else f"there are {', '.join(COMMANDS)}"
+        raise ValueError(f"command: there is no {words[0]!r}; {hint}" if words else f"command: none is given; {hint}")
     line = [sys.executable, "-m", "burstscope", *words, *options(keywords), "--json"]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
@@ -74,7 +84,7 @@ def command(*arguments: str | os.PathLike[str], **keywords: Any) -> Any:
         return json.loads(output)
     message = errors.decode(errors="replace").strip().removeprefix("error: ")
     if process.returncode == 2:
-        raise ValueError(message.split("\n\n")[0])
+        raise fault(message)
     if process.returncode == 130:
         raise KeyboardInterrupt
     raise CommandError(message or f"the command ended with {process.returncode}", process.returncode)

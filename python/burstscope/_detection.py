@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import zipfile
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -16,11 +17,14 @@ from numpy.typing import NDArray
 from burstscope import _burstscope, _drawing
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import documented, raw_burst, texts
+from burstscope._values import Made, documented, raw_burst, texts
+from burstscope._values import path as path_of
 
 if TYPE_CHECKING:
     import cv2
+    import pandas
     import pycolmap
+    from matplotlib.axes import Axes
     from typing_extensions import Unpack
 
     from burstscope._burst import Burst
@@ -29,20 +33,50 @@ if TYPE_CHECKING:
 Array = TypeVar("Array", bound=NDArray[Any])
 
 
-class Detection:
+class Detection(Made):
     """Features of a burst, strongest first, as arrays of one row a feature.
 
-    Made by `detect`. ``len(d)`` is their number, and ``d[d.snr > 10]`` are some of them. The arrays are made once and
-    cannot be written to.
+    Made by `detect` and `load`. ``len(d)`` is their number, and ``d[d.snr > 10]`` are some of them. The arrays are made
+    once and cannot be written to.
     """
 
-    def __init__(self, burst: Burst, raw: _burstscope.RawDetection) -> None:
+    _burst: Burst | None
+    _raw: _burstscope.RawDetection
+
+    @classmethod
+    def _of(cls, burst: Burst | None, raw: _burstscope.RawDetection) -> Detection:
+        self = cls.__new__(cls)
         self._burst, self._raw = burst, raw
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raw = self._raw
+        parts = (raw.rows(), raw.slope_index(), raw.descriptors(), raw.params_toml(), raw.document())
+        return _restored, (self._burst, *parts)
 
     @property
     def burst(self) -> Burst:
-        """The burst that was searched."""
+        """The burst that was searched.
+
+        Raises
+        ------
+        ValueError
+            The features are those of a file, and the burst was not given to `load`.
+        """
+        if self._burst is None:
+            raise ValueError("the features were loaded from a file; give their burst too: load(path, burst=burst)")
         return self._burst
+
+    @property
+    def has_burst(self) -> bool:
+        """Whether `burst` is known: always, but for features of a file."""
+        return self._burst is not None
+
+    def _searched(self) -> _burstscope.RawDetection:
+        """The detection, if it is known how it was made."""
+        if not self._raw.document():
+            raise ValueError("the features were loaded from a file, which does not hold how they were searched for")
+        return self._raw
 
     @cached_property
     def xy(self) -> NDArray[np.float32]:
@@ -87,7 +121,7 @@ class Detection:
     @cached_property
     def slope_index(self) -> NDArray[np.int64]:
         """Row of `slopes` at which each was found [n]."""
-        return _fixed(self._raw.slope_index())
+        return _fixed(self._searched().slope_index())
 
     @cached_property
     def at_slope_limit(self) -> NDArray[np.bool_]:
@@ -127,7 +161,7 @@ class Detection:
     @cached_property
     def slopes(self) -> NDArray[np.float32]:
         """Slopes that were searched [k, 2], pixels per frame."""
-        return _fixed(self._raw.slopes())
+        return _fixed(self._searched().slopes())
 
     @cached_property
     def strength(self) -> NDArray[np.float32]:
@@ -145,7 +179,7 @@ class Detection:
         ValueError
             The burst has no times.
         """
-        interval = self._burst.frame_interval
+        interval = self.burst.frame_interval
         if interval is None:
             raise ValueError("the burst has no times; give them: Burst(frames, times=...)")
         return self.slope.astype(np.float64) / interval
@@ -153,7 +187,7 @@ class Detection:
     @cached_property
     def report(self) -> dict[str, Any]:
         """What ``burstscope detect --json`` says of the burst: noise, tally of rejected samples, slopes, times, advice."""
-        document: dict[str, Any] = json.loads(self._raw.document())
+        document: dict[str, Any] = json.loads(self._searched().document())
         for name in ("open_secs", "write_secs"):
             document["times"].pop(name, None)
         return document
@@ -173,7 +207,7 @@ class Detection:
     @property
     def params(self) -> str:
         """The parameters with the slopes that were searched, as a parameter file (TOML)."""
-        return self._raw.params_toml()
+        return self._searched().params_toml()
 
     def __len__(self) -> int:
         return len(self._raw)
@@ -187,23 +221,64 @@ class Detection:
         ------
         IndexError
             A number beyond the features, or a mask of another length.
+        TypeError
+            Anything else than these.
         """
-        numbers = np.atleast_1d(np.arange(len(self))[rows])
-        return Detection(self._burst, self._raw.subset(numbers.tolist()))
+        try:
+            numbers = np.atleast_1d(np.arange(len(self))[rows])
+        except IndexError as error:
+            if isinstance(rows, (str, float)):
+                kind = type(rows).__name__
+                raise TypeError(
+                    f"rows: features have numbers, slices, masks and indices, not {kind}; columns are attributes: found.snr"
+                ) from None
+            raise error
+        return Detection._of(self._burst, self._raw.subset(numbers.tolist()))
 
     def __iter__(self) -> Iterator[Detection]:
         """Each feature by itself, strongest first."""
         return (self[number] for number in range(len(self)))
 
     def __repr__(self) -> str:
+        if not self._raw.document():
+            return f"<Detection: {len(self)} features of a file>"
         rejected = self.tally["samples"] - self.tally["kept"]
         return (
-            f"<Detection: {len(self)} features of {self._burst.name!r} at {len(self.slopes)} slopes, "
+            f"<Detection: {len(self)} features of {self.burst.name!r} at {len(self.slopes)} slopes, "
             f"{rejected} samples rejected>"
         )
 
     def _repr_html_(self) -> str:
-        return _drawing.detection(self)
+        return _drawing.detection(self) if self.has_burst and self._raw.document() else _drawing.text(self)
+
+    def plot(self, ax: Axes | None = None, *, image: bool | None = None, **how: Any) -> Axes:
+        """Draws the features on axes of matplotlib: circles of 2σ with their orientations, coloured by motion.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            By default new axes.
+        image : bool, optional
+            Draw the motion-stack image at the slope with the most features below them; by default where the burst is
+            known and the axes hold no image yet.
+        **how
+            Given to ``EllipseCollection``: ``linewidths``, ``edgecolors`` …
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            In pixels, v downwards.
+
+        Raises
+        ------
+        ImportError
+            matplotlib is not installed.
+        """
+        from burstscope import _plot
+
+        if image is None:
+            image = self.has_burst and len(getattr(ax, "images", [])) == 0
+        return _plot.detection(self, ax, image, how)
 
     def save(self, path: str | os.PathLike[str], format: Literal["csv", "colmap", "npz", None] = None) -> Path:
         """Writes the features to a file, as ``burstscope detect --format``.
@@ -219,12 +294,58 @@ class Detection:
         -------
         pathlib.Path
         """
-        target = Path(path)
+        target = path_of("path", path)
         kind = format or {".csv": "csv", ".txt": "colmap", ".npz": "npz"}.get(target.suffix.lower())
         if kind is None:
             raise ValueError(f"{target}: name the file .csv, .txt or .npz, or give format")
         self._raw.write(target, kind)
         return target
+
+    def _table(self) -> dict[str, NDArray[Any]]:
+        """The columns of the feature files by their names; motions of places that are not known are NaN."""
+        u, v = self.xy.T
+        slope_u, slope_v = self.slope.T
+        field_u, field_v = self.field.T
+        return {
+            "u": u, "v": v, "sigma": self.sigma, "orientation": self.angle, "slope_u": slope_u, "slope_v": slope_v,
+            "response": self.response, "snr": self.snr, "octave": self.octave, "level": self.level,
+            "at_slope_limit": self.at_slope_limit, "slope_sigma": self.slope_sigma, "field_u": field_u,
+            "field_v": field_v, "field_sigma": self.field_sigma, "layer": self.layer, "motion": self.motion,
+        }  # fmt: skip
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table of pandas with a row a feature, in the columns of the feature files.
+
+        Raises
+        ------
+        ImportError
+            pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise ImportError("pandas, which a DataFrame needs, is not installed: pip install pandas") from None
+        return pandas.DataFrame(self._table())
+
+    def to_napari(self) -> list[tuple[Any, dict[str, Any], str]]:
+        """Layers for napari as (data, options, kind): the frames, and the features, which move with the frames.
+
+        ``viewer.add_layer(napari.layers.Layer.create(*layer))`` adds each; a reader of a napari plugin may return them all.
+        napari is not needed to make them. Places are (frame, row, column), as napari has them; the rings are of 2σ.
+        """
+        count, _, _ = self.burst.shape
+        t = np.arange(count, dtype=np.float32)
+        places = self.xy[None] + (t - np.float32((count - 1) / 2))[:, None, None] * self.slope[None]
+        frame = np.broadcast_to(t[:, None], places.shape[:2])
+        points = np.stack([frame, places[..., 1], places[..., 0]], 2).reshape(-1, 3)
+        rings = {
+            "name": f"features of {self.burst.name}",
+            "size": np.tile(4 * self.sigma, count),
+            "symbol": "ring",
+            "face_color": np.tile(np.array(_drawing.colours(self.slope), dtype="U7"), count),
+            "features": {name: np.tile(values, count) for name, values in self._table().items()},
+        }
+        return [(self.burst.frames, {"name": self.burst.name}, "image"), (points, rings, "points")]
 
     def to_cv2(self) -> tuple[list[cv2.KeyPoint], NDArray[np.float32]]:
         """OpenCV's keypoints and descriptors, as ``detectAndCompute`` returns them.
@@ -298,9 +419,52 @@ def strongest_slope(found: Detection) -> tuple[float, float]:
     """The searched slope at which most features were found; (0, 0) without features."""
     if len(found) == 0:
         return 0.0, 0.0
+    if not found._raw.document():
+        u, v = np.median(found.slope, 0).tolist()
+        return u, v
     index = int(np.bincount(found.slope_index).argmax())
     u, v = (float(x) for x in found.slopes[index])
     return (u, v) if math.isfinite(u) and math.isfinite(v) else (0.0, 0.0)
+
+
+def _restored(burst: Burst | None, *parts: Any) -> Detection:
+    return Detection._of(burst, _burstscope.RawDetection.of_rows(*parts))
+
+
+def load(path: str | os.PathLike[str], burst: Burst | None = None) -> Detection:
+    """Loads the features that `Detection.save` or ``burstscope detect --format npz`` wrote.
+
+    Parameters
+    ----------
+    path : path
+        The file, ``.npz``.
+    burst : Burst, optional
+        The burst that was searched, for pictures.
+
+    Returns
+    -------
+    Detection
+        Its arrays and descriptors, to be matched, masked and drawn. The file does not hold how the features were searched
+        for: `Detection.report`, `params`, `slopes` and `slope_index` are not known. To keep all of it, pickle a
+        `Detection`.
+
+    Raises
+    ------
+    ValueError
+        The file holds no features of Burstscope.
+    FileNotFoundError
+        There is no such file.
+    """
+    target = path_of("path", path)
+    if burst is not None:
+        raw_burst(burst)
+    try:
+        with np.load(target, allow_pickle=False) as file:
+            rows, descriptors = file["features"], file["descriptors"]
+        index = np.zeros(len(rows), np.int64)
+        return _restored(burst, rows.astype(np.float32, copy=False), index, descriptors.astype(np.uint8, copy=False), "", "")
+    except (AttributeError, KeyError, TypeError, ValueError, zipfile.BadZipFile):
+        raise ValueError(f"{target}: no features of Burstscope; give the .npz that save or detect wrote") from None
 
 
 @documented(DetectorKeywords)
@@ -336,10 +500,10 @@ def detect(
     ValueError
         A parameter that makes no sense, alone or for this burst; the message says what would be right.
     TypeError
-        A keyword that does not exist.
+        A keyword that does not exist, or a value of another type.
     KeyboardInterrupt
         Ctrl-C.
     """
     with shown(progress) as tell:
-        file = None if params is None else Path(params)
-        return Detection(burst, _burstscope.detect(raw_burst(burst), file, texts(keywords), tell))
+        file = None if params is None else path_of("params", params)
+        return Detection._of(burst, _burstscope.detect(raw_burst(burst), file, texts(keywords), tell))

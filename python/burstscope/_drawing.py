@@ -23,7 +23,7 @@ _SLOW, _FAST = np.array([0, 114, 178]), np.array([240, 120, 20])
 _INLIER, _OTHER = "#f0e442", "#d55e00"
 
 
-def _colours(slopes: NDArray[np.float32]) -> list[str]:
+def colours(slopes: NDArray[np.float32]) -> list[str]:
     """A colour for each slope, by its place along the main direction."""
     if len(slopes) == 0:
         return []
@@ -34,6 +34,11 @@ def _colours(slopes: NDArray[np.float32]) -> list[str]:
     position = (along - low) / (high - low) if high > low else np.full(len(along), 0.5)
     mixed = _SLOW + position[:, None] * (_FAST - _SLOW)
     return ["#{:02x}{:02x}{:02x}".format(*row) for row in mixed.round().astype(int).tolist()]
+
+
+def text(value: object) -> str:
+    """What has no picture, as text."""
+    return f"<code>{html.escape(repr(value))}</code>"
 
 
 def _picture(found: Detection) -> tuple[str, int, int]:
@@ -51,7 +56,7 @@ def detection(found: Detection) -> str:
     count = min(len(found), _FEATURES_DRAWN)
     marks = []
     places = zip(
-        found.xy[:count].tolist(), found.sigma[:count].tolist(), found.angle[:count].tolist(), _colours(found.slope[:count])
+        found.xy[:count].tolist(), found.sigma[:count].tolist(), found.angle[:count].tolist(), colours(found.slope[:count])
     )
     for (u, v), sigma, angle, colour in places:
         radius = 2 * sigma

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from burstscope import _burstscope
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import raw_burst, texts
+from burstscope._values import pair, raw_burst, texts, whole
 from burstscope._values import slope as slope_of
 
 if TYPE_CHECKING:
@@ -89,6 +89,9 @@ class Image(_Array):
     def __array_finalize__(self, made_of: object) -> None:
         self.signed = getattr(made_of, "signed", False)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Image.of, (np.array(self), self.signed)
+
     def png(self, *, limits: tuple[float, float] | None = None, colour_map: str | None = None) -> bytes:
         """The image as a PNG.
 
@@ -100,6 +103,7 @@ class Image(_Array):
             One of the window's: Grey, Viridis, Magma, Cividis, Turbo, "Blue – white – red", "Blue – black – orange",
             "Purple – white – green".
         """
+        limits = None if limits is None else pair("limits", limits)
         colour_map = colour_map or ("Blue – white – red" if self.signed else "Grey")
         return encoded(self, limits, colour_map, signed=self.signed)
 
@@ -124,7 +128,7 @@ def _step(
     progress: Progress,
     keywords: Any,
 ) -> NDArray[np.float32]:
-    asked = {"kind": kind, "slope": slope_of(slope), "octave": octave, "level": level}
+    asked = {"kind": kind, "slope": slope_of(slope), "octave": whole("octave", octave), "level": whole("level", level)}
     with shown(progress) as tell:
         return _burstscope.step_picture(raw_burst(burst), asked, texts(keywords), tell)
 
@@ -133,6 +137,9 @@ def stack(
     burst: Burst, slope: Union[float, tuple[float, float]], *, progress: Progress = None, **keywords: Unpack[DetectorKeywords]
 ) -> Image:
     """The motion-stack image: the frames shifted by a slope and averaged, as ``burstscope stack``.
+
+    Frames that are shifted by fractions of a pixel are interpolated, which smooths their noise: at whole slopes an image is
+    noisier than between them. To find the slopes of a burst use `burstscope.slopes`, not the sharpness of such images.
 
     Parameters
     ----------

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from burstscope import _burstscope
 from burstscope._image import Image, noise_map
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import pair, raw_burst, texts
+from burstscope._values import documented, pair, path, raw_burst, texts, whole
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -126,6 +125,9 @@ class Noise:
         """Standard deviation of one frame's noise by place, fraction of full scale: float32 [H, W]."""
         return self._picture
 
+    def __str__(self) -> str:
+        return "\n".join([f"noise of a frame: {self.frame_noise:.5f} of full scale", *self.warnings])
+
     def __repr__(self) -> str:
         return f"<Noise: {self.frame_noise:.5f} of full scale in a frame, {len(self.warnings)} warnings>"
 
@@ -141,7 +143,7 @@ def _inspection(
 ) -> _burstscope.RawInspection:
     """The search of a burst with what questions need; the last one of a burst is kept."""
     raw, given = raw_burst(burst), texts(keywords)
-    file = None if params is None else Path(params)
+    file = None if params is None else path("params", params)
     key = (str(file), file.stat().st_mtime_ns if file is not None and file.exists() else 0, tuple(given))
     if key not in burst._inspections:
         with shown(progress) as tell:
@@ -152,6 +154,7 @@ def _inspection(
     return kept
 
 
+@documented(DetectorKeywords)
 def slopes(
     burst: Burst,
     *,
@@ -177,6 +180,7 @@ def slopes(
         return Slopes(inspection.slopes(tell))
 
 
+@documented(DetectorKeywords)
 def probe(
     burst: Burst,
     at: tuple[float, float] | None = None,
@@ -212,12 +216,14 @@ def probe(
     """
     if (at is None) == (feature is None):
         raise ValueError("give either a place, such as (412, 230), or a feature")
-    inspection = _inspection(burst, params, keywords, progress)
     place = None if at is None else pair("at", at)
+    feature = None if feature is None else whole("feature", feature, 0)
+    inspection = _inspection(burst, params, keywords, progress)
     with shown(progress) as tell:
         return Probe(inspection.probe(place, feature, price, tell))
 
 
+@documented(DetectorKeywords)
 def noise(
     burst: Burst,
     *,

@@ -19,13 +19,13 @@ Frames = Union[str, tuple[int, int], slice, range]
 class DetectorKeywords(TypedDict, total=False):
     """Parameters of the detector: see `burstscope.detect`.
 
-    Keywords
-    --------
-    method : ['buff', 'sift', 'merge']
+    Other Parameters
+    ----------------
+    method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image. Sift and
         merge are the baselines that the burst search has to beat. [default: buff]
-    slopes : ['auto']
+    slopes : {'auto'}
         auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a
         direction, on the line in it. Give ranges instead to search what you know, or to search the same slopes
         in every burst. [default: auto, unless ranges are given]
@@ -58,40 +58,40 @@ class DetectorKeywords(TypedDict, total=False):
         Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate.
         Unit: of full scale. Raise it to keep only features of higher contrast; it knows nothing of the noise
         and removes everything in the dark. [default: 0]
-    noise_gate : Union[float, ['auto', 'matching', 'strict']]
+    noise_gate : float or {'auto', 'matching', 'strict'}
         Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and
         level; auto, matching and strict derive it from the size of the search, 0 switches it off. Unit: σ of
         the noise in D. Raise it to eliminate more noise; lower it to see fainter features among more false
         ones. On noise alone strict gives at most one false feature a megapixel, auto about eight and matching,
         for COLMAP, about three hundred. [default: auto]
-    noise_model : ['local', 'white']
+    noise_model : {'local', 'white'}
         What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and
         leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard
         deviation for all. Local keeps the gate's promise for noise as cameras and files make it; white searches
         the frames as they are, for comparison. [default: local]
-    flicker : ['auto', 'off']
+    flicker : {'auto', 'off'}
         Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise
         model local finds that they flicker; off takes them as they are. Switch it off where the light itself
         changes and should stay in the pictures. [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D. Raise it to keep more features on edges, which are poorly
         localised along the edge. [default: 12]
-    search : ['full', 'field']
+    search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
         motion finds around it, and all where its motion is unknown. Field saves time where few motions fill a
         wide plane of slopes; it finds nothing that moves otherwise than the field says. [default: full]
-    slope_extrema : ['each', 'joint']
+    slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too. Each finds more in noise and leaves it to distinct keypoints
         to choose the slope; joint is the rule of the paper and of LiFF. [default: each]
-    distinct : Union[float, ['off']]
+    distinct : float or {'off'}
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all. Unit: σ. Raise it to thin out keypoints that share a blob, which make
         matches ambiguous; lower it to keep neighbours in fine texture. [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob. Raise it to let a keypoint remove
         others of more different sizes at its place. [default: 1.75]
-    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+    rules : {'burstscope', 'buff', 'liff', 'vlfeat'}
         Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
         levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
         gate, noise, extrema, distinct, orientations and describe scales; those given besides count.
@@ -136,15 +136,15 @@ class DetectorKeywords(TypedDict, total=False):
 class MatchKeywords(TypedDict, total=False):
     """Parameters of matching: see `burstscope.match`.
 
-    Keywords
-    --------
+    Other Parameters
+    ----------------
     ratio : float
         Max ratio of the distances to the nearest and the second nearest descriptor; 1 switches the test off.
         Raise it to keep more matches, of which more are wrong. [default: 0.8]
     mutual : bool
         Whether two features must be nearest to each other, and pass the ratio test both ways: true or false.
         Switch it off to let several features of A match one of B. [default: true]
-    geometry : ['none', 'fundamental', 'essential', 'homography']
+    geometry : {'none', 'fundamental', 'essential', 'homography'}
         What the matches are verified against: none, fundamental (any scene), essential (any scene, known
         camera) or homography (a plane, or a camera that only turns). The more a geometry demands, the fewer
         wrong matches fit it by chance; a homography rejects what is not on one plane. [default: fundamental]
@@ -192,17 +192,17 @@ class MatchKeywords(TypedDict, total=False):
 class ChartKeywords(TypedDict, total=False):
     """Options of `burstscope synth chart`.
 
-    Keywords
-    --------
+    Other Parameters
+    ----------------
     width : int
         Columns [default: 800]
     height : int
         Rows [default: 600]
     discs : int
         Number of discs [default: 90]
-    radius : Union[str, tuple[float, float]]
+    radius : str or tuple[float, float]
         Range of the discs' radii, pixels [default: 3.6:19]
-    radius_law : ['uniform', 'log']
+    radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     gap : float
         Least distance between two discs at mid-burst, pixels [default: 6]
@@ -210,7 +210,7 @@ class ChartKeywords(TypedDict, total=False):
         Intensity of the discs over that of the background [default: 1.2]
     frames : int
         Number of frames [default: 10]
-    motion : ['1d', '2d']
+    motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     max_slope : float
         Largest slope on each axis, pixels per frame [default: 3]
@@ -223,7 +223,7 @@ class ChartKeywords(TypedDict, total=False):
         Bits of the camera's converter [default: 12]
     seed : int
         Seed: the same seed makes the same burst on every machine [default: 1]
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -252,8 +252,8 @@ class ChartKeywords(TypedDict, total=False):
 class SceneKeywords(TypedDict, total=False):
     """Options of `burstscope synth scene`.
 
-    Keywords
-    --------
+    Other Parameters
+    ----------------
     width : int
         Columns [default: 640]
     height : int
@@ -262,7 +262,7 @@ class SceneKeywords(TypedDict, total=False):
         Number of layers; the farthest fills the frame [default: 4]
     frames : int
         Number of frames [default: 10]
-    motion : ['1d', '2d']
+    motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     max_slope : float
         Largest slope on each axis, pixels per frame [default: 3]
@@ -275,7 +275,7 @@ class SceneKeywords(TypedDict, total=False):
         Bits of the camera's converter [default: 12]
     seed : int
         Seed: the same seed makes the same burst on every machine [default: 1]
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -300,8 +300,8 @@ class SceneKeywords(TypedDict, total=False):
 class TrajectoryKeywords(TypedDict, total=False):
     """Options of `burstscope synth trajectory`.
 
-    Keywords
-    --------
+    Other Parameters
+    ----------------
     width : int
         Columns [default: 640]
     height : int
@@ -312,7 +312,7 @@ class TrajectoryKeywords(TypedDict, total=False):
         Number of frames of each burst [default: 10]
     planes : int
         Number of planes; the farthest fills the frame [default: 4]
-    motion : ['1d', '2d']
+    motion : {'1d', '2d'}
         How the camera goes: 1d is sideways, so that everything moves horizontally; 2d is forward and sideways
         [default: 1d]
     max_slope : float
@@ -328,7 +328,7 @@ class TrajectoryKeywords(TypedDict, total=False):
         that of the noise at their mean; 'inf' makes no noise [default: 0.3]
     electrons : float
         Electrons that scene white makes in a pixel of a frame, in place of a ratio
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -355,8 +355,8 @@ class TrajectoryKeywords(TypedDict, total=False):
 class NoisyKeywords(TypedDict, total=False):
     """Options of `burstscope synth noisy`.
 
-    Keywords
-    --------
+    Other Parameters
+    ----------------
     snr : float
         Signal-to-noise ratio of one pixel in one frame: the standard deviation of all pixels of the frames over
         that of the noise at their mean; 'inf' makes no noise [default: 1]
@@ -383,21 +383,21 @@ class NoisyKeywords(TypedDict, total=False):
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
-    raw_colour : ['luma', 'green', 'red', 'blue']
+    raw_colour : {'luma', 'green', 'red', 'blue'}
         What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
         of two, red or blue [default: luma]
-    mosaic : ['rggb', 'grbg', 'gbrg', 'bggr']
+    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
         without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
-    raw : Union[str, float]
+    raw : str or float
         Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
         u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
-    axis : Union[str, float]
+    axis : str or float
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
-    array : Union[str, float]
+    array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -427,16 +427,16 @@ class NoisyKeywords(TypedDict, total=False):
 class EvaluateChartKeywords(TypedDict, total=False):
     """Options of `burstscope evaluate chart`.
 
-    Keywords
-    --------
-    snr : Union[float, Sequence[float]]
+    Other Parameters
+    ----------------
+    snr : float or Sequence[float]
         Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise [default:
         0.2,0.35,0.6]
-    methods : Union[Union[str, float], Sequence[Union[str, float]]]
+    methods : str or float or Sequence[Union[str, float]]
         Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean
         of all frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes
         found from each burst) [default: sift-frame,sift-mean,sift-merge,buff-1d,buff-2d]
-    ranking : Union[str, float]
+    ranking : str or float
         What a threshold is put on: strength (the detector's own ranking), response or snr [default: strength]
     false_fraction : float
         The share of false detections at which methods are compared [default: 0.1]
@@ -446,7 +446,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
         Number of charts for each ratio, with seeds counting up [default: 5]
     seed : int
         The first chart's seed [default: 1]
-    motion : ['1d', '2d']
+    motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     width : int
         Columns [default: 800]
@@ -454,17 +454,17 @@ class EvaluateChartKeywords(TypedDict, total=False):
         Rows [default: 600]
     discs : int
         Number of discs [default: 90]
-    radius : Union[str, tuple[float, float]]
+    radius : str or tuple[float, float]
         Range of the discs' radii, pixels [default: 3.6:19]
-    radius_law : ['uniform', 'log']
+    radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
         Parameter file (TOML), as the window saves it, or a case, whose search is taken
-    method : ['buff', 'sift', 'merge']
+    method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
         buff]
-    slopes : ['auto']
+    slopes : {'auto'}
         auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a
         direction, on the line in it [default: auto, unless ranges are given]
     slopes_u : Axis
@@ -488,31 +488,31 @@ class EvaluateChartKeywords(TypedDict, total=False):
     peak_threshold : float
         Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate
         [default: 0]
-    noise_gate : Union[float, ['auto', 'matching', 'strict']]
+    noise_gate : float or {'auto', 'matching', 'strict'}
         Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and
         level; auto, matching and strict derive it from the size of the search, 0 switches it off [default:
         auto]
-    noise_model : ['local', 'white']
+    noise_model : {'local', 'white'}
         What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and
         leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard
         deviation for all [default: local]
-    flicker : ['auto', 'off']
+    flicker : {'auto', 'off'}
         Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['full', 'field']
+    search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
         motion finds around it, and all where its motion is unknown [default: full]
-    slope_extrema : ['each', 'joint']
+    slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    distinct : Union[float, ['off']]
+    distinct : float or {'off'}
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+    rules : {'burstscope', 'buff', 'liff', 'vlfeat'}
         Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
         levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
         gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
@@ -525,7 +525,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75
         [default: 2]
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -576,17 +576,17 @@ class EvaluateChartKeywords(TypedDict, total=False):
 class EvaluateFramesKeywords(TypedDict, total=False):
     """Options of `burstscope evaluate frames`.
 
-    Keywords
-    --------
-    frame_counts : Union[int, Sequence[int]]
+    Other Parameters
+    ----------------
+    frame_counts : int or Sequence[int]
         Numbers of frames, separated by commas [default: 2,3,4,5,6,8,10,12,15 for charts, 2 to all for INPUT]
     snr : float
         Signal-to-noise ratio of one pixel in one frame of a chart; 'inf' makes no noise [default: 0.6]
-    methods : Union[Union[str, float], Sequence[Union[str, float]]]
+    methods : str or float or Sequence[Union[str, float]]
         Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean
         of all frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes
         found from each burst) [default: sift-frame,sift-mean,sift-merge,buff-1d,buff-2d]
-    ranking : Union[str, float]
+    ranking : str or float
         What a threshold is put on: strength (the detector's own ranking), response or snr [default: strength]
     false_fraction : float
         The share of false detections at which methods are compared [default: 0.1]
@@ -596,7 +596,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Number of charts for each ratio, with seeds counting up [default: 5]
     seed : int
         The first chart's seed [default: 1]
-    motion : ['1d', '2d']
+    motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     width : int
         Columns [default: 800]
@@ -604,17 +604,17 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Rows [default: 600]
     discs : int
         Number of discs [default: 90]
-    radius : Union[str, tuple[float, float]]
+    radius : str or tuple[float, float]
         Range of the discs' radii, pixels [default: 3.6:19]
-    radius_law : ['uniform', 'log']
+    radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
         Parameter file (TOML), as the window saves it, or a case, whose search is taken
-    method : ['buff', 'sift', 'merge']
+    method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
         buff]
-    slopes : ['auto']
+    slopes : {'auto'}
         auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a
         direction, on the line in it [default: auto, unless ranges are given]
     slopes_u : Axis
@@ -638,31 +638,31 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     peak_threshold : float
         Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate
         [default: 0]
-    noise_gate : Union[float, ['auto', 'matching', 'strict']]
+    noise_gate : float or {'auto', 'matching', 'strict'}
         Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and
         level; auto, matching and strict derive it from the size of the search, 0 switches it off [default:
         auto]
-    noise_model : ['local', 'white']
+    noise_model : {'local', 'white'}
         What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and
         leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard
         deviation for all [default: local]
-    flicker : ['auto', 'off']
+    flicker : {'auto', 'off'}
         Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['full', 'field']
+    search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
         motion finds around it, and all where its motion is unknown [default: full]
-    slope_extrema : ['each', 'joint']
+    slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    distinct : Union[float, ['off']]
+    distinct : float or {'off'}
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+    rules : {'burstscope', 'buff', 'liff', 'vlfeat'}
         Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
         levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
         gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
@@ -692,21 +692,21 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
-    raw_colour : ['luma', 'green', 'red', 'blue']
+    raw_colour : {'luma', 'green', 'red', 'blue'}
         What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
         of two, red or blue [default: luma]
-    mosaic : ['rggb', 'grbg', 'gbrg', 'bggr']
+    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
         without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
-    raw : Union[str, float]
+    raw : str or float
         Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
         u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
-    axis : Union[str, float]
+    axis : str or float
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
-    array : Union[str, float]
+    array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -769,9 +769,9 @@ class EvaluateFramesKeywords(TypedDict, total=False):
 class EvaluateAccuracyKeywords(TypedDict, total=False):
     """Options of `burstscope evaluate accuracy`.
 
-    Keywords
-    --------
-    snr : Union[float, Sequence[float]]
+    Other Parameters
+    ----------------
+    snr : float or Sequence[float]
         Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise [default:
         5,0.6]
     max_slope : float
@@ -783,7 +783,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
         Number of charts for each ratio, with seeds counting up [default: 5]
     seed : int
         The first chart's seed [default: 1]
-    motion : ['1d', '2d']
+    motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     width : int
         Columns [default: 800]
@@ -791,17 +791,17 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
         Rows [default: 600]
     discs : int
         Number of discs [default: 90]
-    radius : Union[str, tuple[float, float]]
+    radius : str or tuple[float, float]
         Range of the discs' radii, pixels [default: 3.6:19]
-    radius_law : ['uniform', 'log']
+    radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
         Parameter file (TOML), as the window saves it, or a case, whose search is taken
-    method : ['buff', 'sift', 'merge']
+    method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
         buff]
-    slopes : ['auto']
+    slopes : {'auto'}
         auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a
         direction, on the line in it [default: auto, unless ranges are given]
     slopes_u : Axis
@@ -825,31 +825,31 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     peak_threshold : float
         Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate
         [default: 0]
-    noise_gate : Union[float, ['auto', 'matching', 'strict']]
+    noise_gate : float or {'auto', 'matching', 'strict'}
         Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and
         level; auto, matching and strict derive it from the size of the search, 0 switches it off [default:
         auto]
-    noise_model : ['local', 'white']
+    noise_model : {'local', 'white'}
         What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and
         leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard
         deviation for all [default: local]
-    flicker : ['auto', 'off']
+    flicker : {'auto', 'off'}
         Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['full', 'field']
+    search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
         motion finds around it, and all where its motion is unknown [default: full]
-    slope_extrema : ['each', 'joint']
+    slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    distinct : Union[float, ['off']]
+    distinct : float or {'off'}
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+    rules : {'burstscope', 'buff', 'liff', 'vlfeat'}
         Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
         levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
         gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
@@ -862,7 +862,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75
         [default: 2]
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -911,15 +911,15 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
 class EvaluateNoiseKeywords(TypedDict, total=False):
     """Options of `burstscope evaluate noise`.
 
-    Keywords
-    --------
-    sigma : Union[float, Sequence[float]]
+    Other Parameters
+    ----------------
+    sigma : float or Sequence[float]
         Standard deviations of the noise of one frame, fractions of full scale, separated by commas [default:
         0.002,0.02,0.1]
-    bits : Union[Union[str, float], Sequence[Union[str, float]]]
+    bits : str or float or Sequence[Union[str, float]]
         Bits of the converter that rounds the noise, separated by commas; 'none' for numbers that are not
         rounded [default: none,8]
-    case : Union[Union[str, float], Sequence[Union[str, float]]]
+    case : str or float or Sequence[Union[str, float]]
         Only these kinds of noise, separated by commas: white, doubled (each frame twice), jpeg-QUALITY (grey),
         colour-jpeg-QUALITY, correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels,
         gain-flicker, clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame),
@@ -944,11 +944,11 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         Rows [default: 600]
     params : Path
         Parameter file (TOML), as the window saves it, or a case, whose search is taken
-    method : ['buff', 'sift', 'merge']
+    method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
         buff]
-    slopes : ['auto']
+    slopes : {'auto'}
         auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a
         direction, on the line in it [default: auto, unless ranges are given]
     slopes_u : Axis
@@ -972,31 +972,31 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     peak_threshold : float
         Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate
         [default: 0]
-    noise_gate : Union[float, ['auto', 'matching', 'strict']]
+    noise_gate : float or {'auto', 'matching', 'strict'}
         Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and
         level; auto, matching and strict derive it from the size of the search, 0 switches it off [default:
         auto]
-    noise_model : ['local', 'white']
+    noise_model : {'local', 'white'}
         What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and
         leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard
         deviation for all [default: local]
-    flicker : ['auto', 'off']
+    flicker : {'auto', 'off'}
         Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['full', 'field']
+    search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
         motion finds around it, and all where its motion is unknown [default: full]
-    slope_extrema : ['each', 'joint']
+    slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    distinct : Union[float, ['off']]
+    distinct : float or {'off'}
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+    rules : {'burstscope', 'buff', 'liff', 'vlfeat'}
         Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
         levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
         gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
@@ -1009,7 +1009,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     describe_scales : int
         How many scales a descriptor is pooled over: the feature's own, and coarser ones by steps of 1.75
         [default: 2]
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -1057,9 +1057,9 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
 class EvaluateMatchesKeywords(TypedDict, total=False):
     """Options of `burstscope evaluate matches`.
 
-    Keywords
-    --------
-    methods : Union[Union[str, float], Sequence[Union[str, float]]]
+    Other Parameters
+    ----------------
+    methods : str or float or Sequence[Union[str, float]]
         Rows of the table, separated by commas: gold, sift-frame, sift-mean, sift-merge, buff-1d, buff-2d,
         buff-auto (each burst's slopes found) [default: gold if there is one, sift-frame, sift-merge, and
         buff-auto, or with given slopes buff-1d, buff-2d]
@@ -1075,7 +1075,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Bits of the converter of the noisy camera [default: 12]
     noise_seed : int
         Seed of the noise: the same seed makes the same bursts on every machine [default: 1]
-    pairs : Union[str, float]
+    pairs : str or float
         Which bursts are matched: all, or each with the next K (sequential:K) [default: all]
     burst_length : int
         Take each input for a long sequence and cut it into bursts of N frames, each named after its middle
@@ -1088,7 +1088,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     mutual : bool
         Whether two features must be nearest to each other, and pass the ratio test both ways: true or false
         [default: true]
-    geometry : ['none', 'fundamental', 'essential', 'homography']
+    geometry : {'none', 'fundamental', 'essential', 'homography'}
         What the matches are verified against: none, fundamental (any scene), essential (any scene, known
         camera) or homography (a plane, or a camera that only turns) [default: fundamental, or essential with a
         camera]
@@ -1116,11 +1116,11 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         PINHOLE,640,480,500,500,320,240. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, OPENCV; or a TOML file
     params : Path
         Parameter file (TOML), as the window saves it, or a case, whose search is taken
-    method : ['buff', 'sift', 'merge']
+    method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
         buff]
-    slopes : ['auto']
+    slopes : {'auto'}
         auto: the slopes are found from each burst: direction, range and step, on a line or in a plane; with a
         direction, on the line in it [default: auto, unless ranges are given]
     slopes_u : Axis
@@ -1144,31 +1144,31 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     peak_threshold : float
         Min |DoG| of a feature, after interpolation, as a fraction of full scale; 0 leaves it to the noise gate
         [default: 0]
-    noise_gate : Union[float, ['auto', 'matching', 'strict']]
+    noise_gate : float or {'auto', 'matching', 'strict'}
         Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and
         level; auto, matching and strict derive it from the size of the search, 0 switches it off [default:
         auto]
-    noise_model : ['local', 'white']
+    noise_model : {'local', 'white'}
         What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and
         leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard
         deviation for all [default: local]
-    flicker : ['auto', 'off']
+    flicker : {'auto', 'off'}
         Exposures that differ from frame to frame: auto brings the frames to the same brightness where the noise
         model local finds that they flicker; off takes them as they are [default: auto]
     edge_threshold : float
         Max ratio of the principal curvatures of D [default: 12]
-    search : ['full', 'field']
+    search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
         motion finds around it, and all where its motion is unknown [default: full]
-    slope_extrema : ['each', 'joint']
+    slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
-    distinct : Union[float, ['off']]
+    distinct : float or {'off'}
         One keypoint for one blob: of keypoints nearer than this many σ of the stronger one, at any slope, the
         stronger one stays; off keeps all [default: 1.25]
     distinct_scale : float
         Max ratio of the scales of two keypoints that count as the same blob [default: 1.75]
-    rules : ['burstscope', 'buff', 'liff', 'vlfeat']
+    rules : {'burstscope', 'buff', 'liff', 'vlfeat'}
         Whose detector it is: Burstscope's own; the paper's BuFF, joint extrema above a peak threshold with 4
         levels, edge threshold 10 and one descriptor; LiFF; or VLFeat's SIFT. A choice sets levels, thresholds,
         gate, noise, extrema, distinct, orientations and describe scales; those given besides count [default:
@@ -1198,21 +1198,21 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
-    raw_colour : ['luma', 'green', 'red', 'blue']
+    raw_colour : {'luma', 'green', 'red', 'blue'}
         What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
         of two, red or blue [default: luma]
-    mosaic : ['rggb', 'grbg', 'gbrg', 'bggr']
+    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
         without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
-    raw : Union[str, float]
+    raw : str or float
         Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
         u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
-    axis : Union[str, float]
+    axis : str or float
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
-    array : Union[str, float]
+    array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -1281,15 +1281,15 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
 class EvaluatePosesKeywords(TypedDict, total=False):
     """Options of `burstscope evaluate poses`.
 
-    Keywords
-    --------
+    Other Parameters
+    ----------------
     estimate : Path
         COLMAP's sparse model (its folder or a file in it, or the folder above: then its largest part is taken),
         or a trajectory file
     truth : Path
         The true poses: a trajectory file 'timestamp tx ty tz qx qy qz qw' (an image's name may stand for the
         time), or a sparse model
-    associate : ['name', 'time', 'order']
+    associate : {'name', 'time', 'order'}
         Rule that pairs two poses: name, time or order [default: names if both sides have them, else times if
         all fit, else order]
     max_time_difference : float
@@ -1298,7 +1298,7 @@ class EvaluatePosesKeywords(TypedDict, total=False):
         Poses between the start and the end of each motion of the relative pose error [default: 1]
     images : int
         Number of images that the reconstruction began with [default: the number of true poses]
-    threads : Union[str, float]
+    threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
         Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
@@ -1314,3 +1314,94 @@ class EvaluatePosesKeywords(TypedDict, total=False):
     images: int
     threads: Union[str, float]
     memory: str
+
+
+class RecoverKeywords(DetectorKeywords, total=False):
+    """Options of `burstscope recover`; those of `burstscope.detect` are taken too.
+
+    Other Parameters
+    ----------------
+    shape : {'disc', 'blob'}
+        Shape of the things: disc, or blob, a Gaussian of σ = radius/√2 [default: disc]
+    contrast : {'bright', 'dark', 'both'}
+        Brightness of the things relative to what is around them: bright, dark or both [default: bright]
+    snr : float or Sequence[float]
+        SNRs of one pixel in one frame, separated by commas [default: around the one that the noise gate lets
+        expect]
+    radius : float or Sequence[float]
+        Radii, pixels, separated by commas [default: 2 to 16]
+    planted_slopes : Axis
+        Slopes of the things along the grid's first axis, pixels per frame [default: those of the grid, half-way
+        between, and a step beyond]
+    at_snr : float
+        SNR of things of several slopes or radii [default: 1.7 times the one of which half are expected to be
+        found]
+    at_radius : float
+        Radius of things of several SNRs or slopes, pixels [default: 5]
+    copies : int
+        Number of copies of the burst [default: 16]
+    seed : int
+        Seed of the first copy; the next ones count up [default: 1]
+    per_copy : int
+        Number of things in a copy [default: as many as leave each other room]
+    inside : bool
+        Plant only where a thing is inside the image in all frames
+    on_features : bool
+        Plant on strong features of the burst too
+    """
+
+    shape: Literal["disc", "blob"]
+    contrast: Literal["bright", "dark", "both"]
+    snr: Union[float, Sequence[float]]
+    radius: Union[float, Sequence[float]]
+    planted_slopes: Axis
+    at_snr: float
+    at_radius: float
+    copies: int
+    seed: int
+    per_copy: int
+    inside: bool
+    on_features: bool
+
+
+class FilmKeywords(DetectorKeywords, total=False):
+    """Options of `burstscope film`; those of `burstscope.detect` are taken too.
+
+    Other Parameters
+    ----------------
+    sweep : str or float
+        What changes from picture to picture: slope-u=MIN:MAX:COUNT or slope-v=MIN:MAX:COUNT in pixels per
+        frame; scale, the DoG of every octave and level; or frames, added one by one
+    no_features : bool
+        Draw no features, which takes no search
+    rate : str or float
+        Pictures per second [default: 10]
+    max_side : int
+        Longest side of the pictures, pixels; larger ones are made smaller by a whole number [default: 640]
+    """
+
+    sweep: Union[str, float]
+    no_features: bool
+    rate: Union[str, float]
+    max_side: int
+
+
+COMMANDS = (
+    "detect",
+    "info",
+    "match",
+    "stack",
+    "merge",
+    "slopes",
+    "probe",
+    "recover",
+    "decoys",
+    "film",
+    "case",
+    "synth",
+    "evaluate",
+    "figures",
+    "colmap",
+    "render",
+    "completions",
+)

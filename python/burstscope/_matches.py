@@ -15,18 +15,36 @@ from burstscope import _burstscope, _drawing
 from burstscope._detection import Detection, _fixed
 from burstscope._keywords import MatchKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import documented, needed, texts
+from burstscope._values import Given, Made, documented, needed, texts
 
 if TYPE_CHECKING:
+    import pandas
     import pycolmap
+    from matplotlib.axes import Axes
     from typing_extensions import Unpack
 
 
-class Matches:
-    """Putative matches of two detections, and which of them agree with a geometry of the two views. Made by `match`."""
+class Matches(Made):
+    """Putative matches of two detections, and which of them agree with a geometry of the two views. Made by `match`.
 
-    def __init__(self, a: Detection, b: Detection, raw: _burstscope.RawMatches) -> None:
-        self._a, self._b, self._raw = a, b, raw
+    A pickle holds both detections and the parameters; matching, which gives the same bits again, is done anew.
+    """
+
+    _a: Detection
+    _b: Detection
+    _asked: tuple[str | None, Given]
+    _raw: _burstscope.RawMatches
+
+    @classmethod
+    def _of(cls, a: Detection, b: Detection, asked: tuple[str | None, Given], progress: Progress = False) -> Matches:
+        self = cls.__new__(cls)
+        self._a, self._b, self._asked = a, b, asked
+        with shown(progress) as tell:
+            self._raw = _burstscope.match_features(_side(a), _side(b), *asked, tell)
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Matches._of, (self._a, self._b, self._asked)
 
     @property
     def a(self) -> Detection:
@@ -108,6 +126,56 @@ class Matches:
         picture = self._raw.picture((self.a.burst._raw, self.a._raw), (self.b.burst._raw, self.b._raw))
         return bytes(picture)
 
+    def plot(self, ax: Axes | None = None, *, which: NDArray[np.bool_] | None = None, **how: Any) -> Axes:
+        """Draws both bursts side by side with lines between matches, on axes of matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            By default new axes.
+        which : bool array [m], optional
+            The matches that are drawn: by default the inliers, or all where there is no geometry.
+            ``~matches.inliers`` are the outliers, ``matches.distance < 80`` those that are most alike.
+        **how
+            Given to ``LineCollection``: ``linewidths``, ``colors`` …
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            matplotlib is not installed.
+        """
+        from burstscope import _plot
+
+        if which is None:
+            which = np.ones(len(self), bool) if self.inliers is None else self.inliers
+        which = np.asarray(which)
+        if which.shape != (len(self),) or which.dtype != bool:
+            raise ValueError(f"which: an array of {which.dtype} {which.shape}; give a bool for each of the {len(self)} matches")
+        return _plot.matches(self, ax, which, how)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table of pandas with a row a match.
+
+        Raises
+        ------
+        ImportError
+            pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            raise ImportError("pandas, which a DataFrame needs, is not installed: pip install pandas") from None
+        (a, b), (u_a, v_a), (u_b, v_b) = self.pairs.T, self.xy_a.T, self.xy_b.T
+        table = {"a": a, "b": b, "u_a": u_a, "v_a": v_a, "u_b": u_b, "v_b": v_b}
+        table |= {"distance": self.distance, "ratio": self.ratio}
+        if self.inliers is not None:
+            table |= {"error_px": self.error_px, "inlier": self.inliers}
+        return pandas.DataFrame(table)
+
     def write_colmap(self, database: Union[str, os.PathLike[str], pycolmap.Database], id_a: int, id_b: int) -> None:
         """Writes the putative matches of two images into a database of COLMAP, which verifies them itself.
 
@@ -144,10 +212,18 @@ class Matches:
     def __repr__(self) -> str:
         counts = self.counts
         inliers = "not verified" if counts["inliers"] is None else f"{counts['inliers']} inliers"
-        return f"<Matches of {self.a.burst.name!r} and {self.b.burst.name!r}: {len(self)} putative, {inliers}>"
+        return f"<Matches of {_name(self.a)} and {_name(self.b)}: {len(self)} putative, {inliers}>"
 
     def _repr_html_(self) -> str:
-        return _drawing.matches(self)
+        return _drawing.matches(self) if self.a.has_burst and self.b.has_burst else _drawing.text(self)
+
+
+def _side(found: Detection) -> tuple[_burstscope.RawBurst | None, _burstscope.RawDetection]:
+    return found._burst._raw if found._burst is not None else None, found._raw
+
+
+def _name(found: Detection) -> str:
+    return repr(found.burst.name) if found.has_burst else "a file"
 
 
 def _camera_text(camera: Any) -> str:
@@ -155,8 +231,11 @@ def _camera_text(camera: Any) -> str:
         return camera
     if isinstance(camera, os.PathLike):
         return str(os.fspath(camera))
-    model = getattr(camera.model, "name", camera.model)
-    values = [model, camera.width, camera.height, *(repr(float(x)) for x in camera.params)]
+    try:
+        model = getattr(camera.model, "name", camera.model)
+        values = [model, camera.width, camera.height, *(repr(float(x)) for x in camera.params)]
+    except AttributeError:
+        raise TypeError(f"camera: a text, a path or a pycolmap.Camera is needed, not {type(camera).__name__}") from None
     return ",".join(str(value) for value in values)
 
 
@@ -192,6 +271,5 @@ def match(
         A parameter that makes no sense.
     """
     a, b = (needed(name, found, Detection, "make it, detect(burst)") for name, found in (("a", a), ("b", b)))
-    with shown(progress) as tell:
-        text = None if camera is None else _camera_text(camera)
-        return Matches(a, b, _burstscope.match_features((a.burst._raw, a._raw), (b.burst._raw, b._raw), text, texts(keywords), tell))
+    text = None if camera is None else _camera_text(camera)
+    return Matches._of(a, b, (text, texts(keywords)), progress)

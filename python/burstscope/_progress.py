@@ -71,8 +71,10 @@ def shown(progress: Progress) -> Iterator[Callable[[str, float], object] | None]
     """The function that work calls with its progress, or ``None``."""
     if progress is False:
         yield None
-    elif progress is not None:
+    elif callable(progress):
         yield progress
+    elif progress is not None:
+        raise TypeError(f"progress: a function, False or None is needed, not {type(progress).__name__}")
     elif _in_notebook() or sys.stderr.isatty():
         line = _NotebookBar() if _in_notebook() else _Line()
         try:

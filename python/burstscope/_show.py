@@ -108,6 +108,12 @@ def show(burst: Burst, detection: Detection | None = None) -> Window:
     RuntimeError
         There is no display.
     """
+    from burstscope._detection import Detection as Found
+    from burstscope._values import needed, raw_burst
+
+    raw_burst(burst)
+    if detection is not None:
+        needed("detection", detection, Found, "make it, detect(burst)")
     if sys.platform == "linux" and not any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET")):
         raise RuntimeError("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set), so no window can be opened")
     folder = Path(tempfile.mkdtemp(prefix="burstscope-"))

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 __all__ = ["Report", "accuracy", "chart", "frames", "matches", "noise", "poses"]
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 class Report:
     """Numbers of a study, as ``--json`` has them, and its figure where it has one."""
 

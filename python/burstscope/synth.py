@@ -12,12 +12,16 @@ from burstscope._burst import Burst
 from burstscope._command import command
 from burstscope._keywords import ChartKeywords, NoisyKeywords, SceneKeywords, TrajectoryKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import documented, options, paths
+from burstscope._values import documented, fault, options, paths
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 __all__ = ["Synthetic", "chart", "noisy", "scene", "trajectory"]
+
+
+def __dir__() -> list[str]:
+    return __all__
 
 
 class Synthetic(NamedTuple):
@@ -30,7 +34,10 @@ class Synthetic(NamedTuple):
 
 def _made(kind: str, keywords: Any, progress: Progress) -> Synthetic:
     with shown(progress) as tell:
-        burst, truth = _burstscope.synthesise([kind, *options(keywords)], tell)
+        try:
+            burst, truth = _burstscope.synthesise([kind, *options(keywords)], tell)
+        except ValueError as error:
+            raise fault(str(error)) from None
     return Synthetic(Burst._of(burst), json.loads(truth))
 
 

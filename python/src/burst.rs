@@ -74,6 +74,20 @@ impl Calibration {
     }
 }
 
+/// Name, names of the frames, full scale, quantisation step, suggested full scale, encoding, binning, notes and sources.
+type About = (String, Vec<String>, (f32, f32, Option<f32>), String, usize, Vec<String>, Vec<PathBuf>);
+
+impl RawBurst {
+    /// Adds a note where the values are floats above 1, whose full scale nobody named.
+    fn with_note_of_scale(mut self, is_given: bool) -> Self {
+        let Burst { full_scale, quantisation_step, .. } = self.burst;
+        if !is_given && quantisation_step == 0.0 && full_scale != 1.0 {
+            self.burst.taken.push(format!("floats above 1: the largest, {full_scale}, was taken for full scale"));
+        }
+        self
+    }
+}
+
 #[pymethods]
 impl RawBurst {
     /// Opens a burst.
@@ -93,8 +107,9 @@ impl RawBurst {
             return Err(PyValueError::new_err("built-in bursts need no calibration; leave its keywords out"));
         }
         let source = built_in.unwrap_or(BurstSource::Paths(paths));
+        let is_given = options.full_scale.is_some();
         run(py, progress, move |monitor| source.burst(&options, monitor).map_err(Failure::from))
-            .map(|burst| Self { burst })
+            .map(|burst| Self { burst }.with_note_of_scale(is_given))
     }
 
     /// Makes a burst of arrays [H, W], one a frame.
@@ -112,7 +127,48 @@ impl RawBurst {
         let arrays = Arrays { frames: all(&frames)?, bias: all(&bias)?, flat: all(&flat)? };
         let options = OpenOptions { full_scale, black_level, ..OpenOptions::default() };
         run(py, None, move |monitor| Burst::from_arrays(name, arrays, &options, monitor).map_err(Failure::from))
-            .map(|burst| Self { burst })
+            .map(|burst| Self { burst }.with_note_of_scale(full_scale.is_some()))
+    }
+
+    /// All of the burst but its frames.
+    fn about(&self) -> About {
+        let burst = &self.burst;
+        let notes = burst.notes().into_iter().filter(|note| note.option.is_none()).map(|note| note.text).collect();
+        (
+            burst.name.clone(),
+            burst.frame_names.clone(),
+            (burst.full_scale, burst.quantisation_step, burst.suggested_full_scale),
+            self.encoding(),
+            burst.binning,
+            notes,
+            burst.sources.clone(),
+        )
+    }
+
+    /// The burst of these frames, fractions of full scale, and of what `about` gave.
+    #[staticmethod]
+    fn of_parts(frames: Vec<Bound<'_, PyAny>>, about: About) -> PyResult<Self> {
+        let plane = |array: &Bound<'_, PyAny>| match array_frame(array)? {
+            ArrayFrame::Floats(plane) => Ok(Arc::new(plane)),
+            ArrayFrame::Integers { .. } => Err(PyTypeError::new_err("the frames of a burst are float32")),
+        };
+        let frames = frames.iter().map(plane).collect::<PyResult<Vec<_>>>()?;
+        let (name, frame_names, (full_scale, quantisation_step, suggested), encoding, binning, taken, sources) = about;
+        let encoding = serde_json::from_value(encoding.into()).unwrap_or_default();
+        let burst = Burst {
+            name,
+            frames,
+            frame_names,
+            full_scale,
+            quantisation_step,
+            encoding,
+            binning,
+            suggested_full_scale: suggested,
+            remarks: Vec::new(),
+            taken,
+            sources,
+        };
+        Ok(Self { burst })
     }
 
     #[getter]

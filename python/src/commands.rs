@@ -1,9 +1,13 @@
 //! The commands and the window in Python's process, and the synthetic bursts that commands make.
 
 use crate::burst::RawBurst;
+use crate::parameters::{Given, search_params};
 use crate::work::run;
 use burstscope::burst::DecodeWorker;
 use burstscope::cli::{self, Host};
+use burstscope::export::case::{Case, Enclosed};
+use burstscope::inspect::probe::check_place;
+use burstscope::inspect::truth::truth_of;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -33,4 +37,27 @@ pub(crate) fn synthesise(
         Ok((burst, truth))
     })?;
     Ok((RawBurst { burst }, truth))
+}
+
+/// Writes a burst, the settings of its search, a place and a note as a case.
+#[pyfunction]
+pub(crate) fn write_case(
+    py: Python<'_>,
+    burst: &RawBurst,
+    path: PathBuf,
+    asked: (Option<[f32; 2]>, Option<usize>, String),
+    file: Option<PathBuf>,
+    given: Given,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<()> {
+    let search = search_params(file.as_deref(), &given)?;
+    let burst = burst.burst.clone();
+    let (place, around, note) = asked;
+    run(py, progress, move |monitor| {
+        place.map_or(Ok(()), |place| check_place(place, burst.size()))?;
+        let (case, part) = Case::of(&burst, &search, (place, around), &note, monitor)?;
+        // A truth that is damaged, or of other pictures, is none.
+        let enclosed = Enclosed { session: None, truth: truth_of(&burst).unwrap_or_default() };
+        Ok(burstscope::export::case::write_case(&path, (&case, &part), &enclosed, monitor)?)
+    })
 }

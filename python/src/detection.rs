@@ -8,16 +8,18 @@ use burstscope::baseline::merge_burst;
 use burstscope::cli::{Failure, burst_document};
 use burstscope::detect::{Searched, prepare, search};
 use burstscope::detector::quantity::Place;
-use burstscope::detector::view::{coverage_view, dog_view, noise_map, stack_view};
-use burstscope::detector::{Feature, Method, Quantity, Slope, SlopeGrid};
+use burstscope::detector::slopes::resolve;
+use burstscope::detector::view::{coverage_view, dog_view, field_view, noise_map, stack_view};
+use burstscope::detector::{Descriptor, Feature, Method, Moves, Quantity, Slope, SlopeGrid, StageTimes, Tally};
 use burstscope::error::Error;
 use burstscope::export::ExportFormat;
 use burstscope::{Burst, Detection, DetectorParams, Monitor, Plane};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Features of a burst.
 #[pyclass(frozen, module = "burstscope._burstscope")]
@@ -81,6 +83,73 @@ impl RawDetection {
     /// Document of a burst, as `detect --json` writes it (JSON).
     fn document(&self) -> &str {
         &self.document
+    }
+
+    /// The columns of the feature files [n, 17], in their order.
+    fn rows<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let values = |f| Quantity::STORED.into_iter().filter_map(move |quantity| quantity.of(f));
+        let flat: Vec<f32> = self.features().iter().flat_map(values).collect();
+        PyArray1::from_vec(py, flat).reshape([self.features().len(), Quantity::STORED.len()])
+    }
+
+    /// A detection of these columns, indices of slopes and descriptors: one that was taken apart, or of a feature file,
+    /// whose slopes, parameters and document are unknown. Files of earlier versions have fewer columns.
+    #[staticmethod]
+    fn of_rows(
+        rows: PyReadonlyArray2<'_, f32>,
+        slope_index: PyReadonlyArray1<'_, i64>,
+        descriptors: PyReadonlyArray2<'_, u8>,
+        params_toml: &str,
+        document: String,
+    ) -> PyResult<Self> {
+        let wrong = || PyValueError::new_err("these are no features of Burstscope: arrays of other shapes");
+        let (rows, descriptors) = (rows.as_array(), descriptors.as_array());
+        let is_known = rows.ncols() == Quantity::STORED.len() || Quantity::STORED_EARLIER.contains(&rows.ncols());
+        if !is_known || slope_index.len()? != rows.nrows() {
+            return Err(wrong());
+        }
+        let indices = slope_index.as_array();
+        let features = rows.outer_iter().zip(indices).map(|(row, &index)| {
+            let slope_index = usize::try_from(index).unwrap_or_default();
+            let mut feature = Feature { field_sigma: f32::INFINITY, slope_index, ..Feature::default() };
+            for (quantity, &value) in Quantity::STORED.into_iter().zip(row) {
+                match quantity.record().place {
+                    Place::Real(at) => *at(&mut feature) = value,
+                    Place::Whole(at) => *at(&mut feature) = value as i32,
+                    Place::Flag(at) => *at(&mut feature) = value != 0.0,
+                    Place::Moves(at) => *at(&mut feature) = Moves::ALL.get(value as usize).copied().unwrap_or_default(),
+                    Place::Beside => {}
+                }
+            }
+            if feature.field_sigma.is_infinite() {
+                feature.field = Slope::default();
+            }
+            if rows.ncols() < Quantity::STORED.len() {
+                feature.moves = Moves::by_numbers(&feature);
+            }
+            feature
+        });
+        let features: Vec<Feature> = features.collect();
+        let of_row = |row: numpy::ndarray::ArrayView1<'_, u8>| Descriptor::try_from(row.to_vec()).map_err(|_| wrong());
+        let descriptors: Vec<Descriptor> = descriptors.outer_iter().map(of_row).collect::<PyResult<_>>()?;
+        if descriptors.len() != features.len() {
+            return Err(wrong());
+        }
+        let params = DetectorParams::from_toml(params_toml).map_err(PyValueError::new_err)?;
+        let detection = Detection {
+            features,
+            descriptors,
+            tally: Tally::default(),
+            frame_noise: 0.0,
+            noise: Arc::default(),
+            field: None,
+            noise_gate_factor: 0.0,
+            slopes: params.used_slopes(),
+            frames_used: 0..0,
+            octaves: 0..0,
+            times: StageTimes::default(),
+        };
+        Ok(Self { searched: Searched { detection, params, finding: None, slopes_secs: 0.0 }, document })
     }
 
     /// The parameters of the search as a parameter file (TOML), with the slopes that were searched.
@@ -185,4 +254,46 @@ fn picture(
         "coverage" => found(coverage_view(&burst, &params, slope, monitor)),
         _ => Ok(stack_view(&burst, &params, slope, monitor)?),
     }
+}
+
+/// The field of motion of a burst: the motion and its covariance (of u, of u with v, of v) of each cell
+/// [rows, columns, 2 and 3], its layer and whether it is known [rows, columns], the layers' motions, spreads and shares
+/// [n, 4], and the pixels on a side of a cell.
+type FieldArrays<'py> = (
+    Bound<'py, PyArray3<f32>>,
+    Bound<'py, PyArray3<f32>>,
+    Bound<'py, PyArray2<u8>>,
+    Bound<'py, PyArray2<bool>>,
+    Bound<'py, PyArray2<f32>>,
+    usize,
+);
+
+/// Finds the field of motion of a burst; `None` where it shows none.
+#[pyfunction]
+pub(crate) fn motion_field<'py>(
+    py: Python<'py>,
+    burst: &RawBurst,
+    file: Option<PathBuf>,
+    given: Given,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Option<FieldArrays<'py>>> {
+    let params = search_params(file.as_deref(), &given)?;
+    let burst = burst.burst.clone();
+    let field = run(py, progress, move |monitor| {
+        let (params, _) = resolve(&burst, &params, monitor)?;
+        Ok(field_view(&burst, &params, monitor)?)
+    })?;
+    let Some(field) = field else { return Ok(None) };
+    let (columns, rows) = field.size;
+    let floats = |values: Vec<f32>, last: usize| PyArray1::from_vec(py, values).reshape([rows, columns, last]);
+    let motions = field.motions.iter();
+    let layers = field.layers.iter().flat_map(|layer| [layer.slope.u, layer.slope.v, layer.spread, layer.share]);
+    Ok(Some((
+        floats(motions.clone().flat_map(|motion| [motion.slope.u, motion.slope.v]).collect(), 2)?,
+        floats(motions.clone().flat_map(|motion| motion.covariance).collect(), 3)?,
+        PyArray1::from_slice(py, &field.layer).reshape([rows, columns])?,
+        PyArray1::from_vec(py, motions.map(|motion| field.is_known(motion)).collect()).reshape([rows, columns])?,
+        PyArray1::from_vec(py, layers.collect()).reshape([field.layers.len(), 4])?,
+        field.cell_px,
+    )))
 }

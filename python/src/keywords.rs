@@ -61,23 +61,55 @@ pub(crate) fn keywords_source() -> String {
         let Some(command) = command else { continue };
         class(&mut text, name, &format!("Options of `burstscope {}`.", path.join(" ")), options(command));
     }
+    // Commands on a burst in memory: their own options, and the detector's.
+    for (path, name) in [("recover", "RecoverKeywords(DetectorKeywords"), ("film", "FilmKeywords(DetectorKeywords")] {
+        let Some(command) = cli.find_subcommand(path) else { continue };
+        let of_file = cli.find_subcommand("case").map(|case| options(case).map(|(name, ..)| name).collect());
+        let of_file: Vec<&str> = of_file.unwrap_or_default();
+        let own = options(command)
+            .filter(|(name, ..)| !of_file.contains(name) && !["csv", "case", "scale", "slope"].contains(name));
+        let about = format!("Options of `burstscope {path}`; those of `burstscope.detect` are taken too.");
+        class(&mut text, name, &about, own);
+    }
+    let names = cli.get_subcommands().filter(|command| !command.is_hide_set()).map(|command| command.get_name());
+    // Writing into a string cannot fail.
+    let _ = writeln!(text, "\n\nCOMMANDS = (\n{})", names.map(|name| format!("    \"{name}\",\n")).collect::<String>());
     text
 }
 
 /// A class with the fields (name, type, description). Its documentation lists them as numpy's does.
 fn class<'a>(text: &mut String, name: &str, about: &str, fields: impl Iterator<Item = (&'a str, String, String)>) {
     let fields: Vec<_> = fields.collect();
+    let name = if name.contains('(') { format!("{name}, ") } else { format!("{name}(TypedDict, ") };
     // Writing into a string cannot fail.
-    let _ =
-        write!(text, "\n\nclass {name}(TypedDict, total=False):\n    \"\"\"{about}\n\n    Keywords\n    --------\n");
+    let _ = write!(
+        text,
+        "\n\nclass {name}total=False):\n    \"\"\"{about}\n\n    Other Parameters\n    ----------------\n"
+    );
     for (name, kind, about) in &fields {
-        let kind = kind.replace("Literal[", "[").replace('"', "'");
-        let _ = write!(text, "    {} : {kind}\n{}", keyword(name), wrapped(about));
+        let _ = write!(text, "    {} : {}\n{}", keyword(name), of_numpydoc(kind), wrapped(about));
     }
     text.push_str("    \"\"\"\n\n");
     for (name, kind, _) in &fields {
         let _ = writeln!(text, "    {}: {kind}", keyword(name));
     }
+}
+
+/// A type as numpydoc writes it: `Union[float, Literal["auto"]]` is `float or {'auto'}`.
+fn of_numpydoc(kind: &str) -> String {
+    if let Some(words) = kind.strip_prefix("Literal[").and_then(|rest| rest.strip_suffix(']')) {
+        return format!("{{{}}}", words.replace('"', "'"));
+    }
+    let Some(parts) = kind.strip_prefix("Union[").and_then(|rest| rest.strip_suffix(']')) else {
+        return kind.to_owned();
+    };
+    let mut depth = 0;
+    let is_between = |c: char| {
+        depth += i32::from(c == '[') - i32::from(c == ']');
+        c == ',' && depth == 0
+    };
+    let parts: Vec<String> = parts.split(is_between).map(|part| of_numpydoc(part.trim())).collect();
+    parts.join(" or ")
 }
 
 /// The text in lines of at most 112 characters below a keyword.
@@ -157,6 +189,7 @@ fn of_option(name: &str, arg: &Arg) -> String {
         return "bool".to_owned();
     }
     match value_name {
+        "MIN:MAX:COUNT" => return "Axis".to_owned(),
         "MIN:MAX" => return "Union[str, tuple[float, float]]".to_owned(),
         // Such as 8G or 50%.
         "SIZE" => return "str".to_owned(),

@@ -26,6 +26,7 @@ fn _burstscope(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<inspection::RawInspection>()?;
     module.add_function(wrap_pyfunction!(detection::detect, module)?)?;
     module.add_function(wrap_pyfunction!(detection::step_picture, module)?)?;
+    module.add_function(wrap_pyfunction!(detection::motion_field, module)?)?;
     module.add_function(wrap_pyfunction!(matching::match_features, module)?)?;
     module.add_function(wrap_pyfunction!(inspection::inspect, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::colour_maps, module)?)?;
@@ -33,6 +34,7 @@ fn _burstscope(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(commands::install_decode_worker, module)?)?;
     module.add_function(wrap_pyfunction!(commands::run_command, module)?)?;
     module.add_function(wrap_pyfunction!(commands::synthesise, module)?)?;
+    module.add_function(wrap_pyfunction!(commands::write_case, module)?)?;
     module.add_function(wrap_pyfunction!(keywords::keywords_source, module)?)?;
     Ok(())
 }

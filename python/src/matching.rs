@@ -8,7 +8,9 @@ use crate::work::run;
 use burstscope::dataset::{DetectedBurst, ImageKind, burst_picture, match_bursts};
 use burstscope::export::{MatchLine, write_match_picture};
 use burstscope::matching::{MatchResult, TwoViewModel};
+use burstscope::{Burst, Plane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Name of a geometry and its 3×3 matrix.
@@ -115,8 +117,8 @@ impl RawMatches {
 #[pyfunction]
 pub(crate) fn match_features(
     py: Python<'_>,
-    a: (PyRef<'_, RawBurst>, PyRef<'_, RawDetection>),
-    b: (PyRef<'_, RawBurst>, PyRef<'_, RawDetection>),
+    a: (Option<PyRef<'_, RawBurst>>, PyRef<'_, RawDetection>),
+    b: (Option<PyRef<'_, RawBurst>>, PyRef<'_, RawDetection>),
     camera: Option<String>,
     given: Given,
     progress: Option<Py<PyAny>>,
@@ -124,11 +126,17 @@ pub(crate) fn match_features(
     let params = match_params(camera.as_deref(), &given)?;
     let text =
         serde_json::to_string(&params).map_err(|error| raised(&burstscope::cli::Failure::Failed(error.into())))?;
-    let (found_a, found_b) = (&a.1.searched, &b.1.searched);
-    let found = [
-        DetectedBurst { burst: &a.0.burst, params: &found_a.params, detection: &found_a.detection },
-        DetectedBurst { burst: &b.0.burst, params: &found_b.params, detection: &found_b.detection },
-    ];
+    if params.align && (a.0.is_none() || b.0.is_none()) {
+        let message = "align: features of a file have no pictures; give load(path, burst=burst), or align=False";
+        return Err(PyValueError::new_err(message));
+    }
+    // Only aligning looks at the frames.
+    let none = Burst::from_planes("", vec![Plane::zeros(1, 1)]);
+    let found = [&a, &b].map(|(burst, found)| DetectedBurst {
+        burst: burst.as_ref().map_or(&none, |burst| &burst.burst),
+        params: &found.searched.params,
+        detection: &found.searched.detection,
+    });
     let result = run(py, progress, |monitor| Ok(match_bursts(found, &params, monitor)?))?;
     Ok(RawMatches { result, params: text })
 }

@@ -65,8 +65,8 @@ def test_a_slider_holds_its_own_pictures(chart: bs.Burst, tmp_path: Path) -> Non
         bs.slider(chart, [])
 
 
-def test_there_are_five_small_notebooks() -> None:
-    assert len(NOTEBOOKS) == 5
+def test_there_are_six_small_notebooks() -> None:
+    assert len(NOTEBOOKS) == 6
     assert sum(path.stat().st_size for path in NOTEBOOKS) < MOST_BYTES
 
 
@@ -74,8 +74,9 @@ def test_there_are_five_small_notebooks() -> None:
 def test_a_notebook_runs_from_nothing(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nbclient = pytest.importorskip("nbclient")
     nbformat = pytest.importorskip("nbformat")
-    if "pycolmap" in path.read_text():
-        pytest.importorskip("pycolmap")
+    for package in ("pycolmap", "matplotlib"):
+        if package in path.read_text():
+            pytest.importorskip(package)
     monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
     notebook = nbformat.read(path, as_version=4)
 

@@ -6,9 +6,7 @@ use super::dialogs::Question;
 use super::document::Action;
 use super::window::BurstscopeApp;
 use super::{clipboard, files};
-use crate::app::project::Effect;
-use crate::app::project::effect::Purpose;
-use crate::app::project::side::Side;
+use crate::app::project::{Effect, effect::Purpose, side::Side};
 use crate::requests::BurstSource;
 use crate::teach::Lesson;
 use std::collections::VecDeque;
@@ -45,6 +43,10 @@ impl BurstscopeApp {
                 Some(Err(why)) => model.messages.error("Copy as command", why),
                 copied => self.note(copied.and_then(Result::ok)),
             },
+            ActionId::Cite => {
+                ctx.copy_text(include_str!("../../assets/burstscope.bib").to_owned());
+                model.messages.note("Copied the program and the paper as BibTeX");
+            }
             ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, &self.model)),
             _ => {
                 let effects = actions::apply(id.into(), model, engine);

@@ -52,8 +52,8 @@ pub struct Cli {
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    /// Begin a lesson: one of out-of-the-dark, slope-is-depth, blobs-at-every-scale, what-noise-does, when-it-fails,
-    /// from-features-to-cameras, or a lesson's file (or a folder of them, whose first is begun).
+    /// Begin a lesson: one of out-of-the-dark, slope-is-depth, blobs-at-every-scale, what-noise-does, ghosts,
+    /// when-it-fails, from-features-to-cameras, or a lesson's file (or a folder of them, whose first is begun).
     #[cfg(feature = "app")]
     #[arg(long, value_name = "NAME", conflicts_with = "inputs")]
     pub lesson: Option<PathBuf>,
@@ -84,7 +84,7 @@ pub enum Command {
     Slopes(SlopesArgs),
     /// Say why there is a feature at a place, or why there is none.
     Probe(ProbeArgs),
-    /// Say what the search as it is set would find: things planted in the burst, and counted.
+    /// Plant things of known strength in a burst, and say which of them the search finds.
     Recover(RecoverArgs),
     /// Say which part of the features is false: found as often when the frames are in other orders.
     Decoys(DecoysArgs),

@@ -14,7 +14,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Say what the search as it is set would find: things planted in the burst, and counted.
+/// Plant things of known strength in a burst, and say which of them the search finds.
 ///
 /// Discs or blobs of known SNR, size and slope are added to copies of the frames, with the noise that their light would
 /// have, away from strong features. The search runs on every copy. Each thing is found, or has a fate in the words of

@@ -192,3 +192,10 @@ fn about_lists_the_software_of_others_and_copies_its_licences() {
     let button = |window: &mut Window| window.harness.get_by_role_and_label(Role::Button, "Copy licences").click();
     assert_eq!(copied(&mut window, button), [notices]);
 }
+
+#[test]
+fn how_to_cite_is_copied_and_says_so() {
+    let mut window = Start::nothing_open().open();
+    window.run_action("how to cite");
+    assert!(window.shows("Copied the program and the paper as BibTeX"));
+}

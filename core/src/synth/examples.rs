@@ -93,7 +93,7 @@ impl Example {
     pub fn help(self) -> &'static str {
         match self {
             Self::Aliasing => {
-                "Garlands repeat themselves every 8 px, so slopes 8 px/frame apart look alike: features at −7 px/frame, though nothing moves so."
+                "Garlands repeat themselves every 8 px, so slopes 8 px/frame apart look alike: features at −7 px/frame, although nothing moves at that slope."
             }
             Self::LowContrast => "Discs of falling contrast: the noise gate rejects those that noise could have made.",
             Self::Depths => {

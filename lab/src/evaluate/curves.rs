@@ -82,9 +82,9 @@ pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     plots.push(against(&rows, title, SNR, found_label(report.chart.discs), |method| method.true_positives));
     plots.push(against(
         &rows,
-        "False features a disc at the default threshold".to_owned(),
+        "False features per disc at the default threshold".to_owned(),
         SNR,
-        "false features a disc".to_owned(),
+        "false features per disc".to_owned(),
         |method| method.default_false_per_disc.unwrap_or(method.default_false_features),
     ));
     plots

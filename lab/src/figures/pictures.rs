@@ -62,7 +62,7 @@ fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f6
     let title = "(a) one frame: small lamps every 8 px, larger ones apart";
     Panel::draw(sheet, (GAP, 34.0), half(), frame, &Display::stretched(frame), title);
     let stack = stack_view(&burst, &params, wrong, &silent)?;
-    let title = format!("the motion stack at −{:.0} px/frame: nothing moves so", wrong.u.abs());
+    let title = format!("the motion stack at −{:.0} px/frame, at which nothing moves", wrong.u.abs());
     let panel = Panel::draw(sheet, (2.0 * GAP + half(), 34.0), half(), &stack, &Display::stretched(&stack), &title);
     let is_false = |f: &&Feature| (f.slope.u - wrong.u).abs() < 0.5;
     sheet.clipped(panel.area, |sheet| {

@@ -311,6 +311,7 @@ actions! {
     OpenHotPixels, Help 1, "Example: hot pixels", [], "Open a burst with sixty pixels that are bright without light";
     PaperFigures, Help 2, "Figures of the paper…", [], "Remake every figure and table of the paper into a folder, in the background; finished ones are kept";
     CancelFigures, Help 2, "Cancel figures of the paper", [], "Stop remaking the figures; finished ones are kept";
+    Cite, Help 3, "How to cite", [], "Copy the program and the method's paper as BibTeX";
     About, Help 3, "About Burstscope", [], "Version of this program, and the method's paper";
 }
 

@@ -74,9 +74,40 @@ fn every_link_between_documents_leads_to_a_file() {
     assert!(links > 30, "{links} links were found");
 }
 
+/// Values of a key of the citation, in the order of their lines.
+fn cited<'a>(part: &'a str, key: &'a str) -> impl Iterator<Item = &'a str> {
+    let of_line = move |line: &'a str| line.trim_start_matches([' ', '-']).strip_prefix(key)?.strip_prefix(": ");
+    part.lines().filter_map(of_line).map(|value| value.trim_matches('"'))
+}
+
+/// The program, in its version, and the paper as BibTeX.
+fn bibtex(citation: &str) -> String {
+    let (program, paper) = citation.split_once("\nreferences:").expect("references");
+    let first = |part, key| cited(part, key).next().unwrap_or_else(|| panic!("the citation has no {key}"));
+    let names = cited(paper, "family-names").zip(cited(paper, "given-names"));
+    let authors: Vec<String> = names.map(|(family, given)| format!("{family}, {given}")).collect();
+    let (title, name, version) = (first(program, "title"), first(program, "name"), first(program, "version"));
+    let (of_paper, authors, year) = (first(paper, "title"), authors.join(" and "), first(paper, "year"));
+    let (eprint, url) = (first(paper, "value").trim_start_matches("arXiv:"), first(paper, "url"));
+    format!(
+        "@software{{burstscope,\n  title = {{{title}}},\n  author = {{{{{name}}}}},\n  version = {{{version}}}\n}}\n\n\
+         @misc{{buff,\n  title = {{{{{of_paper}}}}},\n  author = {{{authors}}},\n  year = {{{year}}},\n  \
+         eprint = {{{eprint}}},\n  archiveprefix = {{arXiv}},\n  url = {{{url}}}\n}}\n"
+    )
+}
+
 #[test]
-fn the_citation_names_this_version() {
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("CITATION.cff")).expect("the citation");
-    let version = text.lines().find_map(|line| line.strip_prefix("version: "));
-    assert_eq!(version, Some(env!("CARGO_PKG_VERSION")));
+fn the_citation_names_this_version_in_both_of_its_forms() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("CITATION.cff")).expect("the citation");
+    assert_eq!(cited(&text, "version").next(), Some(env!("CARGO_PKG_VERSION")));
+    let (made, path) = (bibtex(&text), root.join("assets/burstscope.bib"));
+    if std::env::var_os("BURSTSCOPE_UPDATE_DOCS").is_some() {
+        fs::write(&path, &made).expect("written");
+    }
+    let kept = fs::read_to_string(path).expect("the entries");
+    assert_eq!(
+        kept, made,
+        "assets/burstscope.bib is not what CITATION.cff says; BURSTSCOPE_UPDATE_DOCS=1 writes it anew"
+    );
 }

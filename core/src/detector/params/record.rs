@@ -113,16 +113,15 @@ impl Field<'_> {
     /// # Errors
     /// The fault in `text`.
     pub fn read(self, text: &str) -> Result<(), String> {
-        fn number<T: std::str::FromStr>(place: &mut T, text: &str) -> Result<(), String> {
-            *place = text.trim().parse().map_err(|_| format!("'{text}' is not a number that it takes"))?;
-            Ok(())
+        fn number<T: std::str::FromStr>(place: &mut T, text: &str, kind: &str) -> Result<(), String> {
+            text.trim().parse().map(|value| *place = value).map_err(|_| format!("'{text}' is not a {kind}"))
         }
         match self {
-            Self::F32(x) => number(x, text)?,
-            Self::U32(n) => number(n, text)?,
-            Self::I32(n) => number(n, text)?,
-            Self::Usize(n) => number(n, text)?,
-            Self::U64(n) => number(n, text)?,
+            Self::F32(x) => number(x, text, "number")?,
+            Self::U32(n) => number(n, text, "whole number of 0 or more")?,
+            Self::I32(n) => number(n, text, "whole number")?,
+            Self::Usize(n) => number(n, text, "whole number of 0 or more")?,
+            Self::U64(n) => number(n, text, "whole number of 0 or more")?,
             Self::Flag(flag) => *flag = text.trim().parse().map_err(|_| format!("'{text}' is not true or false"))?,
             Self::Word(word) => word.set_word(text).then_some(()).ok_or_else(|| format!("'{text}' is not known"))?,
             Self::Axis(axis) => *axis = text.parse()?,
@@ -331,6 +330,7 @@ impl<P> Param<P> {
                 format!("give one of {}", words.join(", "))
             }
             (None, Some(bounds)) => bounds.remedy.to_owned(),
+            (None, None) if self.placeholder == "N" => "give one".to_owned(),
             (None, None) => format!("give {}", self.placeholder),
         };
         field.read(text).map_err(|problem| Error::param(self.doc.name, problem, remedy))

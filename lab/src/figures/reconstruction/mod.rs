@@ -57,8 +57,8 @@ impl MakeFigure for ReconstructionFigure {
     fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
         let runs = self.study.runs(pieces, self.colmap.as_deref(), monitor)?;
         let missing = self.colmap.is_none().then_some(match cfg!(feature = "colmap") {
-            true => "COLMAP took no part, so what needs a reconstruction is missing (–). Install it and run the command again: the rest is kept.",
-            false => "This program was built without the feature colmap, so what needs a reconstruction is missing (–).",
+            true => "COLMAP was not found, so the columns that need a reconstruction are empty (–). Install it and run the command again: finished results are kept.",
+            false => "This program was built without the feature colmap, so the columns that need a reconstruction are empty (–).",
         });
         Ok(match self.shown {
             Shown::Matching => tables::matching(&self.study, &runs, missing),
