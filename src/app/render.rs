@@ -1,5 +1,6 @@
 //! The window, drawn into a PNG without a display: for papers, documentation, and machines without a screen.
 
+use super::document::Steps;
 use super::offscreen::render_offscreen;
 use super::settings::Settings;
 use super::startup::Startup;
@@ -28,6 +29,8 @@ pub struct RenderOptions {
     pub dataset: Option<DatasetSource>,
     /// A session that is drawn instead, as it was left; parameters and cursor of these options then have no effect.
     pub session: Option<PathBuf>,
+    /// Steps that are done first, in a window of the defaults; what else is opened or shown by these options then has no effect.
+    pub play: Option<Steps>,
     /// A lesson that is drawn instead, as it begins.
     pub lesson: Option<Arc<Lesson>>,
     pub params: SearchParams,
@@ -57,6 +60,7 @@ impl Default for RenderOptions {
             second: None,
             dataset: None,
             session: None,
+            play: None,
             lesson: None,
             params: SearchParams::default(),
             calibration: OpenOptions::default(),
@@ -86,16 +90,19 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
         panels: Panels { welcome: false, ..Panels::default() },
         ..Settings::default()
     };
-    let startup = Startup {
-        source: Some(options.source.clone()),
-        second: options.second.clone(),
-        dataset: options.dataset.clone(),
-        session: options.session.clone(),
-        lesson: options.lesson.clone(),
-        params: options.params.clone(),
-        calibration: options.calibration.clone(),
-        settings,
-        ..Startup::default()
+    let startup = match &options.play {
+        Some(steps) => Startup { source: None, play: Some(steps.clone()), ..Startup::default() },
+        None => Startup {
+            source: Some(options.source.clone()),
+            second: options.second.clone(),
+            dataset: options.dataset.clone(),
+            session: options.session.clone(),
+            lesson: options.lesson.clone(),
+            params: options.params.clone(),
+            calibration: options.calibration.clone(),
+            settings,
+            ..Startup::default()
+        },
     };
     let mut placed = false;
     let (mut problem, unfit) = (None, RefCell::new(None));
@@ -112,7 +119,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
             let is_open =
                 app.model.slots.a.burst.is_some() && (options.second.is_none() || app.model.slots.b.burst.is_some());
             if is_open && !placed {
-                if options.session.is_none() && options.lesson.is_none() {
+                if options.session.is_none() && options.lesson.is_none() && options.play.is_none() {
                     place(app, options);
                     *unfit.borrow_mut() =
                         app.model.slots.a.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
@@ -135,7 +142,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
         },
         |app| {
             let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
-            let answered = app.model.slots.a.burst.is_some() || failed;
+            let answered = app.model.slots.a.burst.is_some() || failed || options.play.is_some();
             let second = options.second.is_none() || app.model.slots.b.burst.is_some() || failed;
             unfit.borrow().is_some() || (app.is_settled() && answered && second)
         },

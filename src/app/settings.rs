@@ -1,5 +1,7 @@
 //! Settings that the window remembers from one start to the next.
 
+use super::actions::ActionId;
+use super::document::{Action, Queue};
 use super::lesson::Progress;
 use crate::app::project::figure::FigureChoice;
 use crate::app::project::pair::{Links, MatchLook};
@@ -69,6 +71,29 @@ impl Settings {
         self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
+    pub fn apply(&self, model: &mut Model) {
+        (model.theme, model.panels, model.auto_detect) = (self.theme, self.panels, self.auto_detect);
+        (model.figure, model.pair.look) = (self.figure, self.match_look);
+        model.set_pair_links(self.links);
+    }
+
+    /// What makes a window of the defaults one of these.
+    pub fn actions(&self) -> Vec<Action> {
+        let (mut actions, plain) = (Queue::default(), Self::default());
+        actions.set(&plain.panels, self.panels, Action::SetPanels);
+        actions.set(&plain.figure, self.figure, Action::SetFigure);
+        actions.set(&plain.match_look, self.match_look.sanitised(), Action::SetMatchLook);
+        actions.set(&plain.links, self.links, Action::SetPairLinks);
+        let theme = match self.theme {
+            egui::ThemePreference::System => ActionId::ThemeSystem,
+            egui::ThemePreference::Light => ActionId::ThemeLight,
+            egui::ThemePreference::Dark => ActionId::ThemeDark,
+        };
+        actions.set(&plain.theme, self.theme, |_| theme.into());
+        actions.set(&plain.auto_detect, self.auto_detect, |_| ActionId::AutoDetect.into());
+        actions.into_iter().collect()
+    }
+
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
         (self.links, self.match_look) = (model.pair_links(), model.pair.look);
@@ -80,12 +105,6 @@ fn put_first<T: Clone + PartialEq>(list: &mut Vec<T>, item: &T) {
     list.retain(|other| other != item);
     list.insert(0, item.clone());
     list.truncate(MAX_RECENT);
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub enum Recent {
-    Burst(BurstSource),
-    Dataset(DatasetSource),
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 //! shuts down.
 
 use super::dialogs::{FileDialogs, SystemDialogs};
+use super::document::{Action, Steps};
+use super::project::side::Side;
 use super::recovery::KeptIn;
 use super::settings::Settings;
 use crate::burst::OpenOptions;
@@ -21,6 +23,8 @@ pub struct Startup {
     pub dataset: Option<DatasetSource>,
     pub params: SearchParams,
     pub session: Option<PathBuf>,
+    /// Steps that are done again.
+    pub play: Option<Steps>,
     pub lesson: Option<Arc<Lesson>>,
     pub lessons: Vec<Lesson>,
     pub settings: Settings,
@@ -40,6 +44,7 @@ impl Default for Startup {
             params: SearchParams::default(),
             calibration: OpenOptions::default(),
             session: None,
+            play: None,
             lesson: None,
             lessons: Vec::new(),
             settings: Settings::default(),
@@ -48,6 +53,24 @@ impl Default for Startup {
             end: EndRequest::default(),
             cache_bytes: crate::engine::DEFAULT_CACHE_BYTES,
         }
+    }
+}
+
+impl Startup {
+    /// What a window of the defaults does first.
+    pub fn actions(&self) -> Vec<Action> {
+        let mut actions = self.settings.actions();
+        let settings = (self.params != SearchParams::default())
+            .then(|| Action::SetSearch(Box::new(self.params.clone())))
+            .into_iter()
+            .chain((self.calibration != OpenOptions::default()).then(|| Action::Calibrate(self.calibration.clone())));
+        actions.extend(settings);
+        if self.session.is_none() {
+            let burst = || self.source.clone().map(|source| Action::Open(Side::A, source));
+            actions.extend(self.dataset.clone().map(Action::OpenDataset).or_else(burst));
+        }
+        actions.extend(self.second.clone().map(|source| Action::Open(Side::B, source)));
+        actions
     }
 }
 

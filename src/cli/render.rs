@@ -7,11 +7,13 @@ use super::failure::Failure;
 use super::inputs::resolve;
 use super::opening::{Opening, what_to_open};
 use super::search_options::SearchArgs;
+use crate::app::document::Steps;
+use crate::app::document::journal::{MAX_STEPS_BYTES, read_steps};
 use crate::app::project::cursor::ViewKind;
 use crate::app::{RenderOptions, render_to_png};
 use crate::dataset::DatasetSource;
 use crate::detector::Slope;
-use crate::files::path_text;
+use crate::files::{path_text, read_text};
 use crate::plane::memory;
 use crate::requests::BurstSource;
 use clap::Args;
@@ -23,7 +25,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
     let calibration = args.calibration.options();
-    let settings = [args.search.file.params.as_ref()].into_iter().chain(args.inputs.iter().map(Some));
+    let play = args.play.as_deref().map(steps_of).transpose()?;
+    let settings = [args.search.file.params.as_ref(), args.play.as_ref()].into_iter();
+    let settings = settings.chain(args.inputs.iter().map(Some));
     let rules = args.overwrite.rules(&resolve(&args.inputs, &calibration), &calibration, &settings.collect::<Vec<_>>());
     let Sources { source, second, dataset, session } =
         sources_of(what_to_open(&args.inputs, args.sequence, &calibration)?)?;
@@ -32,6 +36,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         second,
         dataset,
         session,
+        play,
         lesson: None,
         params,
         calibration,
@@ -70,6 +75,13 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
     }
 }
 
+/// Reads what is to be done again.
+fn steps_of(path: &Path) -> Result<Steps, Failure> {
+    let read = read_text(path, MAX_STEPS_BYTES).map_err(|error| error.to_string());
+    read.and_then(|text| read_steps(&text))
+        .map_err(|error| Failure::usage(format!("--play: {error}: {}", path.display())))
+}
+
 /// Content that the window opens: a burst, perhaps with a second one beside it, a dataset, or a session.
 pub(super) struct Sources {
     pub source: Option<BurstSource>,
@@ -98,6 +110,11 @@ pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
+    /// Do again what was done in a window, and draw it then: a list of actions, as Help > Copy what I did gives it.
+    ///
+    /// It begins in a window of the defaults. Nothing is written but the picture.
+    #[arg(long, value_name = "TOML", conflicts_with_all = ["inputs", "kind", "slope", "frame", "octave", "level", "no_detect", "light"])]
+    pub play: Option<PathBuf>,
     /// The PNG file to write.
     #[arg(long, short, value_name = "PNG")]
     pub out: PathBuf,

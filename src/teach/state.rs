@@ -32,7 +32,7 @@ impl Workspace {
 }
 
 /// Arrangement of the pictures of *Inspect*, made from the one in focus.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
     Single,

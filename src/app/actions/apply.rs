@@ -8,6 +8,7 @@ use crate::app::project::{Effect, Model, Visibility};
 use crate::detector::{SearchParams, SlopeChoice};
 use crate::engine::Engine;
 use crate::requests::ViewKind;
+use crate::teach::BottomTab;
 
 /// Applies an action. It is a step to undo, or a part of one, where it changes settings that undo covers.
 pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
@@ -41,6 +42,13 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
             model.open(side, source, engine);
         }
         A::OpenDataset(source) => model.open_dataset(source, engine),
+        A::UseFeatureFolder(folder) => model.use_feature_folder(folder, engine),
+        A::OpenGold(side, source) => model.open_gold(side, source, engine),
+        A::OpenFeatures(side, path) => {
+            model.lay_over(side, path);
+            model.bottom_tab = BottomTab::Compared;
+        }
+        A::OpenTrajectory(which, path) => model.open_trajectory(which, path, engine),
         A::OpenBurstAt(place) => model.open_burst_at(place, engine),
         A::CutOpenBurst(length) => model.cut_open_burst(length, engine),
         A::Calibrate(options) => return vec![model.calibrate(options, engine)],
@@ -106,6 +114,7 @@ fn set(action: Action, model: &mut Model) {
         A::SelectRow(side, row) => model.select_row(side, row),
         A::SetMatching(params) => model.pair.params = *params,
         A::SetMatchLook(look) => model.pair.look = look,
+        A::SetPairLinks(links) => model.set_pair_links(links),
         A::SetMatchOrder(order) => model.pair.order = order,
         A::SetPairTab(tab) => model.pair.tab = tab,
         A::SelectMatch(index) => (model.pair.selected, model.pair.lost.selected) = (index, None),

@@ -173,18 +173,15 @@ pub(super) fn workspace(id: ActionId) -> Option<Workspace> {
     WORKSPACES.into_iter().find(|(opens, _)| *opens == id).map(|(_, workspace)| workspace)
 }
 
-/// Probes the place under the pointer, or else the middle of what is seen of the picture in focus.
-pub fn probe_here(model: &mut Model, widgets: &PaneWidgets) {
+/// The place under the pointer, or else the middle of what is seen of the picture in focus; with its side.
+pub fn place_to_probe(model: &Model, widgets: &PaneWidgets) -> Option<(Side, [f32; 2])> {
     let middle = || {
         let visible = widgets.get(model.focus())?.picture.visible_image?.center();
         let (width, height) = model.focused_size();
         let within = |x: f32, n: usize| x.clamp(0.0, n.saturating_sub(1) as f32);
         Some((model.focused().side, [within(visible.x, width), within(visible.y, height)]))
     };
-    if let Some((side, place)) = model.probe.pointer.or_else(middle) {
-        model.probe.follows = false;
-        model.probe_place(side, place);
-    }
+    model.probe.pointer.or_else(middle)
 }
 
 fn change_values(id: ActionId, model: &mut Model) {

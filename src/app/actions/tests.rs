@@ -1,7 +1,8 @@
 //! Laws of actions: any list of them leaves a valid document, and undo and redo return to what was.
 
 use super::{ActionId, apply};
-use crate::app::document::{Action, Document};
+use crate::app::document::journal::read_steps;
+use crate::app::document::{Action, Document, Journal};
 use crate::app::pane::{Direction, Link, PaneId, Preset};
 use crate::app::project::Model;
 use crate::app::project::panes::{Change, Destination};
@@ -116,6 +117,20 @@ proptest! {
             pass(&mut bench, action);
             assert_valid(&bench.model);
         }
+    }
+
+    #[test]
+    fn actions_are_written_and_read(actions in prop::collection::vec(any_action(), 1..40)) {
+        let mut journal = Journal::default();
+        for action in &actions {
+            journal.take(action);
+            journal.close(false);
+        }
+        let read = read_steps(&journal.to_toml()).expect("it was written so");
+        // Of dialogs, copies and moves to where a view is nothing is taken down.
+        let there: Vec<&Action> = actions.iter().filter(|action| read.iter().flatten().any(|r| r == *action)).collect();
+        prop_assert_eq!(read.iter().flatten().collect::<Vec<_>>(), there);
+        prop_assert_eq!(journal.len(), read.len());
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! The document of the window: all that the user has set, and nothing that was computed from it.
 
 pub mod action;
+pub mod journal;
 
 pub use action::{Action, Pointed, Queue};
+pub use journal::{Journal, Playback, Steps};
 
 use crate::app::pane::Panes;
 use crate::app::project::figure::FigureChoice;

@@ -7,12 +7,14 @@ use crate::app::view::View;
 use crate::engine::{Engine, Wanted};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
+use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Which {
     Estimate,
     Truth,

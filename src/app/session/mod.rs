@@ -9,6 +9,7 @@ pub use saved::{PairSession, SavedDataset, SavedTrajectories};
 
 use super::canvas::View;
 use super::canvas::overlay::ColourBy;
+use super::document::Steps;
 use super::pane::{Content, PaneId, SavedPanes, SavedWorkspaces};
 use crate::app::project::against::{SavedAgainst, With};
 use crate::app::project::compare::CompareLook;
@@ -39,6 +40,9 @@ const VERSION: u32 = 3;
 #[serde(deny_unknown_fields)]
 pub struct Session {
     version: u32,
+    /// What was done last, in a session that was saved automatically.
+    #[serde(default, skip_serializing_if = "Steps::is_empty")]
+    pub did: Steps,
     pub burst: BurstSource,
     #[serde(default, skip_serializing_if = "OpenOptions::is_plain")]
     pub calibration: OpenOptions,
@@ -85,6 +89,7 @@ impl Session {
         let [panes, pair_panes, methods_panes] = SavedWorkspaces::of(&model.panes).placed;
         Some(Self {
             version: VERSION,
+            did: Steps::new(),
             burst: absolute(&burst.source),
             calibration: absolute_calibration(&model.calibration),
             colour_by: model.colour_by,
@@ -174,7 +179,7 @@ impl Session {
     }
 
     /// Numbers that decide what is computed. Those of panes, views and ranges are brought into range where used.
-    fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), String> {
         fn named<E: Display>(key: &str, checked: Result<(), E>) -> Result<(), String> {
             checked.map_err(|error| format!("{key}: {error}"))
         }

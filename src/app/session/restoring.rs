@@ -9,9 +9,7 @@ use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::engine::{Ended, Engine};
 use crate::export::case::{is_case, read_about};
-use crate::files::{MAX_SESSION_BYTES, explained, read_text};
 use crate::requests::{BurstSource, JobError, JobId, OpenRequest};
-use std::path::Path;
 
 const TITLE: &str = "Open session";
 
@@ -22,27 +20,11 @@ pub struct Restoring {
 }
 
 impl Restoring {
-    /// Everything else is restored once the burst was opened, or could not be; until then nothing changes. `None` if
-    /// the file cannot be read.
-    pub fn restore(&mut self, path: &Path, model: &mut Model, engine: &Engine) -> Option<JobId> {
-        let read = read_text(path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
-        match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {
-            Ok(session) => {
-                model.messages.resolved(TITLE);
-                Some(self.begin(session, model, engine))
-            }
-            Err(error) => {
-                model.messages.error(TITLE, format!("{error}: {}", path.display()));
-                None
-            }
-        }
-    }
-
-    fn begin(&mut self, session: Session, model: &mut Model, engine: &Engine) -> JobId {
+    /// Everything else is restored once the burst was opened, or could not be; until then nothing changes.
+    pub fn begin(&mut self, session: Session, model: &mut Model, engine: &Engine) {
         let (source, options) = (session.burst.clone(), session.calibration.clone());
         let id = model.slots.a.opening.ask(engine, OpenRequest { source, options });
         self.session = Some((id, Box::new(session)));
-        id
     }
 
     /// A case is shown as it was saved: with its session, or else with its search and the place asked about.
@@ -199,7 +181,6 @@ impl Restoring {
 mod tests {
     use super::*;
     use crate::app::project::tests::{Bench, open};
-    use std::path::PathBuf;
 
     fn opened(bench: &mut Bench, restoring: &mut Restoring, side: Side) -> Vec<Effect> {
         let is_end = |effect: &Effect| matches!(effect, Effect::Opened(of, _) if *of == side);
@@ -211,34 +192,27 @@ mod tests {
         effects.into_iter().flat_map(apply).collect()
     }
 
-    fn session(home: &Path, burst: BurstSource) -> PathBuf {
+    fn session(burst: BurstSource) -> Session {
         let mut model = Model::default();
         let mut a = open((64, 48), 5);
         a.source = burst;
         model.take_burst(a);
         model.take_second_burst(open((64, 48), 5));
         model.params.levels = 3;
-        let path = home.join("s.burstscope.toml");
-        std::fs::write(&path, Session::of(&model).expect("a burst is open").to_toml()).expect("written");
-        path
+        Session::of(&model).expect("a burst is open")
     }
 
     #[test]
     fn a_session_is_given_up_when_something_else_is_opened() {
-        let home = tempfile::tempdir().expect("a folder");
         let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        let path = session(home.path(), BurstSource::Demo);
-        assert!(restoring.restore(&path, &mut bench.model, &bench.engine).is_some());
+        restoring.begin(session(BurstSource::Demo), &mut bench.model, &bench.engine);
+        assert!(restoring.waits_for(&bench.model).is_some());
         bench.model.open(Side::A, BurstSource::DemoLater, &bench.engine);
         assert_eq!(restoring.waits_for(&bench.model), None);
         opened(&mut bench, &mut restoring, Side::A);
         let source = bench.model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
         assert_eq!((source, bench.model.slots.b.opening.is_pending()), (Some(BurstSource::DemoLater), false));
         assert_ne!(bench.model.params.levels, 3);
-        // What is no session file changes nothing either.
-        std::fs::write(&path, "levels = 3").expect("written");
-        assert_eq!(restoring.restore(&path, &mut bench.model, &bench.engine), None);
-        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("s.burstscope.toml")));
     }
 
     #[test]

@@ -1,14 +1,14 @@
 //! Change of one setting, as advice and explanations suggest it: commands print it, and the window applies it.
 
-use super::{DetectorParams, Param, ParamDoc};
+use super::{DetectorParams, Param, ParamDoc, doc};
 use crate::error::Error;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 /// A parameter and its new value, as the command line takes it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ParamChange {
     /// Parameter to change.
-    #[serde(serialize_with = "name_of")]
+    #[serde(serialize_with = "name_of", deserialize_with = "parameter_named")]
     pub parameter: Param<DetectorParams>,
     /// New value.
     pub value: String,
@@ -16,6 +16,12 @@ pub struct ParamChange {
 
 fn name_of<S: Serializer>(parameter: &Param<DetectorParams>, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(parameter.name)
+}
+
+fn parameter_named<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Param<DetectorParams>, D::Error> {
+    let name = String::deserialize(deserializer)?;
+    let found = doc::ALL.into_iter().chain([doc::SLOPES]).find(|parameter| parameter.name == name);
+    found.ok_or_else(|| de::Error::custom(format!("there is no parameter '{name}'")))
 }
 
 impl ParamChange {

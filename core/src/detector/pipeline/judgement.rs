@@ -18,9 +18,10 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// A sample of D.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Sample {
     /// Octave index.
     pub octave: i32,

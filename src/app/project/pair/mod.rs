@@ -22,10 +22,12 @@ use crate::engine::{Engine, Wanted};
 use crate::error::Error;
 use crate::matching::MatchParams;
 use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
+use serde::{Deserialize, Serialize};
 
 pub use crate::app::project::side::Side;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PairTab {
     #[default]
     Matches,
