@@ -71,12 +71,6 @@ impl Settings {
         self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
-    pub fn apply(&self, model: &mut Model) {
-        (model.theme, model.panels, model.auto_detect) = (self.theme, self.panels, self.auto_detect);
-        (model.figure, model.pair.look) = (self.figure, self.match_look);
-        model.set_pair_links(self.links);
-    }
-
     /// What makes a window of the defaults one of these.
     pub fn actions(&self) -> Vec<Action> {
         let (mut actions, plain) = (Queue::default(), Self::default());
@@ -96,7 +90,7 @@ impl Settings {
 
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
-        (self.links, self.match_look) = (model.pair_links(), model.pair.look);
+        (self.links, self.match_look) = (model.pair_links(), model.match_look);
         self.figure = model.figure;
     }
 }

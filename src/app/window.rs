@@ -6,7 +6,7 @@ use super::canvas::Readout;
 use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
 use super::dialogs::{Desk, FileAnswer, Question};
-use super::document::{Action, Journal, Playback};
+use super::document::{Action, Document, Journal, Playback};
 use super::files::{drop_places, purpose_of_dropped};
 use super::inspector::{PaneWidgets, PlaceValue};
 use super::lesson::{Captions, Lessons, Wish, lesson_ui};
@@ -26,7 +26,6 @@ use super::workspace::pair::PairPanels;
 use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
 use super::{clipboard, panel, parts};
 use crate::app::view::fixed;
-use crate::detector::SearchParams;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;
 use egui::{CentralPanel, Frame, Margin, Panel};
@@ -69,8 +68,7 @@ impl BurstscopeApp {
         let waker = ctx.clone();
         let on_update: OnUpdate = Arc::new(move || waker.request_repaint());
         let mut model = Model::default();
-        Settings::default().apply(&mut model);
-        model.set_search(SearchParams::default());
+        model.document = Document::of_new_window();
         let begins = startup.actions();
         let mut app = Self {
             model,
@@ -169,7 +167,7 @@ impl BurstscopeApp {
         self.model.close_step(goes_on);
         self.journal.close(goes_on || self.model.playing);
         self.model.refresh_listed();
-        self.model.pair.refresh_listed();
+        self.model.refresh_listed_matches();
         self.forget_closed_panes();
         self.model.ask(&self.engine, ctx.input(|i| i.pointer.any_down()));
         self.thumbnails.request(&self.engine, &self.model.calibration);

@@ -7,10 +7,15 @@ use burstscope::app::document::journal::read_steps;
 use burstscope::app::document::{Action, Steps};
 use burstscope::app::pane::PaneId;
 use burstscope::app::session::Session;
+use egui::accesskit::Role;
 use egui::{Key, pos2};
+use egui_kittest::kittest::Queryable;
 
 fn did(window: &mut Window) -> Steps {
-    let texts = copied(window, |window| window.run_action("Copy what I did"));
+    window.ctrl(Key::P);
+    window.harness.get_by_role_and_label(Role::TextInput, "Find an action").type_text("Copy what I did");
+    window.harness.run_steps(2);
+    let texts = copied(window, |window| window.harness.key_press(Key::Enter));
     let text = texts.iter().find(|text| text.contains("did = [")).expect("it is copied");
     read_steps(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
@@ -47,10 +52,9 @@ fn what_was_done_with_one_burst_is_done_again() {
     window.run_action("Zoom in");
     window.settle();
     let place = window.app().ui_from_image(pos2(60.0, 50.0)).expect("it is drawn");
-    window.shift_click_at(place);
-    window.settle();
     window.drag(place, place + egui::vec2(30.0, 12.0));
     window.run_action("Pin");
+    window.shift_click_at(place);
     window.settle();
     let steps = did(&mut window);
     assert!(steps.iter().flatten().any(|action| matches!(action, Action::Probe(..))), "{steps:?}");
@@ -70,7 +74,9 @@ fn what_was_done_with_two_bursts_is_done_again() {
     window.key(Key::N);
     window.run_action("Go to feature");
     window.settle();
-    window.slide("Ratio", 0.7);
+    window.slide("Slope u", 1.25);
+    window.settle();
+    window.run_action("Link views");
     window.settle();
     window.run_action("Swap A and B");
     window.settle();

@@ -112,18 +112,18 @@ fn set(action: Action, model: &mut Model) {
         A::CompareWith(side, with) => model.show_against(side, with),
         A::ShowKind(side, kind, shown) => show(&mut model.slots[side].against.hidden, kind, shown),
         A::SelectRow(side, row) => model.select_row(side, row),
-        A::SetMatching(params) => model.pair.params = *params,
-        A::SetMatchLook(look) => model.pair.look = look,
+        A::SetMatching(params) => model.matching = *params,
+        A::SetMatchLook(look) => model.match_look = look,
         A::SetPairLinks(links) => model.set_pair_links(links),
-        A::SetMatchOrder(order) => model.pair.order = order,
-        A::SetPairTab(tab) => model.pair.tab = tab,
+        A::SetMatchOrder(order) => model.match_order = order,
+        A::SetPairTab(tab) => model.pair_tab = tab,
         A::SelectMatch(index) => (model.pair.selected, model.pair.lost.selected) = (index, None),
         A::AskFeature(index) => model.ask_feature(index),
         A::ShowLost(lost, shown) => {
             show(&mut model.pair.lost.hidden, lost, shown);
-            model.pair.tab = crate::app::project::pair::PairTab::Unmatched;
+            model.pair_tab = crate::app::project::pair::PairTab::Unmatched;
         }
-        A::SetMethods(look) => model.compare.look = look,
+        A::SetMethods(look) => model.methods = look,
         A::SetLab(lab) => model.lab = *lab,
         A::ShowKept(index, shown) => {
             model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.is_shown = shown);

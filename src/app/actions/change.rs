@@ -238,8 +238,8 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::NextLayout => model.panes.next_over(),
         A::Flip => model.panes.flip(),
         A::CompareAgain => model.compare.forget_failures(),
-        A::ToggleOverlay if model.workspace == Workspace::Methods => model.compare.look.features ^= true,
-        A::ToggleOverlay if model.workspace == Workspace::Pair => model.pair.look.features ^= true,
+        A::ToggleOverlay if model.workspace == Workspace::Methods => model.methods.features ^= true,
+        A::ToggleOverlay if model.workspace == Workspace::Pair => model.match_look.features ^= true,
         A::ToggleOverlay => model.look.overlay = model.look.overlay.next(),
         A::ToggleMotion => model.look.motion_vectors ^= true,
         A::ToggleOrientation => model.look.orientations ^= true,
@@ -269,8 +269,8 @@ fn change_values(id: ActionId, model: &mut Model) {
             model.params.slopes = plane_of(model.params.slopes);
         }
         A::PresetSift => model.params.method = Method::Sift,
-        A::NextFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(true),
-        A::PreviousFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(false),
+        A::NextFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(true),
+        A::PreviousFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(false),
         A::StrongestFeature if model.workspace == Workspace::Pair => {
             model.pair.selected = model.pair.listed.first().copied();
         }
@@ -289,11 +289,11 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::LinkCursors => model.toggle_link(Link::Cursor),
         A::LinkViews => model.toggle_link(Link::View),
         A::LinkRanges => model.toggle_link(Link::Display),
-        A::ResetMatching => model.pair.params = Default::default(),
-        A::ToggleInliers => model.pair.look.inliers ^= true,
-        A::ToggleOutliers => model.pair.look.outliers ^= true,
-        A::ToggleAlone => model.pair.look.alone ^= true,
-        A::ToggleEpipolar => model.pair.look.geometry ^= true,
+        A::ResetMatching => model.matching = Default::default(),
+        A::ToggleInliers => model.match_look.inliers ^= true,
+        A::ToggleOutliers => model.match_look.outliers ^= true,
+        A::ToggleAlone => model.match_look.alone ^= true,
+        A::ToggleEpipolar => model.match_look.geometry ^= true,
         _ => move_cursor(model, id),
     }
 }

@@ -172,7 +172,7 @@ fn is_taken_down(action: &Action) -> bool {
     use ActionId as A;
     match action {
         Action::Point(_) | Action::Note(_) | Action::DismissMessage(_) => false,
-        Action::MoveView { before, after, .. } => !before.is_same(after),
+        Action::MoveView { before, after, .. } => before != after,
         // Its place is taken down.
         Action::Do(A::ProbePlace) => false,
         Action::Do(A::Quit | A::CopyRow | A::CopyCommand | A::CopyPicture | A::CopyActions | A::LeaveLesson) => false,

@@ -98,7 +98,7 @@ impl Panes {
     }
 
     /// Invalid parts of what a session holds are left out.
-    pub fn restore(
+    pub(super) fn restore(
         &mut self,
         workspace: Workspace,
         arrangement: Arrangement,
@@ -107,6 +107,13 @@ impl Panes {
     ) {
         let Some(arrangement) = arrangement.sanitised(|id| panes.contains_key(&id)) else { return };
         self.replace(place_of(workspace), arrangement, panes, focus);
+    }
+
+    /// Takes the arrangement of a workspace, with its panes, from others.
+    pub fn take_placed(&mut self, workspace: Workspace, from: &Self) {
+        let panes = from.iter().map(|(id, pane)| (id, pane.clone())).collect();
+        let (arrangement, focus) = from.placed_in(workspace);
+        self.restore(workspace, arrangement.clone(), panes, focus);
     }
 
     pub(super) fn replace(

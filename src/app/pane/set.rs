@@ -1,21 +1,25 @@
 //! All panes, their arrangement in each workspace, and the focus.
 
+use super::saved::PanesFile;
 use super::{Arrangement, Over, Pane, PaneId};
 use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 pub(super) const PLACES: [Workspace; 3] = [Workspace::Inspect, Workspace::Pair, Workspace::Methods];
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Placed {
     pub(super) arrangement: Arrangement,
     pub(super) focus: PaneId,
 }
 
 /// Two panes are permanent, one for each burst. A pane that is in two workspaces shows the same in both.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "PanesFile", into = "PanesFile")]
 pub struct Panes {
     pub(super) sides: [Pane; 2],
     pub(super) more: BTreeMap<PaneId, Pane>,

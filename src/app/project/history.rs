@@ -30,14 +30,14 @@ impl Settings {
             params.slopes = SlopeGrid::default();
         }
         let cursors = model.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect();
-        Self { params, slopes: model.slopes, grid, matching: model.pair.params.clone(), cursors }
+        Self { params, slopes: model.slopes, grid, matching: model.matching.clone(), cursors }
     }
 
     fn apply(self, model: &mut Model) {
         let is_found_still = self.slopes.is_auto() && model.slopes.is_auto();
         let slopes = if is_found_still { model.params.slopes } else { self.grid };
         model.params = DetectorParams { slopes, ..self.params };
-        (model.slopes, model.pair.params) = (self.slopes, self.matching);
+        (model.slopes, model.matching) = (self.slopes, self.matching);
         for (id, slope) in self.cursors {
             if let Some(pane) = model.panes.get_mut(id) {
                 pane.cursor.slope = slope;
@@ -195,10 +195,10 @@ mod tests {
     fn a_new_step_removes_the_steps_that_were_undone() {
         let (mut model, mut history) = (Model::default(), History::default());
         pass(&mut history, &mut model, false, |m| m.params.levels = 5);
-        pass(&mut history, &mut model, false, |m| m.pair.params.ratio = 0.5);
+        pass(&mut history, &mut model, false, |m| m.matching.ratio = 0.5);
         pass(&mut history, &mut model, false, |_| {});
         history.undo(&mut model);
-        assert_eq!((&model.pair.params, model.params.levels), (&MatchParams::default(), 5));
+        assert_eq!((&model.matching, model.params.levels), (&MatchParams::default(), 5));
         pass(&mut history, &mut model, false, |m| m.params.octaves = 2);
         assert!(!history.can_redo());
     }

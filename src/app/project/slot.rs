@@ -223,7 +223,7 @@ impl Model {
     }
 
     pub fn check_pair(&mut self) {
-        self.pair.param_error = self.pair.params.validate().err();
+        self.pair.param_error = self.matching.validate().err();
         if self.slots.b.burst.is_some() {
             let (params, auto) = (self.params_of(Side::B), self.slopes.is_auto());
             let b = &mut self.slots.b;

@@ -5,28 +5,20 @@ mod restoring;
 mod saved;
 
 pub use restoring::Restoring;
-pub use saved::{PairSession, SavedDataset, SavedTrajectories};
+pub use saved::{SavedDataset, SavedTrajectories};
 
-use super::canvas::View;
-use super::canvas::overlay::ColourBy;
-use super::document::Steps;
-use super::pane::{Content, PaneId, SavedPanes, SavedWorkspaces};
+use super::document::{Document, Steps};
+use super::pane::Panes;
 use crate::app::project::against::{SavedAgainst, With};
-use crate::app::project::compare::CompareLook;
-use crate::app::project::cursor::Cursor;
-use crate::app::project::filter::{Filter, Order};
-use crate::app::project::lab::Lab;
-use crate::app::project::look::Look;
-use crate::app::project::pair::Side;
+use crate::app::project::pair::{SavedMatch, Side};
 use crate::app::project::probe::SavedProbe;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model, SavedSelection};
+use crate::app::project::{Model, SavedSelection};
 use crate::burst::OpenOptions;
-use crate::detector::{Quantity, SearchParams};
 use crate::export::case::read_session;
 use crate::inspect::set_up::SetUp;
+use crate::matching::MatchParams;
 use crate::matching::params::doc;
-use crate::recover::RecoverStudy;
 use crate::requests::BurstSource;
 use saved::{absolute, absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories};
 use serde::de::DeserializeOwned;
@@ -34,8 +26,9 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::path::Path;
 
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
+/// The document, the sources of what is open, and what its answers are found again by.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
@@ -44,83 +37,64 @@ pub struct Session {
     #[serde(default, skip_serializing_if = "Steps::is_empty")]
     pub did: Steps,
     pub burst: BurstSource,
-    #[serde(default, skip_serializing_if = "OpenOptions::is_plain")]
-    pub calibration: OpenOptions,
-    #[serde(default)]
-    pub colour_by: ColourBy,
-    pub depths_by: Option<SetUp>,
-    #[serde(default)]
-    pub bottom_tab: BottomTab,
+    #[serde(default = "Document::of_new_window")]
+    pub document: Document,
     #[serde(default)]
     pub detected: bool,
-    #[serde(default)]
-    pub params: SearchParams,
-    #[serde(default)]
-    pub scrub: Cursor,
-    #[serde(default)]
-    pub view: View,
-    pub panes: Option<SavedPanes>,
-    pub pair_panes: Option<SavedPanes>,
-    pub methods_panes: Option<SavedPanes>,
-    #[serde(default)]
-    pub look: Look,
-    #[serde(default)]
-    pub filter: Filter,
-    #[serde(default)]
-    pub order: Order<Quantity>,
     pub selection: Option<SavedSelection>,
     pub probe: Option<SavedProbe>,
     pub against: Option<SavedAgainst>,
+    pub gold: Option<BurstSource>,
+    #[serde(default)]
+    pub second: SecondBurst,
     pub dataset: Option<SavedDataset>,
     pub trajectories: Option<SavedTrajectories>,
-    #[serde(default)]
-    pub workspace: Workspace,
-    #[serde(default)]
-    pub pair: PairSession,
-    #[serde(default)]
-    pub methods: CompareLook,
+}
+
+/// What is open as B. Panes of both bursts wait for it in the document while there is none.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SecondBurst {
+    pub burst: Option<BurstSource>,
     pub gold: Option<BurstSource>,
-    pub planted: Option<RecoverStudy>,
+    pub probe: Option<SavedProbe>,
+    pub against: Option<SavedAgainst>,
+    pub selection: Option<SavedMatch>,
 }
 
 impl Session {
     pub fn of(model: &Model) -> Option<Self> {
-        let (burst, pane) = (model.slots.a.burst.as_ref()?, model.panes.of(Side::A));
-        let [panes, pair_panes, methods_panes] = SavedWorkspaces::of(&model.panes).placed;
+        let burst = absolute(&model.slots.a.burst.as_ref()?.source);
+        let second = SecondBurst {
+            burst: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
+            gold: gold_source(model, Side::B),
+            probe: model.probe.saved(Side::B),
+            against: saved_against(model, Side::B),
+            selection: model.pair.saved_match(),
+        };
         Some(Self {
             version: VERSION,
             did: Steps::new(),
-            burst: absolute(&burst.source),
-            calibration: absolute_calibration(&model.calibration),
-            colour_by: model.colour_by,
-            depths_by: model.set_up.depths_by().copied(),
-            bottom_tab: model.bottom_tab,
+            burst,
+            document: sound(model),
             detected: model.slots.a.found.is_some(),
-            params: sound_search(model),
-            scrub: pane.cursor,
-            view: pane.view,
-            panes,
-            pair_panes,
-            methods_panes,
-            look: model.look.clone(),
-            filter: model.filter.clone(),
-            order: model.order,
             selection: model.saved_selection(),
             probe: model.probe.saved(Side::A),
             against: saved_against(model, Side::A),
-            workspace: model.workspace,
-            pair: PairSession::of(model),
-            methods: model.compare.look.clone(),
             gold: gold_source(model, Side::A),
+            second,
             dataset: model.datasets.open.as_ref().map(saved_dataset),
             trajectories: saved_trajectories(&model.trajectories),
-            planted: Some(model.lab.planted.clone()).filter(|study| *study != Lab::default().planted),
         })
     }
 
     /// The session for a case: of its frames alone, without what lies in other files.
-    pub fn for_case(self) -> Self {
-        let of_burst = matches!(self.workspace, Workspace::Inspect | Workspace::Methods | Workspace::Lab);
+    pub fn for_case(mut self) -> Self {
+        let workspace = self.document.workspace;
+        if !matches!(workspace, Workspace::Inspect | Workspace::Methods | Workspace::Lab) {
+            self.document.workspace = Workspace::Inspect;
+        }
+        self.document.calibration = OpenOptions::default();
         let against = self.against.map(|against| SavedAgainst {
             with: against.with.filter(|with| *with != With::File),
             file: None,
@@ -128,14 +102,11 @@ impl Session {
         });
         Self {
             burst: BurstSource::Paths(Vec::new()),
-            calibration: OpenOptions::default(),
-            pair_panes: None,
             against: against.filter(|against| *against != SavedAgainst::default()),
+            gold: None,
+            second: SecondBurst::default(),
             dataset: None,
             trajectories: None,
-            workspace: if of_burst { self.workspace } else { Workspace::Inspect },
-            pair: PairSession { burst: None, gold: None, probe: None, against: None, ..self.pair },
-            gold: None,
             ..self
         }
     }
@@ -171,10 +142,10 @@ impl Session {
             return Err(format!("the session file has unknown keys: {}; remove or correct them", unknown.join(", ")));
         }
         session.check().map_err(|error| format!("the session file cannot be used: {error}"))?;
-        session.look.ranges = session.look.ranges.sanitised();
-        if let Some(look) = &mut session.pair.look {
-            look.ranges = look.ranges.sanitised();
-        }
+        let document = &mut session.document;
+        document.look.ranges = document.look.ranges.sanitised();
+        document.match_look = document.match_look.sanitised();
+        document.methods = std::mem::take(&mut document.methods).sanitised();
         Ok(session)
     }
 
@@ -184,41 +155,32 @@ impl Session {
             checked.map_err(|error| format!("{key}: {error}"))
         }
         let pinned = |against: &Option<SavedAgainst>| against.as_ref().and_then(|against| against.pinned.clone());
-        let pair = &self.pair;
+        let (second, document) = (&self.second, &self.document);
         for (key, source) in [
             ("burst", Some(&self.burst)),
             ("gold", self.gold.as_ref()),
-            ("pair.burst", pair.burst.as_ref()),
-            ("pair.gold", pair.gold.as_ref()),
+            ("second.burst", second.burst.as_ref()),
+            ("second.gold", second.gold.as_ref()),
         ] {
             named(key, source.map_or(Ok(()), BurstSource::check))?;
         }
         for (key, search) in [
-            ("params", Some(self.params.clone())),
+            ("document.params", Some(document.search())),
             ("against.pinned", pinned(&self.against)),
-            ("pair.against.pinned", pinned(&pair.against)),
+            ("second.against.pinned", pinned(&second.against)),
         ] {
             named(key, search.map_or(Ok(()), |search| search.validate()))?;
         }
-        named("pair.params", doc::ALL.iter().try_for_each(|record| record.check(&pair.params)))?;
-        named("look", self.look.check())?;
-        named("pair.look", pair.look.as_ref().map_or(Ok(()), Look::check))?;
-        named("depths_by", self.depths_by.as_ref().map_or(Ok(()), SetUp::check))?;
-        named("planted", self.planted.as_ref().map_or(Ok(()), RecoverStudy::check))
+        named("document.matching", doc::ALL.iter().try_for_each(|record| record.check(&document.matching)))?;
+        named("document.look", document.look.check())?;
+        named("document.set_up", document.set_up.depths_by().map_or(Ok(()), SetUp::check))?;
+        named("document.lab.planted", document.lab.planted.check())
     }
 
-    pub fn workspaces(&self) -> SavedWorkspaces {
-        SavedWorkspaces { placed: [self.panes.clone(), self.pair_panes.clone(), self.methods_panes.clone()] }
-    }
-
+    /// Takes all but what waits for the second burst.
     pub fn apply(&self, model: &mut Model) {
         self.apply_without_burst(model);
-        let pane = model.panes.of_mut(Side::A);
-        (pane.cursor, pane.slope_chosen, pane.view, pane.content) = (self.scrub, true, self.view, Content::Cursor);
-        if self.panes.is_none() {
-            model.panes.show_alone(PaneId::of(Side::A));
-        }
-        self.workspaces().apply(&mut model.panes);
+        model.panes = self.panes();
         model.reselect = self.selection;
         model.keep_methods_arranged();
         model.restore_probe(Side::A, self.probe);
@@ -226,28 +188,50 @@ impl Session {
         model.check_params();
     }
 
+    /// The panes, and the colours of the window, stay.
     pub fn apply_without_burst(&self, model: &mut Model) {
-        model.set_search(self.params.clone());
-        model.calibration = self.calibration.clone();
-        model.look = self.look.clone();
-        model.filter = self.filter.clone();
-        model.order = self.order;
-        model.colour_by = self.colour_by;
-        model.set_up = model.set_up.reading_by(self.depths_by);
-        model.bottom_tab = self.bottom_tab;
-        model.workspace = self.workspace;
-        model.compare.look = self.methods.clone().sanitised();
-        model.lab.planted = self.planted.clone().unwrap_or_else(|| Lab::default().planted);
+        let document = Document { selected: None, playing: false, theme: model.theme, ..self.document.clone() };
+        let panes = std::mem::replace(&mut model.document, document).panes;
+        model.panes = panes;
+    }
+
+    /// Takes what waits for the second burst, which is open now, or closed for good.
+    pub fn apply_second(&self, model: &mut Model) {
+        model.panes = self.panes();
+        if self.second.burst.is_none() {
+            model.panes.close_side(Side::B);
+            model.panes.take_placed(Workspace::Pair, &self.document.panes);
+        }
+        model.pair.reselect = self.second.selection;
+        model.restore_probe(Side::B, self.second.probe);
+        model.restore_against(Side::B, self.second.against.clone());
+        model.check_params();
+        model.check_pair();
+    }
+
+    /// The slope of each is taken as chosen.
+    fn panes(&self) -> Panes {
+        let mut panes = self.document.panes.clone();
+        panes.iter_mut().for_each(|(_, pane)| pane.slope_chosen = true);
+        panes
     }
 }
 
-/// Where what is typed makes no sense, the last that did: a session could not be opened again.
-fn sound_search(model: &Model) -> SearchParams {
-    let asked = model.asked();
-    match asked.validate() {
-        Ok(()) => asked,
-        Err(_) => SearchParams { detector: model.slots.a.usable_params.clone(), ..asked },
+/// The document with absolute paths; where what is typed makes no sense, the last that did: a session could not be
+/// opened again.
+fn sound(model: &Model) -> Document {
+    let mut document = model.document.clone();
+    document.calibration = absolute_calibration(&document.calibration);
+    if document.search().validate().is_err() {
+        document.params = model.slots.a.usable_params.clone();
     }
+    for record in doc::ALL {
+        if record.check(&document.matching).is_err() {
+            // The text of a value can be read.
+            let _ = record.read(&mut document.matching, &record.text(&MatchParams::default()));
+        }
+    }
+    document
 }
 
 /// Unknown keys are paths: `pair.links.vews`. Types that deny unknown keys themselves fail at once.
@@ -299,13 +283,13 @@ mod tests {
         let mut restored = self::model();
         session.apply(&mut restored);
         restored.take_second_burst(second());
-        session.pair.apply(&mut restored);
+        session.apply_second(&mut restored);
         assert_eq!((restored.probe.side, restored.probe.place()), (Side::B, Some([70.0, 20.0])));
         let file = restored.slots.b.against.file.as_ref().expect("it was opened").path.clone();
         assert!(file.is_absolute() && file.ends_with("theirs.csv"));
-        assert_eq!(Session::of(&restored).expect("a burst is open").pair, session.pair);
+        assert_eq!(Session::of(&restored), Some(session));
         // The session of before says nothing of B's probe, and takes it away.
-        before.pair.apply(&mut restored);
+        before.apply_second(&mut restored);
         assert!(!restored.probe.is_on() && restored.saved_against(Side::B).is_none());
     }
 
@@ -314,15 +298,15 @@ mod tests {
         for text in [
             "",
             "hello",
-            "version = 3",
-            "version = 2\nburst = \"demo\"",
+            "version = 4",
+            "version = 3\nburst = \"demo\"",
             "peak_threshold = 0.1",
             "version = 99\nburst = \"demo\"",
         ] {
             let error = Session::from_toml(text).expect_err(text);
             assert!(error.contains("session"), "{error}");
         }
-        assert!(Session::from_toml("version = 3\nburst = \"demo\"").is_ok());
+        assert!(Session::from_toml("version = 4\nburst = \"demo\"").is_ok());
     }
 
     #[test]
@@ -338,19 +322,19 @@ mod tests {
             let of_one_kind = error.contains("wanted exactly 1 element");
             assert!(error.contains("misspelt") || (of_one_kind && error.contains(table)), "{table}: {error}");
             of_one_kinds += usize::from(of_one_kind);
-            for (version, which) in [("version 4", "a newer Burstscope"), ("version 2", "the Burstscope that wrote it")]
+            for (version, which) in [("version 5", "a newer Burstscope"), ("version 3", "the Burstscope that wrote it")]
             {
-                let other = misspelt.replacen("version = 3", &version.replace(' ', " = "), 1);
+                let other = misspelt.replacen("version = 4", &version.replace(' ', " = "), 1);
                 let error = Session::from_toml(&other).expect_err(table);
                 assert!(error.contains(version) && error.ends_with(which), "{table}: {error}");
             }
         }
         assert!(of_one_kinds < 10, "{of_one_kinds}");
-        let misspelt = text.replacen("[pair.links]", "[pair.links]\nmisspelt = 1", 1);
+        let misspelt = text.replacen("[document.film]", "[document.film]\nmisspelt = 1", 1);
         let error = Session::from_toml(&misspelt).expect_err("unknown");
-        assert!(error.contains("pair.links.misspelt"), "{error}");
+        assert!(error.contains("document.film.misspelt"), "{error}");
         // Within a value of an enum.
-        let inner = "version = 3\nburst = { dark_copy = { of = \"demo\", noise = 0.1, seed = 3 } }";
+        let inner = "version = 4\nburst = { dark_copy = { of = \"demo\", noise = 0.1, seed = 3 } }";
         let error = Session::from_toml(inner).expect_err("unknown");
         assert!(error.contains("seed"), "{error}");
     }

@@ -1,7 +1,6 @@
 //! Restoring of a session: its bursts are opened first, then everything else follows.
 
-use super::{PairSession, SavedDataset, Session};
-use crate::app::pane::SavedWorkspaces;
+use super::{SavedDataset, Session};
 use crate::app::project::Model;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::Side;
@@ -16,13 +15,13 @@ const TITLE: &str = "Open session";
 #[derive(Debug, Default)]
 pub struct Restoring {
     session: Option<(JobId, Box<Session>)>,
-    pair: Option<(JobId, Box<PairSession>, SavedWorkspaces)>,
+    second: Option<(JobId, Box<Session>)>,
 }
 
 impl Restoring {
     /// Everything else is restored once the burst was opened, or could not be; until then nothing changes.
     pub fn begin(&mut self, session: Session, model: &mut Model, engine: &Engine) {
-        let (source, options) = (session.burst.clone(), session.calibration.clone());
+        let (source, options) = (session.burst.clone(), session.document.calibration.clone());
         let id = model.slots.a.opening.ask(engine, OpenRequest { source, options });
         self.session = Some((id, Box::new(session)));
     }
@@ -53,7 +52,7 @@ impl Restoring {
     pub fn waits_for(&mut self, model: &Model) -> Option<JobId> {
         let [of_a, of_b] = model.slots.both().map(|slot| slot.opening.pending_id());
         self.session.take_if(|(id, _)| Some(*id) != of_a);
-        self.pair.take_if(|(id, ..)| Some(*id) != of_b);
+        self.second.take_if(|(id, _)| Some(*id) != of_b);
         of_a.filter(|_| self.session.is_some())
     }
 
@@ -107,8 +106,7 @@ impl Restoring {
         model: &mut Model,
         engine: &Engine,
     ) -> Option<Effect> {
-        let panes = session.workspaces();
-        let closed = match session.dataset {
+        let closed = match session.dataset.clone() {
             Some(SavedDataset { source, folder, a, b }) => {
                 model.datasets.restoring = Some([a, b]);
                 model.look_at_dataset(source, folder, engine);
@@ -116,47 +114,39 @@ impl Restoring {
             }
             None => Some(model.close_dataset()),
         };
-        model.restore_trajectories(session.trajectories, engine);
+        model.restore_trajectories(session.trajectories.clone(), engine);
         if with_burst {
             if session.detected && model.needs_detection(Side::A) {
                 model.start_detection(Side::A, engine);
             }
-            if let Some(gold) = session.gold {
+            if let Some(gold) = session.gold.clone() {
                 model.open_gold(Side::A, gold, engine);
             }
         }
-        self.restore_pair(session.pair, panes, model, engine);
-        closed
-    }
-
-    fn restore_pair(&mut self, session: PairSession, panes: SavedWorkspaces, model: &mut Model, engine: &Engine) {
-        match session.burst.clone() {
+        match session.second.burst.clone() {
             Some(source) => {
                 let id = model.open(Side::B, source, engine);
-                self.pair = Some((id, Box::new(session), panes));
+                self.second = Some((id, Box::new(session)));
             }
             None => {
                 model.close_second();
                 model.forget_closed_trails(engine);
-                session.apply(model);
-                // Of the panes that were closed only those of both bursts wait for one that is opened later.
-                let [_, of_both, _] = &panes.placed;
-                of_both.iter().for_each(|saved| saved.apply(&mut model.panes, Workspace::Pair));
+                session.apply_second(model);
             }
         }
+        closed
     }
 
     fn take_second(&mut self, ended: Ended<OpenRequest>, model: &mut Model, engine: &Engine) -> Vec<Effect> {
-        let session = self.pair.take_if(|(id, ..)| *id == ended.id).map(|(_, session, panes)| (session, panes));
+        let session = self.second.take_if(|(id, _)| *id == ended.id).map(|(_, session)| session);
         let mut effects = Vec::new();
         match ended.result {
             Ok(burst) => {
                 effects.extend(model.take_opened(Side::B, burst, engine));
                 match session {
-                    Some((session, panes)) => {
-                        session.apply(model);
-                        panes.apply(&mut model.panes);
-                        if let Some(gold) = session.gold {
+                    Some(session) => {
+                        session.apply_second(model);
+                        if let Some(gold) = session.second.gold {
                             model.open_gold(Side::B, gold, engine);
                         }
                     }
