@@ -10,7 +10,6 @@ use crate::app::project::Effect;
 use crate::app::project::effect::Purpose;
 use crate::app::project::side::Side;
 use crate::inspect::probe::Wanted as Subject;
-use crate::inspect::words::counted;
 use crate::requests::ProbeQuestion;
 use crate::teach::Lesson;
 use std::collections::VecDeque;
@@ -27,8 +26,8 @@ impl BurstscopeApp {
 
     /// Takes an action that is no row of the table.
     pub(super) fn change(&mut self, action: Action) {
-        self.take_down(&action);
-        let Self { model, engine, restoring, .. } = self;
+        let Self { model, engine, restoring, journal, .. } = self;
+        journal.take(&action, model.in_lesson);
         match action {
             Action::Open(Side::A, source) => restoring.open(source, model, engine),
             Action::Restore(session) => restoring.begin(*session, model, engine),
@@ -39,20 +38,13 @@ impl BurstscopeApp {
         }
     }
 
-    /// Writes down what the user did; a lesson has a project of its own, of which nothing is left.
-    fn take_down(&mut self, action: &Action) {
-        if !self.model.in_lesson {
-            self.journal.take(action);
-        }
-    }
-
     /// Runs an action, as if it had been chosen from a menu. A disabled action does nothing.
     pub fn run_action(&mut self, ctx: &egui::Context, id: ActionId) {
         if !actions::enabled(id, &self.model) || self.overlays.open(id, &self.model) {
             return;
         }
-        self.take_down(&id.into());
-        let Self { model, widgets, engine, .. } = self;
+        let Self { model, widgets, engine, journal, .. } = self;
+        journal.take(&id.into(), model.in_lesson);
         match id {
             ActionId::Lessons => self.lessons.list_is_open = true,
             ActionId::LeaveLesson => {
@@ -68,8 +60,8 @@ impl BurstscopeApp {
                 }
             }
             ActionId::CopyActions => {
-                ctx.copy_text(self.journal.to_toml());
-                self.note(Some(format!("Copied {}", counted(self.journal.len(), "action"))));
+                ctx.copy_text(journal.to_toml());
+                model.messages.note("Copied what you did");
             }
             ActionId::CopyRow => self.note(clipboard::copy_row(ctx, &self.model, &self.widgets)),
             ActionId::CopyCommand => match clipboard::copy_command(ctx, model) {

@@ -142,14 +142,11 @@ pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Me
         Purpose::OpenGold(side) => Action::OpenGold(side, BurstSource::Paths(paths)),
         Purpose::OpenFeatures(side) => Action::OpenFeatures(side, first),
         Purpose::RestoreSession => {
-            let text = read_text(&first, MAX_SESSION_BYTES).map_err(|e| e.to_string());
-            let session = text.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e)));
-            Action::Restore(Box::new(read_from(&first, purpose, session, messages)?))
+            let session = read_from(&first, MAX_SESSION_BYTES, purpose, Session::from_toml, messages)?;
+            Action::Restore(Box::new(session))
         }
         Purpose::LoadParams => {
-            let text = read_text(&first, MAX_SETTINGS_BYTES).map_err(|e| e.to_string());
-            let params = text.and_then(|text| SearchParams::from_toml(&text).map_err(|e| explained(&text, &e)));
-            let params = read_from(&first, purpose, params, messages)?;
+            let params = read_from(&first, MAX_SETTINGS_BYTES, purpose, SearchParams::from_toml, messages)?;
             messages.note(format!("Loaded parameters from {}", first.display()));
             Action::SetSearch(Box::new(params))
         }
@@ -157,8 +154,15 @@ pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Me
     })
 }
 
-fn read_from<T>(path: &Path, purpose: Purpose, read: Result<T, String>, messages: &mut Messages) -> Option<T> {
-    match read {
+fn read_from<T>(
+    path: &Path,
+    max_bytes: u64,
+    purpose: Purpose,
+    read: fn(&str) -> Result<T, String>,
+    messages: &mut Messages,
+) -> Option<T> {
+    let text = read_text(path, max_bytes).map_err(|error| error.to_string());
+    match text.and_then(|text| read(&text).map_err(|error| explained(&text, &error))) {
         Ok(value) => {
             messages.resolved(purpose.title());
             Some(value)

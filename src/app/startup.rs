@@ -2,7 +2,7 @@
 //! shuts down.
 
 use super::dialogs::{FileDialogs, SystemDialogs};
-use super::document::{Action, Steps};
+use super::document::{Action, Queue, Steps};
 use super::project::side::Side;
 use super::recovery::KeptIn;
 use super::settings::Settings;
@@ -15,6 +15,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
+#[derive(Clone)]
 pub struct Startup {
     pub calibration: OpenOptions,
     /// Burst that is opened first; `None` opens nothing and shows how to begin.
@@ -58,18 +59,20 @@ impl Default for Startup {
 
 impl Startup {
     /// What a window of the defaults does first.
-    pub fn actions(&self) -> Vec<Action> {
+    pub fn actions(&self) -> Queue {
         let mut actions = self.settings.actions();
-        let settings = (self.params != SearchParams::default())
-            .then(|| Action::SetSearch(Box::new(self.params.clone())))
-            .into_iter()
-            .chain((self.calibration != OpenOptions::default()).then(|| Action::Calibrate(self.calibration.clone())));
-        actions.extend(settings);
+        actions.set(&SearchParams::default(), self.params.clone(), |params| Action::SetSearch(Box::new(params)));
+        actions.set(&OpenOptions::default(), self.calibration.clone(), Action::Calibrate);
         if self.session.is_none() {
             let burst = || self.source.clone().map(|source| Action::Open(Side::A, source));
-            actions.extend(self.dataset.clone().map(Action::OpenDataset).or_else(burst));
+            self.dataset
+                .clone()
+                .map(Action::OpenDataset)
+                .or_else(burst)
+                .into_iter()
+                .for_each(|open| actions.push(open));
         }
-        actions.extend(self.second.clone().map(|source| Action::Open(Side::B, source)));
+        self.second.iter().for_each(|source| actions.push(Action::Open(Side::B, source.clone())));
         actions
     }
 }

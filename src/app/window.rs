@@ -83,7 +83,7 @@ impl BurstscopeApp {
             overlays: Overlays::default(),
             restoring: Restoring::default(),
             journal: Journal::default(),
-            playback: startup.play.map(Playback::new),
+            playback: startup.play.map(|steps| Playback { steps, ..Playback::default() }),
             lessons: Lessons { progress: startup.settings.lessons.clone(), ..Lessons::default() },
             captions: Captions::default(),
             desk: Desk::new(startup.dialogs, on_update),
@@ -192,7 +192,7 @@ impl BurstscopeApp {
     fn play_step(&mut self, ctx: &egui::Context) -> bool {
         let rests = self.rests();
         let Some(playback) = &mut self.playback else { return false };
-        let (action, goes_on) = (playback.next(rests), playback.goes_on());
+        let (action, goes_on) = (playback.next(rests), playback.goes_on);
         if let Some(action) = action {
             self.run(ctx, action);
             self.model.refresh_workspace();

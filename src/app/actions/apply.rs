@@ -206,25 +206,6 @@ mod tests {
     use super::*;
     use crate::app::project::side::Side;
     use crate::app::project::tests::Bench;
-    use crate::detector::DetectorParams;
-
-    #[test]
-    fn a_drag_is_one_action_a_pass_and_one_step_to_undo() {
-        let Bench { mut model, engine } = Bench::new();
-        let before = model.params.clone();
-        for pass in 1..=20 {
-            let detector = DetectorParams { edge_threshold: 10.0 + pass as f32, ..model.params.clone() };
-            let search = SearchParams { detector, slopes: model.slopes };
-            assert!(apply(Action::SetSearch(Box::new(search)), &mut model, &engine).is_empty());
-            // The pointer is let go in the last pass.
-            model.close_step(pass < 20);
-        }
-        assert_eq!(model.params.edge_threshold, 30.0);
-        apply(Action::Do(super::super::ActionId::Undo), &mut model, &engine);
-        assert!(model.params == before && !model.history.can_undo());
-        apply(Action::Do(super::super::ActionId::Redo), &mut model, &engine);
-        assert_eq!(model.params.edge_threshold, 30.0);
-    }
 
     #[test]
     fn what_is_pointed_at_is_no_step_and_leaves_the_document_as_it_is() {

@@ -127,14 +127,13 @@ proptest! {
     fn actions_are_written_and_read(actions in prop::collection::vec(any_action(), 1..40)) {
         let mut journal = Journal::default();
         for action in &actions {
-            journal.take(action);
+            journal.take(action, false);
             journal.close(false);
         }
         let read = read_steps(&journal.to_toml()).expect("it was written so");
         // Of dialogs, copies and moves to where a view is nothing is taken down.
         let there: Vec<&Action> = actions.iter().filter(|action| read.iter().flatten().any(|r| r == *action)).collect();
         prop_assert_eq!(read.iter().flatten().collect::<Vec<_>>(), there);
-        prop_assert_eq!(journal.len(), read.len());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! by one function (`actions::apply`).
 
 use crate::app::actions::registry::ActionId;
-use crate::app::pane::{Arrangement, Content, Link, Over, PaneId};
+use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks};
 use crate::app::project::against::{Kind, With};
 use crate::app::project::compare::{CompareLook, Contender};
 use crate::app::project::datasets::PairChoice;
@@ -13,7 +13,7 @@ use crate::app::project::filter::{Filter, Order};
 use crate::app::project::lab::Lab;
 use crate::app::project::look::{Look, RangeClass};
 use crate::app::project::measure::Measure;
-use crate::app::project::pair::{Links, MatchColumn, MatchLook, PairTab};
+use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
 use crate::app::project::panels::Panels;
 use crate::app::project::panes::{Change, Destination};
 use crate::app::project::set_up::SetUpState;
@@ -121,7 +121,7 @@ pub enum Action {
 
     SetMatching(Box<MatchParams>),
     SetMatchLook(MatchLook),
-    SetPairLinks(Links),
+    SetPairLinks(PaneLinks),
     SetMatchOrder(Order<MatchColumn>),
     SetPairTab(PairTab),
     SelectMatch(#[serde(with = "or_none")] Option<usize>),
@@ -186,13 +186,13 @@ impl From<Pointed> for Action {
 mod or_none {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    #[derive(Serialize, Deserialize)]
+    #[derive(Deserialize)]
     #[serde(rename_all = "snake_case")]
     enum Absent {
         None,
     }
 
-    #[derive(Serialize, Deserialize)]
+    #[derive(Deserialize)]
     #[serde(untagged, expecting = "give a value of this action's kind, or \"none\"")]
     enum Written<T> {
         Absent(Absent),
@@ -200,7 +200,10 @@ mod or_none {
     }
 
     pub fn serialize<T: Serialize, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
-        value.as_ref().map_or(Written::Absent(Absent::None), Written::There).serialize(serializer)
+        match value {
+            Some(value) => value.serialize(serializer),
+            None => serializer.serialize_str("none"),
+        }
     }
 
     pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(from: D) -> Result<Option<T>, D::Error> {

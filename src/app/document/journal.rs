@@ -15,13 +15,10 @@ use std::mem::discriminant;
 const VERSION: u32 = 1;
 
 /// The oldest are forgotten beyond these.
-const MAX_STEPS: usize = 3000;
-
-/// Longest file of steps that is read.
-pub const MAX_STEPS_BYTES: u64 = 64 << 20;
+pub const MAX_STEPS: usize = 3000;
 
 /// Steps that a saved session has.
-const LAST_STEPS: usize = 100;
+pub const LAST_STEPS: usize = 100;
 
 /// Steps to undo, or parts of none: each a list of actions, of which a drag has many.
 pub type Steps = VecDeque<Vec<Action>>;
@@ -46,22 +43,14 @@ struct Written {
 /// Steps that are done again, an action a pass.
 #[derive(Debug, Default)]
 pub struct Playback {
-    steps: Steps,
-    goes_on: bool,
+    pub steps: Steps,
+    /// Whether the step of the last action goes on.
+    pub goes_on: bool,
 }
 
 impl Playback {
-    pub fn new(steps: Steps) -> Self {
-        Self { steps, goes_on: false }
-    }
-
     pub fn is_over(&self) -> bool {
         self.steps.is_empty()
-    }
-
-    /// Whether the step of the last action goes on.
-    pub fn goes_on(&self) -> bool {
-        self.goes_on
     }
 
     /// The next action. A step begins when all that was wanted before it is there: then `rests`.
@@ -80,8 +69,9 @@ impl Playback {
 }
 
 impl Journal {
-    pub fn take(&mut self, action: &Action) {
-        if !is_taken_down(action) {
+    /// A lesson has a project of its own, of which nothing is left: what is done `in_lesson` is not taken down.
+    pub fn take(&mut self, action: &Action, in_lesson: bool) {
+        if in_lesson || !is_taken_down(action) {
             return;
         }
         match self.steps.back_mut().filter(|_| self.is_open) {
@@ -105,15 +95,11 @@ impl Journal {
         self.is_open &= goes_on;
     }
 
-    pub fn len(&self) -> usize {
-        self.steps.iter().map(Vec::len).sum()
-    }
-
     pub fn to_toml(&self) -> String {
         let how = "# What was done, a line for each action. To do it again without a display:\n\
                    # burstscope render --play THIS_FILE --out picture.png\n";
-        let left_out = if self.left_out > 0 { format!("left_out = {}\n", self.left_out) } else { String::new() };
-        format!("{}{how}version = {VERSION}\n{left_out}{}", written_by(), listed(self.steps.iter()))
+        let Self { steps, left_out, .. } = self;
+        format!("{}{how}version = {VERSION}\nleft_out = {left_out}\n{}", written_by(), listed(steps.iter()))
     }
 
     /// The last steps, as lines of a session. A session that was restored is there without its own.
@@ -173,9 +159,10 @@ fn is_taken_down(action: &Action) -> bool {
     match action {
         Action::Point(_) | Action::Note(_) | Action::DismissMessage(_) => false,
         Action::MoveView { before, after, .. } => before != after,
-        // Its place is taken down.
-        Action::Do(A::ProbePlace) => false,
-        Action::Do(A::Quit | A::CopyRow | A::CopyCommand | A::CopyPicture | A::CopyActions | A::LeaveLesson) => false,
+        // The place that is probed is taken down.
+        Action::Do(
+            A::ProbePlace | A::Quit | A::CopyRow | A::CopyCommand | A::CopyPicture | A::CopyActions | A::LeaveLesson,
+        ) => false,
         Action::Do(id) => !id.action().label.ends_with('…'),
         _ => true,
     }
@@ -192,8 +179,6 @@ fn replaces(action: &Action, before: &Action) -> bool {
             | A::SetSetUp(_)
             | A::SetLab(_)
             | A::SetMeasure(_)
-            | A::SetFigure(_)
-            | A::SetFilm(_)
             | A::SetMatchLook(_)
             | A::MoveCameras(_)
     );
@@ -203,69 +188,4 @@ fn replaces(action: &Action, before: &Action) -> bool {
         _ => false,
     };
     (sets_all && discriminant(action) == discriminant(before)) || sets_one
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::pane::PaneId;
-    use crate::detector::{SearchParams, Slope};
-
-    fn taken(passes: &[(Action, bool)]) -> Journal {
-        let mut journal = Journal::default();
-        for (action, goes_on) in passes {
-            journal.take(action);
-            journal.close(*goes_on);
-        }
-        journal
-    }
-
-    fn search(levels: u32) -> Action {
-        let mut params = SearchParams::default();
-        params.detector.levels = levels;
-        Action::SetSearch(Box::new(params))
-    }
-
-    #[test]
-    fn a_drag_is_one_step_that_keeps_its_last_value() {
-        let slope = |u| Action::SetSlope(PaneId(1), Slope::new(u, 0.0));
-        let journal = taken(&[
-            (search(3), true),
-            (search(4), true),
-            (search(5), false),
-            (search(6), false),
-            (slope(1.0), true),
-            (slope(1.5), false),
-            (Action::Note("seen".into()), false),
-            (ActionId::SaveSession.into(), false),
-        ]);
-        let steps = [vec![search(5)], vec![search(6)], vec![slope(1.0), slope(1.5)]];
-        assert_eq!(journal.steps, steps);
-        assert_eq!(read_steps(&journal.to_toml()), Ok(Steps::from(steps)), "{}", journal.to_toml());
-    }
-
-    #[test]
-    fn of_very_many_the_last_are_kept_and_it_is_said() {
-        let journal = taken(&vec![(ActionId::ZoomIn.into(), false); MAX_STEPS + 3]);
-        let text = journal.to_toml();
-        assert!(text.contains("left_out = 3\n"), "{}", &text[..300]);
-        assert_eq!(read_steps(&text).map(|steps| steps.len()), Ok(MAX_STEPS));
-        assert_eq!(journal.last_lines().matches("zoom_in").count(), LAST_STEPS);
-    }
-
-    #[test]
-    fn mistakes_are_named_with_their_lines() {
-        let wrong = |did: &str| read_steps(&format!("version = 1\ndid = [\n  [{did}],\n]\n")).expect_err(did);
-        for (did, words) in [
-            ("{ set_slop = [0, 1] }", vec!["line 3", "set_slop", "set_slope"]),
-            ("{ do = \"zoom\" }", vec!["line 3", "zoom_in"]),
-            ("{ set_frame = [0, \"last\"] }", vec!["line 3", "string \"last\"", "usize"]),
-            ("{ select = [1] }", vec!["line 3", "none"]),
-        ] {
-            let error = wrong(did);
-            assert!(words.iter().all(|word| error.contains(word)), "{words:?}: {error}");
-        }
-        let other = read_steps("version = 9\ndid = []").expect_err("another version");
-        assert!(other.contains("version is 9") && other.contains("version = 1"), "{other}");
-    }
 }

@@ -158,13 +158,6 @@ impl Panes {
         }
     }
 
-    pub fn set_focus_in(&mut self, workspace: Workspace, id: PaneId) {
-        let placed = &mut self.placed[place_of(workspace)];
-        if placed.arrangement.panes().contains(&id) {
-            placed.focus = id;
-        }
-    }
-
     pub fn focus_next(&mut self, forward: bool) {
         let (shown, focus) = (self.shown(), self.focus());
         let place = shown.iter().position(|id| *id == focus).unwrap_or(0);

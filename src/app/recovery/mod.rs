@@ -220,7 +220,7 @@ mod tests {
         let Bench { mut model, engine } = Bench::new();
         model.take_burst(open((64, 48), 5));
         let mut journal = Journal::default();
-        journal.take(&Action::Select(Some(3)));
+        journal.take(&Action::Select(Some(3)), false);
         for _ in 0..2 {
             let left = Record::new(home.path()).expect("made");
             left.write(&session_text(&model, &journal).expect("a burst is open")).expect("written");

@@ -7,7 +7,6 @@ mod sides;
 
 pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
 pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
-pub use sides::Links;
 
 use crate::app::pane::{Content, Pane};
 use crate::app::project::against::With;
