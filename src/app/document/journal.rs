@@ -6,6 +6,7 @@
 
 use super::Action;
 use crate::app::actions::registry::ActionId;
+use crate::app::session::absolute;
 use crate::files::{explained, written_by};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -74,14 +75,18 @@ impl Journal {
         if in_lesson || !is_taken_down(action) {
             return;
         }
+        let action = match action.clone() {
+            Action::Open(side, source) => Action::Open(side, absolute(&source)),
+            action => action,
+        };
         match self.steps.back_mut().filter(|_| self.is_open) {
             Some(step) => {
-                if step.last().is_some_and(|last| replaces(action, last)) {
+                if step.last().is_some_and(|last| replaces(&action, last)) {
                     step.pop();
                 }
-                step.push(action.clone());
+                step.push(action);
             }
-            None => self.steps.push_back(vec![action.clone()]),
+            None => self.steps.push_back(vec![action]),
         }
         self.is_open = true;
         if self.steps.len() > MAX_STEPS {

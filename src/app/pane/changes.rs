@@ -35,7 +35,8 @@ impl Panes {
 
     /// The two permanent panes stay on their bursts: a new pane takes the place of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
-        let Some(pane) = self.get(id).filter(|pane| pane.side != side) else { return };
+        let is_here = self.shown().contains(&id);
+        let Some(pane) = self.get(id).filter(|pane| is_here && pane.side != side) else { return };
         let changed = Pane { side, ..pane.clone() };
         if let Some(own) = self.more.get_mut(&id) {
             *own = changed;

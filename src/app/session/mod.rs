@@ -5,10 +5,9 @@ mod restoring;
 mod saved;
 
 pub use restoring::Restoring;
-pub use saved::{SavedDataset, SavedTrajectories};
+pub use saved::{SavedDataset, SavedTrajectories, absolute};
 
 use super::document::{Document, Steps};
-use super::pane::Panes;
 use crate::app::project::against::{SavedAgainst, With};
 use crate::app::project::pair::{SavedMatch, Side};
 use crate::app::project::probe::SavedProbe;
@@ -20,7 +19,7 @@ use crate::inspect::set_up::SetUp;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
 use crate::requests::BurstSource;
-use saved::{absolute, absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories};
+use saved::{absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -180,7 +179,7 @@ impl Session {
     /// Takes all but what waits for the second burst.
     pub fn apply(&self, model: &mut Model) {
         self.apply_without_burst(model);
-        model.panes = self.panes();
+        model.panes = self.document.panes.clone();
         model.reselect = self.selection;
         model.keep_methods_arranged();
         model.restore_probe(Side::A, self.probe);
@@ -196,7 +195,7 @@ impl Session {
 
     /// Takes what waits for the second burst, which is open now, or closed for good.
     pub fn apply_second(&self, model: &mut Model) {
-        model.panes = self.panes();
+        model.panes = self.document.panes.clone();
         if self.second.burst.is_none() {
             model.panes.close_side(Side::B);
             model.panes.take_placed(Workspace::Pair, &self.document.panes);
@@ -206,13 +205,6 @@ impl Session {
         model.restore_against(Side::B, self.second.against.clone());
         model.check_params();
         model.check_pair();
-    }
-
-    /// The slope of each is taken as chosen.
-    fn panes(&self) -> Panes {
-        let mut panes = self.document.panes.clone();
-        panes.iter_mut().for_each(|(_, pane)| pane.slope_chosen = true);
-        panes
     }
 }
 

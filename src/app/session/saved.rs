@@ -40,7 +40,7 @@ pub(super) fn saved_against(model: &Model, side: Side) -> Option<SavedAgainst> {
 }
 
 /// `source` with absolute paths, so that the session can be opened from any folder.
-pub(super) fn absolute(source: &BurstSource) -> BurstSource {
+pub fn absolute(source: &BurstSource) -> BurstSource {
     match source {
         BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => source.clone(),
         BurstSource::DarkCopy { of, noise } => BurstSource::DarkCopy { of: Box::new(absolute(of)), noise: *noise },

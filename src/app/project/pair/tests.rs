@@ -61,6 +61,7 @@ fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
     let mut model = pair();
     assert!(model.needs_matches());
     model.pair.take_matches(matched(&model));
+    model.refresh_listed_matches();
     assert!(!model.needs_matches());
     assert_eq!((model.pair.listed.len(), model.stale_matches()), (4, None));
     model.matching.ratio = 0.7;
