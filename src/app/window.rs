@@ -326,9 +326,9 @@ impl BurstscopeApp {
         {
             let offer_ui = |ui: &mut egui::Ui| panel::status::recovery_ui(ui, &offer);
             if let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, offer_ui).inner {
-                let session = recovery.settle(choice, &mut self.model.messages);
-                if let Some(session) = session {
-                    self.change(Action::Restore(session));
+                let path = recovery.settle(choice, &mut self.model.messages);
+                if let Some(path) = path {
+                    self.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
                     let waits_for = self.restoring.waits_for(&self.model);
                     self.recovery.iter_mut().for_each(|recovery| recovery.wait_for(waits_for));
                 }

@@ -12,10 +12,9 @@ use egui::{Key, pos2};
 use egui_kittest::kittest::Queryable;
 
 fn did(window: &mut Window) -> Steps {
-    window.ctrl(Key::P);
-    window.harness.get_by_role_and_label(Role::TextInput, "Find an action").type_text("Copy what I did");
-    window.harness.run_steps(2);
-    let texts = copied(window, |window| window.harness.key_press(Key::Enter));
+    window.click("Help");
+    let item = |window: &mut Window| window.harness.get_by_role_and_label(Role::Button, "Copy what I did").click();
+    let texts = copied(window, item);
     let text = texts.iter().find(|text| text.contains("did = [")).expect("it is copied");
     read_steps(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
@@ -52,9 +51,11 @@ fn what_was_done_with_one_burst_is_done_again() {
     window.run_action("Zoom in");
     window.settle();
     let place = window.app().ui_from_image(pos2(60.0, 50.0)).expect("it is drawn");
-    window.drag(place, place + egui::vec2(30.0, 12.0));
-    window.run_action("Pin");
+    window.run_action("Pin this result");
+    window.settle();
     window.shift_click_at(place);
+    window.settle();
+    window.drag(place, place + egui::vec2(30.0, 12.0));
     window.settle();
     let steps = did(&mut window);
     assert!(steps.iter().flatten().any(|action| matches!(action, Action::Probe(..))), "{steps:?}");

@@ -5,11 +5,9 @@ mod record;
 
 pub use record::Record;
 
-use super::document::{Action, Journal};
-use super::files::action_of;
+use super::document::Journal;
 use super::session::Session;
 use crate::app::project::Model;
-use crate::app::project::effect::Purpose;
 use crate::app::project::messages::Messages;
 use crate::engine::{Engine, TaskDone, TaskId};
 use crate::files::{MAX_SESSION_BYTES, read_text, written_by};
@@ -139,8 +137,8 @@ impl Recovery {
         true
     }
 
-    /// Returns the session to restore.
-    pub fn settle(&mut self, choice: RecoveryChoice, messages: &mut Messages) -> Option<Box<Session>> {
+    /// Returns the file of the session to restore.
+    pub fn settle(&mut self, choice: RecoveryChoice, messages: &mut Messages) -> Option<PathBuf> {
         self.is_asking = choice == RecoveryChoice::Discard;
         match choice {
             RecoveryChoice::Discard | RecoveryChoice::Keep => {}
@@ -148,12 +146,7 @@ impl Recovery {
                 self.forget();
                 messages.note("Removed the saved session");
             }
-            RecoveryChoice::Restore => {
-                let path = self.left.front()?.0.session().to_owned();
-                if let Action::Restore(session) = action_of(Purpose::RestoreSession, vec![path], messages)? {
-                    return Some(session);
-                }
-            }
+            RecoveryChoice::Restore => return Some(self.left.front()?.0.session().to_owned()),
         }
         None
     }
@@ -206,6 +199,7 @@ impl Recovery {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::document::Action;
     use crate::app::project::side::Side;
     use crate::app::project::tests::{Bench, open};
     use std::path::Path;
@@ -229,7 +223,8 @@ mod tests {
         let mut recovery = Recovery::begin(Some(&kept), &mut model.messages).expect("made");
         let more = |recovery: &Recovery| recovery.offer().map(|offer| offer.more);
         assert_eq!(more(&recovery), Some(1));
-        let session = recovery.settle(RecoveryChoice::Restore, &mut model.messages).expect("it can be read");
+        let path = recovery.settle(RecoveryChoice::Restore, &mut model.messages).expect("it is there");
+        let session = Session::from_toml(&read_text(&path, MAX_SESSION_BYTES).expect("read")).expect("sound");
         assert_eq!(session.did, [vec![Action::Select(Some(3))]], "what was done last is in it");
         let request = model.open(Side::A, session.burst.clone(), &engine);
         recovery.wait_for(Some(request));

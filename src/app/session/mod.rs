@@ -2,28 +2,28 @@
 //! burst is opened again, and the features are detected again, which gives the same bits.
 
 mod restoring;
-mod saved;
 
 pub use restoring::Restoring;
-pub use saved::{SavedDataset, SavedTrajectories, absolute};
 
 use super::document::{Document, Steps};
 use crate::app::project::against::{SavedAgainst, With};
+use crate::app::project::datasets::Dataset;
 use crate::app::project::pair::{SavedMatch, Side};
 use crate::app::project::probe::SavedProbe;
+use crate::app::project::trajectories::Trajectories;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Model, SavedSelection};
 use crate::burst::OpenOptions;
+use crate::dataset::DatasetSource;
+use crate::evaluate::poses::Projection;
 use crate::export::case::read_session;
-use crate::inspect::set_up::SetUp;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
 use crate::requests::BurstSource;
-use saved::{absolute_calibration, gold_source, saved_against, saved_dataset, saved_trajectories};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const VERSION: u32 = 4;
 
@@ -172,7 +172,8 @@ impl Session {
         }
         named("document.matching", doc::ALL.iter().try_for_each(|record| record.check(&document.matching)))?;
         named("document.look", document.look.check())?;
-        named("document.set_up", document.set_up.depths_by().map_or(Ok(()), SetUp::check))?;
+        let set_up = document.set_up;
+        named("document.set_up", if set_up.reads_depths { set_up.values.check() } else { Ok(()) })?;
         named("document.lab.planted", document.lab.planted.check())
     }
 
@@ -216,6 +217,7 @@ fn sound(model: &Model) -> Document {
     if document.search().validate().is_err() {
         document.params = model.slots.a.usable_params.clone();
     }
+    document.set_up.reads_depths &= document.set_up.values.check().is_ok();
     for record in doc::ALL {
         if record.check(&document.matching).is_err() {
             // The text of a value can be read.
@@ -230,4 +232,69 @@ fn read_noting_unknown_keys<T: DeserializeOwned>(text: &str) -> Result<(T, Vec<S
     let mut unknown = Vec::new();
     let value = serde_ignored::deserialize(toml::Deserializer::parse(text)?, |path| unknown.push(path.to_string()))?;
     Ok((value, unknown))
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedDataset {
+    pub source: DatasetSource,
+    pub folder: Option<PathBuf>,
+    pub a: Option<usize>,
+    pub b: Option<usize>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedTrajectories {
+    pub estimate: Option<PathBuf>,
+    pub truth: Option<PathBuf>,
+    #[serde(default)]
+    pub projection: Projection,
+}
+
+fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
+    model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.source))
+}
+
+fn saved_against(model: &Model, side: Side) -> Option<SavedAgainst> {
+    let saved = model.saved_against(side)?;
+    Some(SavedAgainst { file: saved.file.as_deref().map(absolute_path), ..saved })
+}
+
+/// `source` with absolute paths, so that the session can be opened from any folder.
+pub fn absolute(source: &BurstSource) -> BurstSource {
+    match source {
+        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => source.clone(),
+        BurstSource::DarkCopy { of, noise } => BurstSource::DarkCopy { of: Box::new(absolute(of)), noise: *noise },
+        BurstSource::Planted { of, study, seed } => {
+            BurstSource::Planted { of: Box::new(absolute(of)), study: study.clone(), seed: *seed }
+        }
+        BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
+    }
+}
+
+fn absolute_calibration(options: &OpenOptions) -> OpenOptions {
+    let absolute = |path: &Option<PathBuf>| path.as_deref().map(absolute_path);
+    OpenOptions { bias: absolute(&options.bias), flat: absolute(&options.flat), ..options.clone() }
+}
+
+fn absolute_path(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.into())
+}
+
+fn saved_trajectories(trajectories: &Trajectories) -> Option<SavedTrajectories> {
+    let compared = &trajectories.compared;
+    let path = |read: &Option<(PathBuf, _)>| read.as_ref().map(|(path, _)| absolute_path(path));
+    (!trajectories.is_empty()).then(|| SavedTrajectories {
+        estimate: path(&compared.estimate),
+        truth: path(&compared.truth),
+        projection: trajectories.projection,
+    })
+}
+
+fn saved_dataset(dataset: &Dataset) -> SavedDataset {
+    let mut source = dataset.source.clone();
+    source.paths.iter_mut().for_each(|p| *p = absolute_path(p));
+    let [a, b] = dataset.pair;
+    SavedDataset { source, folder: dataset.folder.as_deref().map(absolute_path), a, b }
 }
