@@ -5,7 +5,6 @@ use crate::support::{Start, Window};
 use burstscope::app::Startup;
 use burstscope::app::document::journal::read_steps;
 use burstscope::app::document::{Action, Steps};
-use burstscope::app::pane::PaneId;
 use burstscope::app::session::Session;
 use egui::accesskit::Role;
 use egui::{Key, pos2};
@@ -101,7 +100,6 @@ fn what_is_played_shows_its_errors_and_needs_no_session_file() {
     std::fs::remove_file(&path).unwrap();
     let again = played(Start::default(), steps);
     assert_same(&window, &again);
-    assert!(again.app().model.panes.get(PaneId(0)).is_some_and(|pane| pane.cursor.slope.u == 1.0));
     let gone = Action::OpenFeatures(burstscope::app::project::side::Side::A, home.path().join("gone.csv"));
     let again = played(Start::default(), Steps::from([vec![gone]]));
     assert!(again.app().is_settled());

@@ -10,7 +10,6 @@ mod links;
 mod methods;
 mod place;
 mod preset;
-mod saved;
 mod set;
 mod sides;
 mod tiles;

@@ -1,6 +1,5 @@
 //! All panes, their arrangement in each workspace, and the focus.
 
-use super::saved::PanesFile;
 use super::{Arrangement, Over, Pane, PaneId};
 use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
@@ -174,4 +173,66 @@ impl Panes {
         self.next = self.next.wrapping_add(1);
         id
     }
+}
+
+/// Panes as a file holds them: what makes no sense is left out as they are read.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct PanesFile {
+    open: Workspace,
+    /// Number of the next pane.
+    next: u32,
+    inspect: Placed,
+    pair: Placed,
+    methods: Placed,
+    pane: BTreeMap<String, Pane>,
+}
+
+impl Default for PanesFile {
+    fn default() -> Self {
+        Panes::default().into()
+    }
+}
+
+impl From<Panes> for PanesFile {
+    fn from(panes: Panes) -> Self {
+        let pane = panes.iter().map(|(id, pane)| (id.0.to_string(), pane.clone())).collect();
+        let (open, next) = (PLACES[panes.open], panes.next);
+        let [inspect, pair, methods] = panes.placed;
+        Self { open, next, inspect, pair, methods, pane }
+    }
+}
+
+impl TryFrom<PanesFile> for Panes {
+    type Error = String;
+
+    fn try_from(file: PanesFile) -> Result<Self, String> {
+        let mut all = BTreeMap::new();
+        for (name, pane) in file.pane {
+            let id = name.parse().map_err(|_| format!("a pane is named '{name}'; give it a number"))?;
+            all.insert(PaneId(id), sound(pane));
+        }
+        let mut panes = Self::default();
+        for (side, own) in Side::BOTH.into_iter().zip(&mut panes.sides) {
+            if let Some(pane) = all.get(&PaneId::of(side)) {
+                *own = Pane { side, method: None, ..pane.clone() };
+            }
+        }
+        for (workspace, placed) in PLACES.into_iter().zip([file.inspect, file.pair, file.methods]) {
+            panes.restore(workspace, placed.arrangement, all.clone(), placed.focus);
+        }
+        (panes.open, panes.next) = (place_of(file.open), panes.next.max(file.next));
+        Ok(panes)
+    }
+}
+
+fn sound(mut pane: Pane) -> Pane {
+    pane.over = pane.over.map(|over| match over {
+        Over::Wipe { other, at } => Over::Wipe { other, at: if at.is_finite() { at.clamp(0.0, 1.0) } else { 0.5 } },
+        flip @ Over::Flip { .. } => flip,
+    });
+    // A pane that shares its display has no own ranges; any other pane has.
+    pane.own_ranges =
+        if pane.links.display { None } else { Some(pane.own_ranges.take().unwrap_or_default().sanitised()) };
+    pane
 }

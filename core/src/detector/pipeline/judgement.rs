@@ -18,10 +18,9 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 /// A sample of D.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Sample {
     /// Octave index.
     pub octave: i32,
