@@ -46,7 +46,7 @@ fn what_was_done_with_one_burst_is_done_again() {
     window.settle();
     window.ctrl(Key::Z);
     window.settle();
-    window.run_action("Strongest feature");
+    window.run_action("First feature or match");
     window.run_action("Zoom in");
     window.settle();
     let place = window.app().ui_from_image(pos2(60.0, 50.0)).expect("it is drawn");
@@ -72,11 +72,11 @@ fn what_was_done_with_two_bursts_is_done_again() {
     window.click("Later demo burst as B");
     window.settle();
     window.key(Key::N);
-    window.run_action("Go to feature");
+    window.run_action("Go to the selection");
     window.settle();
     window.slide("Slope u", 1.25);
     window.settle();
-    window.run_action("Link views");
+    window.run_action("Zoom and pan together");
     window.settle();
     window.run_action("Swap A and B");
     window.settle();

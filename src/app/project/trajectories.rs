@@ -2,7 +2,6 @@
 
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
-use crate::app::session::SavedTrajectories;
 use crate::app::view::View;
 use crate::engine::{Engine, Wanted};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
@@ -18,6 +17,15 @@ use std::sync::Arc;
 pub enum Which {
     Estimate,
     Truth,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedTrajectories {
+    pub estimate: Option<PathBuf>,
+    pub truth: Option<PathBuf>,
+    #[serde(default)]
+    pub projection: Projection,
 }
 
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.

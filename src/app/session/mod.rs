@@ -10,12 +10,11 @@ use crate::app::project::against::{SavedAgainst, With};
 use crate::app::project::datasets::Dataset;
 use crate::app::project::pair::{SavedMatch, Side};
 use crate::app::project::probe::SavedProbe;
-use crate::app::project::trajectories::Trajectories;
+use crate::app::project::trajectories::{SavedTrajectories, Trajectories};
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Model, SavedSelection};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
-use crate::evaluate::poses::Projection;
 use crate::export::case::read_session;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
@@ -241,15 +240,6 @@ pub struct SavedDataset {
     pub folder: Option<PathBuf>,
     pub a: Option<usize>,
     pub b: Option<usize>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SavedTrajectories {
-    pub estimate: Option<PathBuf>,
-    pub truth: Option<PathBuf>,
-    #[serde(default)]
-    pub projection: Projection,
 }
 
 fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {

@@ -80,7 +80,6 @@ mod tests {
             let changed = others.filter_map(|text| Some((text, ParamChange::new(record, text).applied(&before).ok()?)));
             let mut changed = changed.filter(|(text, after)| record.text(after) == **text);
             let (text, after) = changed.next_back().unwrap_or_else(|| panic!("{}: no other value", record.name));
-            // Rules bring others with them, as a test of theirs says.
             for other in doc::ALL.into_iter().filter(|_| record != doc::RULES) {
                 let expected = if other == record { text.to_owned() } else { other.text(&before) };
                 assert_eq!(other.text(&after), expected, "{} changed to {text}: {}", record.name, other.name);
