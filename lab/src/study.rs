@@ -14,6 +14,7 @@ use burstscope_core::error::Error;
 use burstscope_core::inspect::score::{Curve, Judged};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A study.
@@ -69,7 +70,7 @@ pub enum StudyReport {
 }
 
 /// Point of a curve: identifies the charts that it is the mean of.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StudyPoint {
     /// Value of its row: a ratio, or a number of frames.
     pub row_value: f64,

@@ -65,18 +65,22 @@ def hand_over(folder: Path, burst: Burst, detection: Detection | None) -> Path:
     frames = folder / f"{safe[:80]}.npy"
     np.save(frames, burst.frames)
     lines = [
-        "version = 3",
+        "version = 4",
         f"detected = {'true' if detection is not None else 'false'}",
         "[burst]",
         f"paths = [{_word(str(frames))}]",
         # The values are fractions of full scale already.
-        "[calibration]",
+        "[document.calibration]",
         "full_scale = 1.0",
     ]
     if detection is not None:
         features = detection.save(folder / "features.csv")
         lines += ["[against]", 'with = "file"', f"file = {_word(str(features))}"]
-        lines += ["[params]", *(_in_params(line) for line in detection.params.splitlines())]
+        params = detection.params.splitlines()
+        # A new window finds the slopes of each burst.
+        found = any(line.startswith("slopes = ") for line in params)
+        lines += [] if found else ["[document]", 'slopes = "given"']
+        lines += ["[document.params]", *(_in_params(line) for line in params if not line.startswith("slopes = "))]
     session = folder / f"{safe[:80]}.burstscope.toml"
     session.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return session
@@ -84,7 +88,7 @@ def hand_over(folder: Path, burst: Burst, detection: Detection | None) -> Path:
 
 def _in_params(line: str) -> str:
     """A line of a parameter file below the table ``params``."""
-    return f"[params.{line[1:]}" if line.startswith("[") else line
+    return f"[document.params.{line[1:]}" if line.startswith("[") else line
 
 
 def show(burst: Burst, detection: Detection | None = None) -> Window:

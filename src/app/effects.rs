@@ -7,7 +7,8 @@ use super::document::Action;
 use super::window::BurstscopeApp;
 use super::{clipboard, files};
 use crate::app::project::{Effect, effect::Purpose, side::Side};
-use crate::requests::BurstSource;
+use crate::inspect::probe::Wanted as Subject;
+use crate::requests::ProbeQuestion;
 use crate::teach::Lesson;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -15,12 +16,24 @@ use std::sync::Arc;
 
 impl BurstscopeApp {
     pub(super) fn run(&mut self, ctx: &egui::Context, action: Action) {
-        if let Action::Do(id) = action {
-            self.run_action(ctx, id);
-            return;
+        match action {
+            Action::Do(id) => self.run_action(ctx, id),
+            action => self.change(action),
         }
-        let effects = actions::apply(action, &mut self.model, &self.engine);
-        self.apply(effects);
+    }
+
+    /// Takes an action that is no row of the table.
+    pub(super) fn change(&mut self, action: Action) {
+        let Self { model, engine, restoring, journal, .. } = self;
+        journal.take(&action, model.in_lesson);
+        match action {
+            Action::Open(Side::A, source) => restoring.open(source, model, engine),
+            Action::Restore(session) => restoring.begin(*session, model, engine),
+            action => {
+                let effects = actions::apply(action, model, engine);
+                self.apply(effects);
+            }
+        }
     }
 
     /// Runs an action, as if it had been chosen from a menu. A disabled action does nothing.
@@ -28,7 +41,8 @@ impl BurstscopeApp {
         if !actions::enabled(id, &self.model) || self.overlays.open(id, &self.model) {
             return;
         }
-        let Self { model, widgets, engine, .. } = self;
+        let Self { model, widgets, engine, journal, .. } = self;
+        journal.take(&id.into(), model.in_lesson);
         match id {
             ActionId::Lessons => self.lessons.list_is_open = true,
             ActionId::LeaveLesson => {
@@ -37,7 +51,16 @@ impl BurstscopeApp {
             }
             ActionId::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             ActionId::OneToOne => model.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
-            ActionId::ProbePlace => actions::probe_here(model, widgets),
+            ActionId::ProbePlace => {
+                if let Some((side, place)) = actions::place_to_probe(model, widgets) {
+                    self.change(Action::StopFollowing);
+                    self.change(Action::Probe(side, ProbeQuestion::At { place, wanted: Subject::Best }));
+                }
+            }
+            ActionId::CopyActions => {
+                ctx.copy_text(journal.to_toml());
+                model.messages.note("Copied what you did");
+            }
             ActionId::CopyRow => self.note(clipboard::copy_row(ctx, &self.model, &self.widgets)),
             ActionId::CopyCommand => match clipboard::copy_command(ctx, model) {
                 Some(Err(why)) => model.messages.error("Copy as command", why),
@@ -107,19 +130,19 @@ impl BurstscopeApp {
         let Self { model, engine, .. } = self;
         let Some(first) = paths.first() else { return };
         match purpose {
-            Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => {
-                self.restoring.open(BurstSource::Paths(paths), model, engine);
-            }
             Purpose::OpenBias => self.overlays.calibration_draft(&model.calibration).bias = Some(first.clone()),
             Purpose::OpenFlat => self.overlays.calibration_draft(&model.calibration).flat = Some(first.clone()),
             Purpose::OpenLessons => self.lessons.open_at(first, model),
-            Purpose::RestoreSession => {
-                self.restoring.restore(first, model, engine);
-            }
+            Purpose::PaperFigures => model.make_figures(first.clone(), engine),
+            #[cfg(feature = "colmap")]
+            Purpose::ExportDatabase => model.export_database(first.clone(), engine),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => {
                 files::write(purpose, first.clone(), model, &self.widgets, engine);
             }
-            _ => files::use_files(purpose, paths, model, engine),
+            _ => {
+                let action = files::action_of(purpose, paths, &mut model.messages);
+                action.into_iter().for_each(|action| self.change(action));
+            }
         }
     }
 

@@ -3,17 +3,19 @@
 //! A file that is written is prepared from the shown results, then written in the background, whole or not at all.
 
 use super::dialogs::Question;
+use super::document::Action;
 use super::session::Session;
 use crate::app::figure::{drawing_of, rasterise};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
 use crate::app::panel::lab::curves::shown_plots;
+use crate::app::project::Model;
 use crate::app::project::effect::{ExportKind, Purpose};
+use crate::app::project::messages::Messages;
 use crate::app::project::pair::MatchRow;
 use crate::app::project::side::Side;
 use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
@@ -122,39 +124,53 @@ pub(super) fn purpose_of_dropped(
     }
 }
 
-pub(super) fn use_files(purpose: Purpose, paths: Vec<PathBuf>, model: &mut Model, engine: &Engine) {
-    let Some(first) = paths.first().cloned() else { return };
-    match purpose {
+/// Change that the chosen files stand for. `None` for those that change no document, and for those that cannot be read,
+/// of which a message tells.
+pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Messages) -> Option<Action> {
+    let first = paths.first()?.clone();
+    Some(match purpose {
+        Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => {
+            Action::Open(Side::A, BurstSource::Paths(paths))
+        }
         Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
-            model.open(Side::B, BurstSource::Paths(paths), engine);
+            Action::Open(Side::B, BurstSource::Paths(paths))
         }
-        Purpose::OpenDataset => model.open_dataset(DatasetSource::of_bursts(paths), engine),
-        Purpose::OpenEstimate => model.open_trajectory(Which::Estimate, first, engine),
-        Purpose::OpenTruth => model.open_trajectory(Which::Truth, first, engine),
-        Purpose::FeatureFolder => model.use_feature_folder(first, engine),
-        Purpose::PaperFigures => model.make_figures(first, engine),
-        #[cfg(feature = "colmap")]
-        Purpose::ExportDatabase => model.export_database(first, engine),
-        Purpose::OpenGold(side) => model.open_gold(side, BurstSource::Paths(paths), engine),
-        Purpose::OpenFeatures(side) => {
-            model.lay_over(side, first);
-            model.bottom_tab = BottomTab::Compared;
+        Purpose::OpenDataset => Action::OpenDataset(DatasetSource::of_bursts(paths)),
+        Purpose::OpenEstimate => Action::OpenTrajectory(Which::Estimate, first),
+        Purpose::OpenTruth => Action::OpenTrajectory(Which::Truth, first),
+        Purpose::FeatureFolder => Action::UseFeatureFolder(first),
+        Purpose::OpenGold(side) => Action::OpenGold(side, BurstSource::Paths(paths)),
+        Purpose::OpenFeatures(side) => Action::OpenFeatures(side, first),
+        Purpose::RestoreSession => {
+            let session = read_from(&first, MAX_SESSION_BYTES, purpose, Session::from_toml, messages)?;
+            Action::Restore(Box::new(session))
         }
-        Purpose::LoadParams => model.as_step(|model| load_params(&first, model)),
-        _ => {}
-    }
+        Purpose::LoadParams => {
+            let params = read_from(&first, MAX_SETTINGS_BYTES, purpose, SearchParams::from_toml, messages)?;
+            messages.note(format!("Loaded parameters from {}", first.display()));
+            Action::SetSearch(Box::new(params))
+        }
+        _ => return None,
+    })
 }
 
-fn load_params(path: &Path, model: &mut Model) {
-    const TITLE: &str = "Load parameters";
-    let read = read_text(path, MAX_SETTINGS_BYTES).map_err(|e| e.to_string());
-    match read.and_then(|text| SearchParams::from_toml(&text).map_err(|e| explained(&text, &e))) {
-        Ok(params) => {
-            model.set_search(params);
-            model.messages.resolved(TITLE);
-            model.messages.note(format!("Loaded parameters from {}", path.display()));
+fn read_from<T>(
+    path: &Path,
+    max_bytes: u64,
+    purpose: Purpose,
+    read: fn(&str) -> Result<T, String>,
+    messages: &mut Messages,
+) -> Option<T> {
+    let text = read_text(path, max_bytes).map_err(|error| error.to_string());
+    match text.and_then(|text| read(&text).map_err(|error| explained(&text, &error))) {
+        Ok(value) => {
+            messages.resolved(purpose.title());
+            Some(value)
         }
-        Err(error) => model.messages.error(TITLE, format!("{error}: {}", path.display())),
+        Err(error) => {
+            messages.error(purpose.title(), format!("{error}: {}", path.display()));
+            None
+        }
     }
 }
 

@@ -6,32 +6,21 @@ use super::startup::Startup;
 use super::window::BurstscopeApp;
 use crate::app::project::Panels;
 use crate::app::project::cursor::ViewKind;
-use crate::burst::{Burst, OpenOptions};
-use crate::dataset::DatasetSource;
+use crate::burst::Burst;
 use crate::detector::view::check_level;
-use crate::detector::{SearchParams, Slope, SlopeGrid};
+use crate::detector::{Slope, SlopeGrid};
 use crate::error::{Error, ErrorKind};
 use crate::export::{OutputRules, Picture, write_png};
 use crate::monitor::Monitor;
-use crate::requests::BurstSource;
-use crate::teach::Lesson;
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 use std::time::Duration;
 
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct RenderOptions {
-    pub source: BurstSource,
-    pub second: Option<BurstSource>,
-    /// A dataset that is drawn instead, on its first burst.
-    pub dataset: Option<DatasetSource>,
-    /// A session that is drawn instead, as it was left; parameters and cursor of these options then have no effect.
-    pub session: Option<PathBuf>,
-    /// A lesson that is drawn instead, as it begins.
-    pub lesson: Option<Arc<Lesson>>,
-    pub params: SearchParams,
-    pub calibration: OpenOptions,
+    /// What the window begins with, its settings aside. A session, a lesson and steps are drawn as they end; the cursor
+    /// of these options then has no effect.
+    pub startup: Startup,
     pub size_points: (f32, f32),
     /// Pixels for each point: 2 for a HiDPI screen.
     pub scale: f32,
@@ -53,13 +42,7 @@ pub struct RenderOptions {
 impl Default for RenderOptions {
     fn default() -> Self {
         Self {
-            source: BurstSource::Demo,
-            second: None,
-            dataset: None,
-            session: None,
-            lesson: None,
-            params: SearchParams::default(),
-            calibration: OpenOptions::default(),
+            startup: Startup::default(),
             size_points: (1280.0, 800.0),
             scale: 1.0,
             light: false,
@@ -86,16 +69,11 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
         panels: Panels { welcome: false, ..Panels::default() },
         ..Settings::default()
     };
-    let startup = Startup {
-        source: Some(options.source.clone()),
-        second: options.second.clone(),
-        dataset: options.dataset.clone(),
-        session: options.session.clone(),
-        lesson: options.lesson.clone(),
-        params: options.params.clone(),
-        calibration: options.calibration.clone(),
-        settings,
-        ..Startup::default()
+    let begin = &options.startup;
+    let startup = match begin.play {
+        // They set it up from a window of the defaults.
+        Some(_) => begin.clone(),
+        None => Startup { settings, ..begin.clone() },
     };
     let mut placed = false;
     let (mut problem, unfit) = (None, RefCell::new(None));
@@ -110,9 +88,9 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
         |app, ui| {
             app.show(ui);
             let is_open =
-                app.model.slots.a.burst.is_some() && (options.second.is_none() || app.model.slots.b.burst.is_some());
+                app.model.slots.a.burst.is_some() && (begin.second.is_none() || app.model.slots.b.burst.is_some());
             if is_open && !placed {
-                if options.session.is_none() && options.lesson.is_none() {
+                if begin.session.is_none() && begin.lesson.is_none() && begin.play.is_none() {
                     place(app, options);
                     *unfit.borrow_mut() =
                         app.model.slots.a.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
@@ -135,8 +113,8 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
         },
         |app| {
             let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
-            let answered = app.model.slots.a.burst.is_some() || failed;
-            let second = options.second.is_none() || app.model.slots.b.burst.is_some() || failed;
+            let answered = app.model.slots.a.burst.is_some() || failed || begin.play.is_some();
+            let second = begin.second.is_none() || app.model.slots.b.burst.is_some() || failed;
             unfit.borrow().is_some() || (app.is_settled() && answered && second)
         },
     )?;
@@ -166,7 +144,7 @@ fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), Error> {
             format!("give 0 to {}", burst.len() - 1),
         ));
     }
-    let mut params = options.params.detector.clone();
+    let mut params = options.startup.params.detector.clone();
     params.slopes = SlopeGrid::single(options.slope.unwrap_or_default());
     params.validate_for(burst.len(), burst.size())?;
     if options.kind == ViewKind::Dog || options.octave.is_some() {
@@ -184,7 +162,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
         (pane.cursor.slope, pane.slope_chosen) = (slope, true);
     }
     pane.cursor.frame = options.frame.unwrap_or(pane.cursor.frame);
-    pane.cursor.octave = options.octave.unwrap_or(options.params.detector.first_octave);
+    pane.cursor.octave = options.octave.unwrap_or(options.startup.params.detector.first_octave);
     pane.cursor.level = options.level;
     model.check_params();
     if model.slots.b.burst.is_some() {

@@ -1,8 +1,11 @@
 //! Settings that the window remembers from one start to the next.
 
+use super::actions::ActionId;
+use super::document::{Action, Queue};
 use super::lesson::Progress;
+use crate::app::pane::PaneLinks;
 use crate::app::project::figure::FigureChoice;
-use crate::app::project::pair::{Links, MatchLook};
+use crate::app::project::pair::MatchLook;
 use crate::app::project::{Model, Panels};
 use crate::dataset::DatasetSource;
 use crate::requests::BurstSource;
@@ -11,7 +14,7 @@ use std::collections::BTreeMap;
 
 pub const STORAGE_KEY: &str = "burstscope settings";
 
-const MAX_RECENT: usize = 12;
+pub const MAX_RECENT: usize = 12;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -22,7 +25,7 @@ pub struct Settings {
     pub theme: egui::ThemePreference,
     pub panels: Panels,
     pub auto_detect: bool,
-    pub links: Links,
+    pub links: PaneLinks,
     pub match_look: MatchLook,
     pub figure: FigureChoice,
     pub lessons: BTreeMap<String, Progress>,
@@ -37,7 +40,7 @@ impl Default for Settings {
             theme: egui::ThemePreference::Dark,
             panels: Panels::default(),
             auto_detect: true,
-            links: Links::default(),
+            links: PaneLinks::default(),
             match_look: MatchLook::default(),
             figure: FigureChoice::default(),
             lessons: BTreeMap::new(),
@@ -69,9 +72,26 @@ impl Settings {
         self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
+    /// What makes a window of the defaults one of these.
+    pub fn actions(&self) -> Queue {
+        let (mut actions, plain) = (Queue::default(), Self::default());
+        actions.set(&plain.panels, self.panels, Action::SetPanels);
+        actions.set(&plain.figure, self.figure, Action::SetFigure);
+        actions.set(&plain.match_look, self.match_look.sanitised(), Action::SetMatchLook);
+        actions.set(&plain.links, self.links, Action::SetPairLinks);
+        let theme = match self.theme {
+            egui::ThemePreference::System => ActionId::ThemeSystem,
+            egui::ThemePreference::Light => ActionId::ThemeLight,
+            egui::ThemePreference::Dark => ActionId::ThemeDark,
+        };
+        actions.set(&plain.theme, self.theme, |_| theme.into());
+        actions.set(&plain.auto_detect, self.auto_detect, |_| ActionId::AutoDetect.into());
+        actions
+    }
+
     pub fn take_from(&mut self, model: &Model) {
         (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
-        (self.links, self.match_look) = (model.pair_links(), model.pair.look);
+        (self.links, self.match_look) = (model.pair_links(), model.match_look);
         self.figure = model.figure;
     }
 }
@@ -80,56 +100,4 @@ fn put_first<T: Clone + PartialEq>(list: &mut Vec<T>, item: &T) {
     list.retain(|other| other != item);
     list.insert(0, item.clone());
     list.truncate(MAX_RECENT);
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub enum Recent {
-    Burst(BurstSource),
-    Dataset(DatasetSource),
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::HashMap;
-
-    #[derive(Default)]
-    struct Memory(HashMap<String, String>);
-
-    impl eframe::Storage for Memory {
-        fn get_string(&self, key: &str) -> Option<String> {
-            self.0.get(key).cloned()
-        }
-        fn set_string(&mut self, key: &str, value: String) {
-            self.0.insert(key.to_owned(), value);
-        }
-        fn remove_string(&mut self, key: &str) {
-            self.0.remove(key);
-        }
-        fn flush(&mut self) {}
-    }
-
-    #[test]
-    fn settings_come_back_and_rubbish_gives_defaults() {
-        let mut memory = Memory::default();
-        let mut settings = Settings { auto_detect: false, ..Settings::default() };
-        settings.remember(&BurstSource::Paths(vec!["/a".into()]));
-        settings.store(&mut memory);
-        assert_eq!(Settings::load(&memory), settings);
-        memory.0.insert(STORAGE_KEY.to_owned(), "[[[".to_owned());
-        assert_eq!(Settings::load(&memory), Settings::default());
-    }
-
-    #[test]
-    fn the_recent_list_has_each_burst_once_the_latest_first() {
-        let source = |i: usize| BurstSource::Paths(vec![format!("/burst{i}").into()]);
-        let mut settings = Settings::default();
-        for i in 0..20 {
-            settings.remember(&source(i));
-        }
-        settings.remember(&source(15));
-        settings.remember(&BurstSource::Demo);
-        assert_eq!(settings.recent.len(), MAX_RECENT);
-        assert_eq!((&settings.recent[0], &settings.recent[1]), (&source(15), &source(19)));
-    }
 }

@@ -2,6 +2,8 @@
 //! shuts down.
 
 use super::dialogs::{FileDialogs, SystemDialogs};
+use super::document::{Action, Queue, Steps};
+use super::project::side::Side;
 use super::recovery::KeptIn;
 use super::settings::Settings;
 use crate::burst::OpenOptions;
@@ -13,6 +15,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
+#[derive(Clone)]
 pub struct Startup {
     pub calibration: OpenOptions,
     /// Burst that is opened first; `None` opens nothing and shows how to begin.
@@ -21,6 +24,8 @@ pub struct Startup {
     pub dataset: Option<DatasetSource>,
     pub params: SearchParams,
     pub session: Option<PathBuf>,
+    /// Steps that are done again.
+    pub play: Option<Steps>,
     pub lesson: Option<Arc<Lesson>>,
     pub lessons: Vec<Lesson>,
     pub settings: Settings,
@@ -40,6 +45,7 @@ impl Default for Startup {
             params: SearchParams::default(),
             calibration: OpenOptions::default(),
             session: None,
+            play: None,
             lesson: None,
             lessons: Vec::new(),
             settings: Settings::default(),
@@ -48,6 +54,26 @@ impl Default for Startup {
             end: EndRequest::default(),
             cache_bytes: crate::engine::DEFAULT_CACHE_BYTES,
         }
+    }
+}
+
+impl Startup {
+    /// What a window of the defaults does first.
+    pub fn actions(&self) -> Queue {
+        let mut actions = self.settings.actions();
+        actions.set(&SearchParams::default(), self.params.clone(), |params| Action::SetSearch(Box::new(params)));
+        actions.set(&OpenOptions::default(), self.calibration.clone(), Action::Calibrate);
+        if self.session.is_none() {
+            let burst = || self.source.clone().map(|source| Action::Open(Side::A, source));
+            self.dataset
+                .clone()
+                .map(Action::OpenDataset)
+                .or_else(burst)
+                .into_iter()
+                .for_each(|open| actions.push(open));
+        }
+        self.second.iter().for_each(|source| actions.push(Action::Open(Side::B, source.clone())));
+        actions
     }
 }
 

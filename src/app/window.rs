@@ -6,7 +6,7 @@ use super::canvas::Readout;
 use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
 use super::dialogs::{Desk, FileAnswer, Question};
-use super::document::Action;
+use super::document::{Action, Document, Journal, Playback};
 use super::files::{drop_places, purpose_of_dropped};
 use super::inspector::{PaneWidgets, PlaceValue};
 use super::lesson::{Captions, Lessons, Wish, lesson_ui};
@@ -15,11 +15,12 @@ use super::overlays::Overlays;
 use super::pane::PaneId;
 use super::panel::probe::{PlaneTexture, ProbePanel};
 use super::panel::selection::SelectionState;
+use super::project::effect::Purpose;
 use super::project::side::Side;
 use super::project::{Effect, Model};
 use super::recovery::Recovery;
 use super::session::Restoring;
-use super::settings::{Recent, Settings};
+use super::settings::Settings;
 use super::startup::{EndRequest, Startup};
 use super::workspace::pair::PairPanels;
 use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
@@ -43,6 +44,9 @@ pub struct BurstscopeApp {
     pub(super) thumbnails: Thumbnails,
     pub(super) overlays: Overlays,
     pub(super) restoring: Restoring,
+    pub(super) journal: Journal,
+    /// Steps that are done again, as soon as the window has settled after the one before.
+    playback: Option<Playback>,
     pub lessons: Lessons,
     pub(super) captions: Captions,
     pub(super) desk: Desk,
@@ -64,14 +68,8 @@ impl BurstscopeApp {
         let waker = ctx.clone();
         let on_update: OnUpdate = Arc::new(move || waker.request_repaint());
         let mut model = Model::default();
-        model.set_search(startup.params);
-        model.calibration = startup.calibration;
-        model.slots.a.usable_params = model.params.clone();
-        (model.theme, model.panels) = (startup.settings.theme, startup.settings.panels);
-        (model.auto_detect, model.figure) = (startup.settings.auto_detect, startup.settings.figure);
-        model.pair.look = startup.settings.match_look.sanitised();
-        model.set_pair_links(startup.settings.links);
-        model.check_params();
+        model.document = Document::of_new_window();
+        let begins = startup.actions();
         let mut app = Self {
             model,
             engine: Engine::new(on_update.clone(), startup.cache_bytes),
@@ -84,6 +82,8 @@ impl BurstscopeApp {
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
             restoring: Restoring::default(),
+            journal: Journal::default(),
+            playback: startup.play.map(|steps| Playback { steps, ..Playback::default() }),
             lessons: Lessons { progress: startup.settings.lessons.clone(), ..Lessons::default() },
             captions: Captions::default(),
             desk: Desk::new(startup.dialogs, on_update),
@@ -93,17 +93,16 @@ impl BurstscopeApp {
             is_ending: false,
             settings: startup.settings,
         };
-        let Self { model, engine, restoring, recovery, .. } = &mut app;
-        *recovery = Recovery::begin(startup.kept.as_ref(), &mut model.messages);
-        if let Some(path) = startup.session {
-            restoring.restore(&path, model, engine);
-        } else if let Some(dataset) = startup.dataset {
-            model.open_dataset(dataset, engine);
-        } else if let Some(source) = startup.source {
-            restoring.open(source, model, engine);
+        app.recovery = Recovery::begin(startup.kept.as_ref(), &mut app.model.messages);
+        for action in begins {
+            app.run(ctx, action);
+            app.journal.close(false);
         }
-        if let Some(second) = startup.second {
-            model.open(Side::B, second, engine);
+        app.model.slots.a.usable_params = app.model.params.clone();
+        app.model.check_params();
+        app.model.history.clear();
+        if let Some(path) = startup.session {
+            app.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
         }
         app.lessons.add(startup.lessons);
         if let Some(lesson) = startup.lesson {
@@ -113,6 +112,10 @@ impl BurstscopeApp {
     }
 
     pub fn is_settled(&self) -> bool {
+        self.rests() && self.playback.as_ref().is_none_or(Playback::is_over)
+    }
+
+    fn rests(&self) -> bool {
         self.engine.is_idle()
             && !self.desk.is_asking()
             && self.model.is_settled()
@@ -144,7 +147,11 @@ impl BurstscopeApp {
                 self.note(clipboard::copy_row(&ctx, &self.model, &self.widgets));
             }
         }
-        if let Some((slope, rest)) = self.model.step_play() {
+        let plays_on = self.play_step(&ctx);
+        // Slopes that were played are among what is done again.
+        if self.playback.is_none()
+            && let Some((slope, rest)) = self.model.step_play()
+        {
             let focus = self.model.focus();
             slope.into_iter().for_each(|slope| queue.push(Action::PlaySlope(focus, slope)));
             ctx.request_repaint_after(rest);
@@ -156,9 +163,11 @@ impl BurstscopeApp {
         self.go_on_with_lesson(&ctx, wish);
         self.model.check_params();
         self.model.check_pair();
-        self.model.close_step(ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down()));
+        let goes_on = plays_on || ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
+        self.model.close_step(goes_on);
+        self.journal.close(goes_on || self.model.playing);
         self.model.refresh_listed();
-        self.model.pair.refresh_listed();
+        self.model.refresh_listed_matches();
         self.forget_closed_panes();
         self.model.ask(&self.engine, ctx.input(|i| i.pointer.any_down()));
         self.thumbnails.request(&self.engine, &self.model.calibration);
@@ -177,6 +186,19 @@ impl BurstscopeApp {
         if is_changed || pointed != self.model.pointed() {
             ctx.request_repaint();
         }
+    }
+
+    /// Does the next action again of those that are played; whether its step goes on.
+    fn play_step(&mut self, ctx: &egui::Context) -> bool {
+        let rests = self.rests();
+        let Some(playback) = &mut self.playback else { return false };
+        let (action, goes_on) = (playback.next(rests), playback.goes_on);
+        if let Some(action) = action {
+            self.run(ctx, action);
+            self.model.refresh_workspace();
+            ctx.request_repaint();
+        }
+        goes_on
     }
 
     fn take_answers(&mut self, ctx: &egui::Context) {
@@ -243,7 +265,7 @@ impl BurstscopeApp {
         if self.model.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
         }
-        if let Some(rest) = recovery.keep(self.lessons.project_of_user(&self.model), &self.engine) {
+        if let Some(rest) = recovery.keep(self.lessons.project_of_user(&self.model), &self.journal, &self.engine) {
             ctx.request_repaint_after(rest);
         }
     }
@@ -251,18 +273,17 @@ impl BurstscopeApp {
     /// Saves the session at once: another window goes on with it, and if that fails it is offered later.
     pub(super) fn keep_session_now(&mut self) {
         let Some(recovery) = &self.recovery else { return };
-        if let Err((title, error)) = recovery.keep_now(self.lessons.project_of_user(&self.model)) {
+        if let Err((title, error)) = recovery.keep_now(self.lessons.project_of_user(&self.model), &self.journal) {
             self.model.messages.error(title, error);
         }
     }
 
     fn layout_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<Wish> {
-        let mut open_recent = None;
         let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
 
         Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
             ui.horizontal(|ui| {
-                menu_bar_ui(ui, &self.model, &self.settings, queue, &mut open_recent);
+                menu_bar_ui(ui, &self.model, &self.settings, queue);
                 switch_ui(ui, &self.model, queue);
             });
         });
@@ -285,8 +306,7 @@ impl BurstscopeApp {
         let mut start_lesson = None;
         if self.model.slots.a.burst.is_none() && self.model.workspace.needs_burst() {
             CentralPanel::default().show(ui, |ui| {
-                start_lesson =
-                    panel::welcome::welcome_ui(ui, &self.model, &self.settings, &self.lessons, queue, &mut open_recent);
+                start_lesson = panel::welcome::welcome_ui(ui, &self.model, &self.settings, &self.lessons, queue);
             });
         } else {
             self.workspace_ui(ui, queue);
@@ -296,11 +316,6 @@ impl BurstscopeApp {
             }
         }
         self.drop_hint_ui(ui);
-        match open_recent {
-            Some(Recent::Burst(source)) => self.restoring.open(source, &mut self.model, &self.engine),
-            Some(Recent::Dataset(source)) => queue.push(Action::OpenDataset(source)),
-            None => {}
-        }
         self.apply(start_lesson.map(Effect::StartLesson));
         wish
     }
@@ -311,7 +326,12 @@ impl BurstscopeApp {
         {
             let offer_ui = |ui: &mut egui::Ui| panel::status::recovery_ui(ui, &offer);
             if let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, offer_ui).inner {
-                recovery.settle(choice, &mut self.restoring, &mut self.model, &self.engine);
+                let path = recovery.settle(choice, &mut self.model.messages);
+                if let Some(path) = path {
+                    self.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
+                    let waits_for = self.restoring.waits_for(&self.model);
+                    self.recovery.iter_mut().for_each(|recovery| recovery.wait_for(waits_for));
+                }
             }
         }
         if self.overlays.offers_cut(&self.model) {

@@ -124,7 +124,7 @@ mod tests {
     fn a_session_file_alone_is_a_session() {
         let home = tempfile::tempdir().expect("a folder");
         let file = home.path().join("night.burstscope.toml");
-        std::fs::write(&file, "version = 3\nburst = \"demo\"\n").expect("written");
+        std::fs::write(&file, "version = 4\nburst = \"demo\"\n").expect("written");
         let open = |paths: &[PathBuf]| what_to_open(paths, SequenceArgs::default(), &OpenOptions::default());
         assert!(matches!(open(std::slice::from_ref(&file)), Ok(Opening::Session(path)) if path == file));
         let gone = home.path().join("gone.toml");

@@ -7,13 +7,13 @@ use super::failure::Failure;
 use super::inputs::resolve;
 use super::opening::{Opening, what_to_open};
 use super::search_options::SearchArgs;
+use crate::app::document::Steps;
+use crate::app::document::journal::read_steps;
 use crate::app::project::cursor::ViewKind;
-use crate::app::{RenderOptions, render_to_png};
-use crate::dataset::DatasetSource;
+use crate::app::{RenderOptions, Startup, render_to_png};
 use crate::detector::Slope;
-use crate::files::path_text;
+use crate::files::{MAX_SESSION_BYTES, path_text, read_text};
 use crate::plane::memory;
-use crate::requests::BurstSource;
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -23,18 +23,19 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
     let calibration = args.calibration.options();
-    let settings = [args.search.file.params.as_ref()].into_iter().chain(args.inputs.iter().map(Some));
+    let play = args.play.as_deref().map(steps_of).transpose()?;
+    let settings = [args.search.file.params.as_ref(), args.play.as_ref()].into_iter();
+    let settings = settings.chain(args.inputs.iter().map(Some));
     let rules = args.overwrite.rules(&resolve(&args.inputs, &calibration), &calibration, &settings.collect::<Vec<_>>());
-    let Sources { source, second, dataset, session } =
-        sources_of(what_to_open(&args.inputs, args.sequence, &calibration)?)?;
+    let startup = match play {
+        Some(_) => Startup { source: None, play, ..Startup::default() },
+        None => {
+            let begins = startup_of(what_to_open(&args.inputs, args.sequence, &calibration)?)?;
+            Startup { params, calibration, ..begins }
+        }
+    };
     let options = RenderOptions {
-        source: source.unwrap_or(BurstSource::Demo),
-        second,
-        dataset,
-        session,
-        lesson: None,
-        params,
-        calibration,
+        startup,
         size_points: args.size,
         scale: args.scale,
         light: args.light,
@@ -70,22 +71,21 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
     }
 }
 
-/// Content that the window opens: a burst, perhaps with a second one beside it, a dataset, or a session.
-pub(super) struct Sources {
-    pub source: Option<BurstSource>,
-    pub second: Option<BurstSource>,
-    pub dataset: Option<DatasetSource>,
-    pub session: Option<PathBuf>,
+/// Reads what is to be done again.
+fn steps_of(path: &Path) -> Result<Steps, Failure> {
+    let read = read_text(path, MAX_SESSION_BYTES).map_err(|error| error.to_string());
+    read.and_then(|text| read_steps(&text))
+        .map_err(|error| Failure::usage(format!("--play: {error}: {}", path.display())))
 }
 
-/// Turns `opening` into the window's sources.
-pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
-    let none = Sources { source: None, second: None, dataset: None, session: None };
+/// Start of a window with what is to be opened.
+pub(super) fn startup_of(opening: Opening) -> Result<Startup, Failure> {
+    let none = Startup { source: None, ..Startup::default() };
     match opening {
-        Opening::Dataset(source) => Ok(Sources { dataset: Some(source), ..none }),
-        Opening::Session(path) => Ok(Sources { session: Some(path), ..none }),
-        Opening::Burst(input) => Ok(Sources { source: Some(input.source?), ..none }),
-        Opening::Two([a, b]) => Ok(Sources { source: Some(a.source?), second: Some(b.source?), ..none }),
+        Opening::Dataset(source) => Ok(Startup { dataset: Some(source), ..none }),
+        Opening::Session(path) => Ok(Startup { session: Some(path), ..none }),
+        Opening::Burst(input) => Ok(Startup { source: Some(input.source?), ..none }),
+        Opening::Two([a, b]) => Ok(Startup { source: Some(a.source?), second: Some(b.source?), ..none }),
     }
 }
 
@@ -98,6 +98,11 @@ pub(super) fn sources_of(opening: Opening) -> Result<Sources, Failure> {
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
+    /// Do again what was done in a window, and draw it then: a list of actions, as Help > Copy what I did gives it.
+    ///
+    /// It begins in a window of the defaults. Nothing is written but the picture.
+    #[arg(long, value_name = "TOML", conflicts_with_all = ["inputs", "kind", "slope", "frame", "octave", "level", "no_detect", "light"])]
+    pub play: Option<PathBuf>,
     /// The PNG file to write.
     #[arg(long, short, value_name = "PNG")]
     pub out: PathBuf,

@@ -7,7 +7,7 @@ use super::console::Console;
 use super::failure::{Failure, print};
 use super::inputs::{DEMO, Input};
 use super::opening::{Opening, what_to_open};
-use super::render::{Sources, drawn, sources_of};
+use super::render::{drawn, startup_of};
 use super::report::unsigned_zero;
 use super::search_options::read_params;
 use super::signals;
@@ -46,8 +46,7 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
             Opening::Session(path) => session_without_display(path),
         };
     }
-    let Sources { source, second, dataset, session } = sources_of(opening)?;
-    show(Startup { source, second, dataset, params, calibration, session, ..Startup::default() })
+    show(Startup { params, calibration, ..startup_of(opening)? })
 }
 
 fn show(startup: Startup) -> Result<(), Failure> {
@@ -65,7 +64,7 @@ fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
         return show(startup);
     }
     let (file, console) = begin_without_display(&lesson.name, "nothing is listed")?;
-    draw(&RenderOptions { lesson: Some(lesson), ..RenderOptions::default() }, &file, &console)
+    draw(Startup { lesson: Some(lesson), ..Startup::default() }, &file, &console)
 }
 
 /// Built in, or the first one of the file or folder, with all others of that folder.
@@ -115,8 +114,8 @@ fn begin_without_display(name: &str, else_is_done: &str) -> Result<(PathBuf, Con
     Ok((file, Console::new(&OutputArgs { json: false, quiet: false, threads: None, memory: None })?))
 }
 
-fn draw(options: &RenderOptions, file: &Path, console: &Console) -> Result<(), Failure> {
-    let options = RenderOptions { monitor: console.monitor.clone(), ..options.clone() };
+fn draw(startup: Startup, file: &Path, console: &Console) -> Result<(), Failure> {
+    let options = RenderOptions { startup, monitor: console.monitor.clone(), ..RenderOptions::default() };
     drawn(&options, file)?;
     console.say(&format!("wrote {}\n", file.display()))
 }
@@ -135,14 +134,14 @@ fn dataset_without_display(
             Err(error) => console.complain(&format!("{}: {error}", burst.name)),
         }
     }
-    draw(&RenderOptions { dataset: Some(source), params, calibration, ..RenderOptions::default() }, &file, &console)
+    draw(Startup { dataset: Some(source), params, calibration, ..Startup::default() }, &file, &console)
 }
 
 fn session_without_display(session: PathBuf) -> Result<(), Failure> {
     let name = session.file_name().map_or_else(|| "session".into(), |name| name.to_string_lossy());
     let name = name.split('.').next().unwrap_or("session").to_owned();
     let (file, console) = begin_without_display(&name, "nothing is listed")?;
-    draw(&RenderOptions { session: Some(session), ..RenderOptions::default() }, &file, &console)
+    draw(Startup { session: Some(session), ..Startup::default() }, &file, &console)
 }
 
 fn without_display(
@@ -165,8 +164,8 @@ fn without_display(
         feature_table(&detection, TABLE_ROWS)
     ))?;
     let second = second.map(|input| input.source).transpose()?;
-    let options = RenderOptions { source: input.source?, second, params, calibration, ..RenderOptions::default() };
-    draw(&options, &file, &console)
+    let source = Some(input.source?);
+    draw(Startup { source, second, params, calibration, ..Startup::default() }, &file, &console)
 }
 
 /// Lists the `count` strongest features, one on each line, under a header with units.

@@ -16,6 +16,7 @@ use crate::inspect::unmatched::{ComparedPair, Losses, Lost, NearestOfBoth};
 use crate::inspect::{Probe, ProbeCache, ProbeOptions, probe};
 use crate::matching::MatchResult;
 use crate::monitor::Monitor;
+use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -131,7 +132,8 @@ impl Request for DetectionSource {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ProbeQuestion {
     At {
         /// (u, v) at mid-burst, input pixels.

@@ -4,7 +4,8 @@ use crate::detector::params::Stage;
 use crate::detector::{Combine, Slope};
 use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum RangeClass {
     /// Brightnesses.
     Intensity,

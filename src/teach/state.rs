@@ -32,7 +32,7 @@ impl Workspace {
 }
 
 /// Arrangement of the pictures of *Inspect*, made from the one in focus.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
     Single,
@@ -136,29 +136,15 @@ pub struct State {
 }
 
 impl State {
+    /// These, and of the others the default.
     #[must_use]
     pub(super) fn over(self, default: &Self) -> Self {
-        let d = default.clone();
-        Self {
-            burst: self.burst.or(d.burst),
-            second: self.second.or(d.second),
-            workspace: self.workspace.or(d.workspace),
-            show: self.show.or(d.show),
-            layout: self.layout.or(d.layout),
-            frame: self.frame.or(d.frame),
-            slope: self.slope.or(d.slope),
-            octave: self.octave.or(d.octave),
-            level: self.level.or(d.level),
-            view: self.view.or(d.view),
-            params: self.params.or(d.params),
-            matching: self.matching.or(d.matching),
-            detect: self.detect.or(d.detect),
-            features: self.features.or(d.features),
-            tab: self.tab.or(d.tab),
-            probe: self.probe.or(d.probe),
-            select: self.select.or(d.select),
-            spot: self.spot.or(d.spot),
-            set_up: self.set_up.or(d.set_up),
+        macro_rules! over {
+            ($($field:ident)*) => { Self { $($field: self.$field.or_else(|| default.$field.clone()),)* } };
+        }
+        over! {
+            burst second workspace show layout frame slope octave level view
+            params matching detect features tab probe select spot set_up
         }
     }
 

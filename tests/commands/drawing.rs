@@ -91,6 +91,29 @@ fn render_draws_the_window() {
 }
 
 #[test]
+fn what_was_done_in_a_window_is_done_again_and_drawn() {
+    let home = tempfile::tempdir().expect("a folder");
+    let play = |did: &str| std::fs::write(home.path().join("did.toml"), format!("version = 1\ndid = [\n{did}\n]\n"));
+    let arguments = ["render", "--play", "did.toml", "--out", "x.png", "--size", "600x400"];
+    play("[{ do = \"auto_detect\" }],\n[{ open = [\"a\", \"demo\"] }],\n[{ set_slope = [0, { u = 2.0, v = 0.0 }] }],")
+        .expect("written");
+    run_well(home.path(), &arguments);
+    let picture = || image::open(home.path().join("x.png")).expect("a picture").into_rgba8();
+    let first = picture();
+    assert_eq!(first.dimensions(), (600, 400));
+    play("[{ do = \"auto_detect\" }],\n[{ open = [\"a\", \"demo\"] }],").expect("written");
+    run_well(home.path(), &arguments);
+    assert_ne!(picture(), first, "the slope is another one");
+    play("[{ set_slop = [0, { u = 2.0, v = 0.0 }] }],").expect("written");
+    let error = run_badly(home.path(), &arguments, 2);
+    assert!(["--play", "did.toml", "line 3", "set_slope"].iter().all(|word| error.contains(word)), "{error}");
+    play("[{ open = [\"a\", { paths = [\"gone\"] }] }],").expect("written");
+    assert!(run_badly(home.path(), &arguments, 1).contains("gone"));
+    let error = run_badly(home.path(), &[&arguments[..], &["--kind", "dog"]].concat(), 2);
+    assert!(error.contains("--play") && error.contains("--kind"), "{error}");
+}
+
+#[test]
 fn the_missing_display_is_no_message() {
     let home = tempfile::tempdir().expect("a folder");
     let arguments = ["render", "--out", "window.png", "--size", "300x200", "--no-detect", "--quiet"];

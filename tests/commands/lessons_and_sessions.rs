@@ -41,46 +41,51 @@ fn sound_ones_are_read() {
 
 /// Parts of a session that hold numbers and that the window need not have.
 const MORE: &str = r#"
-bottom_tab = "tally"
-filter = { slope_u = { min = -1.0, max = 1.0 }, slope_v = { min = -1.0, max = 1.0 }, sigma = { min = 0.0, max = 99.0 }, response = { min = 0.0, max = 1.0 }, coherence = { min = 0.0, max = 1.0 }, near_slope = 0.5 }
 selection = { index = 0, u = 20.0, v = 20.0, sigma = 3.0, slope = { u = 0.5, v = 0.0 } }
 probe = { place = [20.0, 20.0], is_open = true }
 dataset = { source = { paths = ["nowhere"], burst_length = 2, burst_step = 1 }, a = 0, b = 1 }
-view = { zoom = { region = [30.0, 20.0] }, centre_image = [20.0, 20.0] }
-scrub = { kind = "dog", frame = 1, slope = { u = 0.5, v = 0.0 }, octave = 0, level = 1 }
 
-[look]
-smoothing_px = 1.5
-
-[pair]
+[second]
 selection = { a = [20.0, 20.0], b = [20.0, 20.0] }
 probe = { place = [20.0, 20.0], is_open = false }
-view = { zoom = { points_per_pixel = 2.0 }, centre_image = [20.0, 20.0] }
 
-[pair.params.camera]
+[document]
+bottom_tab = "tally"
+slopes = "given"
+filter = { slope_u = { min = -1.0, max = 1.0 }, slope_v = { min = -1.0, max = 1.0 }, sigma = { min = 0.0, max = 99.0 }, response = { min = 0.0, max = 1.0 }, coherence = { min = 0.0, max = 1.0 }, near_slope = 0.5 }
+
+[document.look]
+smoothing_px = 1.5
+
+[document.matching.camera]
 model = "PINHOLE"
 width = 96
 height = 64
 params = [90.0, 90.0, 48.0, 32.0]
 
-[panes]
+[document.panes]
+next = 9
+
+[document.panes.inspect]
 focus = 7
 arrangement = { row = [{ share = 1.0, inner = { pane = 0 } }, { share = 2.0, inner = { tabs = { parts = [{ pane = 7 }, { pane = 8 }], active = 1 } } }] }
 
-[[panes.panes]]
-id = 0
+[document.panes.pane.0]
 over = { wipe = { other = 7, at = 0.5 } }
 view = { zoom = { points_per_pixel = 2.0 }, centre_image = [20.0, 20.0] }
+cursor = { kind = "dog", frame = 1, slope = { u = 0.5, v = 0.0 }, octave = 0, level = 1 }
 
-[[panes.panes]]
-id = 7
+[document.panes.pane.1]
+side = "b"
+view = { zoom = { points_per_pixel = 2.0 }, centre_image = [20.0, 20.0] }
+
+[document.panes.pane.7]
 content = { difference = [0, 8] }
 links = { display = false, view = false, cursor = false }
 own_ranges = { intensity = { min = 0.0, max = 1.0, gamma = 1.0 }, response = { min = -0.1, max = 0.1, gamma = 1.0, symmetric = true } }
 cursor = { kind = "stack", frame = 1, slope = { u = 0.5, v = 0.0 }, octave = 0, level = 1 }
 
-[[panes.panes]]
-id = 8
+[document.panes.pane.8]
 content = "merge"
 "#;
 
@@ -97,10 +102,13 @@ fn merge(into: &mut Table, more: Table) {
 fn full_session() -> String {
     let mut session: Table = sound_session().parse().expect("TOML");
     // The values of enums are tables, which are not merged.
-    session.remove("panes");
+    let document = session.get_mut("document").and_then(Value::as_table_mut).expect("a document");
+    for part in ["panes", "slopes"] {
+        document.remove(part);
+    }
     merge(&mut session, MORE.parse().expect("TOML"));
     let detector = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 1, ..DetectorParams::default() };
-    let search = SearchParams::from(detector);
+    let search = SearchParams::from(detector.clone());
     let chart = ChartParams { width: 96, height: 64, discs: 2, radius: 3.6..=5.0, gap: 2.0, ..ChartParams::default() };
     let chart = BurstSource::Chart(Box::new(ChartParams { frames: 3, max_slope: 1.0, snr: 9.0, ..chart }));
     let study = RecoverStudy {
@@ -115,21 +123,24 @@ fn full_session() -> String {
     };
     let mut set = |key: &str, value: Value| drop(session.insert(key.to_owned(), value));
     let value = |source: &BurstSource| Value::try_from(source).expect("plain values");
-    set("params", Value::try_from(&search).expect("plain values"));
-    set("planted", Value::try_from(&study).expect("plain values"));
-    set("depths_by", Value::try_from(SetUp::default()).expect("plain values"));
-    let planted = BurstSource::Planted { of: Box::new(chart.clone()), study: Box::new(study), seed: 1 };
+    let planted = BurstSource::Planted { of: Box::new(chart.clone()), study: Box::new(study.clone()), seed: 1 };
     set("burst", value(&BurstSource::DarkCopy { of: Box::new(chart), noise: NoisyParams::default() }));
-    set(
-        "calibration",
-        toml::toml! { full_scale = 1.0
-        black_level = 0.0 }
-        .into(),
-    );
     let pinned: Table = toml::toml! { with = "pinned" };
     set("against", pinned.into());
-    let pair = session.get_mut("pair").and_then(Value::as_table_mut).expect("a pair");
-    pair.insert("burst".to_owned(), value(&planted));
+    let mut part = |name: &str, inner: &[&str], value: Value| {
+        let part = session.get_mut(name).and_then(Value::as_table_mut).expect("a table");
+        let (last, way) = inner.split_last().expect("a key");
+        let at = way.iter().fold(part, |part, key| part[*key].as_table_mut().expect("a table"));
+        at.insert((*last).to_owned(), value);
+    };
+    part("second", &["burst"], value(&planted));
+    part("document", &["params"], Value::try_from(&detector).expect("plain values"));
+    part("document", &["lab", "planted"], Value::try_from(&study).expect("plain values"));
+    part("document", &["set_up", "values"], Value::try_from(SetUp::default()).expect("plain values"));
+    part("document", &["set_up", "reads_depths"], true.into());
+    let calibration = toml::toml! { full_scale = 1.0
+    black_level = 0.0 };
+    part("document", &["calibration"], calibration.into());
     let mut against = session["against"].as_table().expect("a table").clone();
     against.insert("pinned".to_owned(), Value::try_from(&search).expect("plain values"));
     session.insert("against".to_owned(), against.into());
@@ -152,7 +163,7 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
                 taken += 1;
                 let mut model = model();
                 session.apply(&mut model);
-                session.pair.apply(&mut model);
+                session.apply_second(&mut model);
                 let focus = model.focus();
                 model.panes.split(focus, burstscope::app::pane::Direction::Right);
                 assert!(model.cursor().slope.u.is_finite() && model.look.smoothing_px <= 8.0, "{path} = {value}");
@@ -166,20 +177,40 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
     }
     assert!(refused.len() > 250 && taken > 250, "{} {taken}", refused.len());
     for (path, value, words) in [
-        ("look.smoothing_px", "1000000000.0", "look: smoothing_px: 1000000000; give 0 to 8 pixels"),
-        ("look.smoothing_px", "nan", "look: smoothing_px: NaN; give 0 to 8 pixels"),
-        ("planted.slopes.count", "1000000000", "planted: planted-slopes: 1000000000 slopes; at most 4096"),
-        ("planted.copies", "0", "planted: copies: 0; give 1 to 100000"),
-        ("planted.radii.0", "1000000000.0", "planted: radius: 1000000000; give 0.5 to 500 pixels"),
-        ("planted.search.slopes.u.count", "1000000000", "planted: slopes-u: 1000000000 slopes"),
-        ("params.slopes.u.count", "1000000000", "params: slopes-u: 1000000000 slopes; at most 4096"),
-        ("params.levels", "0", "params: levels: 0; give 1 to 10"),
+        ("document.look.smoothing_px", "1000000000.0", "document.look: smoothing_px: 1000000000; give 0 to 8 pixels"),
+        ("document.look.smoothing_px", "nan", "document.look: smoothing_px: NaN; give 0 to 8 pixels"),
+        (
+            "document.lab.planted.slopes.count",
+            "1000000000",
+            "document.lab.planted: planted-slopes: 1000000000 slopes; at most 4096",
+        ),
+        ("document.lab.planted.copies", "0", "document.lab.planted: copies: 0; give 1 to 100000"),
+        (
+            "document.lab.planted.radii.0",
+            "1000000000.0",
+            "document.lab.planted: radius: 1000000000; give 0.5 to 500 pixels",
+        ),
+        (
+            "document.lab.planted.search.slopes.u.count",
+            "1000000000",
+            "document.lab.planted: slopes-u: 1000000000 slopes",
+        ),
+        ("document.params.slopes.u.count", "1000000000", "document.params: slopes-u: 1000000000 slopes; at most 4096"),
+        ("document.params.levels", "0", "document.params: levels: 0; give 1 to 10"),
         ("against.pinned.slopes.v.count", "9223372036854775807", "against.pinned: slopes-v: "),
         ("burst.dark_copy.of.chart.width", "1000000000", "burst: width: 1000000000 pixels; give 16 to 32768"),
         ("burst.dark_copy.noise.snr", "nan", "burst: snr: NaN; give a ratio"),
-        ("pair.burst.planted.study.slopes.count", "1000000000", "pair.burst: planted-slopes: "),
-        ("pair.params.max_iterations", "1000000000", "pair.params: max-iterations: 1000000000; give 1 to 10000000"),
-        ("depths_by.focal_px", "1000000000.0", "depths_by: focal-px: 1000000000; give 1 to 1000000 pixels"),
+        ("second.burst.planted.study.slopes.count", "1000000000", "second.burst: planted-slopes: "),
+        (
+            "document.matching.max_iterations",
+            "1000000000",
+            "document.matching: max-iterations: 1000000000; give 1 to 10000000",
+        ),
+        (
+            "document.set_up.values.focal_px",
+            "1000000000.0",
+            "document.set_up: focal-px: 1000000000; give 1 to 1000000 pixels",
+        ),
     ] {
         let said = refused.iter().find(|(of, with, _)| (of.as_str(), with.as_str()) == (path, value));
         let said = said.unwrap_or_else(|| panic!("{path} = {value} was taken"));

@@ -34,3 +34,4 @@ mod teaching;
 mod trajectories;
 #[cfg(feature = "raw")]
 mod worker;
+mod written_files;

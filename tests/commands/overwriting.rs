@@ -62,7 +62,7 @@ fn no_command_writes_over_what_it_opens() {
         refused_always(home.path(), &[command, &["--params", "p.svg", "--plot", "p.svg"]].concat(), opened);
     }
     refused_always(home.path(), &["evaluate", "chart", "--params", "p.svg", "--plot", "p.svg"], opened);
-    let session = format!("version = 3\nburst = {{ paths = [{:?}] }}\n", at("pb"));
+    let session = format!("version = 4\nburst = {{ paths = [{:?}] }}\n", at("pb"));
     fs::write(at("night.toml"), session).expect("written");
     refused_always(home.path(), &render("night.toml", "night.toml"), opened);
     // The files of a session are known once it is open; a frame that Burstscope did not write is refused before.

@@ -90,7 +90,7 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     let matched = |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.get(pair).is_some());
     assert_eq!(matched(&window), [true, false, true]);
     // With other parameters, earlier matches are dropped as soon as pairs are matched again.
-    window.app_mut().model.pair.params.ratio = 0.7;
+    window.app_mut().model.matching.ratio = 0.7;
     window.harness.run_steps(3);
     assert!(window.shows("The matching parameters changed; match again"));
     click_burst(&mut window, "Use frame_002 as A");

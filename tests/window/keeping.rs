@@ -3,10 +3,8 @@
 use crate::support::{Memory, Start, noisy_stack};
 use burstscope::app::Startup;
 use burstscope::app::canvas::View;
-use burstscope::app::pane::SavedPanes;
 use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::project::pair::Side;
-use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
 use burstscope::detector::{DetectorParams, Slope};
 use egui::accesskit::Role;
@@ -99,10 +97,10 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     let mut other = Start { startup, ..Start::default() }.open();
     other.settle();
     let saved = |window: &crate::support::Window| {
-        let mut saved = SavedPanes::of(&window.app().model.panes, Workspace::Inspect);
+        let mut panes = window.app().model.panes.clone();
         // The centre of a fitted view is computed anew.
-        saved.panes.iter_mut().for_each(|pane| pane.view = View::default());
-        saved
+        panes.iter_mut().for_each(|(_, pane)| pane.view = View::default());
+        panes
     };
     assert_eq!(saved(&other), saved(&window));
     let model = &other.app().model;

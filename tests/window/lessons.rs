@@ -1,7 +1,6 @@
 //! Lessons: every step of each, played by its own data; leaving and coming back; lessons from files.
 
 use crate::support::{Memory, Start, Window};
-use burstscope::app::pane::SavedPanes;
 use burstscope::app::parts;
 use burstscope::app::project::Panels;
 use burstscope::app::project::cursor::ViewKind;
@@ -324,8 +323,8 @@ fn nothing_is_lost_of_what_was_open() {
     window.settle();
     let state = |window: &Window| {
         let model = &window.app().model;
-        let mut panes = SavedPanes::of(&model.panes, model.workspace);
-        panes.panes.iter_mut().for_each(|pane| pane.view = Default::default());
+        let mut panes = model.panes.clone();
+        panes.iter_mut().for_each(|(_, pane)| pane.view = Default::default());
         let burst = model.slots.a.burst.as_ref().map(|burst| burst.id);
         (burst, model.params.clone(), model.selected, model.features().to_vec(), panes, model.panels, model.theme)
     };

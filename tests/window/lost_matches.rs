@@ -54,8 +54,8 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let lost = (0..a.features.len()).filter(|&i| matches!(found.lost[i], Lost::RatioTest | Lost::NoKeypoint));
     let index = lost.max_by(|&i, &j| alone(i).total_cmp(&alone(j))).expect("some have no match");
     let f = a.features[index];
-    window.app_mut().model.pair.look.inliers = false;
-    window.app_mut().model.pair.look.outliers = false;
+    window.app_mut().model.match_look.inliers = false;
+    window.app_mut().model.match_look.outliers = false;
     let pane = burstscope::app::pane::PaneId::of(burstscope::app::project::pair::Side::A);
     window.app_mut().model.panes.get_mut(pane).unwrap().view.look_at(egui::pos2(f.u, f.v), 8.0);
     window.settle();
@@ -108,7 +108,7 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
 fn a_match_tells_its_second_best() {
     let mut window = two_bursts();
     // The nearest descriptor of all is the match of the ratio test; a predicted one is the nearest where it is expected.
-    window.app_mut().model.pair.params.predict = false;
+    window.app_mut().model.matching.predict = false;
     window.settle();
     window.key(Key::Home);
     window.settle();

@@ -41,6 +41,7 @@ mod noise;
 mod opening;
 mod pairs;
 mod panes;
+mod playing;
 mod probe;
 mod probe_plane;
 mod recovering;

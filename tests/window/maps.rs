@@ -132,7 +132,8 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     let text = toml::to_string(&session).unwrap();
     let read: Session = toml::from_str(&text).unwrap();
     let contents = |session: &Session| -> Vec<Content> {
-        session.panes.as_ref().unwrap().panes.iter().map(|pane| pane.content).collect()
+        let panes = &session.document.panes;
+        panes.shown().into_iter().map(|id| panes.get(id).unwrap().content).collect()
     };
     assert_eq!(contents(&read), [Content::Cursor, Content::Map(ViewKind::Noise)], "{text}");
     assert!(text.contains("map = \"noise\""), "{text}");

@@ -168,7 +168,7 @@ fn the_comparison_is_kept_in_a_session() {
     other.dialogs.will_choose(&file);
     other.run_action("open session");
     other.settle();
-    assert_eq!(other.app().model.compare.look, window.app().model.compare.look);
+    assert_eq!(other.app().model.methods, window.app().model.methods);
     let [before, after] = [&window, &other].map(|window| window.app().model.panes.arrangement().clone());
     assert_eq!((after.panes().len(), &after), (3, &before));
     assert!(other.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());

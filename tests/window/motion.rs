@@ -68,7 +68,7 @@ fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep(
     window.settle();
     assert_eq!(listed(&window), alone);
     let session = Session::of(&window.app().model).expect("a burst is open");
-    assert_eq!(Session::from_toml(&session.to_toml()).expect("a session").filter, window.app().model.filter);
+    assert_eq!(Session::from_toml(&session.to_toml()).expect("a session").document.filter, window.app().model.filter);
     window.click("any way");
     window.click(&format!("Solo {name}"));
     window.settle();

@@ -45,7 +45,7 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
         let (burst, found) = (&model.burst_of(side).unwrap().burst, model.found_of(side).unwrap());
         DetectedBurst { burst, params: &found.params, detection: &found.detection }
     });
-    let expected = match_bursts(sides, &model.pair.params, &Monitor::default()).unwrap();
+    let expected = match_bursts(sides, &model.matching, &Monitor::default()).unwrap();
     assert_eq!(*model.pair.matches.as_ref().unwrap().result, expected, "the window matches as the library does");
     let counts = expected.counts;
     assert!(counts.inliers.unwrap() > 50 && counts.precision().unwrap() > 0.7, "{counts:?}");
@@ -110,7 +110,7 @@ fn headings_sort_and_switches_leave_out() {
         let matches = pair.matches.as_ref().unwrap();
         pair.listed.iter().map(|&i| matches.row(i).unwrap().found.ratio).collect()
     };
-    assert_eq!(window.app().model.pair.order.column, MatchColumn::Ratio);
+    assert_eq!(window.app().model.match_order.column, MatchColumn::Ratio);
     assert!(ratios(&window).is_sorted());
     let counts = window.app().model.pair.matches.as_ref().unwrap().result.counts;
     assert_eq!(ratios(&window).len(), counts.putative);
@@ -133,14 +133,14 @@ fn parameters_of_matching_are_live_documented_and_checked() {
         assert!(doc.unit.is_empty() || window.shows(doc.unit), "the unit of {}", doc.label);
     }
     // Predicted matches have a ratio of their own.
-    window.app_mut().model.pair.params.predict = false;
+    window.app_mut().model.matching.predict = false;
     window.settle();
     let before = window.app().model.pair.matches.as_ref().unwrap().result.clone();
-    window.app_mut().model.pair.params.ratio = 0.6;
+    window.app_mut().model.matching.ratio = 0.6;
     window.settle();
     let after = window.app().model.pair.matches.as_ref().unwrap().result.clone();
     assert!(after.matches.len() < before.matches.len() && after.matches.iter().all(|m| m.ratio <= 0.6));
-    window.app_mut().model.pair.params.ratio = -1.0;
+    window.app_mut().model.matching.ratio = -1.0;
     window.settle();
     assert!(window.shows("give more than 0 and at most 1"));
     assert_eq!(window.app().model.pair.matches.as_ref().unwrap().result.counts, after.counts, "the last ones stay");
@@ -148,13 +148,13 @@ fn parameters_of_matching_are_live_documented_and_checked() {
     window.settle();
     assert_eq!(window.app().model.pair.matches.as_ref().unwrap().result.counts, before.counts);
     // The essential matrix needs the camera.
-    window.app_mut().model.pair.params.geometry = Geometry::Essential;
+    window.app_mut().model.matching.geometry = Geometry::Essential;
     window.settle();
     assert!(window.shows("the essential matrix needs the camera's intrinsics"));
     window.click("Guess");
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.pair.params.camera.as_ref().map(|c| (c.width, c.height)), Some((480, 360)));
+    assert_eq!(model.matching.camera.as_ref().map(|c| (c.width, c.height)), Some((480, 360)));
     assert!(model.pair.matches.as_ref().unwrap().model().is_some());
 }
 
@@ -246,7 +246,7 @@ fn a_session_brings_the_pair_back() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("pair.burstscope.toml");
     let mut window = pair();
-    window.app_mut().model.pair.params.ratio = 0.7;
+    window.app_mut().model.matching.ratio = 0.7;
     window.settle();
     window.key(Key::Home);
     window.key(Key::N);
@@ -266,7 +266,7 @@ fn a_session_brings_the_pair_back() {
     let model = &other.app().model;
     assert_eq!(model.workspace, Workspace::Pair);
     assert_eq!(model.burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
-    assert_eq!(model.pair.params.ratio, 0.7);
+    assert_eq!(model.matching.ratio, 0.7);
     assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.75, 0.0));
     assert_eq!((model.active_side(), model.pair_links().cursor), (Side::B, false));
     assert_eq!(model.pair.saved_match(), Some(saved), "the same match is selected");

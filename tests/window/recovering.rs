@@ -99,7 +99,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     let shown = model.slots.a.against.shown.as_ref().expect("compared with the pinned result");
     assert_eq!(shown.summary, was.slots.a.against.shown.as_ref().expect("compared").summary);
     // What names other files is left out, also where a case was changed to have some.
-    let hostile = session.replacen("[params", "[gold]\npaths = [\"/etc/passwd\"]\n\n[params", 1);
+    let hostile = session.replacen("[document]", "[gold]\npaths = [\"/etc/passwd\"]\n\n[document]", 1);
     let (case, part) =
         Case::of(&small().0, &small().1.into(), (None, None), "", &Monitor::default()).expect("nobody cancels");
     let path = home.path().join("hostile.burstcase");
@@ -268,7 +268,7 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     assert!(window.shows("Legend: depth from 0.5 to 8 m"));
     // As a session it is kept; switched off, the colours show slopes again.
     let session = Session::of(&window.app().model).expect("a burst is open");
-    assert_eq!(session.depths_by, Some(window.app().model.set_up.values));
+    assert_eq!(session.document.set_up, window.app().model.set_up);
     window.app_mut().model.bottom_tab = BottomTab::Slopes;
     window.settle();
     window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();

@@ -3,6 +3,7 @@
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::Startup;
 use burstscope::app::offscreen::Offscreen;
+use burstscope::app::project::side::Side;
 use burstscope::app::recovery::{KeptIn, Record};
 use burstscope::app::session::Session;
 use burstscope::app::{BurstscopeApp, EndRequest, gpu};
@@ -39,7 +40,9 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     let mut window = keeping(&folder, Start::of(&stack)).open();
     assert!(!window.shows(OFFER));
     window.slide("Slope u", 1.25);
-    let kept_slope = || sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(1.25, 0.0));
+    let kept_slope = || {
+        sessions(&folder).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(1.25, 0.0))
+    };
     window.wait("the session is kept", |_| kept_slope());
     window.settle();
 
@@ -81,7 +84,7 @@ fn an_offer_that_cannot_be_restored_stays() {
     let home = tempfile::tempdir().unwrap();
     let folder = home.path().join("running");
     let record = Record::new(&folder).unwrap();
-    record.write("version = 3\nburst = { paths = [\"/nowhere/frames\"] }\n").unwrap();
+    record.write("version = 4\nburst = { paths = [\"/nowhere/frames\"] }\n").unwrap();
     drop(record);
     let mut window = keeping(&folder, Start::nothing_open()).open();
     window.click("Restore");
@@ -104,7 +107,7 @@ fn the_offer_looks_like_this() {
     let home = tempfile::tempdir().unwrap();
     for (name, minutes) in [("lanterns", 90), ("harbour", 150)] {
         let record = Record::new(home.path()).unwrap();
-        record.write(&format!("version = 3\nburst = {{ paths = [\"/data/{name}\"] }}\n")).unwrap();
+        record.write(&format!("version = 4\nburst = {{ paths = [\"/data/{name}\"] }}\n")).unwrap();
         let then = SystemTime::now() - Duration::from_secs(60 * minutes + 20);
         std::fs::File::options().write(true).open(record.session()).unwrap().set_modified(then).unwrap();
     }
@@ -135,7 +138,11 @@ fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
     device.poll(wgpu::PollType::Poll).unwrap();
     window.harness.step();
     assert!(commands(&window).contains(&egui::ViewportCommand::Close));
-    assert!(sessions(home.path()).iter().any(|session| session.scrub.slope == Slope::new(-1.5, 0.0)));
+    assert!(
+        sessions(home.path())
+            .iter()
+            .any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(-1.5, 0.0))
+    );
     // The drawing ends; if no other device is found, the session is offered at the next start.
     end_in_the_ordinary_way(window);
     assert!(keeping(home.path(), Start::nothing_open()).open().shows(OFFER));
@@ -163,7 +170,9 @@ fn a_window_that_is_asked_to_end_from_outside_finishes_its_files_and_keeps_its_s
     });
     window.harness.step();
     assert!(commands(&window).contains(&egui::ViewportCommand::Close));
-    let is_kept = || sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(-1.5, 0.0));
+    let is_kept = || {
+        sessions(&folder).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(-1.5, 0.0))
+    };
     assert!(is_kept());
     // The window closes in the ordinary way; but no user closed it.
     end_in_the_ordinary_way(window);
@@ -190,8 +199,9 @@ fn a_session_that_could_not_be_written_is_written_later() {
     while std::fs::rename(&aside, &folder).is_err() {
         let _ = std::fs::remove_dir_all(&folder);
     }
-    let is_kept =
-        |_: &BurstscopeApp| sessions(&folder).iter().any(|session| session.scrub.slope == Slope::new(0.75, 0.0));
+    let is_kept = |_: &BurstscopeApp| {
+        sessions(&folder).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(0.75, 0.0))
+    };
     window.wait("it is written though nothing has changed since", is_kept);
     window.wait("the message goes", |app| app.model.messages.errors().is_empty());
     end_in_the_ordinary_way(window);

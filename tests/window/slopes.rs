@@ -74,12 +74,12 @@ fn sessions_keep_the_switch_and_given_ranges() {
     let model = &window.app().model;
     let session = Session::of(model).unwrap();
     let text = session.to_toml();
-    assert!(text.contains("slopes = \"auto\""), "{text}");
+    assert!(text.contains("[document.slopes.auto]"), "{text}");
     let mut restored = Start::without_auto_detect().open();
     Session::from_toml(&text).unwrap().apply(&mut restored.app_mut().model);
     assert!(restored.app().model.slopes.is_auto());
     // A session with given slopes.
-    let given = "version = 3\nburst = \"demo\"\n[params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
+    let given = "version = 4\nburst = \"demo\"\n[document]\nslopes = \"given\"\n[document.params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
     Session::from_toml(given).unwrap().apply(&mut window.app_mut().model);
     window.settle();
     assert_eq!(window.app().model.slopes, SlopeChoice::Given);

@@ -134,6 +134,12 @@ fn named(key: &'static str, heading: &'static str, unit: &'static str, help: &'s
     Record { key, title: heading, heading, unit, help, term, form, unknown, width, place, colours }
 }
 
+/// The record of a component of a motion.
+fn motion(key: &'static str, heading: &'static str, term: &'static str, help: &'static str) -> Record {
+    let (form, term, colours) = (Form::Signed(2), Some(term), Some(BRIGHT));
+    Record { form, term, colours, ..named(key, heading, "px/frame", help) }
+}
+
 impl Quantity {
     /// All quantities, as tables show them from left to right: the most important come first.
     pub const ALL: [Self; 21] = [
@@ -218,17 +224,11 @@ impl Quantity {
             },
             Self::SlopeU => Record {
                 place: Place::Real(|f| &mut f.slope.u),
-                form: Form::Signed(2),
-                term: Some("slope"),
-                colours: Some(BRIGHT),
-                ..named("slope_u", "Slope u", "px/frame", "Apparent motion to the right, in pixels per frame")
+                ..motion("slope_u", "Slope u", "slope", "Apparent motion to the right, in pixels per frame")
             },
             Self::SlopeV => Record {
                 place: Place::Real(|f| &mut f.slope.v),
-                form: Form::Signed(2),
-                term: Some("slope"),
-                colours: Some(BRIGHT),
-                ..named("slope_v", "Slope v", "px/frame", "Apparent motion downwards, in pixels per frame")
+                ..motion("slope_v", "Slope v", "slope", "Apparent motion downwards, in pixels per frame")
             },
             Self::Response => Record {
                 place: Place::Real(|f| &mut f.response),
@@ -291,21 +291,13 @@ impl Quantity {
             },
             Self::FieldU => Record {
                 place: Place::Real(|f| &mut f.field.u),
-                form: Form::Signed(2),
-                title: "Field u",
                 unknown: "–",
-                term: Some("field"),
-                colours: Some(BRIGHT),
-                ..named("field_u", "Field u", "px/frame", "Motion of its place to the right, from the field of motion")
+                ..motion("field_u", "Field u", "field", "Motion of its place to the right, from the field of motion")
             },
             Self::FieldV => Record {
                 place: Place::Real(|f| &mut f.field.v),
-                form: Form::Signed(2),
-                title: "Field v",
                 unknown: "–",
-                term: Some("field"),
-                colours: Some(BRIGHT),
-                ..named("field_v", "Field v", "px/frame", "Motion of its place downwards, from the field of motion")
+                ..motion("field_v", "Field v", "field", "Motion of its place downwards, from the field of motion")
             },
             Self::FieldSigma => Record {
                 place: Place::Real(|f| &mut f.field_sigma),

@@ -8,10 +8,10 @@
 
 use super::params::slope_grid::{SlopeAxis, SlopeGrid};
 use super::params::{DetectorParams, Distinct, Param, doc};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Tests of a sample of D, in order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Test {
     /// |D| is below 0.8 times the peak threshold.

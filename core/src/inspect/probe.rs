@@ -20,10 +20,11 @@ use crate::inspect::telling::fate;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::tile::Region;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Subject that the probe examines more closely.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Wanted {
     /// The first candidate of the list that lies within [`AT_PLACE_PX`] of the place. The place itself, at the slope
     /// looked at or its own motion, where it responds there and no candidate tells why; and where there is none.

@@ -7,11 +7,11 @@ use crate::detector::{Detection, Feature, Slope};
 use crate::matching::putative::{Nearest, distance_squared, nearest_two};
 use crate::matching::{MatchParams, MatchResult, TwoViewModel};
 use crate::monitor::{Cancelled, Monitor};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Step at which a feature of A was lost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Lost {
     /// The feature is an inlier.

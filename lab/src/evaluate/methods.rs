@@ -7,10 +7,10 @@ use burstscope_core::detect::{Searched, detect, search};
 use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
 use burstscope_core::error::Error;
 use burstscope_core::monitor::Monitor;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Method from the frames of a view to features.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BurstMethod {
     /// SIFT on the middle frame.

@@ -8,6 +8,7 @@ use crate::app::project::{Effect, Model, Visibility};
 use crate::detector::{SearchParams, SlopeChoice};
 use crate::engine::Engine;
 use crate::requests::ViewKind;
+use crate::teach::BottomTab;
 
 /// Applies an action. It is a step to undo, or a part of one, where it changes settings that undo covers.
 pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
@@ -41,6 +42,13 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
             model.open(side, source, engine);
         }
         A::OpenDataset(source) => model.open_dataset(source, engine),
+        A::UseFeatureFolder(folder) => model.use_feature_folder(folder, engine),
+        A::OpenGold(side, source) => model.open_gold(side, source, engine),
+        A::OpenFeatures(side, path) => {
+            model.lay_over(side, path);
+            model.bottom_tab = BottomTab::Compared;
+        }
+        A::OpenTrajectory(which, path) => model.open_trajectory(which, path, engine),
         A::OpenBurstAt(place) => model.open_burst_at(place, engine),
         A::CutOpenBurst(length) => model.cut_open_burst(length, engine),
         A::Calibrate(options) => return vec![model.calibrate(options, engine)],
@@ -104,17 +112,18 @@ fn set(action: Action, model: &mut Model) {
         A::CompareWith(side, with) => model.show_against(side, with),
         A::ShowKind(side, kind, shown) => show(&mut model.slots[side].against.hidden, kind, shown),
         A::SelectRow(side, row) => model.select_row(side, row),
-        A::SetMatching(params) => model.pair.params = *params,
-        A::SetMatchLook(look) => model.pair.look = look,
-        A::SetMatchOrder(order) => model.pair.order = order,
-        A::SetPairTab(tab) => model.pair.tab = tab,
+        A::SetMatching(params) => model.matching = *params,
+        A::SetMatchLook(look) => model.match_look = look,
+        A::SetPairLinks(links) => model.set_pair_links(links),
+        A::SetMatchOrder(order) => model.match_order = order,
+        A::SetPairTab(tab) => model.pair_tab = tab,
         A::SelectMatch(index) => (model.pair.selected, model.pair.lost.selected) = (index, None),
         A::AskFeature(index) => model.ask_feature(index),
         A::ShowLost(lost, shown) => {
             show(&mut model.pair.lost.hidden, lost, shown);
-            model.pair.tab = crate::app::project::pair::PairTab::Unmatched;
+            model.pair_tab = crate::app::project::pair::PairTab::Unmatched;
         }
-        A::SetMethods(look) => model.compare.look = look,
+        A::SetMethods(look) => model.methods = look,
         A::SetLab(lab) => model.lab = *lab,
         A::ShowKept(index, shown) => {
             model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.is_shown = shown);
@@ -197,25 +206,6 @@ mod tests {
     use super::*;
     use crate::app::project::side::Side;
     use crate::app::project::tests::Bench;
-    use crate::detector::DetectorParams;
-
-    #[test]
-    fn a_drag_is_one_action_a_pass_and_one_step_to_undo() {
-        let Bench { mut model, engine } = Bench::new();
-        let before = model.params.clone();
-        for pass in 1..=20 {
-            let detector = DetectorParams { edge_threshold: 10.0 + pass as f32, ..model.params.clone() };
-            let search = SearchParams { detector, slopes: model.slopes };
-            assert!(apply(Action::SetSearch(Box::new(search)), &mut model, &engine).is_empty());
-            // The pointer is let go in the last pass.
-            model.close_step(pass < 20);
-        }
-        assert_eq!(model.params.edge_threshold, 30.0);
-        apply(Action::Do(super::super::ActionId::Undo), &mut model, &engine);
-        assert!(model.params == before && !model.history.can_undo());
-        apply(Action::Do(super::super::ActionId::Redo), &mut model, &engine);
-        assert_eq!(model.params.edge_threshold, 30.0);
-    }
 
     #[test]
     fn what_is_pointed_at_is_no_step_and_leaves_the_document_as_it_is() {

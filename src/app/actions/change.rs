@@ -173,18 +173,15 @@ pub(super) fn workspace(id: ActionId) -> Option<Workspace> {
     WORKSPACES.into_iter().find(|(opens, _)| *opens == id).map(|(_, workspace)| workspace)
 }
 
-/// Probes the place under the pointer, or else the middle of what is seen of the picture in focus.
-pub fn probe_here(model: &mut Model, widgets: &PaneWidgets) {
+/// The place under the pointer, or else the middle of what is seen of the picture in focus; with its side.
+pub fn place_to_probe(model: &Model, widgets: &PaneWidgets) -> Option<(Side, [f32; 2])> {
     let middle = || {
         let visible = widgets.get(model.focus())?.picture.visible_image?.center();
         let (width, height) = model.focused_size();
         let within = |x: f32, n: usize| x.clamp(0.0, n.saturating_sub(1) as f32);
         Some((model.focused().side, [within(visible.x, width), within(visible.y, height)]))
     };
-    if let Some((side, place)) = model.probe.pointer.or_else(middle) {
-        model.probe.follows = false;
-        model.probe_place(side, place);
-    }
+    model.probe.pointer.or_else(middle)
 }
 
 fn change_values(id: ActionId, model: &mut Model) {
@@ -241,8 +238,8 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::NextLayout => model.panes.next_over(),
         A::Flip => model.panes.flip(),
         A::CompareAgain => model.compare.forget_failures(),
-        A::ToggleOverlay if model.workspace == Workspace::Methods => model.compare.look.features ^= true,
-        A::ToggleOverlay if model.workspace == Workspace::Pair => model.pair.look.features ^= true,
+        A::ToggleOverlay if model.workspace == Workspace::Methods => model.methods.features ^= true,
+        A::ToggleOverlay if model.workspace == Workspace::Pair => model.match_look.features ^= true,
         A::ToggleOverlay => model.look.overlay = model.look.overlay.next(),
         A::ToggleMotion => model.look.motion_vectors ^= true,
         A::ToggleOrientation => model.look.orientations ^= true,
@@ -272,8 +269,8 @@ fn change_values(id: ActionId, model: &mut Model) {
             model.params.slopes = plane_of(model.params.slopes);
         }
         A::PresetSift => model.params.method = Method::Sift,
-        A::NextFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(true),
-        A::PreviousFeature if model.workspace == Workspace::Pair => model.pair.select_neighbour(false),
+        A::NextFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(true),
+        A::PreviousFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(false),
         A::StrongestFeature if model.workspace == Workspace::Pair => {
             model.pair.selected = model.pair.listed.first().copied();
         }
@@ -292,11 +289,11 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::LinkCursors => model.toggle_link(Link::Cursor),
         A::LinkViews => model.toggle_link(Link::View),
         A::LinkRanges => model.toggle_link(Link::Display),
-        A::ResetMatching => model.pair.params = Default::default(),
-        A::ToggleInliers => model.pair.look.inliers ^= true,
-        A::ToggleOutliers => model.pair.look.outliers ^= true,
-        A::ToggleAlone => model.pair.look.alone ^= true,
-        A::ToggleEpipolar => model.pair.look.geometry ^= true,
+        A::ResetMatching => model.matching = Default::default(),
+        A::ToggleInliers => model.match_look.inliers ^= true,
+        A::ToggleOutliers => model.match_look.outliers ^= true,
+        A::ToggleAlone => model.match_look.alone ^= true,
+        A::ToggleEpipolar => model.match_look.geometry ^= true,
         _ => move_cursor(model, id),
     }
 }

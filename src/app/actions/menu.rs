@@ -1,25 +1,21 @@
 //! Menu bar, command palette and sheet of the shortcuts, drawn from the registry.
 
 use super::{ACTIONS, ActionId, ActionRow, Menu, Queue, checked, enabled, keys_text, tooltip};
+use crate::app::document::Action;
 use crate::app::project::Model;
-use crate::app::settings::{Recent, Settings};
+use crate::app::project::side::Side;
+use crate::app::settings::Settings;
 use crate::app::words::explained;
 use crate::dataset::DatasetSource;
 use crate::requests::BurstSource;
 use egui::{Key, Modifiers, RichText};
 use std::path::PathBuf;
 
-pub fn menu_bar_ui(
-    ui: &mut egui::Ui,
-    model: &Model,
-    remembered: &Settings,
-    queue: &mut Queue,
-    open_recent: &mut Option<Recent>,
-) {
+pub fn menu_bar_ui(ui: &mut egui::Ui, model: &Model, remembered: &Settings, queue: &mut Queue) {
     let mut item = |ui: &mut egui::Ui, action: &ActionRow| {
         item_ui(ui, model, queue, action.id);
         if action.id == ActionId::OpenDemo {
-            recent_ui(ui, remembered, open_recent);
+            recent_ui(ui, remembered, queue);
         }
     };
     egui::MenuBar::new().ui(ui, |ui| {
@@ -72,26 +68,26 @@ pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId
     }
 }
 
-fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, open_recent: &mut Option<Recent>) {
+fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, queue: &mut Queue) {
     let Settings { recent, datasets, .. } = remembered;
     ui.add_enabled_ui(!(recent.is_empty() && datasets.is_empty()), |ui| {
         ui.menu_button("Open recent", |ui| {
-            let mut item = |ui: &mut egui::Ui, label: String, paths: &[PathBuf], what: Recent| {
+            let mut item = |ui: &mut egui::Ui, label: String, paths: &[PathBuf], open: Action| {
                 let lines: Vec<String> = paths.iter().take(8).map(|p| p.display().to_string()).collect();
                 if ui.button(label).on_hover_text(lines.join("\n")).clicked() {
-                    *open_recent = Some(what);
+                    queue.push(open);
                     ui.close();
                 }
             };
             for source in recent {
                 let paths = if let BurstSource::Paths(paths) = source { &paths[..] } else { &[] };
-                item(ui, source.label(), paths, Recent::Burst(source.clone()));
+                item(ui, source.label(), paths, Action::Open(Side::A, source.clone()));
             }
             if !(recent.is_empty() || datasets.is_empty()) {
                 ui.separator();
             }
             for source in datasets {
-                item(ui, dataset_label(source), &source.paths, Recent::Dataset(source.clone()));
+                item(ui, dataset_label(source), &source.paths, Action::OpenDataset(source.clone()));
             }
         });
     });

@@ -10,7 +10,7 @@ mod tests;
 
 pub use crate::app::document::Queue;
 pub use apply::apply;
-pub use change::{WORKSPACES, probe_here};
+pub use change::{WORKSPACES, place_to_probe};
 pub use registry::{ACTIONS, ActionId, ActionRow, Menu, shown_by};
 pub use state_of::{checked, enabled};
 

@@ -4,6 +4,7 @@ use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use crate::requests::ViewKind;
 use egui::{Key, KeyboardShortcut, Modifiers};
+use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Menu {
@@ -95,7 +96,8 @@ const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 macro_rules! actions {
     ($($id:ident, $menu:ident $group:literal, $label:literal, [$($modifiers:ident $key:ident)?], $help:literal;)*) => {
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
         pub enum ActionId {
             $(#[doc = $help] $id,)*
         }
@@ -312,6 +314,7 @@ actions! {
     PaperFigures, Help 2, "Figures of the paper…", [], "Remake every figure and table of the paper into a folder, in the background; finished ones are kept";
     CancelFigures, Help 2, "Cancel figures of the paper", [], "Stop remaking the figures; finished ones are kept";
     Cite, Help 3, "How to cite", [], "Copy the program and the method's paper as BibTeX";
+    CopyActions, Help 3, "Copy what I did", [], "Copy what you did since the window was opened, as a text for a report; 'burstscope render --play' repeats it";
     About, Help 3, "About Burstscope", [], "Version of this program, and the method's paper";
 }
 

@@ -57,7 +57,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::ToggleInliers | A::ToggleOutliers | A::ToggleAlone | A::ToggleEpipolar => in_pair,
         A::Match => in_pair && !model.pair.matching.is_pending() && model.wanted_matches().is_some(),
         A::ProbeExpected => in_pair && model.expected_place().is_some(),
-        A::ResetMatching => model.pair.params != MatchParams::default(),
+        A::ResetMatching => model.matching != MatchParams::default(),
         A::CopyRow
         | A::OpenFeatures
         | A::OpenDarkCopy
@@ -109,10 +109,10 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::BurstAsA | A::BurstAsB => {
             model.datasets.open.as_ref().is_some_and(|d| d.place_of(model.slots.a.burst.as_ref()).is_some())
         }
-        A::MatchPairs => model.datasets.can_match(model.pair.params.validate().is_ok()),
+        A::MatchPairs => model.datasets.can_match(model.matching.validate().is_ok()),
         A::MatchSelected => {
             let chosen = model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some());
-            chosen && model.datasets.can_match(model.pair.params.validate().is_ok())
+            chosen && model.datasets.can_match(model.matching.validate().is_ok())
         }
         A::ExportDatabase => {
             let several = model.datasets.open.as_ref().is_some_and(|d| d.bursts.len() > 1);
@@ -134,9 +134,9 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
 
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
-    let matches = &model.pair.look;
+    let matches = &model.match_look;
     match id {
-        A::ToggleOverlay if model.workspace == Workspace::Methods => Some(model.compare.look.features),
+        A::ToggleOverlay if model.workspace == Workspace::Methods => Some(model.methods.features),
         A::LinkCursors => Some(model.panes.all_share(Link::Cursor)),
         A::LinkViews => Some(model.panes.all_share(Link::View)),
         A::LinkRanges => Some(model.panes.all_share(Link::Display)),

@@ -1,7 +1,9 @@
-//! Laws of actions: any list of them leaves a valid document, and undo and redo return to what was.
+//! Laws of actions: any list of them leaves a valid document, which is the same after it was written and read, and
+//! undo and redo return to what was.
 
 use super::{ActionId, apply};
-use crate::app::document::{Action, Document};
+use crate::app::document::journal::read_steps;
+use crate::app::document::{Action, Document, Journal};
 use crate::app::pane::{Direction, Link, PaneId, Preset};
 use crate::app::project::Model;
 use crate::app::project::panes::{Change, Destination};
@@ -103,7 +105,7 @@ fn assert_valid(model: &Model) {
         }
         assert!(pane.others().iter().all(|other| panes.get(*other).is_some()), "{pane:?} shows a pane that is closed");
     }
-    assert!(model.pair.params.ratio > 0.0);
+    assert!(model.matching.ratio > 0.0);
 }
 
 proptest! {
@@ -116,6 +118,22 @@ proptest! {
             pass(&mut bench, action);
             assert_valid(&bench.model);
         }
+        let text = toml::to_string(&bench.model.document).expect("plain values");
+        let read: Document = toml::from_str(&text).expect("it was written so");
+        prop_assert_eq!(&read, &bench.model.document, "{}", text);
+    }
+
+    #[test]
+    fn actions_are_written_and_read(actions in prop::collection::vec(any_action(), 1..40)) {
+        let mut journal = Journal::default();
+        for action in &actions {
+            journal.take(action, false);
+            journal.close(false);
+        }
+        let read = read_steps(&journal.to_toml()).expect("it was written so");
+        // Of dialogs, copies and moves to where a view is nothing is taken down.
+        let there: Vec<&Action> = actions.iter().filter(|action| read.iter().flatten().any(|r| r == *action)).collect();
+        prop_assert_eq!(read.iter().flatten().collect::<Vec<_>>(), there);
     }
 
     #[test]
@@ -131,7 +149,7 @@ proptest! {
         }
         let undone = &bench.model.document;
         prop_assert_eq!((&undone.params, undone.slopes), (&before.params, before.slopes));
-        prop_assert_eq!(bench.model.pair.params.clone(), MatchParams::default());
+        prop_assert_eq!(bench.model.matching.clone(), MatchParams::default());
         let slopes = |document: &Document| -> Vec<_> { document.panes.iter().map(|(_, p)| p.cursor.slope).collect() };
         prop_assert_eq!(slopes(undone), slopes(&before));
         while bench.model.history.can_redo() {

@@ -55,7 +55,9 @@ pub fn plane_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
         // A double click fits the view, except on a camera.
         view = before;
     }
-    queue.set(&trajectories.view, view, Action::MoveCameras);
+    if !view.is_drawn_as(&trajectories.view) {
+        queue.push(Action::MoveCameras(view));
+    }
     draw(ui, &painter, trajectories, &scene, &ui_from_plane);
     frame_ui(ui, &painter, trajectories, &scene, &ui_from_plane, rect);
     if let Some((of_truth, spot)) = pointed.filter(|_| !response.dragged()) {

@@ -1,8 +1,8 @@
-//! Changes that the user asks for. Panels and panes push them while they are drawn; they are applied after the drawing,
+//! Changes that the user asks for, as values that can be written and read. Panels and panes push them while they are drawn; they are applied after the drawing,
 //! by one function (`actions::apply`).
 
 use crate::app::actions::registry::ActionId;
-use crate::app::pane::{Arrangement, Content, Link, Over, PaneId};
+use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks};
 use crate::app::project::against::{Kind, With};
 use crate::app::project::compare::{CompareLook, Contender};
 use crate::app::project::datasets::PairChoice;
@@ -18,6 +18,8 @@ use crate::app::project::panels::Panels;
 use crate::app::project::panes::{Change, Destination};
 use crate::app::project::set_up::SetUpState;
 use crate::app::project::side::Side;
+use crate::app::project::trajectories::Which;
+use crate::app::session::Session;
 use crate::app::view::{ColourBy, View};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
@@ -29,13 +31,23 @@ use crate::matching::MatchParams;
 use crate::plane::display::Display;
 use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
 use crate::teach::BottomTab;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Action {
     /// A row of the action table: what menus, keys and buttons do.
     Do(ActionId),
     Open(Side, BurstSource),
+    /// The session with all that it holds, so that its file need not be there when this is done again.
+    Restore(Box<Session>),
     OpenDataset(DatasetSource),
+    UseFeatureFolder(PathBuf),
+    OpenGold(Side, BurstSource),
+    /// Features of another program.
+    OpenFeatures(Side, PathBuf),
+    OpenTrajectory(Which, PathBuf),
     /// The burst at a place of the open dataset.
     OpenBurstAt(usize),
     /// The open burst as a dataset of bursts of this many frames.
@@ -61,7 +73,7 @@ pub enum Action {
     SetScale(PaneId, i32, i32),
     Show(PaneId, ViewKind),
     SetContent(PaneId, Content),
-    SetOver(PaneId, Option<Over>),
+    SetOver(PaneId, #[serde(with = "or_none")] Option<Over>),
     SetLink(PaneId, Link, bool),
     SetMethod(PaneId, Contender),
     SetSide(PaneId, Side),
@@ -87,11 +99,11 @@ pub enum Action {
     ApplySetUp,
     ReadDepths(bool),
 
-    Select(Option<usize>),
+    Select(#[serde(with = "or_none")] Option<usize>),
     SetFilter(Filter),
     SetOrder(Order<Quantity>),
-    ShowTest(Option<Test>),
-    SelectCandidate(Option<usize>),
+    ShowTest(#[serde(with = "or_none")] Option<Test>),
+    SelectCandidate(#[serde(with = "or_none")] Option<usize>),
     ExamineSlopes,
     SearchDecoys,
 
@@ -99,21 +111,22 @@ pub enum Action {
     ProbeFeature(Side, usize),
     ProbeSubject(ProbeSubject),
     /// Scale σ near which candidates come first, input pixels.
-    ProbeNear(Option<f32>),
+    ProbeNear(#[serde(with = "or_none")] Option<f32>),
     OpenProbe(bool),
     StopFollowing,
 
-    CompareWith(Side, Option<With>),
+    CompareWith(Side, #[serde(with = "or_none")] Option<With>),
     ShowKind(Side, Kind, bool),
-    SelectRow(Side, Option<usize>),
+    SelectRow(Side, #[serde(with = "or_none")] Option<usize>),
 
     SetMatching(Box<MatchParams>),
     SetMatchLook(MatchLook),
+    SetPairLinks(PaneLinks),
     SetMatchOrder(Order<MatchColumn>),
     SetPairTab(PairTab),
-    SelectMatch(Option<usize>),
+    SelectMatch(#[serde(with = "or_none")] Option<usize>),
     /// Why a feature of A has no match.
-    AskFeature(Option<usize>),
+    AskFeature(#[serde(with = "or_none")] Option<usize>),
     ShowLost(Lost, bool),
     SetMethods(CompareLook),
 
@@ -131,12 +144,13 @@ pub enum Action {
     SetPoseStudy(PoseStudy),
     SetProjection(Projection),
     MoveCameras(View),
-    SelectCamera(Option<usize>),
+    SelectCamera(#[serde(with = "or_none")] Option<usize>),
     /// The burst of a camera, by its label.
     OpenCamera(String),
 
     Note(String),
     DismissMessage(u64),
+    #[serde(skip)]
     Point(Pointed),
 }
 
@@ -165,6 +179,38 @@ impl From<ActionId> for Action {
 impl From<Pointed> for Action {
     fn from(pointed: Pointed) -> Self {
         Self::Point(pointed)
+    }
+}
+
+/// An absent value is written as the word `none`: a list of TOML has no other word for it.
+mod or_none {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    enum Absent {
+        None,
+    }
+
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "give a value of this action's kind, or \"none\"")]
+    enum Written<T> {
+        Absent(Absent),
+        There(T),
+    }
+
+    pub fn serialize<T: Serialize, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
+        match value {
+            Some(value) => value.serialize(serializer),
+            None => serializer.serialize_str("none"),
+        }
+    }
+
+    pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(from: D) -> Result<Option<T>, D::Error> {
+        Ok(match Written::deserialize(from)? {
+            Written::Absent(Absent::None) => None,
+            Written::There(value) => Some(value),
+        })
     }
 }
 

@@ -1,29 +1,37 @@
 //! The document of the window: all that the user has set, and nothing that was computed from it.
 
 pub mod action;
+pub mod journal;
 
 pub use action::{Action, Pointed, Queue};
+pub use journal::{Journal, Playback, Steps};
 
 use crate::app::pane::Panes;
+use crate::app::project::compare::CompareLook;
 use crate::app::project::figure::FigureChoice;
 use crate::app::project::film::FilmChoice;
 use crate::app::project::filter::{Filter, Order};
 use crate::app::project::lab::Lab;
 use crate::app::project::look::Look;
 use crate::app::project::measure::Measure;
+use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
 use crate::app::project::panels::Panels;
 use crate::app::project::set_up::SetUpState;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice};
+use crate::matching::MatchParams;
 use crate::teach::{BottomTab, Workspace};
+use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default = "Document::of_new_window", deny_unknown_fields)]
 pub struct Document {
     pub workspace: Workspace,
     pub calibration: OpenOptions,
     /// They may be invalid while they are edited. If slopes are to be found, their grid is the one found last.
     pub params: DetectorParams,
+    #[serde(with = "WrittenSlopes")]
     pub slopes: SlopeChoice,
     pub auto_detect: bool,
     pub panes: Panes,
@@ -34,6 +42,11 @@ pub struct Document {
     /// Index of the selected feature of A.
     pub selected: Option<usize>,
     pub set_up: SetUpState,
+    pub matching: MatchParams,
+    pub match_look: MatchLook,
+    pub match_order: Order<MatchColumn>,
+    pub pair_tab: PairTab,
+    pub methods: CompareLook,
     pub lab: Lab,
     pub measure: Measure,
     pub figure: FigureChoice,
@@ -44,7 +57,24 @@ pub struct Document {
     pub playing: bool,
 }
 
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "SlopeChoice", rename_all = "snake_case")]
+enum WrittenSlopes {
+    Given,
+    Auto { direction_deg: Option<f32> },
+}
+
 impl Document {
+    /// Values that a file leaves out are these too.
+    pub fn of_new_window() -> Self {
+        let (slopes, theme) = (SlopeChoice::AUTO, egui::ThemePreference::Dark);
+        Self { slopes, theme, auto_detect: true, ..Self::default() }
+    }
+
+    pub fn search(&self) -> SearchParams {
+        SearchParams { detector: self.params.clone(), slopes: self.slopes }
+    }
+
     pub fn set_search(&mut self, params: SearchParams) {
         (self.params, self.slopes) = (params.detector, params.slopes);
     }

@@ -36,13 +36,13 @@ pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<F
     match model.workspace {
         Workspace::Pair => {
             let Some(matches) = &model.pair.matches else { return Vec::new() };
-            links(model, widgets, panes, None, matches, &model.pair.drawn())
+            links(model, widgets, panes, None, matches, &model.pair.drawn(model.match_look.alone))
         }
         Workspace::Methods => Contender::ALL
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .flat_map(|(method, matches)| {
-                let rows = matches.rows().filter(|row| model.pair.look.shows(row.inlier)).map(|row| row.index);
+                let rows = matches.rows().filter(|row| model.match_look.shows(row.inlier)).map(|row| row.index);
                 links(model, widgets, panes, Some(method), matches, &rows.collect::<Vec<_>>())
             })
             .collect(),
@@ -81,7 +81,7 @@ fn links(
                 panels: [panel(a), panel(b)],
                 ends_image: ends.map(|feature| [feature.u, feature.v]),
                 color: [colour.r(), colour.g(), colour.b()],
-                opacity: model.pair.look.opacity,
+                opacity: model.match_look.opacity,
                 weight: if method.is_none() && model.pair.selected == Some(row.index) { 2.0 } else { 0.8 },
                 dashed: kind.is_dashed(),
             });

@@ -15,7 +15,7 @@ impl Aside {
     /// When the panel comes, the picture keeps its place and size; when it goes, an untouched view is as before.
     pub fn keep(&mut self, view: &mut View, rect_ui: Rect, is_beside: bool) {
         let Some((before, was_beside)) = self.last.replace((rect_ui, is_beside)) else { return };
-        let untouched = self.moved.filter(|(after, _)| after.is_same(view)).map(|(_, original)| original);
+        let untouched = self.moved.filter(|(after, _)| after == view).map(|(_, original)| original);
         // A panel finds its width in its first passes.
         let is_growing = is_beside && untouched.is_some();
         if before == rect_ui || (was_beside == is_beside && !is_growing) {

@@ -83,7 +83,9 @@ pub(super) fn picture_ui(
     let visible = state.shown().is_some().then_some(output.visible_image);
     let state = &mut widgets.of(id).picture;
     (state.ui_from_image, state.visible_image) = (Some(output.ui_from_image), visible);
-    queue.set(&before, view, |after| Action::MoveView { pane: id, before, after });
+    if !view.is_drawn_as(&before) {
+        queue.push(Action::MoveView { pane: id, before, after: view });
+    }
     Drawn { shown, output, right: None }
 }
 

@@ -34,7 +34,7 @@ pub(super) fn set_up(model: &mut Model, step: &Step) {
     let state = &step.state;
     model.workspace = state.workspace.unwrap_or_default();
     model.set_search(state.params.clone().unwrap_or_else(|| DetectorParams::default().into()));
-    model.pair.params = state.matching.clone().unwrap_or_default();
+    model.matching = state.matching.clone().unwrap_or_default();
     model.auto_detect = state.detect.unwrap_or(false);
     let has_features = state.features.unwrap_or(model.auto_detect);
     model.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
@@ -107,7 +107,7 @@ pub(super) fn seen(model: &Model) -> Holds<'_> {
         selected: model.selected_feature().is_some(),
         probe: model.probe.place().filter(|_| model.probe.side == Side::A && model.probe.is_current()),
         params: &model.params,
-        matching: &model.pair.params,
+        matching: &model.matching,
         tab: model.shows_bottom().then_some(model.bottom_tab),
         workspace: model.workspace,
         inliers: matches.and_then(|matches| matches.result.counts.inliers),

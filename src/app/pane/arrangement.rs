@@ -10,7 +10,8 @@ pub const MAX_PANES: usize = 16;
 /// Maximum depth of an arrangement; those read from files are cut off there.
 const MAX_DEPTH: usize = 8;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Direction {
     Right,
     Down,

@@ -35,7 +35,8 @@ impl Panes {
 
     /// The two permanent panes stay on their bursts: a new pane takes the place of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
-        let Some(pane) = self.get(id).filter(|pane| pane.side != side) else { return };
+        let is_here = self.shown().contains(&id);
+        let Some(pane) = self.get(id).filter(|pane| is_here && pane.side != side) else { return };
         let changed = Pane { side, ..pane.clone() };
         if let Some(own) = self.more.get_mut(&id) {
             *own = changed;
@@ -98,7 +99,7 @@ impl Panes {
     }
 
     /// Invalid parts of what a session holds are left out.
-    pub fn restore(
+    pub(super) fn restore(
         &mut self,
         workspace: Workspace,
         arrangement: Arrangement,
@@ -107,6 +108,13 @@ impl Panes {
     ) {
         let Some(arrangement) = arrangement.sanitised(|id| panes.contains_key(&id)) else { return };
         self.replace(place_of(workspace), arrangement, panes, focus);
+    }
+
+    /// Takes the arrangement of a workspace, with its panes, from others.
+    pub fn take_placed(&mut self, workspace: Workspace, from: &Self) {
+        let panes = from.iter().map(|(id, pane)| (id, pane.clone())).collect();
+        let (arrangement, focus) = from.placed_in(workspace);
+        self.restore(workspace, arrangement.clone(), panes, focus);
     }
 
     pub(super) fn replace(

@@ -10,7 +10,6 @@ mod links;
 mod methods;
 mod place;
 mod preset;
-mod saved;
 mod set;
 mod sides;
 mod tiles;
@@ -21,7 +20,6 @@ pub use links::{Link, PaneLinks};
 pub use methods::MethodsPreset;
 pub use place::place_in;
 pub use preset::Preset;
-pub use saved::{SavedPane, SavedPanes, SavedWorkspaces};
 pub use set::Panes;
 pub use sides::SidesPreset;
 pub use tiles::{arrangement_of, tree_of};
@@ -122,7 +120,7 @@ impl Over {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Pane {
     pub side: Side,
     pub method: Option<Contender>,
@@ -136,6 +134,12 @@ pub struct Pane {
     pub own_ranges: Option<Ranges>,
     pub links: PaneLinks,
     pub over: Option<Over>,
+}
+
+impl Default for Pane {
+    fn default() -> Self {
+        Self::new(Side::A)
+    }
 }
 
 impl Pane {

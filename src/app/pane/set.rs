@@ -4,18 +4,21 @@ use super::{Arrangement, Over, Pane, PaneId};
 use crate::app::project::method::Contender;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 pub(super) const PLACES: [Workspace; 3] = [Workspace::Inspect, Workspace::Pair, Workspace::Methods];
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Placed {
     pub(super) arrangement: Arrangement,
     pub(super) focus: PaneId,
 }
 
 /// Two panes are permanent, one for each burst. A pane that is in two workspaces shows the same in both.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "PanesFile", into = "PanesFile")]
 pub struct Panes {
     pub(super) sides: [Pane; 2],
     pub(super) more: BTreeMap<PaneId, Pane>,
@@ -154,13 +157,6 @@ impl Panes {
         }
     }
 
-    pub fn set_focus_in(&mut self, workspace: Workspace, id: PaneId) {
-        let placed = &mut self.placed[place_of(workspace)];
-        if placed.arrangement.panes().contains(&id) {
-            placed.focus = id;
-        }
-    }
-
     pub fn focus_next(&mut self, forward: bool) {
         let (shown, focus) = (self.shown(), self.focus());
         let place = shown.iter().position(|id| *id == focus).unwrap_or(0);
@@ -177,4 +173,66 @@ impl Panes {
         self.next = self.next.wrapping_add(1);
         id
     }
+}
+
+/// Panes as a file holds them: what makes no sense is left out as they are read.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct PanesFile {
+    open: Workspace,
+    /// Number of the next pane.
+    next: u32,
+    inspect: Placed,
+    pair: Placed,
+    methods: Placed,
+    pane: BTreeMap<String, Pane>,
+}
+
+impl Default for PanesFile {
+    fn default() -> Self {
+        Panes::default().into()
+    }
+}
+
+impl From<Panes> for PanesFile {
+    fn from(panes: Panes) -> Self {
+        let pane = panes.iter().map(|(id, pane)| (id.0.to_string(), pane.clone())).collect();
+        let (open, next) = (PLACES[panes.open], panes.next);
+        let [inspect, pair, methods] = panes.placed;
+        Self { open, next, inspect, pair, methods, pane }
+    }
+}
+
+impl TryFrom<PanesFile> for Panes {
+    type Error = String;
+
+    fn try_from(file: PanesFile) -> Result<Self, String> {
+        let mut all = BTreeMap::new();
+        for (name, pane) in file.pane {
+            let id = name.parse().map_err(|_| format!("a pane is named '{name}'; give it a number"))?;
+            all.insert(PaneId(id), sound(pane));
+        }
+        let mut panes = Self::default();
+        for (side, own) in Side::BOTH.into_iter().zip(&mut panes.sides) {
+            if let Some(pane) = all.get(&PaneId::of(side)) {
+                *own = Pane { side, method: None, ..pane.clone() };
+            }
+        }
+        for (workspace, placed) in PLACES.into_iter().zip([file.inspect, file.pair, file.methods]) {
+            panes.restore(workspace, placed.arrangement, all.clone(), placed.focus);
+        }
+        (panes.open, panes.next) = (place_of(file.open), panes.next.max(file.next));
+        Ok(panes)
+    }
+}
+
+fn sound(mut pane: Pane) -> Pane {
+    pane.over = pane.over.map(|over| match over {
+        Over::Wipe { other, at } => Over::Wipe { other, at: if at.is_finite() { at.clamp(0.0, 1.0) } else { 0.5 } },
+        flip @ Over::Flip { .. } => flip,
+    });
+    // A pane that shares its display has no own ranges; any other pane has.
+    pane.own_ranges =
+        if pane.links.display { None } else { Some(pane.own_ranges.take().unwrap_or_default().sanitised()) };
+    pane
 }

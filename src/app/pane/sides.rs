@@ -5,9 +5,11 @@ use super::{Arrangement, Content, Pane, PaneId, Panes};
 use crate::app::project::cursor::ViewKind;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum SidesPreset {
     SideBySide,
     Stacked,

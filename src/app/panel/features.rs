@@ -47,8 +47,8 @@ impl FeatureLayer {
     pub fn of(model: &Model, id: PaneId) -> Option<Self> {
         let inspected = model.workspace == Workspace::Inspect;
         let are_drawn = match model.workspace {
-            Workspace::Pair => model.pair.look.features,
-            Workspace::Methods => model.compare.look.features,
+            Workspace::Pair => model.match_look.features,
+            Workspace::Methods => model.methods.features,
             _ => model.look.overlay != FeaturesShown::None,
         };
         let pane = model.panes.get(id).filter(|_| are_drawn)?;

@@ -2,10 +2,12 @@
 
 use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
+use crate::app::document::Action;
 use crate::app::lesson::{Chosen, Lessons};
 use crate::app::panel::widgets::{named, progress_ui};
 use crate::app::project::Model;
-use crate::app::settings::{Recent, Settings};
+use crate::app::project::side::Side;
+use crate::app::settings::Settings;
 use egui::{Align2, Color32, Rect, RichText, ScrollArea, Ui, vec2};
 
 const EXAMPLES: [ActionId; 8] = [
@@ -21,14 +23,7 @@ const EXAMPLES: [ActionId; 8] = [
 /// Width of the examples in one line, points.
 const EXAMPLES_WIDTH: f32 = 500.0;
 
-pub fn welcome_ui(
-    ui: &mut Ui,
-    model: &Model,
-    remembered: &Settings,
-    lessons: &Lessons,
-    queue: &mut Queue,
-    open_recent: &mut Option<Recent>,
-) -> Chosen {
+pub fn welcome_ui(ui: &mut Ui, model: &Model, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {
     let mut chosen = None;
     let above = (ui.available_height() * 0.10).max(16.0);
     let page = |ui: &mut Ui| {
@@ -57,16 +52,16 @@ pub fn welcome_ui(
         }
         ui.add_space(8.0);
         ui.weak("or drop a folder, a folder of bursts, image files, a multi-page TIFF or a .npy stack here");
-        let bursts = remembered.recent.iter().take(6).map(|s| (s.label(), Recent::Burst(s.clone())));
-        let datasets = remembered.datasets.iter().take(4).map(|s| (dataset_label(s), Recent::Dataset(s.clone())));
+        let bursts = remembered.recent.iter().take(6).map(|s| (s.label(), Action::Open(Side::A, s.clone())));
+        let datasets = remembered.datasets.iter().take(4).map(|s| (dataset_label(s), Action::OpenDataset(s.clone())));
         let mut recent = bursts.chain(datasets).peekable();
         if recent.peek().is_some() {
             ui.add_space(18.0);
             ui.label(RichText::new("Recent").strong());
         }
-        for (label, what) in recent {
+        for (label, open) in recent {
             if ui.link(label).clicked() {
-                *open_recent = Some(what);
+                queue.push(open);
             }
         }
         ui.add_space(18.0);

@@ -7,6 +7,7 @@ use crate::engine::Ended;
 use crate::export::case::CASE_EXTENSION;
 use crate::requests::{BurstSource, OpenRequest};
 use crate::teach::Lesson;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -32,7 +33,8 @@ pub enum Effect {
     ForgetWidgets,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Purpose {
     OpenFolder,
     OpenFiles,
@@ -59,7 +61,8 @@ pub enum Purpose {
     Export(ExportKind),
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ExportKind {
     Csv,
     Colmap,

@@ -272,7 +272,7 @@ mod tests {
         let order = Order::default().clicked(Quantity::Depth);
         let sorted =
             |set_up: &SetUpState| listed(&features, (None, set_up), &Filter::default(), Slope::default(), order);
-        let read = SetUpState::default().reading_by(Some(SetUp::default()));
+        let read = SetUpState { reads_depths: true, ..SetUpState::default() };
         assert_eq!(sorted(&read), [2, 0, 1]);
         assert_eq!(sorted(&SetUpState::default()), [0, 1, 2], "without a set-up no depth is known");
         assert_eq!(quantity_text(Quantity::Depth, 0, &features[0], read.known(&features[0], None)), "8");

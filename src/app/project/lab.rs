@@ -38,7 +38,7 @@ pub enum LabSet {
 }
 
 /// Settings of the studies, and the choice among their results.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Lab {
     pub question: LabQuestion,
     /// The charts; ratio and seed are those of the fields below.

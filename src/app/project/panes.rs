@@ -24,7 +24,8 @@ pub struct Destination {
     pub at: Option<([f32; 2], f32)>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Change {
     Split(PaneId, Direction),
     Close(PaneId),

@@ -17,12 +17,6 @@ pub struct SetUpState {
 }
 
 impl SetUpState {
-    #[must_use]
-    pub fn reading_by(self, depths_by: Option<SetUp>) -> Self {
-        let sound = depths_by.filter(|values| values.check().is_ok());
-        Self { values: sound.unwrap_or(self.values), reads_depths: sound.is_some(), ..self }
-    }
-
     pub fn depths_by(&self) -> Option<&SetUp> {
         (self.reads_depths && self.values.check().is_ok()).then_some(&self.values)
     }
@@ -59,13 +53,11 @@ mod tests {
         let state = SetUpState::default();
         let alone = Feature { slope: Slope::new(-2.5, 0.0), slope_sigma: 0.25, ..Feature::default() };
         assert_eq!(state.known(&alone, None).depth_m, None);
-        let read = state.reading_by(Some(SetUp::default()));
+        let read = SetUpState { reads_depths: true, ..state };
         assert_eq!(read.known(&alone, None).depth_m, Some([8.0, 0.8]), "by itself");
         let field = Slope::new(-5.0, 0.0);
         let edge = Feature { field, slope_sigma: 1.0, field_sigma: 0.25, moves: Moves::Edge, ..alone };
         assert_eq!(read.known(&edge, None).depth_m, Some([4.0, 0.2]), "as its surroundings");
-        let odd = SetUp { focal_px: f64::NAN, ..SetUp::default() };
-        assert_eq!(state.reading_by(Some(odd)), state);
         let typed = SetUpState { values: SetUp { speed_m_s: -1.0, ..SetUp::default() }, ..read };
         assert_eq!(typed.depths_by(), None);
     }

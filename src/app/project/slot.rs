@@ -1,7 +1,6 @@
 //! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it. What
 //! was opened is never overwritten.
 
-use crate::app::document::Document;
 use crate::app::pane::PaneId;
 use crate::app::project::against::Against;
 use crate::app::project::cursor::{Cursor, ViewKind};
@@ -187,7 +186,8 @@ impl Model {
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
         let Some(before) = self.panes.get(leader).map(|pane| pane.cursor) else { return };
         let after = begin(&before);
-        let Self { document: Document { panes, .. }, pictures, .. } = self;
+        let Self { document, pictures, .. } = self;
+        let panes = &mut document.panes;
         pictures.retain(|id, _| panes.get(*id).is_some_and(|pane| pane.side != side));
         for (id, pane) in panes.iter_mut().filter(|(_, pane)| pane.side == side) {
             pane.cursor = if id == leader { after } else { pane.cursor.moved_as(&before, &after) };
@@ -223,7 +223,7 @@ impl Model {
     }
 
     pub fn check_pair(&mut self) {
-        self.pair.param_error = self.pair.params.validate().err();
+        self.pair.param_error = self.matching.validate().err();
         if self.slots.b.burst.is_some() {
             let (params, auto) = (self.params_of(Side::B), self.slopes.is_auto());
             let b = &mut self.slots.b;

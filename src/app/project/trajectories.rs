@@ -2,20 +2,30 @@
 
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
-use crate::app::session::SavedTrajectories;
 use crate::app::view::View;
 use crate::engine::{Engine, Wanted};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
+use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Which {
     Estimate,
     Truth,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedTrajectories {
+    pub estimate: Option<PathBuf>,
+    pub truth: Option<PathBuf>,
+    #[serde(default)]
+    pub projection: Projection,
 }
 
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.

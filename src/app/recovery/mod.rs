@@ -5,7 +5,8 @@ mod record;
 
 pub use record::Record;
 
-use super::session::{Restoring, Session};
+use super::document::Journal;
+use super::session::Session;
 use crate::app::project::Model;
 use crate::app::project::messages::Messages;
 use crate::engine::{Engine, TaskDone, TaskId};
@@ -45,8 +46,8 @@ pub enum RecoveryChoice {
     Keep,
 }
 
-fn session_text(model: &Model) -> Option<String> {
-    Some(written_by() + &Session::of(model)?.to_toml())
+fn session_text(model: &Model, did: &Journal) -> Option<String> {
+    Some(written_by() + &did.last_lines() + &Session::of(model)?.to_toml())
 }
 
 #[derive(Debug)]
@@ -90,7 +91,7 @@ impl Recovery {
     }
 
     /// Returns the time to wait before calling again, if nothing else happens.
-    pub fn keep(&mut self, model: &Model, engine: &Engine) -> Option<Duration> {
+    pub fn keep(&mut self, model: &Model, did: &Journal, engine: &Engine) -> Option<Duration> {
         if self.writing.is_some() || self.restoring.is_some() {
             return None;
         }
@@ -99,7 +100,7 @@ impl Recovery {
             return Some(rest);
         }
         self.looked = Some(Instant::now());
-        let text = session_text(model).filter(|text| self.written.as_ref() != Some(text))?;
+        let text = session_text(model, did).filter(|text| self.written.as_ref() != Some(text))?;
         self.given = Some(text.clone());
         let (record, turn) = (self.own.clone(), self.own.turn());
         let write = move || record.write_in_turn(&text, turn).map(|()| String::new());
@@ -108,8 +109,8 @@ impl Recovery {
     }
 
     /// Another window goes on with it, and if that fails it is offered later. The error: title and text of a message.
-    pub fn keep_now(&self, model: &Model) -> Result<(), (&'static str, String)> {
-        session_text(model).map_or(Ok(()), |text| self.own.write(&text).map_err(|error| (TITLE, error)))
+    pub fn keep_now(&self, model: &Model, did: &Journal) -> Result<(), (&'static str, String)> {
+        session_text(model, did).map_or(Ok(()), |text| self.own.write(&text).map_err(|error| (TITLE, error)))
     }
 
     /// A failure is reported once for each reason, and the session is due again at the next interval.
@@ -136,20 +137,23 @@ impl Recovery {
         true
     }
 
-    pub fn settle(&mut self, choice: RecoveryChoice, restoring: &mut Restoring, model: &mut Model, engine: &Engine) {
+    /// Returns the file of the session to restore.
+    pub fn settle(&mut self, choice: RecoveryChoice, messages: &mut Messages) -> Option<PathBuf> {
         self.is_asking = choice == RecoveryChoice::Discard;
         match choice {
             RecoveryChoice::Discard | RecoveryChoice::Keep => {}
             RecoveryChoice::Remove => {
                 self.forget();
-                model.messages.note("Removed the saved session");
+                messages.note("Removed the saved session");
             }
-            RecoveryChoice::Restore => {
-                if let Some((record, _)) = self.left.front() {
-                    self.restoring = restoring.restore(record.session(), model, engine);
-                }
-            }
+            RecoveryChoice::Restore => return Some(self.left.front()?.0.session().to_owned()),
         }
+        None
+    }
+
+    /// `request` opens the burst of the session that is restored.
+    pub fn wait_for(&mut self, request: Option<JobId>) {
+        self.restoring = request;
     }
 
     pub fn is_asking(&self) -> bool {
@@ -195,6 +199,8 @@ impl Recovery {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::document::Action;
+    use crate::app::project::side::Side;
     use crate::app::project::tests::{Bench, open};
     use std::path::Path;
 
@@ -205,33 +211,37 @@ mod tests {
     #[test]
     fn an_offered_session_is_restored_forgotten_or_kept() {
         let home = tempfile::tempdir().expect("a folder");
-        let mut bench = Bench::new();
-        bench.model.take_burst(open((64, 48), 5));
+        let Bench { mut model, engine } = Bench::new();
+        model.take_burst(open((64, 48), 5));
+        let mut journal = Journal::default();
+        journal.take(&Action::Select(Some(3)), false);
         for _ in 0..2 {
             let left = Record::new(home.path()).expect("made");
-            left.write(&session_text(&bench.model).expect("a burst is open")).expect("written");
+            left.write(&session_text(&model, &journal).expect("a burst is open")).expect("written");
         }
         let kept = kept_in(home.path());
-        let mut recovery = Recovery::begin(Some(&kept), &mut bench.model.messages).expect("made");
-        let (Bench { model, engine }, mut restoring) = (&mut bench, Restoring::default());
+        let mut recovery = Recovery::begin(Some(&kept), &mut model.messages).expect("made");
         let more = |recovery: &Recovery| recovery.offer().map(|offer| offer.more);
         assert_eq!(more(&recovery), Some(1));
-        recovery.settle(RecoveryChoice::Restore, &mut restoring, model, engine);
-        let request = restoring.waits_for(model).expect("its burst is opened");
+        let path = recovery.settle(RecoveryChoice::Restore, &mut model.messages).expect("it is there");
+        let session = Session::from_toml(&read_text(&path, MAX_SESSION_BYTES).expect("read")).expect("sound");
+        assert_eq!(session.did, [vec![Action::Select(Some(3))]], "what was done last is in it");
+        let request = model.open(Side::A, session.burst.clone(), &engine);
+        recovery.wait_for(Some(request));
         recovery.give_up_unless(Some(request));
         assert!(recovery.offer().is_some_and(|offer| offer.is_restoring));
         // Something else is opened: the session stays offered.
         recovery.give_up_unless(None);
         assert!(recovery.offer().is_some_and(|offer| !offer.is_restoring));
-        recovery.settle(RecoveryChoice::Restore, &mut restoring, model, engine);
-        recovery.restored(restoring.waits_for(model).expect("its burst is opened"), true);
+        recovery.wait_for(Some(request));
+        recovery.restored(request, true);
         assert_eq!(more(&recovery), Some(0));
         // It is removed only after a question.
         for (choice, asks) in [(RecoveryChoice::Discard, true), (RecoveryChoice::Keep, false)] {
-            recovery.settle(choice, &mut restoring, model, engine);
+            assert!(recovery.settle(choice, &mut model.messages).is_none());
             assert_eq!((more(&recovery), recovery.is_asking()), (Some(0), asks), "{choice:?}");
         }
-        recovery.settle(RecoveryChoice::Remove, &mut restoring, model, engine);
+        recovery.settle(RecoveryChoice::Remove, &mut model.messages);
         assert_eq!((more(&recovery), recovery.is_asking()), (None, false));
     }
 }

@@ -1,7 +1,6 @@
 //! Restoring of a session: its bursts are opened first, then everything else follows.
 
-use super::{PairSession, SavedDataset, Session};
-use crate::app::pane::SavedWorkspaces;
+use super::{SavedDataset, Session};
 use crate::app::project::Model;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::Side;
@@ -9,40 +8,22 @@ use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::engine::{Ended, Engine};
 use crate::export::case::{is_case, read_about};
-use crate::files::{MAX_SESSION_BYTES, explained, read_text};
 use crate::requests::{BurstSource, JobError, JobId, OpenRequest};
-use std::path::Path;
 
 const TITLE: &str = "Open session";
 
 #[derive(Debug, Default)]
 pub struct Restoring {
     session: Option<(JobId, Box<Session>)>,
-    pair: Option<(JobId, Box<PairSession>, SavedWorkspaces)>,
+    second: Option<(JobId, Box<Session>)>,
 }
 
 impl Restoring {
-    /// Everything else is restored once the burst was opened, or could not be; until then nothing changes. `None` if
-    /// the file cannot be read.
-    pub fn restore(&mut self, path: &Path, model: &mut Model, engine: &Engine) -> Option<JobId> {
-        let read = read_text(path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
-        match read.and_then(|text| Session::from_toml(&text).map_err(|e| explained(&text, &e))) {
-            Ok(session) => {
-                model.messages.resolved(TITLE);
-                Some(self.begin(session, model, engine))
-            }
-            Err(error) => {
-                model.messages.error(TITLE, format!("{error}: {}", path.display()));
-                None
-            }
-        }
-    }
-
-    fn begin(&mut self, session: Session, model: &mut Model, engine: &Engine) -> JobId {
-        let (source, options) = (session.burst.clone(), session.calibration.clone());
+    /// Everything else is restored once the burst was opened, or could not be; until then nothing changes.
+    pub fn begin(&mut self, session: Session, model: &mut Model, engine: &Engine) {
+        let (source, options) = (session.burst.clone(), session.document.calibration.clone());
         let id = model.slots.a.opening.ask(engine, OpenRequest { source, options });
         self.session = Some((id, Box::new(session)));
-        id
     }
 
     /// A case is shown as it was saved: with its session, or else with its search and the place asked about.
@@ -71,7 +52,7 @@ impl Restoring {
     pub fn waits_for(&mut self, model: &Model) -> Option<JobId> {
         let [of_a, of_b] = model.slots.both().map(|slot| slot.opening.pending_id());
         self.session.take_if(|(id, _)| Some(*id) != of_a);
-        self.pair.take_if(|(id, ..)| Some(*id) != of_b);
+        self.second.take_if(|(id, _)| Some(*id) != of_b);
         of_a.filter(|_| self.session.is_some())
     }
 
@@ -125,8 +106,7 @@ impl Restoring {
         model: &mut Model,
         engine: &Engine,
     ) -> Option<Effect> {
-        let panes = session.workspaces();
-        let closed = match session.dataset {
+        let closed = match session.dataset.clone() {
             Some(SavedDataset { source, folder, a, b }) => {
                 model.datasets.restoring = Some([a, b]);
                 model.look_at_dataset(source, folder, engine);
@@ -134,47 +114,39 @@ impl Restoring {
             }
             None => Some(model.close_dataset()),
         };
-        model.restore_trajectories(session.trajectories, engine);
+        model.restore_trajectories(session.trajectories.clone(), engine);
         if with_burst {
             if session.detected && model.needs_detection(Side::A) {
                 model.start_detection(Side::A, engine);
             }
-            if let Some(gold) = session.gold {
+            if let Some(gold) = session.gold.clone() {
                 model.open_gold(Side::A, gold, engine);
             }
         }
-        self.restore_pair(session.pair, panes, model, engine);
-        closed
-    }
-
-    fn restore_pair(&mut self, session: PairSession, panes: SavedWorkspaces, model: &mut Model, engine: &Engine) {
-        match session.burst.clone() {
+        match session.second.burst.clone() {
             Some(source) => {
                 let id = model.open(Side::B, source, engine);
-                self.pair = Some((id, Box::new(session), panes));
+                self.second = Some((id, Box::new(session)));
             }
             None => {
                 model.close_second();
                 model.forget_closed_trails(engine);
-                session.apply(model);
-                // Of the panes that were closed only those of both bursts wait for one that is opened later.
-                let [_, of_both, _] = &panes.placed;
-                of_both.iter().for_each(|saved| saved.apply(&mut model.panes, Workspace::Pair));
+                session.apply_second(model);
             }
         }
+        closed
     }
 
     fn take_second(&mut self, ended: Ended<OpenRequest>, model: &mut Model, engine: &Engine) -> Vec<Effect> {
-        let session = self.pair.take_if(|(id, ..)| *id == ended.id).map(|(_, session, panes)| (session, panes));
+        let session = self.second.take_if(|(id, _)| *id == ended.id).map(|(_, session)| session);
         let mut effects = Vec::new();
         match ended.result {
             Ok(burst) => {
                 effects.extend(model.take_opened(Side::B, burst, engine));
                 match session {
-                    Some((session, panes)) => {
-                        session.apply(model);
-                        panes.apply(&mut model.panes);
-                        if let Some(gold) = session.gold {
+                    Some(session) => {
+                        session.apply_second(model);
+                        if let Some(gold) = session.second.gold {
                             model.open_gold(Side::B, gold, engine);
                         }
                     }
@@ -199,7 +171,6 @@ impl Restoring {
 mod tests {
     use super::*;
     use crate::app::project::tests::{Bench, open};
-    use std::path::PathBuf;
 
     fn opened(bench: &mut Bench, restoring: &mut Restoring, side: Side) -> Vec<Effect> {
         let is_end = |effect: &Effect| matches!(effect, Effect::Opened(of, _) if *of == side);
@@ -211,34 +182,27 @@ mod tests {
         effects.into_iter().flat_map(apply).collect()
     }
 
-    fn session(home: &Path, burst: BurstSource) -> PathBuf {
+    fn session(burst: BurstSource) -> Session {
         let mut model = Model::default();
         let mut a = open((64, 48), 5);
         a.source = burst;
         model.take_burst(a);
         model.take_second_burst(open((64, 48), 5));
         model.params.levels = 3;
-        let path = home.join("s.burstscope.toml");
-        std::fs::write(&path, Session::of(&model).expect("a burst is open").to_toml()).expect("written");
-        path
+        Session::of(&model).expect("a burst is open")
     }
 
     #[test]
     fn a_session_is_given_up_when_something_else_is_opened() {
-        let home = tempfile::tempdir().expect("a folder");
         let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        let path = session(home.path(), BurstSource::Demo);
-        assert!(restoring.restore(&path, &mut bench.model, &bench.engine).is_some());
+        restoring.begin(session(BurstSource::Demo), &mut bench.model, &bench.engine);
+        assert!(restoring.waits_for(&bench.model).is_some());
         bench.model.open(Side::A, BurstSource::DemoLater, &bench.engine);
         assert_eq!(restoring.waits_for(&bench.model), None);
         opened(&mut bench, &mut restoring, Side::A);
         let source = bench.model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
         assert_eq!((source, bench.model.slots.b.opening.is_pending()), (Some(BurstSource::DemoLater), false));
         assert_ne!(bench.model.params.levels, 3);
-        // What is no session file changes nothing either.
-        std::fs::write(&path, "levels = 3").expect("written");
-        assert_eq!(restoring.restore(&path, &mut bench.model, &bench.engine), None);
-        assert!(bench.model.messages.errors().iter().any(|error| error.text.contains("s.burstscope.toml")));
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub enum Zoom {
 
 /// Pan and zoom of a canvas, in the input image's pixels only, so that frames, motion-stack images and DoG responses of
 /// any octave share one view. Several canvases that share a `View` pan and zoom together.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct View {
     pub zoom: Zoom,
@@ -30,6 +30,13 @@ pub struct View {
     fit_points_per_pixel: f32,
     #[serde(skip)]
     region_points_per_pixel: f32,
+}
+
+/// Of equal views the same part of the picture is seen; how large it was drawn last is no part of them.
+impl PartialEq for View {
+    fn eq(&self, other: &Self) -> bool {
+        (self.zoom, self.centre_image) == (other.zoom, other.centre_image)
+    }
 }
 
 impl View {
@@ -111,8 +118,9 @@ impl View {
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
 
-    pub fn is_same(&self, other: &Self) -> bool {
-        (self.zoom, self.centre_image) == (other.zoom, other.centre_image)
+    pub fn is_drawn_as(&self, other: &Self) -> bool {
+        let drawn = |view: &Self| (view.fit_points_per_pixel, view.region_points_per_pixel);
+        self == other && drawn(self) == drawn(other)
     }
 
     /// Keeps the picture's place and size on the screen when its canvas changes from `before` to `after`, in points.
@@ -124,7 +132,7 @@ impl View {
 
     /// Takes a move from `before` to `after`, also where something else has moved the view since `before`.
     pub fn take(&mut self, before: &Self, after: Self) {
-        if self.is_same(before) {
+        if self == before {
             *self = after;
             return;
         }
@@ -135,7 +143,7 @@ impl View {
 
     /// The distance between the two places stays, until both are fitted.
     pub fn follow(&mut self, before: &Self, after: &Self) {
-        if before.is_same(after) {
+        if before == after {
             return;
         }
         if after.is_fit() {

@@ -51,9 +51,9 @@ fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         if let Some(over) = model.panes.over(model.focus()) {
             two_ui(ui, model, over, queue);
         }
-        let mut look = model.compare.look.clone();
+        let mut look = model.methods.clone();
         ui.checkbox(&mut look.features, "Features").on_hover_text("Draw the features of each method  (O)");
-        queue.set(&model.compare.look, look, Action::SetMethods);
+        queue.set(&model.methods, look, Action::SetMethods);
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.compare.running() {
             let text = format!("{}: {}", method.label(), progress_text(&running));
@@ -116,7 +116,7 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
-    let look = &model.pair.look;
+    let look = &model.match_look;
     let style = MatchLineStyle { opacity: look.opacity, selected: None, hovered: None, others_faint: false };
     for method in Contender::ALL {
         let Some(matches) = model.method_matches(method) else { continue };
@@ -154,7 +154,7 @@ const COLUMNS: [(&str, &str); 9] = [
 
 pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 4.0;
-    let mut look = model.compare.look.clone();
+    let mut look = model.methods.clone();
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
         TableBuilder::new(ui)
             .striped(true)
@@ -177,7 +177,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                     body.row(ROW_HEIGHT, |mut row| {
                         row.col(|ui| {
                             let usable = model.method_burst(method, Side::A).is_some();
-                            let mut on = model.compare.look.shows(method);
+                            let mut on = model.methods.shows(method);
                             let tip = if usable { method.help() } else { "Open a sharp image of A's view first" };
                             let boxed = egui::Checkbox::new(&mut on, method.label());
                             let response = ui.add_enabled(usable, boxed);
@@ -192,7 +192,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 }
             });
     });
-    queue.set(&model.compare.look, look, Action::SetMethods);
+    queue.set(&model.methods, look, Action::SetMethods);
 }
 
 fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {

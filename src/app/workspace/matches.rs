@@ -84,7 +84,7 @@ fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
                 ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
             }
-            if !dataset.matches.is_empty() && *dataset.matches.params() != model.pair.params {
+            if !dataset.matches.is_empty() && *dataset.matches.params() != model.matching {
                 let text = "The matching parameters changed; match again to update the matches";
                 ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
             }

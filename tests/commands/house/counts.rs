@@ -97,7 +97,7 @@ fn counts() -> Vec<Count> {
             4,
             which(&sources, |s| s.code.contains("impl BurstscopeApp")),
         ),
-        Count::of("functions that take the whole model to change it", 42, sources.iter().flat_map(takers).collect()),
+        Count::of("functions that take the whole model to change it", 36, sources.iter().flat_map(takers).collect()),
         Count::of("functions that draw and take the model to change it", 0, drawing_takers(&sources)),
         Count::of(
             "doc comments that begin with “What” or “The one that”",
@@ -113,7 +113,7 @@ fn counts() -> Vec<Count> {
         Count::told("source files under 80 lines", which(&sources, |source| lines(source) < 80).len()),
         Count { bound: Some(56_350), ..Count::told("lines of the library, tests included", lines_in("core/src")) },
         Count { bound: Some(11_550), ..Count::told("lines of the measuring bench", lines_in("lab/src")) },
-        Count { bound: Some(45_715), ..Count::told("lines of the program", lines_in("src")) },
+        Count { bound: Some(45_700), ..Count::told("lines of the program", lines_in("src")) },
     ]
 }
 

@@ -20,7 +20,7 @@ use crate::plane::tile::{Region, Tile};
 use rayon::prelude::*;
 
 /// A sample of D.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Sample {
     /// Octave index.
     pub octave: i32,

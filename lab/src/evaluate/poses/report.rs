@@ -12,10 +12,10 @@ use burstscope_core::error::Error;
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::words;
 use nalgebra::Isometry3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Parameters of a comparison of an estimate with the truth.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct PoseStudy {
     /// Rule that pairs two poses: name, time or order [default: names if both sides have them, else times if all fit,

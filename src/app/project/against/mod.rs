@@ -293,7 +293,7 @@ mod tests {
     fn either_burst_is_compared_with_its_own_truth_and_takes_the_comparison_along() {
         let mut bench = Bench::with_two_charts();
         bench.model.show_against(Side::B, Some(With::Truth));
-        assert!(bench.model.pair.look.features, "the comparison is seen");
+        assert!(bench.model.match_look.features, "the comparison is seen");
         bench.run_until(|model, _| model.shown_comparison(Side::B).is_some());
         assert!(bench.model.shown_comparison(Side::A).is_none());
         bench.model.show_against(Side::A, Some(With::Truth));

@@ -8,8 +8,10 @@ use crate::inspect::truth::AgainstTruth;
 use crate::inspect::words::slope_text;
 use crate::requests::{Against, ProbeQuestion};
 use crate::synth::Truth;
+use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Theirs alone: lost, only in the file, missed.
     Theirs,

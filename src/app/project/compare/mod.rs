@@ -39,7 +39,6 @@ pub struct CompareJob {
 
 #[derive(Debug, Default)]
 pub struct Compare {
-    pub look: CompareLook,
     /// Sharp images of A's and of B's view, each as a burst of one frame.
     pub gold: [Option<OpenBurst>; 2],
     /// The request for the missing piece of work, one at a time, so that times can be compared.
@@ -180,12 +179,12 @@ impl Model {
             Some((found.detection.clone(), (burst.clone(), found.params.clone())))
         };
         let ((a, burst_a), (b, burst_b)) = (of(Side::A)?, of(Side::B)?);
-        Some(MatchRequest { a, b, bursts: [burst_a, burst_b], params: self.pair.params.clone() })
+        Some(MatchRequest { a, b, bursts: [burst_a, burst_b], params: self.matching.clone() })
     }
 
     pub fn contenders(&self) -> Vec<Contender> {
         let usable = |method: &Contender| self.method_burst(*method, Side::A).is_some();
-        Contender::ALL.into_iter().filter(|m| self.compare.look.shows(*m)).filter(usable).collect()
+        Contender::ALL.into_iter().filter(|m| self.methods.shows(*m)).filter(usable).collect()
     }
 
     /// Features of A by each method that is shown, then those of B, then their matches.

@@ -56,7 +56,7 @@ fn each_method_runs_once_on_a_then_on_b_and_is_matched() {
 fn a_changed_parameter_makes_what_was_found_old() {
     let mut model = methods();
     do_all(&mut model);
-    model.pair.params.ratio = 0.7;
+    model.matching.ratio = 0.7;
     let again = do_all(&mut model);
     assert_eq!(again.len(), 4, "only the matches are made again: {again:?}");
     model.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9);
@@ -69,8 +69,8 @@ fn a_changed_parameter_makes_what_was_found_old() {
 #[test]
 fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
     let mut model = methods();
-    model.compare.look.show(Contender::Buff2d, false);
-    model.compare.look.show(Contender::Merge, false);
+    model.methods.show(Contender::Buff2d, false);
+    model.methods.show(Contender::Merge, false);
     assert_eq!(model.contenders(), [Contender::Sift, Contender::Buff1d]);
     model.compare.gold[0] = Some(open((64, 48), 1));
     assert_eq!(model.contenders().last(), Some(&Contender::Gold));

@@ -9,6 +9,7 @@ pub use dataset::{BurstState, Dataset, StateCounts};
 use crate::engine::Wanted;
 use crate::matching::PairSelection;
 use crate::requests::DatasetRequest;
+use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
@@ -29,7 +30,7 @@ impl Work {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairChoice {
     /// Whether each burst is matched with the next few only.
     pub neighbours: bool,

@@ -2,6 +2,7 @@
 
 use crate::app::project::filter::Order;
 use crate::matching::{MatchCounts, MatchParams};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Two bursts by their places, the earlier one first.
@@ -12,7 +13,8 @@ pub fn pair_of(a: usize, b: usize) -> Option<BurstPair> {
     (a != b).then_some((a.min(b), a.max(b)))
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PairColumn {
     #[default]
     Pair,

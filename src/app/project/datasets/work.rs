@@ -115,7 +115,7 @@ impl Model {
     }
 
     fn start_matching_pairs(&mut self, pairs: Vec<BurstPair>, engine: &Engine) {
-        let matching = self.pair.params.clone();
+        let matching = self.matching.clone();
         let Some(dataset) = &mut self.datasets.open else { return };
         dataset.matches.begin(&matching);
         if let Some(keeping) = dataset.keeping() {
@@ -133,7 +133,7 @@ impl Model {
             kept: dataset.folder.clone(),
             params: self.asked(),
             open: self.calibration.clone(),
-            matching: self.pair.params.clone(),
+            matching: self.matching.clone(),
             pairs: self.datasets.choice.selection(),
         };
         let bursts = dataset.bursts.clone();

@@ -7,7 +7,6 @@ mod sides;
 
 pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
 pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
-pub use sides::Links;
 
 use crate::app::pane::{Content, Pane};
 use crate::app::project::against::With;
@@ -20,12 +19,14 @@ use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::{Engine, Wanted};
 use crate::error::Error;
-use crate::matching::MatchParams;
+
 use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
+use serde::{Deserialize, Serialize};
 
 pub use crate::app::project::side::Side;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PairTab {
     #[default]
     Matches,
@@ -35,13 +36,9 @@ pub enum PairTab {
 
 #[derive(Debug, Default)]
 pub struct PairState {
-    pub tab: PairTab,
-    pub params: MatchParams,
     pub param_error: Option<Error>,
     pub matches: Option<Matches>,
     pub lost: LostFeatures,
-    pub look: MatchLook,
-    pub order: Order<MatchColumn>,
     pub listed: Vec<usize>,
     pub selected: Option<usize>,
     pub hovered: Option<usize>,
@@ -60,10 +57,10 @@ impl PairState {
         self.selected.or(self.hovered)
     }
 
-    /// Those that are listed, or the selected one alone, even where its kind is hidden.
-    pub fn drawn(&self) -> Vec<usize> {
+    /// Those that are listed, or the selected one `alone`, even where its kind is hidden.
+    pub fn drawn(&self, alone: bool) -> Vec<usize> {
         match self.selected {
-            Some(one) if self.look.alone => vec![one],
+            Some(one) if alone => vec![one],
             Some(one) if !self.listed.contains(&one) => self.listed.iter().copied().chain([one]).collect(),
             _ => self.listed.clone(),
         }
@@ -75,43 +72,45 @@ impl PairState {
         self.matches = Some(matches);
         self.hovered = None;
         self.selected = keep.and_then(|saved| self.matches.as_ref()?.find_again(&saved));
-        self.refresh_listed();
     }
 
     pub fn forget_matches(&mut self) {
         (self.matches, self.selected, self.hovered) = (None, None, None);
-        self.refresh_listed();
+        self.listed.clear();
     }
 
     pub fn saved_match(&self) -> Option<SavedMatch> {
         Some(self.matches.as_ref()?.row(self.selected?)?.saved())
     }
-
-    pub fn refresh_listed(&mut self) {
-        let Some(matches) = &self.matches else {
-            self.listed.clear();
-            self.listed_for = None;
-            return;
-        };
-        let now = (std::sync::Arc::as_ptr(&matches.result) as usize, self.look.listing(), self.order);
-        if self.listed_for != Some(now) {
-            self.listed = matches.listed(&self.look, self.order);
-            self.listed_for = Some(now);
-        }
-    }
-
-    pub fn select_neighbour(&mut self, forward: bool) {
-        self.refresh_listed();
-        self.selected = crate::app::project::filter::neighbour(&self.listed, self.selected, forward);
-    }
 }
 
 impl Model {
+    pub fn refresh_listed_matches(&mut self) {
+        let Self { document, pair, .. } = self;
+        let Some(matches) = &pair.matches else {
+            pair.listed.clear();
+            pair.listed_for = None;
+            return;
+        };
+        let (look, order) = (&document.match_look, document.match_order);
+        let now = (std::sync::Arc::as_ptr(&matches.result) as usize, look.listing(), order);
+        if pair.listed_for != Some(now) {
+            pair.listed = matches.listed(look, order);
+            pair.listed_for = Some(now);
+        }
+    }
+
+    pub fn select_neighbouring_match(&mut self, forward: bool) {
+        self.refresh_listed_matches();
+        let pair = &mut self.pair;
+        pair.selected = crate::app::project::filter::neighbour(&pair.listed, pair.selected, forward);
+    }
+
     /// Of two bursts, the features are drawn too, as the comparison is drawn in their place.
     pub fn show_against(&mut self, side: Side, with: Option<With>) {
         self.slots[side].against.show(with);
         if self.workspace == Workspace::Pair && with.is_some() {
-            (self.pair.look.features, self.pair.tab) = (true, PairTab::Compared);
+            (self.match_look.features, self.pair_tab) = (true, PairTab::Compared);
         }
     }
 
@@ -186,7 +185,7 @@ impl Model {
         let (a, b) = (self.slots.a.found.as_ref()?, self.slots.b.found.as_ref()?);
         let bursts =
             [(self.burst_of(Side::A)?.clone(), a.params.clone()), (self.burst_of(Side::B)?.clone(), b.params.clone())];
-        let params = self.pair.params.clone();
+        let params = self.matching.clone();
         Some(MatchRequest { a: a.detection.clone(), b: b.detection.clone(), bursts, params })
     }
 
@@ -219,6 +218,7 @@ impl Model {
                 Ok(matched) => {
                     self.messages.resolved("Matching");
                     self.pair.take_matches(Matches::new(matched, ended.elapsed));
+                    self.refresh_listed_matches();
                 }
                 Err(error) => self.say_failed("Matching", &error),
             }
@@ -290,7 +290,7 @@ impl Model {
         if features {
             return Some("Stale matches: the detector's parameters changed");
         }
-        (matches.request.params != self.pair.params).then_some("Stale matches: the parameters of matching changed")
+        (matches.request.params != self.matching).then_some("Stale matches: the parameters of matching changed")
     }
 }
 

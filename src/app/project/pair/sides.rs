@@ -1,27 +1,12 @@
 //! The panes of A and of B: the active cursor, and the properties that the panes share.
 
-use crate::app::pane::{Link, PaneId};
+use crate::app::pane::{Link, PaneId, PaneLinks};
 use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::look::Ranges;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::requests::Picture;
-use serde::{Deserialize, Serialize};
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Links {
-    pub views: bool,
-    pub cursor: bool,
-    pub ranges: bool,
-}
-
-impl Default for Links {
-    fn default() -> Self {
-        Self { views: true, cursor: true, ranges: true }
-    }
-}
 
 impl Model {
     /// Side whose slope and scale the cursor sets now.
@@ -50,10 +35,12 @@ impl Model {
         self.ranges_of(self.panes.of(side))
     }
 
-    pub fn pair_links(&self) -> Links {
+    /// Links that all panes of *Two bursts* have.
+    pub fn pair_links(&self) -> PaneLinks {
         let shown = self.panes.shown_in(Workspace::Pair);
         let all = |link| shown.iter().filter_map(|id| self.panes.get(*id)).all(|pane| pane.links.has(link));
-        Links { views: all(Link::View), cursor: all(Link::Cursor), ranges: all(Link::Display) }
+        let (view, cursor, display) = (all(Link::View), all(Link::Cursor), all(Link::Display));
+        PaneLinks { view, cursor, display, ..PaneLinks::default() }
     }
 
     pub fn link_pair(&mut self, link: Link, on: bool) {
@@ -84,10 +71,10 @@ impl Model {
         }
     }
 
-    pub fn set_pair_links(&mut self, links: Links) {
-        self.link_pair(Link::View, links.views);
-        self.link_pair(Link::Cursor, links.cursor);
-        self.link_pair(Link::Display, links.ranges);
+    pub fn set_pair_links(&mut self, links: PaneLinks) {
+        for link in [Link::View, Link::Cursor, Link::Display] {
+            self.link_pair(link, links.has(link));
+        }
     }
 
     pub fn bring_cursors_together(&mut self) {

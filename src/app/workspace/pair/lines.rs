@@ -28,8 +28,9 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     let Some(matches) = &model.pair.matches else {
         return pointer.map(|_| None);
     };
-    let look = model.pair.look;
-    let rows: Vec<MatchRow<'_>> = model.pair.drawn().into_iter().filter_map(|index| matches.row(index)).collect();
+    let look = model.match_look;
+    let rows: Vec<MatchRow<'_>> =
+        model.pair.drawn(model.match_look.alone).into_iter().filter_map(|index| matches.row(index)).collect();
     let lines: Vec<(Canvases, Vec<MatchLine>)> = views
         .canvases()
         .into_iter()

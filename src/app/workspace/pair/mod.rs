@@ -60,13 +60,13 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             table::numbers_ui(ui, model);
             ui.separator();
             table::switch_ui(ui, model, queue);
-            match model.pair.tab {
+            match model.pair_tab {
                 PairTab::Matches => in_table = table::table_ui(ui, model, queue),
                 PairTab::Unmatched => table::lost_table_ui(ui, model, queue),
                 PairTab::Compared => panel::against::against_ui(ui, model, widgets, queue),
             }
         });
-        over_list = is_over && model.pair.tab == PairTab::Compared;
+        over_list = is_over && model.pair_tab == PairTab::Compared;
     }
     let between = ui.visuals().panel_fill;
     CentralPanel::default().frame(Frame::new().fill(between)).show(ui, |ui| {
@@ -135,7 +135,7 @@ pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let counts = model.pair.matches.as_ref().map(|m| m.result.counts);
         let inliers = counts.map(|c| c.inliers.unwrap_or(c.putative));
         let outliers = counts.and_then(|c| c.inliers.map(|inliers| c.putative - inliers));
-        let mut changed = model.pair.look;
+        let mut changed = model.match_look;
         let look = &mut changed;
         let (kind, label) = if verified { (LineKind::Inlier, "Inliers") } else { (LineKind::Unverified, "Putative") };
         let tip = "Matches that agree with the geometry of the two views  (I)";
@@ -158,7 +158,7 @@ pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         for (on, label, tip) in boxes {
             ui.checkbox(on, label).on_hover_text(tip);
         }
-        queue.set(&model.pair.look, changed, Action::SetMatchLook);
+        queue.set(&model.match_look, changed, Action::SetMatchLook);
     });
 }
 

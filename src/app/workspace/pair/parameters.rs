@@ -66,7 +66,7 @@ pub fn dataset_parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText
 fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
     let size = model.burst_of(Side::A).map(|open| open.burst.size());
     let error = model.pair.param_error.as_ref();
-    let mut params = model.pair.params.clone();
+    let mut params = model.matching.clone();
     let p = &mut params;
     let table = ParamTable { error, defaults: MatchParams::default(), frame_count: 0, note: None };
     for record in &doc::ALL {
@@ -78,7 +78,7 @@ fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut 
             }
         });
     }
-    queue.set(&model.pair.params, params, |params| Action::SetMatching(Box::new(params)));
+    queue.set(&model.matching, params, |params| Action::SetMatching(Box::new(params)));
 }
 
 fn camera_ui(

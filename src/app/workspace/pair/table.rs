@@ -41,9 +41,9 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
             chosen = Some(index);
         }
     };
-    let order = (&MatchColumn::ALL[..], pair.order);
+    let order = (&MatchColumn::ALL[..], model.match_order);
     let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Match {}", index + 1), menu);
-    queue.set(&pair.order, pointed.order, Action::SetMatchOrder);
+    queue.set(&model.match_order, pointed.order, Action::SetMatchOrder);
     queue.set(&pair.selected, chosen.or(pointed.selected), Action::SelectMatch);
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
@@ -54,7 +54,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
 pub fn switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
         let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
-        let mut tab = model.pair.tab;
+        let mut tab = model.pair_tab;
         ui.selectable_value(&mut tab, PairTab::Matches, "Matches");
         ui.selectable_value(&mut tab, PairTab::Unmatched, "Unmatched features of A")
             .on_hover_text("Features of A that are not inliers, and the step at which each was lost");
@@ -62,7 +62,7 @@ pub fn switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             ui.selectable_value(&mut tab, PairTab::Compared, "Compared features")
                 .on_hover_text("Features of the burst in focus, compared with others");
         }
-        queue.set(&model.pair.tab, tab, Action::SetPairTab);
+        queue.set(&model.pair_tab, tab, Action::SetPairTab);
         ui.separator();
         if let Some(running) = &model.pair.lost.wanted.running() {
             ui.weak(progress_text(running));

@@ -1,0 +1,106 @@
+//! What was done in a window, copied as a text and done again in another one.
+
+use crate::steps_back::copied;
+use crate::support::{Start, Window};
+use burstscope::app::Startup;
+use burstscope::app::document::journal::read_steps;
+use burstscope::app::document::{Action, Steps};
+use burstscope::app::session::Session;
+use egui::accesskit::Role;
+use egui::{Key, pos2};
+use egui_kittest::kittest::Queryable;
+
+fn did(window: &mut Window) -> Steps {
+    window.click("Help");
+    let item = |window: &mut Window| window.harness.get_by_role_and_label(Role::Button, "Copy what I did").click();
+    let texts = copied(window, item);
+    let text = texts.iter().find(|text| text.contains("did = [")).expect("it is copied");
+    read_steps(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn played(like: Start, steps: Steps) -> Window {
+    Start { startup: Startup { source: None, play: Some(steps), ..Startup::default() }, ..like }.open()
+}
+
+fn assert_same(window: &Window, again: &Window) {
+    let (model, other) = (&window.app().model, &again.app().model);
+    assert_eq!(model.document, other.document);
+    assert_eq!(Session::of(model), Session::of(other));
+    assert_eq!(model.history.can_undo(), other.history.can_undo());
+}
+
+#[test]
+fn what_was_done_with_one_burst_is_done_again() {
+    let mut window = Start::default().open();
+    window.key(Key::ArrowRight);
+    window.settle();
+    window.slide("Slope u", 2.5);
+    window.settle();
+    window.run_action("Split right");
+    window.settle();
+    window.key(Key::ArrowLeft);
+    window.settle();
+    window.ctrl(Key::Z);
+    window.settle();
+    window.click("SIFT");
+    window.settle();
+    window.ctrl(Key::Z);
+    window.settle();
+    window.run_action("First feature or match");
+    window.run_action("Zoom in");
+    window.settle();
+    let place = window.app().ui_from_image(pos2(60.0, 50.0)).expect("it is drawn");
+    window.run_action("Pin this result");
+    window.settle();
+    window.shift_click_at(place);
+    window.settle();
+    window.drag(place, place + egui::vec2(30.0, 12.0));
+    window.settle();
+    let steps = did(&mut window);
+    assert!(steps.iter().flatten().any(|action| matches!(action, Action::Probe(..))), "{steps:?}");
+    let mut again = played(Start::default(), steps.clone());
+    assert_same(&window, &again);
+    assert_eq!(did(&mut again), steps, "and what was played can be copied");
+}
+
+#[test]
+fn what_was_done_with_two_bursts_is_done_again() {
+    let size = [1400.0, 900.0];
+    let mut window = Start { size, ..Start::default() }.open();
+    window.click("Two bursts");
+    window.settle();
+    window.click("Later demo burst as B");
+    window.settle();
+    window.key(Key::N);
+    window.run_action("Go to the selection");
+    window.settle();
+    window.slide("Slope u", 1.25);
+    window.settle();
+    window.run_action("Zoom and pan together");
+    window.settle();
+    window.run_action("Swap A and B");
+    window.settle();
+    let steps = did(&mut window);
+    let again = played(Start { size, ..Start::default() }, steps);
+    assert_same(&window, &again);
+}
+
+#[test]
+fn what_is_played_shows_its_errors_and_needs_no_session_file() {
+    let home = tempfile::tempdir().unwrap();
+    let path = home.path().join("s.burstscope.toml");
+    let mut window = Start::default().open();
+    window.key(Key::ArrowRight);
+    window.settle();
+    std::fs::write(&path, Session::of(&window.app().model).unwrap().to_toml()).unwrap();
+    let mut window = Start::nothing_open().open();
+    window.drop_file(path.clone());
+    window.settle();
+    let steps = did(&mut window);
+    std::fs::remove_file(&path).unwrap();
+    let again = played(Start::default(), steps);
+    assert_same(&window, &again);
+    let gone = Action::OpenFeatures(burstscope::app::project::side::Side::A, home.path().join("gone.csv"));
+    let again = played(Start::default(), Steps::from([vec![gone]]));
+    assert!(again.app().is_settled());
+}
