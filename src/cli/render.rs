@@ -11,7 +11,8 @@ use crate::app::document::Steps;
 use crate::app::document::journal::read_steps;
 use crate::app::project::cursor::ViewKind;
 use crate::app::{RenderOptions, Startup, render_to_png};
-use crate::detector::Slope;
+use crate::burst::OpenOptions;
+use crate::detector::{SearchParams, Slope};
 use crate::files::{MAX_SESSION_BYTES, path_text, read_text};
 use crate::plane::memory;
 use clap::Args;
@@ -23,6 +24,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
     let calibration = args.calibration.options();
+    let sets = params != SearchParams::default() || calibration != OpenOptions::default();
+    if args.play.is_some() && (sets || args.sequence.burst_length.is_some()) {
+        let problem = "--play: parameters and calibration come from the list, which begins with the defaults; leave their options out";
+        return Err(Failure::usage(problem.to_owned()));
+    }
     let play = args.play.as_deref().map(steps_of).transpose()?;
     let settings = [args.search.file.params.as_ref(), args.play.as_ref()].into_iter();
     let settings = settings.chain(args.inputs.iter().map(Some));

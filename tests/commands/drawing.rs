@@ -109,8 +109,12 @@ fn what_was_done_in_a_window_is_done_again_and_drawn() {
     assert!(["--play", "did.toml", "line 3", "set_slope"].iter().all(|word| error.contains(word)), "{error}");
     play("[{ open = [\"a\", { paths = [\"gone\"] }] }],").expect("written");
     assert!(run_badly(home.path(), &arguments, 1).contains("gone"));
-    let error = run_badly(home.path(), &[&arguments[..], &["--kind", "dog"]].concat(), 2);
-    assert!(error.contains("--play") && error.contains("--kind"), "{error}");
+    for (more, word) in
+        [(["--kind", "dog"], "--kind"), (["--levels", "5"], "parameters"), (["--black-level", "5"], "calib")]
+    {
+        let error = run_badly(home.path(), &[&arguments[..], &more].concat(), 2);
+        assert!(error.contains("--play") && error.contains(word), "{error}");
+    }
 }
 
 #[test]

@@ -140,6 +140,12 @@ fn motion(key: &'static str, heading: &'static str, term: &'static str, help: &'
     Record { form, term, colours, ..named(key, heading, "px/frame", help) }
 }
 
+/// The record of the standard deviation of a motion.
+fn uncertainty(key: &'static str, help: &'static str) -> Record {
+    let colours = Some(Colours { span: Span::Found(0.01, 1.0), ..WARM });
+    Record { form: Form::Fixed(2), colours, ..named(key, "±", "px/frame", help) }
+}
+
 impl Quantity {
     /// All quantities, as tables show them from left to right: the most important come first.
     pub const ALL: [Self; 21] = [
@@ -279,15 +285,8 @@ impl Quantity {
             },
             Self::SlopeSigma => Record {
                 place: Place::Real(|f| &mut f.slope_sigma),
-                form: Form::Fixed(2),
                 title: "Slope ±",
-                colours: Some(Colours { span: Span::Found(0.01, 1.0), ..WARM }),
-                ..named(
-                    "slope_sigma",
-                    "±",
-                    "px/frame",
-                    "Standard deviation of its slope along its least certain direction",
-                )
+                ..uncertainty("slope_sigma", "Standard deviation of its slope along its least certain direction")
             },
             Self::FieldU => Record {
                 place: Place::Real(|f| &mut f.field.u),
@@ -301,14 +300,10 @@ impl Quantity {
             },
             Self::FieldSigma => Record {
                 place: Place::Real(|f| &mut f.field_sigma),
-                form: Form::Fixed(2),
                 title: "Field ±",
                 term: Some("field"),
-                colours: Some(Colours { span: Span::Found(0.01, 1.0), ..WARM }),
-                ..named(
+                ..uncertainty(
                     "field_sigma",
-                    "±",
-                    "px/frame",
                     "Standard deviation of its place's motion along the least certain direction; ∞ where it is unknown",
                 )
             },

@@ -163,7 +163,8 @@ fn is_taken_down(action: &Action) -> bool {
     use ActionId as A;
     match action {
         Action::Point(_) | Action::Note(_) | Action::DismissMessage(_) => false,
-        Action::MoveView { before, after, .. } => before != after,
+        // A picture that comes into a fitted view is fitted without an action.
+        Action::MoveView { before, after, .. } => before != after && !(before.is_fit() && after.is_fit()),
         // The place that is probed is taken down.
         Action::Do(
             A::ProbePlace | A::Quit | A::CopyRow | A::CopyCommand | A::CopyPicture | A::CopyActions | A::LeaveLesson,

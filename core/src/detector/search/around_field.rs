@@ -117,20 +117,13 @@ fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Opt
     };
     let own = |at: usize, count: usize| cells(at * BLOCK_PX, (at + 1) * BLOCK_PX, count);
     let around = |at: usize, count: usize| cells(at.saturating_sub(1) * BLOCK_PX, (at + 2) * BLOCK_PX, count);
-    let mut near = vec![false; grid.len()];
-    let mut unknown = 0;
     let places = indices(own(block.0, field.size.0), own(block.1, field.size.1), field.size.0);
-    for cell in places.clone() {
-        let motion = &field.motions[cell];
-        if field.is_known(motion) {
-            near[nearest(grid, motion.slope)] = true;
-        } else {
-            unknown += 1;
-        }
-    }
-    if unknown as f32 >= MOSTLY * places.clone().count() as f32 {
+    let (known, count) = (places.clone().filter(|&cell| field.is_known(&field.motions[cell])), places.clone().count());
+    if known.clone().count() as f32 <= (1.0 - MOSTLY) * count as f32 {
         return None;
     }
+    let mut near = vec![false; grid.len()];
+    known.for_each(|cell| near[nearest(grid, field.motions[cell].slope)] = true);
     // The motions of its own layers are known better from its cells.
     let own_layers: Vec<u8> = places.map(|cell| field.layer[cell]).collect();
     for cell in indices(around(block.0, field.size.0), around(block.1, field.size.1), field.size.0) {

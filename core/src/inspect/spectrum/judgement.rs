@@ -22,10 +22,6 @@ const TOO_COARSE: f32 = 0.15;
 const OFF_LINE: f32 = 0.25;
 /// Part of the evidence beside the line from which another direction is advised.
 const OFF_LINE_PART: f32 = 0.2;
-/// Steps of the grid that are at most this many times those that were found are fine enough.
-const STEP_ALIKE: f32 = 1.1;
-/// Most times as many slopes as were found that a wider range may have, to keep those that were searched.
-const MORE_SLOPES: f32 = 2.0;
 /// Part of the evidence beyond the range from which a wider range is advised.
 const BEYOND: f32 = 0.08;
 /// Part of the slopes that suffices, up to which the search is said to cost too much.
@@ -285,10 +281,8 @@ impl<'a> Judging<'a> {
         let wanted = match (grid.u.count > 1, grid.v.count > 1) {
             (true, false) => SlopeGrid { u: widened(&grid.u, line(false)?), ..grid },
             (false, true) => SlopeGrid { v: widened(&grid.v, line(true)?), ..grid },
-            _ if grid.direction_deg == finding.grid.direction_deg => {
-                SlopeGrid { u: widened(&grid.u, finding.grid.u), v: widened(&grid.v, finding.grid.v), ..finding.grid }
-            }
-            _ => finding.grid,
+            _ if grid.direction_deg != finding.grid.direction_deg => finding.grid,
+            _ => SlopeGrid { u: widened(&grid.u, finding.grid.u), v: widened(&grid.v, finding.grid.v), ..grid },
         };
         let changes = self.changes_to(wanted);
         Some(SlopeAdvice { subject: Subject::Range, number: f64::from(part), sentence, changes })
@@ -451,13 +445,10 @@ impl<'a> Judging<'a> {
 }
 
 /// `axis` with as many more of its steps as reach the ends of `found`, so that its slopes need no new search; `found`
-/// where its steps are too wide, or that would be too many slopes.
+/// where its steps are wider by more than a tenth, or that would be more than twice as many slopes.
 fn widened(axis: &SlopeAxis, found: SlopeAxis) -> SlopeAxis {
-    let (step, most) = (axis.step(), MORE_SLOPES * found.count as f32);
-    let more = |px_per_frame: f32| (px_per_frame / step - 0.5).ceil().clamp(0.0, most) as usize;
-    if step == 0.0 || step > found.step() * STEP_ALIKE {
-        return found;
-    }
+    let (step, most) = (axis.step(), 2 * found.count);
+    let more = |px_per_frame: f32| (px_per_frame / step - 0.5).ceil().clamp(0.0, most as f32) as usize;
     let wider = axis.with_more(more(axis.min - found.min), more(found.max - axis.max));
-    if wider.count as f32 > most { found } else { wider }
+    if step > 0.0 && step <= 1.1 * found.step() && wider.count <= most { wider } else { found }
 }
