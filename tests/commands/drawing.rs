@@ -110,7 +110,7 @@ fn what_was_done_in_a_window_is_done_again_and_drawn() {
     play("[{ open = [\"a\", { paths = [\"gone\"] }] }],").expect("written");
     assert!(run_badly(home.path(), &arguments, 1).contains("gone"));
     for (more, word) in
-        [(["--kind", "dog"], "--kind"), (["--levels", "5"], "parameters"), (["--black-level", "5"], "calib")]
+        [(["--kind", "dog"], "--kind"), (["--levels", "4"], "parameters"), (["--black-level", "5"], "calib")]
     {
         let error = run_badly(home.path(), &[&arguments[..], &more].concat(), 2);
         assert!(error.contains("--play") && error.contains(word), "{error}");
