@@ -78,8 +78,9 @@ class DetectorKeywords(TypedDict, total=False):
         localised along the edge. [default: 12]
     search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown. Field saves time where few motions fill a
-        wide plane of slopes; it finds nothing that moves otherwise than the field says. [default: full]
+        motion finds around it (of the whole picture where its motion is unknown). Field saves time where few
+        motions fill a wide plane of slopes; it finds nothing that moves otherwise than the field says.
+        [default: full]
     slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too. Each finds more in noise and leaves it to distinct keypoints
@@ -503,7 +504,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
         Max ratio of the principal curvatures of D [default: 12]
     search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: full]
+        motion finds around it (of the whole picture where its motion is unknown) [default: full]
     slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -653,7 +654,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Max ratio of the principal curvatures of D [default: 12]
     search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: full]
+        motion finds around it (of the whole picture where its motion is unknown) [default: full]
     slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -840,7 +841,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
         Max ratio of the principal curvatures of D [default: 12]
     search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: full]
+        motion finds around it (of the whole picture where its motion is unknown) [default: full]
     slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -987,7 +988,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         Max ratio of the principal curvatures of D [default: 12]
     search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: full]
+        motion finds around it (of the whole picture where its motion is unknown) [default: full]
     slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]
@@ -1159,7 +1160,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Max ratio of the principal curvatures of D [default: 12]
     search : {'full', 'field'}
         Which slopes are searched at a place: all, or those within two steps of the motions that the field of
-        motion finds around it, and all where its motion is unknown [default: full]
+        motion finds around it (of the whole picture where its motion is unknown) [default: full]
     slope_extrema : {'each', 'joint'}
         Which samples are candidates: those that stand out in place and scale at each slope for itself, or
         jointly over the neighbouring slopes too [default: each]

@@ -78,8 +78,8 @@ pub enum SearchSlopes {
     #[default]
     #[serde(rename = "full")]
     All,
-    /// Those around the motions that the [field of motion](crate::detector::field) finds around the place; all where
-    /// its motion is unknown, and in bursts without a field.
+    /// Those around the motions that the [field of motion](crate::detector::field) finds around the place, or where its
+    /// motion is unknown in the whole picture; all in bursts without a field.
     Field,
 }
 

@@ -166,7 +166,7 @@ params! {
         .dragged(0.1, 2);
 
     SEARCH: "search", "Search", "", "field";
-    "Which slopes are searched at a place: all, or those within two steps of the motions that the field of motion finds around it, and all where its motion is unknown.",
+    "Which slopes are searched at a place: all, or those within two steps of the motions that the field of motion finds around it (of the whole picture where its motion is unknown).",
     "Field saves time where few motions fill a wide plane of slopes; it finds nothing that moves otherwise than the field says.",
     Param::<DetectorParams>::new("SLOPES", Stage::Search, |p| Field::Word(&mut p.search))
         .used_if(|p| p.method == Method::Buff);
