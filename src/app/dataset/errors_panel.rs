@@ -104,50 +104,36 @@ fn reconstruction_ui(ui: &mut Ui, model: &Model) {
         (Some(r), _) => Some(format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent())),
         (None, summary) => summary.as_ref().map(|s| s.registered_images.to_string()),
     };
-    let of_matches = |text: fn(&ImageCounts) -> String| matched.as_ref().map(text);
+    let of_matches = |decimals: usize, number: fn(&ImageCounts) -> f64| {
+        matched.as_ref().map(|counts| format!("{:.decimals$}", number(counts)))
+    };
     let precision = matched.as_ref().and_then(|m| m.precision).map(|p| format!("{p:.3}"));
     let points = |text: fn(&ModelSummary) -> String| summary.as_ref().map(text);
     let images = [("Registered images", "Images whose camera was found, of all images", registered)];
+    let by_descriptors = "Matches of a burst with all others by descriptors alone";
+    let inliers = "Matches of a burst with all others that a common geometry explains";
     let matches = [
-        ("Keypoints an image", "Features of a burst", of_matches(|m| format!("{:.1}", m.keypoints_per_image))),
-        (
-            "Putative an image",
-            "Matches of a burst with all others by descriptors alone",
-            of_matches(|m| format!("{:.1}", m.putative_per_image)),
-        ),
-        (
-            "Inliers an image",
-            "Matches of a burst with all others that a common geometry explains",
-            of_matches(|m| format!("{:.1}", m.inliers_per_image)),
-        ),
-        (
-            "Match ratio",
-            "Putative matches with all others over keypoints",
-            of_matches(|m| format!("{:.3}", m.match_ratio)),
-        ),
-        ("Match score", "Inliers with all others over keypoints", of_matches(|m| format!("{:.3}", m.match_score))),
+        ("Keypoints an image", "Features of a burst", of_matches(1, |m| m.keypoints_per_image)),
+        ("Putative an image", by_descriptors, of_matches(1, |m| m.putative_per_image)),
+        ("Inliers an image", inliers, of_matches(1, |m| m.inliers_per_image)),
+        ("Match ratio", "Putative matches with all others over keypoints", of_matches(3, |m| m.match_ratio)),
+        ("Match score", "Inliers with all others over keypoints", of_matches(3, |m| m.match_score)),
         ("Precision", "Inliers over putative matches", precision),
     ]
     .map(|(name, help, value)| {
         (name, format!("{help}; of the dataset that is open, once its pairs are matched"), value)
     });
+    let seen = "Points that an image sees, mean over the registered images";
+    let distance = "Mean distance of a point's projections from its keypoints";
     let model = [
         ("3D points", "Points of the sparse model", points(|s| s.points.to_string())),
-        (
-            "3D points an image",
-            "Points that an image sees, mean over the registered images",
-            points(|s| format!("{:.1}", s.points_per_image)),
-        ),
+        ("3D points an image", seen, points(|s| format!("{:.1}", s.points_per_image))),
         (
             "Track length",
             "Images in which a point is seen, mean over the points",
             points(|s| format!("{:.2}", s.mean_track_length)),
         ),
-        (
-            "Reprojection error",
-            "Mean distance of a point's projections from its keypoints",
-            points(|s| format!("{:.3} px", s.mean_reprojection_error_px)),
-        ),
+        ("Reprojection error", distance, points(|s| format!("{:.3} px", s.mean_reprojection_error_px))),
     ];
     let whole = |(name, help, value): (_, &str, _)| (name, help.to_owned(), value);
     Grid::new("reconstruction").num_columns(2).striped(true).min_col_width(130.0).show(ui, |ui| {

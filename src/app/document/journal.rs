@@ -143,7 +143,7 @@ fn line(action: &Action) -> String {
 /// What is wrong, with its line.
 pub fn read_steps(text: &str) -> Result<Steps, String> {
     let wrong = |error: &str| explained(text, &format!("this is not a list of what was done: {error}"));
-    let written: Written = toml::from_str(text).map_err(|error| wrong(error.to_string().trim_end()))?;
+    let written: Written = toml::from_str(text).map_err(|error| wrong(&nearest(error.to_string().trim_end())))?;
     if written.version != VERSION {
         let version = written.version;
         let problem = format!("its version is {version}, this program reads {VERSION}; give version = {VERSION}");
@@ -157,6 +157,17 @@ pub fn read_steps(text: &str) -> Result<Steps, String> {
         session.check().map_err(|error| wrong(&format!("restore: {error}")))?;
     }
     Ok(written.did)
+}
+
+/// An error of the reader that lists all the names there are, with those alone that begin like the unknown one.
+fn nearest(error: &str) -> String {
+    let Some((unknown, names)) = error.split_once(", expected one of ") else { return error.to_owned() };
+    let word = unknown.rsplit('`').nth(1).unwrap_or_default();
+    let alike = |name: &&str| word.bytes().zip(name.bytes()).take_while(|(a, b)| a == b).count();
+    let mut names: Vec<&str> = names.split(", ").collect();
+    names.sort_by_key(|name| std::cmp::Reverse(alike(&name.trim_matches('`'))));
+    names.truncate(5);
+    format!("{unknown}; the nearest names are {}", names.join(", "))
 }
 
 fn is_taken_down(action: &Action) -> bool {
