@@ -5,8 +5,10 @@ use burstscope::app::Startup;
 use burstscope::app::canvas::View;
 use burstscope::app::project::look::FeaturesShown;
 use burstscope::app::project::pair::Side;
-use burstscope::app::settings::Settings;
+use burstscope::app::settings::{MAX_RECENT, STORAGE_KEY, Settings};
 use burstscope::detector::{DetectorParams, Slope};
+use burstscope::requests::BurstSource;
+use eframe::Storage;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
@@ -375,4 +377,26 @@ fn what_is_open_is_never_written_over() {
     window.run_action("picture as png");
     window.settle();
     assert!(burstscope::export::is_ours(&png));
+}
+
+#[test]
+fn settings_come_back_and_rubbish_gives_defaults() {
+    let mut memory = Memory::default();
+    let mut settings = Settings { auto_detect: false, ..Settings::default() };
+    settings.remember(&BurstSource::Paths(vec!["/a".into()]));
+    settings.store(&mut memory);
+    assert_eq!(Settings::load(&memory), settings);
+    memory.set_string(STORAGE_KEY, "[[[".to_owned());
+    assert_eq!(Settings::load(&memory), Settings::default());
+}
+
+#[test]
+fn the_recent_list_has_each_burst_once_the_latest_first() {
+    let source = |i: usize| BurstSource::Paths(vec![format!("/burst{i}").into()]);
+    let mut settings = Settings::default();
+    (0..20).for_each(|i| settings.remember(&source(i)));
+    settings.remember(&source(15));
+    settings.remember(&BurstSource::Demo);
+    assert_eq!(settings.recent.len(), MAX_RECENT);
+    assert_eq!((&settings.recent[0], &settings.recent[1]), (&source(15), &source(19)));
 }
