@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from burstscope import _burstscope, _drawing
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import Made, documented, raw_burst, texts
+from burstscope._values import Made, data_frame, documented, raw_burst, texts
 from burstscope._values import path as path_of
 
 if TYPE_CHECKING:
@@ -321,11 +321,7 @@ class Detection(Made):
         ImportError
             pandas is not installed.
         """
-        try:
-            import pandas
-        except ImportError:
-            raise ImportError("pandas, which a DataFrame needs, is not installed: pip install pandas") from None
-        return pandas.DataFrame(self._table())
+        return data_frame(self._table())
 
     def to_napari(self) -> list[tuple[Any, dict[str, Any], str]]:
         """Layers for napari as (data, options, kind): the frames, and the features, which move with the frames.

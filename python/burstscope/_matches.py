@@ -15,7 +15,7 @@ from burstscope import _burstscope, _drawing
 from burstscope._detection import Detection, _fixed
 from burstscope._keywords import MatchKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import Given, Made, documented, needed, texts
+from burstscope._values import Given, Made, data_frame, documented, needed, texts
 
 if TYPE_CHECKING:
     import pandas
@@ -165,16 +165,12 @@ class Matches(Made):
         ImportError
             pandas is not installed.
         """
-        try:
-            import pandas
-        except ImportError:
-            raise ImportError("pandas, which a DataFrame needs, is not installed: pip install pandas") from None
         (a, b), (u_a, v_a), (u_b, v_b) = self.pairs.T, self.xy_a.T, self.xy_b.T
         table = {"a": a, "b": b, "u_a": u_a, "v_a": v_a, "u_b": u_b, "v_b": v_b}
         table |= {"distance": self.distance, "ratio": self.ratio}
         if self.inliers is not None:
             table |= {"error_px": self.error_px, "inlier": self.inliers}
-        return pandas.DataFrame(table)
+        return data_frame(table)
 
     def write_colmap(self, database: Union[str, os.PathLike[str], pycolmap.Database], id_a: int, id_b: int) -> None:
         """Writes the putative matches of two images into a database of COLMAP, which verifies them itself.

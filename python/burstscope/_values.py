@@ -13,11 +13,22 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 if TYPE_CHECKING:
+    import pandas
+
     from burstscope._burstscope import RawBurst
 
 Given = list[tuple[str, str]]
 Kind = TypeVar("Kind")
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def data_frame(table: Mapping[str, Any]) -> pandas.DataFrame:
+    """The columns as a table of pandas, which is imported only here."""
+    try:
+        import pandas
+    except ImportError:
+        raise ImportError("pandas, which a DataFrame needs, is not installed: pip install pandas") from None
+    return pandas.DataFrame(table)
 
 
 def documented(keywords: Any) -> Callable[[Function], Function]:

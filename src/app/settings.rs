@@ -72,7 +72,7 @@ impl Settings {
         self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
-    /// What makes a window of the defaults one of these.
+    /// Actions that make a window of the defaults one of these.
     pub fn actions(&self) -> Queue {
         let (mut actions, plain) = (Queue::default(), Self::default());
         actions.set(&plain.panels, self.panels, Action::SetPanels);

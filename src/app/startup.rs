@@ -58,7 +58,7 @@ impl Default for Startup {
 }
 
 impl Startup {
-    /// What a window of the defaults does first.
+    /// Actions with which a window of the defaults begins.
     pub fn actions(&self) -> Queue {
         let mut actions = self.settings.actions();
         actions.set(&SearchParams::default(), self.params.clone(), |params| Action::SetSearch(Box::new(params)));

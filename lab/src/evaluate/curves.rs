@@ -82,7 +82,7 @@ pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     plots.push(against(&rows, title, SNR, found_label(report.chart.discs), |method| method.true_positives));
     plots.push(against(
         &rows,
-        "False features per disc at the default threshold".to_owned(),
+        "False features per disc, default threshold".to_owned(),
         SNR,
         "false features per disc".to_owned(),
         |method| method.default_false_per_disc.unwrap_or(method.default_false_features),

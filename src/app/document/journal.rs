@@ -1,5 +1,5 @@
-//! What the user did, as a text: one line for each action. It is a report of what went wrong, a demonstration and a
-//! test, for it can be read and done again.
+//! Actions of the user as a text, a line for each. It is a report of what went wrong, a demonstration and a test, for
+//! it can be read and done again.
 //!
 //! Actions that leave the document as it is (what is pointed at, dialogs, copies, written files) are not taken down.
 //! Files that were read are there with their content, bursts with their paths.
@@ -140,7 +140,7 @@ fn line(action: &Action) -> String {
 /// Reads steps to do again.
 ///
 /// # Errors
-/// What is wrong, with its line.
+/// The first fault of the text, with its line.
 pub fn read_steps(text: &str) -> Result<Steps, String> {
     let wrong = |error: &str| explained(text, &format!("this is not a list of what was done: {error}"));
     let written: Written = toml::from_str(text).map_err(|error| wrong(&nearest(error.to_string().trim_end())))?;

@@ -31,7 +31,7 @@ const VERSION: u32 = 4;
 #[serde(deny_unknown_fields)]
 pub struct Session {
     version: u32,
-    /// What was done last, in a session that was saved automatically.
+    /// Last steps before it was saved automatically; none in a session that the user saved.
     #[serde(default, skip_serializing_if = "Steps::is_empty")]
     pub did: Steps,
     pub burst: BurstSource,
@@ -49,7 +49,8 @@ pub struct Session {
     pub trajectories: Option<SavedTrajectories>,
 }
 
-/// What is open as B. Panes of both bursts wait for it in the document while there is none.
+/// Burst that is open as B, with what was asked about it. Panes of both bursts wait for it in the document while there
+/// is none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SecondBurst {
