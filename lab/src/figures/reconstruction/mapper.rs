@@ -211,7 +211,6 @@ mod with_database {
     #[cfg(all(test, unix))]
     mod tests {
         use super::*;
-        use std::os::unix::fs::PermissionsExt;
 
         fn run(script: &str) -> Result<Option<String>, Error> {
             run_with(script, &Monitor::default())
@@ -221,8 +220,11 @@ mod with_database {
         fn run_with(script: &str, monitor: &Monitor) -> Result<Option<String>, Error> {
             let folder = tempfile::tempdir().expect("a temporary folder");
             let program = folder.path().join("colmap");
-            std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).expect("writable");
-            std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).expect("it is ours");
+            // Another process writes it: a file that this one had open for writing could be inherited by the child
+            // of another test, and cannot be run while that has it.
+            let write = "printf '#!/bin/sh\n%s\n' \"$1\" > \"$0\" && chmod 755 \"$0\"";
+            let written = Command::new("sh").args(["-c", write]).arg(&program).arg(script).status();
+            assert!(written.expect("a shell").success());
             let sparse = folder.path().join("sparse");
             run_mapper(&program, Path::new("a.db"), folder.path(), &sparse, monitor)
         }
