@@ -5,7 +5,7 @@
 use super::dialogs::Question;
 use super::document::Action;
 use super::session::Session;
-use crate::app::figure::{drawing_of, rasterise};
+use crate::app::figure::{drawing_of, rasterise, write_drawing_pdf};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
 use crate::app::panel::lab::curves::shown_plots;
@@ -16,6 +16,7 @@ use crate::app::project::pair::MatchRow;
 use crate::app::project::side::Side;
 use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
+use crate::app::workspace::compare::methods_table;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
@@ -26,9 +27,7 @@ use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::monitor::Monitor;
-use crate::plane::Plane;
-use crate::plane::display::to_rgba8;
-use crate::requests::{BurstSource, Picture};
+use crate::requests::BurstSource;
 use image::RgbaImage;
 use std::fmt::Display;
 use std::io::Write;
@@ -63,15 +62,18 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
             let (content, of_cursor) = (model.focused().content, model.cursor().kind);
             let what = match kind {
                 ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz => "features",
-                ExportKind::Matches | ExportKind::MatchPicture => "matches",
+                ExportKind::Matches => "matches",
+                ExportKind::Methods => "methods",
                 ExportKind::Profile => "profile",
-                ExportKind::Svg | ExportKind::FigurePng => "figure",
+                ExportKind::Figure => "figure",
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
                 ExportKind::FilmGif => "film",
                 ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
             };
-            format!("{stem}-{what}.{}", kind.extension())
+            let extension =
+                if kind == ExportKind::Figure { model.figure.format.extension() } else { kind.extensions()[0] };
+            format!("{stem}-{what}.{extension}")
         }
         _ => String::new(),
     }
@@ -213,7 +215,7 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
         Purpose::Export(ExportKind::Npz) => features_work(model, ExportFormat::Npz),
         Purpose::Export(ExportKind::Matches) => matches_work(model),
-        Purpose::Export(ExportKind::MatchPicture) => match_picture_work(model),
+        Purpose::Export(ExportKind::Methods) => Ok(methods_work(model)),
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
         Purpose::Export(ExportKind::CurvesCsv) => {
             let text = curves_csv(&shown_plots(model));
@@ -226,7 +228,7 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
             let rate = model.film.rate;
             Ok(work(move |path| film.write(path, rate, &rasterise, &|| Ok(()), &Monitor::default())))
         }
-        Purpose::Export(kind @ (ExportKind::Svg | ExportKind::FigurePng)) => figure_work(model, widgets, kind),
+        Purpose::Export(ExportKind::Figure) => figure_work(model, widgets),
         Purpose::Export(kind) => picture_work(model, kind),
         _ => Err("nothing is written for this".to_owned()),
     }
@@ -303,30 +305,6 @@ fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
     }
 }
 
-fn match_picture_work(model: &Model) -> Result<Work, String> {
-    let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
-    let listed = model.pair.listed.clone();
-    let side = |side: Side| {
-        let picture = model.picture_of(side).cloned().ok_or("there is no picture; open a burst first")?;
-        let display = model.display_of(model.pane_for(side));
-        Ok::<_, String>((picture, display))
-    };
-    let sides = [side(Side::A)?, side(Side::B)?];
-    Ok(work(move |path| {
-        let lines: Vec<export::MatchLine> = listed
-            .iter()
-            .filter_map(|&index| matches.row(index))
-            .map(|row| {
-                let (inlier, row) = (row.inlier != Some(false), export_row(&row));
-                export::MatchLine { a: row.a, b: row.b, inlier }
-            })
-            .collect();
-        let drawn = sides.each_ref().map(|(picture, display)| to_rgba8(&on_image_pixels(picture), display));
-        let [a, b] = drawn.each_ref().map(picture_of);
-        export::write_match_picture(path, a, b, &lines)
-    }))
-}
-
 fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
     let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
     let display = model.display_of(model.focus());
@@ -336,13 +314,32 @@ fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
     })
 }
 
-fn figure_work(model: &Model, widgets: &PaneWidgets, kind: ExportKind) -> Result<Work, String> {
+fn figure_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     let drawing = drawing_of(model, widgets, &model.figure)?;
-    Ok(match kind {
-        ExportKind::FigurePng => {
-            Box::new(move |path| export::write_png(path, picture_of(&rasterise(&drawing)?)).map_err(|e| e.to_string()))
-        }
-        _ => work(move |path| export::write_drawing_svg(path, &drawing)),
+    Ok(Box::new(move |path| {
+        let written = match ending_of(path, ExportKind::Figure)? {
+            "pdf" => write_drawing_pdf(path, &drawing),
+            "svg" => export::write_drawing_svg(path, &drawing),
+            _ => export::write_png(path, picture_of(&rasterise(&drawing)?)),
+        };
+        written.map_err(|error| error.to_string())
+    }))
+}
+
+fn methods_work(model: &Model) -> Work {
+    let table = methods_table(model);
+    Box::new(move |path| {
+        let text = if ending_of(path, ExportKind::Methods)? == "tex" { table.latex() } else { table.csv() };
+        export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|error| error.to_string())
+    })
+}
+
+/// The extension of `path`, one of those of its kind.
+fn ending_of(path: &Path, kind: ExportKind) -> Result<&'static str, String> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let known = kind.extensions().iter().find(|known| **known == ending);
+    known.copied().ok_or_else(|| {
+        format!("{}: this ending is not written; end the name in .{}", path.display(), kind.extensions().join(", ."))
     })
 }
 
@@ -351,34 +348,16 @@ fn picture_of(rgba: &RgbaImage) -> export::Picture<'_> {
     export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
 }
 
-/// Resamples the picture to the pixels of the input image, so that features are drawn at their places.
-fn on_image_pixels(picture: &Picture) -> Plane {
-    let step = picture.request.kind.input_px_per_pixel();
-    let (width, height) = picture.request.burst.burst.size();
-    if picture.plane.size() == (width, height) && step == 1.0 {
-        return (*picture.plane).clone();
-    }
-    let last = |n: usize| n.saturating_sub(1);
-    let (last_u, last_v) = (last(picture.plane.width()), last(picture.plane.height()));
-    Plane::from_fn(width, height, |u, v| {
-        let nearest = |x: usize, most: usize| ((x as f32 / step).round() as usize).min(most);
-        picture.plane.at(nearest(u, last_u), nearest(v, last_v))
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::project::tests::{detected, feature, open};
     use crate::detector::{DetectorParams, SearchParams};
-    use crate::monitor::Monitor;
-    use crate::requests::Request;
-    use crate::requests::{PictureKind, PictureRequest};
     use std::time::Duration;
 
-    const EXPORTS: [ExportKind; 12] = {
+    const EXPORTS: [ExportKind; 10] = {
         use ExportKind::*;
-        [Csv, Colmap, Npz, Png, Tiff, Svg, FigurePng, Matches, MatchPicture, Profile, CurvesCsv, CurvesSvg]
+        [Csv, Colmap, Npz, Png, Tiff, Figure, Matches, Profile, CurvesCsv, CurvesSvg]
     };
 
     #[test]
@@ -460,20 +439,14 @@ mod tests {
     }
 
     #[test]
-    fn a_coarse_picture_is_laid_on_the_pixels_of_the_image() {
-        let of = |kind| {
-            let params = DetectorParams { octaves: 2, ..DetectorParams::default() };
-            PictureRequest::new(open((65, 40), 3), kind, params)
-                .compute(&crate::requests::Work::alone(&Monitor::default()))
-                .expect("a picture")
-        };
-        let frame = of(PictureKind::Frame(0));
-        assert_eq!(on_image_pixels(&frame), *frame.plane);
-        let dog = of(PictureKind::Dog { octave: 1, level: 1, slope: Default::default() });
-        let laid = on_image_pixels(&dog);
-        assert!(laid.size() == (65, 40) && dog.plane.size() != (65, 40));
-        for (u, v) in [(0, 0), (8, 6), (60, 38)] {
-            assert_eq!(laid.at(u, v), dog.plane.at(u / 2, v / 2), "pixel ({u}, {v})");
+    fn a_figure_is_written_in_the_format_of_its_name() {
+        let endings: Vec<_> = ["a.pdf", "b/c.SVG", "d.png", "e.jpg", "f"]
+            .map(|name| ending_of(Path::new(name), ExportKind::Figure))
+            .into_iter()
+            .collect();
+        assert_eq!(endings[..3], [Ok("pdf"), Ok("svg"), Ok("png")]);
+        for (ending, name) in endings[3..].iter().zip(["e.jpg", "f"]) {
+            assert!(ending.as_ref().is_err_and(|why| why.starts_with(name) && why.contains(".pdf, .svg, .png")));
         }
     }
 }

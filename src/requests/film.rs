@@ -9,8 +9,8 @@ use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, mem
 use crate::error::{Error, ErrorKind};
 use crate::export::film::write_film;
 use crate::export::{
-    Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureOptions, FigurePanel, IN_A_CELL, LegendEntry,
-    curve_height, draw_curve, lay_out,
+    Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureOptions, FigurePanel, FigureWidth, IN_A_CELL,
+    LegendEntry, curve_height, draw_curve, lay_out,
 };
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
@@ -264,7 +264,7 @@ impl Film {
         let picture = |(index, plane): (usize, &Plane)| -> Result<RgbaImage, Error> {
             monitor.check()?;
             let panel = self.panel(&prepared.steps[index], Some((plane, &prepared.display)));
-            let mut drawing = lay_out(&[vec![panel]], &self.options());
+            let mut drawing = lay_out(&[vec![panel]], &[], &self.options());
             drawing.size = prepared.sheet;
             if self.place().is_some() {
                 drawing.size[1] -= curve_height(FONT_PX);
@@ -276,14 +276,15 @@ impl Film {
     }
 
     fn sheet(&self) -> [f32; 2] {
-        let size = |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &self.options()).size;
+        let size = |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &[], &self.options()).size;
         let largest = self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let curve = if self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
         [largest[0].ceil(), (largest[1] + curve).ceil()]
     }
 
     fn options(&self) -> FigureOptions {
-        FigureOptions { scale: 1.0 / self.shrink() as f32, font_size_px: FONT_PX, ..FigureOptions::default() }
+        let width = FigureWidth::PxPerPx(1.0 / self.shrink() as f32);
+        FigureOptions { width, font_size: FONT_PX, ..FigureOptions::default() }
     }
 
     /// Number of the burst's pixels along one of a picture.
@@ -439,7 +440,6 @@ impl Film {
     }
 }
 
-/// Colour of a slope: its direction as hue, its length as saturation.
 /// Slopes of the grid that have features, at most `most` of them, each with its colour.
 pub fn slope_legend(detection: &Detection, most: usize, colour: impl Fn(Slope) -> [u8; 3]) -> Vec<LegendEntry> {
     let mut used: Vec<usize> = detection.features.iter().map(|feature| feature.slope_index).collect();
@@ -448,7 +448,7 @@ pub fn slope_legend(detection: &Detection, most: usize, colour: impl Fn(Slope) -
     let every = used.len().div_ceil(most).max(1);
     let entry = |index: &usize| {
         let slope = detection.slopes.slope(*index);
-        LegendEntry { color: colour(slope), label: format!("{} px/frame", slope_text(slope)) }
+        LegendEntry::square(colour(slope), format!("{} px/frame", slope_text(slope)))
     };
     used.iter().step_by(every).map(entry).collect()
 }

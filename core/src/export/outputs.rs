@@ -216,7 +216,8 @@ mod tests {
         write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
         let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
         write_film(&at("a.gif"), pictures, 10, &Monitor::default()).expect("written");
-        let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], shapes: Vec::new() };
+        let unit = crate::export::FigureUnit::Pixel;
+        let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], unit, shapes: Vec::new() };
         write_drawing_svg(&at("a.svg"), &drawing).expect("written");
         let parts = vec![sheet::Sheet::new(80.0, "b").finish(40.0); 2];
         write_text(&at("b.svg"), Kind::Drawing, sheet::stacked("both", &parts)).expect("written");

@@ -4,6 +4,7 @@ use super::atomic::write_marked;
 use crate::error::Error;
 use crate::files::mark::{Kind, SOFTWARE};
 use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -48,20 +49,44 @@ impl<'a> Picture<'a> {
         Err(Error::unfit(path, (self.width, self.height), "PNG"))
     }
 
+    /// Whether no pixel is seen through.
+    fn is_opaque(&self) -> bool {
+        !self.has_alpha || self.pixels.chunks_exact(4).all(|pixel| pixel[3] == 255)
+    }
+
+    /// One byte a pixel where all are opaque greys.
+    pub fn greys(&self) -> Option<Vec<u8>> {
+        let bytes = if self.has_alpha { 4 } else { 3 };
+        let pixels = || self.pixels.chunks_exact(bytes);
+        let are_grey = self.is_opaque() && pixels().all(|pixel| pixel[0] == pixel[1] && pixel[1] == pixel[2]);
+        are_grey.then(|| pixels().map(|pixel| pixel[0]).collect())
+    }
+
+    /// The same pixels in as few bytes each as show all of them: grey, colours, or colours and alpha.
+    fn reduced(&self) -> (ColorType, Cow<'_, [u8]>) {
+        match self.greys() {
+            Some(greys) => (ColorType::Grayscale, greys.into()),
+            None if self.has_alpha && self.is_opaque() => (ColorType::Rgb, self.rgb_pixels().into_flattened().into()),
+            None if self.has_alpha => (ColorType::Rgba, self.pixels.into()),
+            None => (ColorType::Rgb, self.pixels.into()),
+        }
+    }
+
     /// Encodes the picture and the program's name; its size has been checked.
     pub(super) fn encode_png(&self, out: impl Write) -> io::Result<()> {
         let failed = |error: EncodingError| match error {
             EncodingError::IoError(error) => error,
             other => io::Error::other(other),
         };
+        let (kind, pixels) = self.reduced();
         let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);
-        encoder.set_color(if self.has_alpha { ColorType::Rgba } else { ColorType::Rgb });
+        encoder.set_color(kind);
         encoder.set_depth(BitDepth::Eight);
-        encoder.set_compression(Compression::Fast);
+        encoder.set_compression(Compression::Balanced);
         encoder.set_filter(Filter::Adaptive);
         encoder.add_text_chunk("Software".to_owned(), SOFTWARE.to_owned()).map_err(failed)?;
         let mut writer = encoder.write_header().map_err(failed)?;
-        writer.write_image_data(self.pixels).map_err(failed)?;
+        writer.write_image_data(&pixels).map_err(failed)?;
         writer.finish().map_err(failed)
     }
 }

@@ -82,7 +82,7 @@ impl Sheet {
         let font: [Attribute<'_>; 3] =
             [("font-family", &"Helvetica, Arial, 'DejaVu Sans', sans-serif"), ("font-size", &12), ("fill", &INK)];
         let whole = || {
-            let mut svg = SvgWriter::document(Vec::new(), (self.width, height.round()), &self.title, &font)?;
+            let mut svg = SvgWriter::document(Vec::new(), (self.width, height.round(), ""), &self.title, &font)?;
             svg.empty("rect", &[("width", &"100%"), ("height", &"100%"), ("fill", &"#ffffff")], "")?;
             svg.raw(body.trim_end())?;
             svg.finish()
@@ -155,7 +155,9 @@ impl Sheet {
         let colours = display.colours();
         let pixels: Vec<u8> = plane.data().iter().flat_map(|&x| colours.colour(x)).collect();
         let picture = Picture::rgb(plane.width(), plane.height(), &pixels);
-        self.body.picture(&rectangle(&area.numbers()), &picture).expect("a picture with pixels is encoded in memory");
+        self.body
+            .picture(&rectangle(&area.numbers()), &picture, true)
+            .expect("a picture with pixels is encoded in memory");
     }
 
     /// Draws the shapes of `draw`, clipped to `area`.

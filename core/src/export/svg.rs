@@ -20,11 +20,11 @@ impl<W: Write> SvgWriter<W> {
         Self { out, clips: 0 }
     }
 
-    /// Begins a document of `size` (width, height), pixels; screen readers use `title`.
-    pub fn document(out: W, size: (f64, f64), title: &str, more: &[Attribute<'_>]) -> io::Result<Self> {
+    /// Begins a document of `size` (width, height) in a unit of CSS, pixels if it is empty; screen readers use `title`.
+    pub fn document(out: W, size: (f64, f64, &str), title: &str, more: &[Attribute<'_>]) -> io::Result<Self> {
         let mut svg = Self::part(out);
-        let [width, height] = [size.0, size.1].map(Number);
-        let view = format!("0 0 {width} {height}");
+        let view = format!("0 0 {} {}", Number(size.0), Number(size.1));
+        let [width, height] = [size.0, size.1].map(|side| format!("{}{}", Number(side), size.2));
         let names: [Attribute<'_>; 2] =
             [("xmlns", &"http://www.w3.org/2000/svg"), ("xmlns:xlink", &"http://www.w3.org/1999/xlink")];
         let sizes: [Attribute<'_>; 4] =
@@ -74,13 +74,14 @@ impl<W: Write> SvgWriter<W> {
         self.begin("g", &[&clip[..], more].concat())
     }
 
-    /// Writes a picture into `rect`; its pixels stay sharp when magnified.
-    pub fn picture(&mut self, rect: &[Attribute<'_>], picture: &Picture<'_>) -> io::Result<()> {
+    /// Writes a picture into `rect`; if it is `sharp`, its pixels stay squares when magnified.
+    pub fn picture(&mut self, rect: &[Attribute<'_>], picture: &Picture<'_>, sharp: bool) -> io::Result<()> {
         let mut png = Vec::new();
         picture.encode_png(&mut png)?;
+        let rendering = if sharp { "image-rendering:pixelated" } else { "image-rendering:auto" };
         // `xlink:href` is understood by all current readers.
         let more: [Attribute<'_>; 3] =
-            [("preserveAspectRatio", &"none"), ("style", &"image-rendering:pixelated"), ("xlink:href", &DataUrl(&png))];
+            [("preserveAspectRatio", &"none"), ("style", &rendering), ("xlink:href", &DataUrl(&png))];
         self.empty("image", &[rect, &more].concat(), "")
     }
 

@@ -1,7 +1,7 @@
 //! The mark by which Burstscope recognises what it wrote, so that it replaces this alone without being told to.
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
-//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP and XML, or a comment line, at the end of a file,
+//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML and PDF, or a comment line, at the end of a file,
 //! and claims all bytes before; in `Software` of a TIFF, for the samples; in a file of a folder ([`Kind::file`]).
 //! COLMAP's database has a number in its header alone, and tables have none, see [`is_ours`](crate::export::is_ours).
 
@@ -46,7 +46,7 @@ pub enum Kind {
     Picture,
     /// GIF.
     Film,
-    /// SVG.
+    /// SVG or PDF.
     Drawing,
     /// HTML.
     Page,
@@ -154,13 +154,19 @@ enum Place {
     Gif,
     Zip,
     Xml,
+    Pdf,
     Line,
 }
 
 impl Place {
     fn of(head: &[u8]) -> Self {
-        let starts: [(&[u8], Self); 4] =
-            [(b"\x89PNG\r\n\x1a\n", Self::Png), (b"GIF8", Self::Gif), (b"PK\x03\x04", Self::Zip), (b"<", Self::Xml)];
+        let starts: [(&[u8], Self); 5] = [
+            (b"\x89PNG\r\n\x1a\n", Self::Png),
+            (b"GIF8", Self::Gif),
+            (b"PK\x03\x04", Self::Zip),
+            (b"<", Self::Xml),
+            (b"%PDF", Self::Pdf),
+        ];
         starts.into_iter().find(|(start, _)| head.starts_with(start)).map_or(Self::Line, |(_, place)| place)
     }
 
@@ -170,7 +176,7 @@ impl Place {
             Self::Png => b"\0\0\0\0IEND\xae\x42\x60\x82",
             Self::Gif => b"\x3b",
             Self::Zip => b"\0\0",
-            Self::Xml | Self::Line => b"",
+            Self::Xml | Self::Pdf | Self::Line => b"",
         }
     }
 
@@ -188,12 +194,14 @@ impl Place {
             }
             Self::Zip => [&(text.len() as u16).to_le_bytes(), text].concat(),
             Self::Xml => [b"<!-- ", text, b" -->\n"].concat(),
+            // Readers look for the end of a PDF in its last thousand bytes.
+            Self::Pdf => [b"\n% ", text, b"\n"].concat(),
             Self::Line => [b"# ", text, b"\n"].concat(),
         }
     }
 }
 
-/// Puts the mark of this kind into a complete PNG, GIF, ZIP or XML file, or as a comment line at the end of any other.
+/// Puts the mark of this kind into a complete PNG, GIF, ZIP, XML or PDF file, or as a comment line at the end of any other.
 /// A file that does not end as its format does is an error.
 pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
     let place = Place::of(&part_of(file, 0, HEAD)?);

@@ -5,8 +5,9 @@ use burstscope_core::detector::{
 };
 use burstscope_core::error::ErrorKind;
 use burstscope_core::export::{
-    ColourBar, ExportFormat, FigureMark, FigureOptions, FigurePanel, LegendEntry, Picture, feature_header, lay_out,
-    read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz, write_png, write_tiff,
+    ColourBar, ExportFormat, FigureMark, FigureOptions, FigurePanel, FigureWidth, LegendEntry, Picture, feature_header,
+    lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz, write_png,
+    write_tiff,
 };
 use burstscope_core::{Burst, Plane};
 use ndarray::Array2;
@@ -289,12 +290,13 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     let path = folder.path().join("figure.svg");
     let pixels: Vec<u8> = (0..40 * 30 * 4).map(|i| if i % 4 == 3 { 255 } else { i as u8 }).collect();
     let legend = vec![
-        LegendEntry { color: [255, 0, 0], label: "λ = (2, −1) px/frame".into() },
-        LegendEntry { color: [0, 0, 255], label: "a & b".into() },
+        LegendEntry::square([255, 0, 0], "λ = (2, −1) px/frame".into()),
+        LegendEntry::square([0, 0, 255], "a & b".into()),
     ];
     let title = Some("Slope < 3 & \"noise\" \u{7} é".into());
-    let options = FigureOptions { scale: 2.0, stroke_width_px: 1.0, ..FigureOptions::default() };
-    let drawing = lay_out(&[vec![FigurePanel { title, legend, ..panel(&pixels) }]], &options);
+    let width = FigureWidth::PxPerPx(2.0);
+    let options = FigureOptions { width, stroke_width: 1.0, ..FigureOptions::default() };
+    let drawing = lay_out(&[vec![FigurePanel { title, legend, ..panel(&pixels) }]], &[], &options);
     write_drawing_svg(&path, &drawing).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
@@ -353,7 +355,7 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     assert_eq!(texts, ["Slope < 3 & \"noise\" \u{fffd} é", "λ = (2, −1) px/frame", "a & b"]);
 
     // Without features there are no marks.
-    let plain = lay_out(&[vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }]], &FigureOptions::default());
+    let plain = lay_out(&[vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }]], &[], &FigureOptions::default());
     write_drawing_svg(&path, &plain).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
@@ -367,14 +369,15 @@ fn several_panels_have_letters_bars_and_lengths() {
     let path = folder.path().join("figure.svg");
     let pixels = vec![128u8; 40 * 30 * 4];
     let bar = Some(ColourBar { colors: vec![[0; 3], [255; 3]], low: "0.05".into(), high: "0.1 of full scale".into() });
-    let options = FigureOptions { letters: true, scale_bar: true, scale: 4.0, ..FigureOptions::default() };
+    let width = FigureWidth::PxPerPx(4.0);
+    let options = FigureOptions { letters: true, scale_bar: true, width, ..FigureOptions::default() };
     let first = FigurePanel { bar, title: Some("Frame 3".into()), ..panel(&pixels) };
-    let drawing = lay_out(&[vec![first, panel(&pixels)], vec![panel(&pixels)]], &options);
+    let drawing = lay_out(&[vec![first, panel(&pixels)], vec![panel(&pixels)]], &[], &options);
     write_drawing_svg(&path, &drawing).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
     let texts: Vec<&str> = document.descendants().filter(|n| n.has_tag_name("text")).filter_map(|t| t.text()).collect();
-    for wanted in ["(a)  Frame 3", "(b)", "(c)", "0.05", "0.1 of full scale", "5 px"] {
+    for wanted in ["(a) Frame 3", "(b)", "(c)", "0.05", "0.1 of full scale", "5 px"] {
         assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
     }
     // Five image pixels at four figure pixels each.
@@ -410,12 +413,13 @@ proptest! {
         title in any::<String>(),
         labels in prop::collection::vec(any::<String>(), 0..4),
         values in prop::array::uniform4(any::<f32>()),
-        scale in any::<f32>(),
+        (scale, on_paper) in any::<(f32, bool)>(),
     ) {
         let folder = folder();
         let path = folder.path().join("figure.svg");
-        let legend = labels.into_iter().map(|label| LegendEntry { color: [1, 2, 3], label }).collect();
-        let options = FigureOptions { scale, letters: true, scale_bar: true, ..FigureOptions::default() };
+        let legend = labels.into_iter().map(|label| LegendEntry::square([1, 2, 3], label)).collect();
+        let width = if on_paper { FigureWidth::Millimetres(scale) } else { FigureWidth::PxPerPx(scale) };
+        let options = FigureOptions { width, letters: true, scale_bar: true, ..FigureOptions::default() };
         let [u, v, sigma, orientation] = values;
         let motion = Some([[u, v], [sigma, orientation]]);
         let mark = FigureMark { centre: [u, v], radius: sigma, orientation: Some(orientation), motion, ..panel(&[]).marks[0] };
@@ -427,7 +431,7 @@ proptest! {
             legend,
             ..panel(&[])
         };
-        write_drawing_svg(&path, &lay_out(&[vec![one]], &options)).expect("written");
+        write_drawing_svg(&path, &lay_out(&[vec![one]], &[], &options)).expect("written");
         let text = fs::read_to_string(&path).expect("read");
         prop_assert!(roxmltree::Document::parse(&text).is_ok());
         prop_assert!(!text.contains("NaN") || title.contains("NaN"));

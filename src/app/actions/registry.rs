@@ -134,14 +134,13 @@ actions! {
     ExportNpz, File 3, "Export features as NPZ…", [], "Write features and descriptors as NumPy arrays";
     ExportTiff, File 4, "Export picture as 32-bit TIFF…", [], "Write the picture's values as they are";
     ExportPng, File 4, "Export picture as PNG…", [CTRL_SHIFT E], "Write the picture as it is shown, in its range and colours";
-    ExportSvg, File 4, "Export figure as SVG…", [], "Write the panes with their overlays as vector graphics, for papers";
-    ExportFigurePng, File 4, "Export figure as PNG…", [], "Write the panes with their overlays as pixels, at any scale";
-    FigureOptions, File 4, "Figure options…", [], "Choose what figures show: panes, part of the picture, legend, colour bar, scale bar, lines";
+    FigureOptions, File 4, "Export figure…", [], "Write the panes with their overlays for a paper: choose PDF, SVG or PNG, width, letters, and what is shown";
+    ExportFigure, File 4, "Export figure as before…", [], "Write the panes with their overlays with the choices of the last figure";
     FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames; its size and rate are said before it is written";
     ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation";
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes";
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
-    ExportMatchPicture, File 5, "Export match picture as PNG…", [], "Write both pictures as they are shown, with the matches of the table between them";
+    ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex";
     Quit, File 6, "Quit", [CTRL Q], "Close the window";
 
     Undo, Edit 0, "Undo", [CTRL Z], "Undo the last change of a parameter or slope";

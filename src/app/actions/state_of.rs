@@ -7,7 +7,6 @@ use crate::app::pane::{Link, MAX_PANES, Over};
 use crate::app::project::Model;
 use crate::app::project::against::With;
 use crate::app::project::look::FeaturesShown;
-use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams};
 use crate::matching::MatchParams;
@@ -76,10 +75,8 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::ZoomOut => has_burst,
         A::PinResult | A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
-        A::ExportMatchPicture => model.pair.matches.is_some() && model.picture_of(Side::B).is_some(),
-        A::ExportTiff | A::ExportPng | A::ExportSvg | A::ExportFigurePng | A::FigureOptions => {
-            model.picture().is_some()
-        }
+        A::ExportMethods => model.workspace == Workspace::Methods && !model.contenders().is_empty(),
+        A::ExportTiff | A::ExportPng | A::ExportFigure | A::FigureOptions => model.picture().is_some(),
         A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope => has_burst,
         A::Play => has_burst && model.cursor_params().slopes.len() > 1,
         A::FramePrevious | A::FrameNext => has_burst && model.focused_frame_count() > 1,

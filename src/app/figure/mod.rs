@@ -3,9 +3,11 @@
 //! them. And films of them.
 
 mod film;
+mod pdf;
 mod raster;
 
 pub use film::FilmDialog;
+pub use pdf::write_drawing_pdf;
 pub use raster::rasterise;
 
 use crate::app::actions::{ActionId, Queue};
@@ -17,40 +19,73 @@ use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::compare::Contender;
-use crate::app::project::figure::FigureChoice;
+use crate::app::project::figure::{FigureAmount, FigureChoice, FigureFormat, ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::project::look::RangeClass;
-use crate::app::project::pair::Matches;
+use crate::app::project::pair::{MatchRow, Matches};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature};
 use crate::export::{
-    ColourBar, Drawing, FigureLink, FigureMark, FigurePanel, LegendEntry, draw_links, lay_out, motion_over,
+    ColourBar, Drawing, FigureLink, FigureMark, FigurePanel, FigureWidth, LegendEntry, LegendMark, draw_links, lay_out,
+    motion_over,
 };
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
-use crate::requests::slope_legend;
+use crate::requests::{Picture, slope_legend};
 use egui::{DragValue, Ui};
 use std::sync::Arc;
 
-pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<FigureLink> {
-    match model.workspace {
+/// Matches that are drawn, each with the lines of the panes that it joins, and the legend of all.
+fn links_of(
+    model: &Model,
+    widgets: &PaneWidgets,
+    panes: &[PaneId],
+    amount: FigureAmount,
+) -> (Vec<FigureLink>, Vec<LegendEntry>) {
+    let chosen = |matches: &Matches, drawn: Vec<usize>| {
+        let mut rows: Vec<MatchRow<'_>> = drawn.into_iter().filter_map(|index| matches.row(index)).collect();
+        rows.sort_by(|a, b| a.found.distance.total_cmp(&b.found.distance).then(a.index.cmp(&b.index)));
+        amount.of(rows).into_iter().map(|row| row.index).collect::<Vec<_>>()
+    };
+    let of_each: Vec<(Option<Contender>, &Matches, Vec<usize>)> = match model.workspace {
         Workspace::Pair => {
-            let Some(matches) = &model.pair.matches else { return Vec::new() };
-            links(model, widgets, panes, None, matches, &model.pair.drawn(model.match_look.alone))
+            let drawn = |matches| chosen(matches, model.pair.drawn(model.match_look.alone));
+            model.pair.matches.iter().map(|matches| (None, matches, drawn(matches))).collect()
         }
         Workspace::Methods => Contender::ALL
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
-            .flat_map(|(method, matches)| {
+            .map(|(method, matches)| {
                 let rows = matches.rows().filter(|row| model.match_look.shows(row.inlier)).map(|row| row.index);
-                links(model, widgets, panes, Some(method), matches, &rows.collect::<Vec<_>>())
+                (Some(method), matches, chosen(matches, rows.collect()))
             })
             .collect(),
         _ => Vec::new(),
+    };
+    let mut links = Vec::new();
+    let (mut counts, mut is_counted) = ([0; 3], false);
+    for (method, matches, drawn) in of_each {
+        let drawn_links = links_between(model, widgets, panes, method, matches, &drawn);
+        if drawn_links.is_empty() {
+            continue;
+        }
+        links.extend(drawn_links);
+        // Of several methods each title has the count.
+        is_counted = method.is_none();
+        for row in drawn.iter().filter_map(|index| matches.row(*index)) {
+            counts[LineKind::of(row.inlier) as usize] += 1;
+        }
     }
+    let entry = |kind: LineKind| {
+        let count = counts[kind as usize];
+        let label = if is_counted { format!("{count} {}", kind.label()) } else { kind.label().to_owned() };
+        let mark = if kind.is_dashed() { LegendMark::Dashes } else { LegendMark::Line };
+        (count > 0).then_some(LegendEntry { mark, color: rgb(kind.colour()), label })
+    };
+    (links, LineKind::ALL.into_iter().filter_map(entry).collect())
 }
 
-fn links(
+fn links_between(
     model: &Model,
     widgets: &PaneWidgets,
     panes: &[PaneId],
@@ -75,12 +110,11 @@ fn links(
         let shifts = [shift(a, Side::A), shift(b, Side::B)];
         for row in drawn.iter().filter_map(|index| matches.row(*index)) {
             let kind = LineKind::of(row.inlier);
-            let colour = kind.colour();
             let ends = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])];
             links.push(FigureLink {
                 panels: [panel(a), panel(b)],
                 ends_image: ends.map(|feature| [feature.u, feature.v]),
-                color: [colour.r(), colour.g(), colour.b()],
+                color: rgb(kind.colour()),
                 opacity: model.match_look.opacity,
                 weight: if method.is_none() && model.pair.selected == Some(row.index) { 2.0 } else { 0.8 },
                 dashed: kind.is_dashed(),
@@ -118,8 +152,10 @@ fn drawing_of_panes(
     if rows.iter().all(Vec::is_empty) {
         return Err("there is no picture; open a burst first".to_owned());
     }
-    let mut drawing = lay_out(&rows, &choice.options());
-    draw_links(&mut drawing, &rows, &links_of(model, widgets, &panes), choice.stroke_width_px);
+    let (links, legend) = links_of(model, widgets, &panes, choice.matches);
+    let legend = if choice.legend { legend } else { Vec::new() };
+    let mut drawing = lay_out(&rows, &legend, &choice.options());
+    draw_links(&mut drawing, &rows, &links, choice.stroke_width);
     Ok(drawing)
 }
 
@@ -154,11 +190,27 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
         rgba: Arc::new(rgba.into_raw()),
         origin_image: [(region.columns.start as f32 - 0.5) * step, (region.rows.start as f32 - 0.5) * step],
         image_px_per_px: step,
-        marks: layer.map(|layer| marks(model, &layer)).unwrap_or_default(),
-        title: choice.titles.then(|| describe(picture)),
+        marks: layer.map(|layer| marks(model, &layer, choice.features)).unwrap_or_default(),
+        title: choice.titles.then(|| title_of(model, id, picture)),
         legend,
         bar: (choice.colour_bar && picture.motion.is_none()).then(|| colour_bar(&display, model.range_class(id))),
     })
+}
+
+/// Title of a picture: in *Methods* the method with the count of its inliers, in *Two bursts* the burst, then what is
+/// shown.
+fn title_of(model: &Model, id: PaneId, picture: &Picture) -> String {
+    let shown = describe(picture);
+    let Some(pane) = model.panes.get(id) else { return shown };
+    match (model.workspace, pane.method, model.burst_of(pane.side)) {
+        (Workspace::Methods, Some(method), _) => {
+            let counts = model.method_matches(method).and_then(|matches| matches.result.counts.inliers);
+            let inliers = counts.map_or_else(String::new, |count| format!(" · {count} inliers"));
+            format!("{}{inliers} · {shown}", method.label())
+        }
+        (Workspace::Pair, _, Some(burst)) => format!("{}: {} · {shown}", pane.side.name(), burst.burst.name),
+        _ => shown,
+    }
 }
 
 /// Shortest side of what is seen of a picture, in points of the window, below which its pane counts as squeezed.
@@ -171,7 +223,7 @@ fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
     (seen.size().min_elem() >= SQUEEZED).then_some(visible)
 }
 
-fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
+fn marks(model: &Model, layer: &FeatureLayer, amount: FigureAmount) -> Vec<FigureMark> {
     let scale = layer.scale(model);
     let frames = layer.detection.frames_used.len();
     let selected = |i: usize| layer.selected == Some(i);
@@ -189,7 +241,7 @@ fn marks(model: &Model, layer: &FeatureLayer) -> Vec<FigureMark> {
             ..mark
         }
     };
-    let mut order: Vec<usize> = (0..layer.placed().len()).filter(|&i| layer.shown[i]).collect();
+    let mut order: Vec<usize> = amount.of((0..layer.placed().len()).filter(|&i| layer.shown[i]).collect());
     order.sort_by_key(|&i| (selected(i), !layer.is_faint(i)));
     order.into_iter().map(mark).collect()
 }
@@ -205,7 +257,7 @@ fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
 /// Of the slopes of the grid that have features (at most 12), or of five steps through the range.
 fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
     let Some(sample) = detection.features.first().copied() else { return Vec::new() };
-    let entry = |feature: Feature, label: String| LegendEntry { color: rgb(scale.colour(0, &feature)), label };
+    let entry = |feature: Feature, label: String| LegendEntry::square(rgb(scale.colour(0, &feature)), label);
     if scale.by == ColourBy::SlopeDirection {
         return slope_legend(detection, 12, |slope| rgb(scale.of_slope(slope)));
     }
@@ -217,9 +269,9 @@ fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
     let step = |step: usize| {
         let x = scale.min + (scale.max - scale.min) * step as f32 / 4.0;
         let label = format!("{} {}", canvas::number(x, 3), scale.by.unit());
-        LegendEntry { color: rgb(scale.along(x)), label: label.trim_end().to_owned() }
+        LegendEntry::square(rgb(scale.along(x)), label.trim_end().to_owned())
     };
-    let grey = LegendEntry { color: rgb(scale.unknown()), label: "not known".to_owned() };
+    let grey = LegendEntry::square(rgb(scale.unknown()), "not known".to_owned());
     (0..5).map(step).chain(scale.has_unknown().then_some(grey)).collect()
 }
 
@@ -237,17 +289,15 @@ pub fn figure_dialog_ui(ctx: &egui::Context, open: &mut bool, choice: &mut Figur
         ui.heading("Figure of what is shown");
         ui.weak("Features, filter, colours and part of the picture as in the panes");
         ui.add_space(6.0);
-        switches_ui(ui, choice);
+        size_ui(ui, choice);
         ui.add_space(4.0);
-        numbers_ui(ui, choice);
+        switches_ui(ui, choice);
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            for (label, action) in [("Export SVG…", ActionId::ExportSvg), ("Export PNG…", ActionId::ExportFigurePng)]
-            {
-                if ui.button(label).on_hover_text(action.action().help).clicked() {
-                    queue.push(action);
-                    close = true;
-                }
+            let help = ActionId::FigureOptions.action().help;
+            if ui.button("Export…").on_hover_text(help).clicked() {
+                queue.push(ActionId::ExportFigure);
+                close = true;
             }
             if ui.button("Reset").on_hover_text("Give every choice its default").clicked() {
                 *choice = FigureChoice::default();
@@ -277,19 +327,73 @@ fn switches_ui(ui: &mut Ui, choice: &mut FigureChoice) {
     }
 }
 
-fn numbers_ui(ui: &mut Ui, choice: &mut FigureChoice) {
+fn size_ui(ui: &mut Ui, choice: &mut FigureChoice) {
     egui::Grid::new("figure numbers").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+        ui.label("Format");
+        ui.horizontal(|ui| {
+            for format in FigureFormat::ALL {
+                let label = format.extension().to_uppercase();
+                ui.selectable_value(&mut choice.format, format, label).on_hover_text(format.help());
+            }
+        });
+        ui.end_row();
+        let name = ui.label("Width");
+        ui.horizontal(|ui| {
+            let mut width = choice.width;
+            for (mm, label, tip) in [
+                (ONE_COLUMN_MM, "88 mm", "One column of a journal"),
+                (TWO_COLUMNS_MM, "181 mm", "Two columns of a journal"),
+            ] {
+                ui.selectable_value(&mut width, FigureWidth::Millimetres(mm), label).on_hover_text(tip);
+            }
+            let in_px = matches!(width, FigureWidth::PxPerPx(_));
+            let tip = "Figure pixels for each pixel of the image, instead of a width on paper";
+            if ui.selectable_label(in_px, "Pixels").on_hover_text(tip).clicked() && !in_px {
+                width = FigureWidth::PxPerPx(2.0);
+            }
+            let value = match &mut width {
+                FigureWidth::Millimetres(mm) => DragValue::new(mm).range(10.0..=2000.0).speed(1.0).suffix(" mm"),
+                FigureWidth::PxPerPx(scale) => {
+                    DragValue::new(scale).range(0.1..=32.0).speed(0.02).suffix(" px per image pixel")
+                }
+            };
+            ui.add(value.max_decimals(2)).labelled_by(name.id);
+            *choice = choice.with_width(width);
+        });
+        ui.end_row();
+        let unit = if matches!(choice.width, FigureWidth::PxPerPx(_)) { " px" } else { " pt" };
         let rows = [
-            (&mut choice.scale, "Scale", 0.1..=32.0, 0.02, " px per image pixel"),
-            (&mut choice.stroke_width_px, "Line width", 0.1..=20.0, 0.02, " px"),
-            (&mut choice.font_size_px, "Letter height", 4.0..=100.0, 0.1, " px"),
+            (&mut choice.font_size, "Letter height", 4.0..=100.0, 0.1),
+            (&mut choice.stroke_width, "Line width", 0.1..=20.0, 0.02),
         ];
-        for (value, label, range, speed, unit) in rows {
+        for (value, label, range, speed) in rows {
             let name = ui.label(label);
             ui.add(DragValue::new(value).range(range).speed(speed).suffix(unit).max_decimals(2)).labelled_by(name.id);
             ui.end_row();
         }
+        for (amount, label) in [(&mut choice.features, "Features"), (&mut choice.matches, "Matches")] {
+            let name = ui.label(label);
+            ui.horizontal(|ui| amount_ui(ui, amount, name.id));
+            ui.end_row();
+        }
     });
+}
+
+fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, label: egui::Id) {
+    let kinds = [
+        (FigureAmount::All, "all", "All that are shown"),
+        (FigureAmount::Strongest(100), "strongest", "The strongest features, and the matches of the smallest distance"),
+        (FigureAmount::OneOf(10), "one of", "Every so many-th, along the order of strength"),
+    ];
+    for (kind, name, tip) in kinds {
+        let is_on = std::mem::discriminant(amount) == std::mem::discriminant(&kind);
+        if ui.selectable_label(is_on, name).on_hover_text(tip).clicked() && !is_on {
+            *amount = kind;
+        }
+    }
+    if let FigureAmount::Strongest(number) | FigureAmount::OneOf(number) = amount {
+        ui.add(DragValue::new(number).range(1..=1_000_000)).labelled_by(label);
+    }
 }
 
 #[cfg(test)]

@@ -2,18 +2,24 @@
 //! them.
 
 use crate::app::canvas::overlay::add_fan;
-use crate::export::{Drawing, FigureRect, FigureShape, FigureStroke};
+use crate::export::{DASH, Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit};
 use crate::plane::memory;
 use egui::epaint::{ClippedPrimitive, ImageData, Mesh, Primitive};
 use egui::{Color32, ColorImage, FontId, Painter, Pos2, Rect, Shape, Stroke, TextureId, pos2, vec2};
-use image::{Rgba, RgbaImage};
+use image::imageops::{FilterType, resize};
+use image::{ImageBuffer, Rgba, RgbaImage};
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 const MAX_SIDE_PX: f32 = 20_000.0;
 
-/// Draws one pixel for each figure pixel. Fails when the figure is too large.
+/// Pixels in an inch of a figure whose unit is the point: what printers ask of pictures.
+pub const PIXELS_PER_INCH: f32 = 300.0;
+
+/// Draws one pixel for each figure pixel, [`PIXELS_PER_INCH`] on paper. Fails when the figure is too large.
 pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
-    let [width, height] = drawing.size.map(f32::ceil);
+    let pixels_per_unit = if drawing.unit == FigureUnit::Point { PIXELS_PER_INCH / 72.0 } else { 1.0 };
+    let [width, height] = drawing.size.map(|side| (side * pixels_per_unit - 1e-3).ceil());
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
         return Err(format!(
             "the figure would have {width:.0} × {height:.0} pixels, and at most {MAX_SIDE_PX:.0} a side are drawn; choose a smaller scale"
@@ -24,18 +30,16 @@ pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     let mut image = RgbaImage::from_raw(width as u32, height as u32, pixels).ok_or("the figure has no size")?;
     // Shapes of whole pixels lie at the bottom of every figure.
     for shape in &drawing.shapes {
-        fill(&mut image, shape);
+        fill(&mut image, shape, pixels_per_unit);
     }
     let context = egui::Context::default();
-    let input = egui::RawInput {
-        screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(width, height))),
-        ..Default::default()
-    };
+    context.set_pixels_per_point(pixels_per_unit);
+    let sheet = Rect::from_min_size(Pos2::ZERO, vec2(width, height) / pixels_per_unit);
+    let input = egui::RawInput { screen_rect: Some(sheet), ..Default::default() };
     let mut output = context.run_ui(input, |ui| {
-        let painter = ui.painter_at(Rect::from_min_size(Pos2::ZERO, vec2(width, height)));
-        for shape in &drawing.shapes {
-            draw(&painter, shape);
-        }
+        let painter = ui.painter_at(sheet);
+        let is_filled = |shape: &&FigureShape| matches!(shape, FigureShape::Fill { .. });
+        drawing.shapes.iter().filter(|shape| !is_filled(shape)).for_each(|shape| draw(&painter, shape));
     });
     let mut textures: HashMap<TextureId, ColorImage> = HashMap::new();
     for (id, deltas) in output.textures_delta.set.drain() {
@@ -55,25 +59,41 @@ pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
         }
     }
     output.textures_delta.free.clear();
-    for ClippedPrimitive { clip_rect, primitive } in context.tessellate(output.shapes, 1.0) {
-        if let Primitive::Mesh(mesh) = primitive
+    for ClippedPrimitive { clip_rect, primitive } in context.tessellate(output.shapes, pixels_per_unit) {
+        if let Primitive::Mesh(mut mesh) = primitive
             && let Some(texture) = textures.get(&mesh.texture_id)
         {
-            fill_mesh(&mut image, clip_rect, &mesh, texture);
+            mesh.vertices.iter_mut().for_each(|vertex| vertex.pos = (vertex.pos.to_vec2() * pixels_per_unit).to_pos2());
+            fill_mesh(&mut image, clip_rect * pixels_per_unit, &mesh, texture);
         }
     }
     Ok(image)
 }
 
-fn fill(image: &mut RgbaImage, shape: &FigureShape) {
+fn fill(image: &mut RgbaImage, shape: &FigureShape, pixels_per_unit: f32) {
+    let scaled = |rect: &FigureRect| FigureRect {
+        min: rect.min.map(|at| at * pixels_per_unit),
+        size: rect.size.map(|side| side * pixels_per_unit),
+    };
     match shape {
         FigureShape::Fill { rect, color } => {
             let [r, g, b] = *color;
-            for_pixels(image, rect, |_, _| Rgba([r, g, b, 255]));
+            for_pixels(image, &scaled(rect), |_, _| Rgba([r, g, b, 255]));
         }
         FigureShape::Picture { rect, size, rgba } => {
+            let rect = scaled(rect);
+            // A picture that is shrunk is averaged, so that no row of it is left out.
+            let shrunk = (rect.size[0] < size.0 as f32).then(|| {
+                let whole = ImageBuffer::<Rgba<u8>, &[u8]>::from_raw(size.0 as u32, size.1 as u32, rgba)?;
+                let [width, height] = rect.size.map(|side| side.round().max(1.0) as u32);
+                Some(resize(&whole, width, height, FilterType::Triangle))
+            });
+            let (size, rgba) = match shrunk.flatten() {
+                Some(small) => ((small.width() as usize, small.height() as usize), Cow::Owned(small.into_raw())),
+                None => (*size, Cow::Borrowed(&rgba[..])),
+            };
             let place = |x: f32, size: usize| ((x * size as f32) as usize).min(size - 1);
-            for_pixels(image, rect, |x, y| {
+            for_pixels(image, &rect, |x, y| {
                 let start = 4 * (place(y, size.1) * size.0 + place(x, size.0));
                 Rgba([rgba[start], rgba[start + 1], rgba[start + 2], 255])
             });
@@ -104,7 +124,12 @@ fn draw(painter: &Painter, shape: &FigureShape) {
         Stroke::new(stroke.width, Color32::from_rgb(r, g, b).gamma_multiply(stroke.opacity))
     };
     match shape {
-        FigureShape::Picture { .. } | FigureShape::Fill { .. } => {}
+        FigureShape::Picture { .. } => {}
+        // Those at the bottom of the figure are filled already.
+        FigureShape::Fill { rect, color: [r, g, b] } => {
+            let rect = Rect::from_min_size(pos(rect.min), vec2(rect.size[0], rect.size[1]));
+            painter.rect_filled(rect, 0.0, Color32::from_rgb(*r, *g, *b));
+        }
         FigureShape::Circle { centre, radius, stroke, dashed: false } => {
             painter.circle_stroke(pos(*centre), *radius, line(stroke));
         }
@@ -114,6 +139,11 @@ fn draw(painter: &Painter, shape: &FigureShape) {
                 .collect();
             let piece = (std::f32::consts::TAU * radius / 16.0).max(0.5);
             painter.extend(Shape::dashed_line(&around, line(stroke), piece, piece));
+        }
+        FigureShape::Line { points, stroke, dashed: true, .. } => {
+            let points: Vec<Pos2> = points.iter().copied().map(pos).collect();
+            let dash = (DASH * stroke.width).max(0.5);
+            painter.extend(Shape::dashed_line(&points, line(stroke), dash, dash));
         }
         FigureShape::Line { points, stroke, .. } => {
             painter.add(Shape::line(points.iter().copied().map(pos).collect(), line(stroke)));
@@ -202,7 +232,7 @@ mod tests {
     use std::sync::Arc;
 
     fn drawing(shapes: Vec<FigureShape>) -> Drawing {
-        Drawing { size: [60.0, 40.0], shapes, title: String::new() }
+        Drawing { size: [60.0, 40.0], unit: FigureUnit::Pixel, shapes, title: String::new() }
     }
 
     const RED: FigureStroke = FigureStroke { width: 4.0, color: [255, 0, 0], opacity: 1.0 };
@@ -214,7 +244,8 @@ mod tests {
             size: (2, 1),
             rgba: Arc::new(vec![0, 0, 0, 255, 0, 0, 255, 255]),
         };
-        let line = FigureShape::Line { points: vec![[0.0, 30.0], [60.0, 30.0]], stroke: RED, class: "x" };
+        let line =
+            FigureShape::Line { points: vec![[0.0, 30.0], [60.0, 30.0]], stroke: RED, dashed: false, class: "x" };
         let circle = FigureShape::Circle { centre: [45.0, 15.0], radius: 8.0, stroke: RED, dashed: false };
         let image = rasterise(&drawing(vec![picture, line, circle])).expect("small");
         assert_eq!(image.dimensions(), (60, 40));
@@ -226,7 +257,7 @@ mod tests {
 
     #[test]
     fn what_is_clipped_ends_at_the_rectangle_and_letters_stand_on_their_line() {
-        let line = FigureShape::Line { points: vec![[0.0, 5.0], [60.0, 5.0]], stroke: RED, class: "x" };
+        let line = FigureShape::Line { points: vec![[0.0, 5.0], [60.0, 5.0]], stroke: RED, dashed: false, class: "x" };
         let rect = FigureRect { min: [0.0, 0.0], size: [30.0, 40.0] };
         let text = FigureShape::Text { at: [4.0, 34.0], size: 16.0, text: "HEH".into(), color: [0; 3] };
         let image = rasterise(&drawing(vec![FigureShape::Clipped { rect, shapes: vec![line] }, text])).expect("small");
@@ -253,7 +284,7 @@ mod tests {
 
     #[test]
     fn what_is_too_large_is_said() {
-        let large = Drawing { size: [1e6, 10.0], shapes: Vec::new(), title: String::new() };
+        let large = Drawing { size: [1e6, 10.0], ..drawing(Vec::new()) };
         assert!(rasterise(&large).is_err_and(|why| why.contains("smaller scale")));
     }
 }

@@ -69,11 +69,10 @@ pub enum ExportKind {
     Npz,
     Tiff,
     Png,
-    Svg,
+    Figure,
     Matches,
-    MatchPicture,
+    Methods,
     Profile,
-    FigurePng,
     CurvesCsv,
     CurvesSvg,
     Case,
@@ -81,16 +80,19 @@ pub enum ExportKind {
 }
 
 impl ExportKind {
-    pub fn extension(self) -> &'static str {
+    /// Extensions of the files that are written, the usual one first.
+    pub fn extensions(self) -> &'static [&'static str] {
         match self {
-            Self::Csv | Self::Matches | Self::Profile | Self::CurvesCsv => "csv",
-            Self::Colmap => "txt",
-            Self::Npz => "npz",
-            Self::Tiff => "tiff",
-            Self::Png | Self::MatchPicture | Self::FigurePng => "png",
-            Self::Svg | Self::CurvesSvg => "svg",
-            Self::Case => CASE_EXTENSION,
-            Self::FilmGif => "gif",
+            Self::Csv | Self::Matches | Self::Profile | Self::CurvesCsv => &["csv"],
+            Self::Methods => &["csv", "tex"],
+            Self::Colmap => &["txt"],
+            Self::Npz => &["npz"],
+            Self::Tiff => &["tiff"],
+            Self::Png => &["png"],
+            Self::Figure => &["pdf", "svg", "png"],
+            Self::CurvesSvg => &["svg"],
+            Self::Case => &[CASE_EXTENSION],
+            Self::FilmGif => &["gif"],
         }
     }
 
@@ -101,11 +103,10 @@ impl ExportKind {
             Self::Npz => "Export features as NPZ",
             Self::Tiff => "Export picture as TIFF",
             Self::Png => "Export picture as PNG",
-            Self::Svg => "Export figure as SVG",
+            Self::Figure => "Export figure as PDF, SVG or PNG",
             Self::Matches => "Export matches as CSV",
-            Self::MatchPicture => "Export match picture as PNG",
+            Self::Methods => "Export table of methods as CSV or LaTeX",
             Self::Profile => "Export line profile as CSV",
-            Self::FigurePng => "Export figure as PNG",
             Self::CurvesCsv => "Export curves as CSV",
             Self::CurvesSvg => "Export curves as SVG",
             Self::Case => "Save case",
@@ -173,7 +174,7 @@ impl Purpose {
             Self::OpenBias | Self::OpenFlat | Self::OpenGold(_) => crate::burst::supported_extensions(),
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::OpenFeatures(_) => vec!["csv", "txt"],
-            Self::Export(kind) => vec![kind.extension()],
+            Self::Export(kind) => kind.extensions().to_vec(),
             _ => Vec::new(),
         }
     }

@@ -2,20 +2,76 @@
 
 use crate::app::project::Model;
 use crate::engine::Engine;
-use crate::export::FigureOptions;
+use crate::export::{FigureOptions, FigureWidth};
 use crate::figures::{FigureSize, FiguresJob, find_colmap};
 use crate::requests::JobError;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
+/// Format of the file of a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FigureFormat {
+    #[default]
+    Pdf,
+    Svg,
+    Png,
+}
+
+impl FigureFormat {
+    pub const ALL: [Self; 3] = [Self::Pdf, Self::Svg, Self::Png];
+
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Pdf => "pdf",
+            Self::Svg => "svg",
+            Self::Png => "png",
+        }
+    }
+
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Pdf => "Vectors, with the font in the file: as journals ask for it",
+            Self::Svg => "Vectors that drawing programs edit",
+            Self::Png => "Pixels, 300 an inch on paper",
+        }
+    }
+}
+
+/// Part of the features or matches that a figure shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FigureAmount {
+    #[default]
+    All,
+    Strongest(u32),
+    /// One of so many, evenly along the order of strength.
+    OneOf(u32),
+}
+
+impl FigureAmount {
+    /// Those shown of `all`, the strongest first.
+    pub fn of<T>(self, all: Vec<T>) -> Vec<T> {
+        match self {
+            Self::All => all,
+            Self::Strongest(count) => all.into_iter().take(count as usize).collect(),
+            Self::OneOf(every) => all.into_iter().step_by(every.max(1) as usize).collect(),
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FigureChoice {
+    pub format: FigureFormat,
     pub all_panes: bool,
     pub whole_picture: bool,
-    pub scale: f32,
-    pub stroke_width_px: f32,
-    pub font_size_px: f32,
+    pub width: FigureWidth,
+    /// In the unit of the width, as the height of letters.
+    pub stroke_width: f32,
+    pub font_size: f32,
+    pub features: FigureAmount,
+    pub matches: FigureAmount,
     pub titles: bool,
     pub letters: bool,
     pub legend: bool,
@@ -26,11 +82,14 @@ pub struct FigureChoice {
 impl Default for FigureChoice {
     fn default() -> Self {
         Self {
+            format: FigureFormat::Pdf,
             all_panes: true,
             whole_picture: false,
-            scale: 2.0,
-            stroke_width_px: 1.5,
-            font_size_px: 14.0,
+            width: FigureWidth::Millimetres(TWO_COLUMNS_MM),
+            stroke_width: 0.75,
+            font_size: 8.0,
+            features: FigureAmount::All,
+            matches: FigureAmount::All,
             titles: true,
             letters: true,
             legend: true,
@@ -40,14 +99,30 @@ impl Default for FigureChoice {
     }
 }
 
+/// Widths of one column and of two in journals.
+pub const ONE_COLUMN_MM: f32 = 88.0;
+pub const TWO_COLUMNS_MM: f32 = 181.0;
+
 impl FigureChoice {
     pub fn options(&self) -> FigureOptions {
         FigureOptions {
-            scale: self.scale,
-            stroke_width_px: self.stroke_width_px,
-            font_size_px: self.font_size_px,
+            width: self.width,
+            stroke_width: self.stroke_width,
+            font_size: self.font_size,
             letters: self.letters,
             scale_bar: self.scale_bar,
+        }
+    }
+
+    /// The same figure with another width, its letters and lines in the new unit.
+    #[must_use]
+    pub fn with_width(self, width: FigureWidth) -> Self {
+        if width.unit() == self.width.unit() {
+            return Self { width, ..self };
+        }
+        match width {
+            FigureWidth::PxPerPx(_) => Self { width, stroke_width: 1.5, font_size: 14.0, ..self },
+            FigureWidth::Millimetres(_) => Self { width, stroke_width: 0.75, font_size: 8.0, ..self },
         }
     }
 }

@@ -222,6 +222,42 @@ fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {
     ]
 }
 
+/// The table of the methods that are shown, as texts.
+pub struct MethodsTable(Vec<[String; COLUMNS.len() + 1]>);
+
+pub fn methods_table(model: &Model) -> MethodsTable {
+    let names = std::array::from_fn(|column| column.checked_sub(1).map_or("Method", |at| COLUMNS[at].0).to_owned());
+    let row = |method: Contender| {
+        let mut cells = cells(model, method).into_iter();
+        std::array::from_fn(
+            |column| if column == 0 { method.label().to_owned() } else { cells.next().expect("a cell") },
+        )
+    };
+    MethodsTable([names].into_iter().chain(model.contenders().into_iter().map(row)).collect())
+}
+
+impl MethodsTable {
+    pub fn csv(&self) -> String {
+        let quoted = |cell: &String| format!("\"{}\"", cell.replace('–', "").replace('"', "\"\""));
+        self.0.iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
+    }
+
+    /// A table for LaTeX's package booktabs.
+    pub fn latex(&self) -> String {
+        let line = |row: &[String; COLUMNS.len() + 1]| {
+            let cells = row.iter().map(|cell| cell.replace('–', "--").replace('%', "\\%").replace('&', "\\&"));
+            format!("{} \\\\\n", cells.collect::<Vec<_>>().join(" & "))
+        };
+        let (names, methods) = self.0.split_first().expect("names");
+        let columns = "r".repeat(COLUMNS.len());
+        let methods: String = methods.iter().map(line).collect();
+        format!(
+            "\\begin{{tabular}}{{l{columns}}}\n\\toprule\n{}\\midrule\n{methods}\\bottomrule\n\\end{{tabular}}\n",
+            line(names)
+        )
+    }
+}
+
 fn median_snr(features: &[crate::detector::Feature]) -> Option<f32> {
     let mut snrs: Vec<f32> = features.iter().map(|f| f.snr).collect();
     snrs.sort_by(f32::total_cmp);
@@ -236,5 +272,9 @@ mod tests {
     fn before_anything_is_found_all_cells_are_dashes() {
         assert!(cells(&Model::default(), Contender::Sift).iter().all(|cell| cell == "–"));
         assert_eq!(median_snr(&[]), None);
+        let table = MethodsTable(vec![std::array::from_fn(|column| format!("{column} & –"))]);
+        assert!(table.csv().starts_with("\"0 & \",\"1 & \"") && table.csv().ends_with("\"\n"), "{}", table.csv());
+        let latex = table.latex();
+        assert!(latex.contains("\n0 \\& -- & 1 \\& -- &") && latex.contains("{lrrrrrrrrr}"), "{latex}");
     }
 }

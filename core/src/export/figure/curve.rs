@@ -65,7 +65,8 @@ pub fn draw_curve(drawing: &mut Drawing, curve: &FigureCurve, font_size_px: f32)
     let ticks_x = if curve.ticks_x.is_empty() { round(range_x) } else { curve.ticks_x.clone() };
     let mut lines = Vec::new();
     let mut line = |points: Vec<[f32; 2]>, width: f32, color: Colour| {
-        lines.push(FigureShape::Line { points, stroke: FigureStroke { width, color, opacity: 1.0 }, class: "curve" });
+        let stroke = FigureStroke { width, color, opacity: 1.0 };
+        lines.push(FigureShape::Line { points, stroke, dashed: false, class: "curve" });
     };
     for (x, label) in &ticks_x {
         let at = place([*x, low])[0];
@@ -94,11 +95,13 @@ fn widened(min: f32, max: f32) -> (f32, f32) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::FigureUnit;
     use super::*;
 
     #[test]
     fn the_mark_follows_the_curve_and_all_lies_on_the_sheet() {
-        let blank = Drawing { size: [200.0, 100.0], shapes: Vec::new(), title: String::new() };
+        let (size, unit) = ([200.0, 100.0], FigureUnit::Pixel);
+        let blank = Drawing { size, unit, shapes: Vec::new(), title: String::new() };
         let centre = |marked: usize| {
             let points = vec![[-1.0, 0.0], [0.0, f32::NAN], [1.0, 3.0]];
             let curve = FigureCurve { points, marked, title: "D".into(), label_x: "slope".into(), ticks_x: Vec::new() };

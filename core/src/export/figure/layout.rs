@@ -2,48 +2,132 @@
 
 use super::{
     ColourBar, Drawing, FAN_OPACITY, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke,
-    LegendEntry, fan,
+    FigureWidth, LegendEntry, LegendMark, POINTS_PER_MM, fan,
 };
 
-/// Margin around the whole figure and between panels, in heights of letters.
+/// Gap between panels, in heights of letters.
 const GAP: f32 = 0.8;
+/// Height of a line of a title, in heights of letters.
+const LINE: f32 = 1.25;
+/// Room that a title has above a narrower picture, in heights of letters; not in a figure of a given width.
+const LEAST_ROOM: f32 = 20.0;
 
-/// Lays out panels on a sheet, row by row; rows with the same number of panels share their columns.
+/// Lays out panels on a sheet, row by row, with `legend` below all; rows with the same number of panels share their
+/// columns. Bars that all panels share, and legends, stand once, above `legend`.
 ///
 /// Marks with invalid numbers (not finite, or beyond 10⁹) are left out.
-pub fn lay_out(rows: &[Vec<FigurePanel>], options: &FigureOptions) -> Drawing {
+pub fn lay_out(rows: &[Vec<FigurePanel>], legend: &[LegendEntry], options: &FigureOptions) -> Drawing {
     let within = |value: f32, min: f32, max: f32| if value.is_nan() { min } else { value.clamp(min, max) };
-    let style = Style {
-        scale: within(options.scale, 1.0 / 64.0, 64.0),
-        stroke: within(options.stroke_width_px, 0.0, 1000.0),
-        font: within(options.font_size_px, 1.0, 1000.0),
-        scale_bar: options.scale_bar,
+    let font = within(options.font_size, 1.0, 1000.0);
+    let gap = GAP * font;
+    let panels: Vec<&FigurePanel> = rows.iter().flatten().collect();
+    let of_rows = |of: &dyn Fn(usize, &FigurePanel) -> f32| {
+        let mut place = 0..;
+        let mut of_panel = |panel| of(place.next().expect("numbers do not end"), panel);
+        rows.iter().map(|row| row.iter().map(&mut of_panel).collect()).collect::<Vec<Vec<f32>>>()
     };
+    let (scale, paper) = match options.width {
+        FigureWidth::PxPerPx(scale) => (within(scale, 1.0 / 64.0, 64.0), None),
+        FigureWidth::Millimetres(mm) => {
+            let width = POINTS_PER_MM * within(mm, 10.0, 2000.0);
+            let widths_px = of_rows(&|_, panel| width_px(panel));
+            let fitting = |row: &Vec<f32>| {
+                let width_px: f32 = columns_of(&widths_px, row.len()).iter().sum();
+                (width - gap * (row.len() as f32 - 1.0)).max(1.0) / width_px
+            };
+            let scale = widths_px.iter().filter(|row| !row.is_empty()).map(fitting).fold(f32::INFINITY, f32::min);
+            (if scale.is_finite() { scale } else { 1.0 }, Some(width))
+        }
+    };
+    let style = Style { scale, stroke: within(options.stroke_width, 0.0, 1000.0), font, paper };
+    let shared = Shared::of(&panels, options.scale_bar);
+    let title = |place: usize, panel: &FigurePanel| {
+        style.title(panel, (options.letters && panels.len() > 1).then(|| letter(place)))
+    };
+    // With titles and legends, but on paper, where pictures alone fill the width.
+    let widths = of_rows(&|place, panel| match paper {
+        Some(_) => width_px(panel) * scale,
+        None => style.panel(panel, (&title(place, panel), 0), &shared.of_panel(place), [0.0; 2], &mut Vec::new())[0],
+    });
     let mut shapes = Vec::new();
-    let count = rows.iter().flatten().count();
-    let mut letters = (0..count).map(|place| (options.letters && count > 1).then(|| letter(place)));
-    let mut with_letter = |panel| (letters.next().flatten(), panel);
-    let lettered: Vec<Vec<Lettered<'_>>> = rows.iter().map(|row| row.iter().map(&mut with_letter).collect()).collect();
-    // With title and legend.
-    let width_of = |(letter, panel): &Lettered<'_>| style.panel(panel, letter.as_deref(), [0.0; 2], &mut Vec::new())[0];
-    let widths: Vec<Vec<f32>> = lettered.iter().map(|row| row.iter().map(width_of).collect()).collect();
-    let (mut width, mut top) = (0f32, 0f32);
-    let gap = GAP * style.font;
-    for row in &lettered {
+    let (mut width, mut top, mut first) = (paper.unwrap_or(0.0), 0f32, 0);
+    for row in rows {
+        let titles: Vec<Vec<String>> = (first..).zip(row).map(|(place, panel)| title(place, panel)).collect();
+        let lines = titles.iter().map(Vec::len).max().unwrap_or(0);
         let (mut left, mut height) = (0f32, 0f32);
-        for (column, (letter, panel)) in row.iter().enumerate() {
-            let size = style.panel(panel, letter.as_deref(), [left, top], &mut shapes);
-            let alike = widths.iter().filter(|other| other.len() == row.len());
-            left += alike.map(|other| other[column]).fold(0.0, f32::max) + gap;
+        for (column, (panel, in_column)) in row.iter().zip(columns_of(&widths, row.len())).enumerate() {
+            let own = shared.of_panel(first + column);
+            let size = style.panel(panel, (&titles[column], lines), &own, [left, top], &mut shapes);
+            left += in_column + gap;
             height = height.max(size[1]);
         }
+        first += row.len();
         width = width.max(left - gap);
         top += height + gap;
     }
-    let size = [width.max(1.0), (top - gap).max(1.0)];
-    let titles: Vec<&str> = rows.iter().flatten().filter_map(|panel| panel.title.as_deref()).collect();
+    let mut bottom = top - gap;
+    if let Some(bar) = shared.bar {
+        style.colour_bar(bar, [0.0, bottom], width, &mut shapes);
+        bottom += BAR_HEIGHT * font;
+    }
+    for entries in [shared.legend, legend] {
+        let (legend_width, legend_height) = style.legend(entries, [0.0, bottom], width, &mut shapes);
+        (width, bottom) = (width.max(legend_width), bottom + legend_height);
+    }
+    let size = [width.max(1.0), bottom.max(1.0)];
+    let titles: Vec<&str> = panels.iter().filter_map(|panel| panel.title.as_deref()).collect();
     shapes.insert(0, FigureShape::Fill { rect: FigureRect { min: [0.0, 0.0], size }, color: [255; 3] });
-    Drawing { size, shapes, title: titles.join("; ") }
+    Drawing { size, unit: options.width.unit(), shapes, title: titles.join("; ") }
+}
+
+/// Width of a panel's picture, image pixels.
+fn width_px(panel: &FigurePanel) -> f32 {
+    panel.size.0 as f32 * panel.image_px_per_px
+}
+
+/// Widths of the columns of all rows of `count` panels.
+fn columns_of(widths: &[Vec<f32>], count: usize) -> Vec<f32> {
+    let alike = || widths.iter().filter(|row| row.len() == count);
+    (0..count).map(|column| alike().map(|row| row[column]).fold(0.0, f32::max)).collect()
+}
+
+/// Parts that stand once for all panels.
+struct Shared<'a> {
+    bar: Option<&'a ColourBar>,
+    legend: &'a [LegendEntry],
+    /// Whether the panels have a bar of known length: the first alone where all have the same scale.
+    scale_bars: Option<bool>,
+}
+
+/// Parts that a panel has for itself.
+struct Own {
+    bar: bool,
+    legend: bool,
+    scale_bar: bool,
+}
+
+impl<'a> Shared<'a> {
+    fn of(panels: &[&'a FigurePanel], scale_bar: bool) -> Self {
+        let bars: Vec<&ColourBar> = panels.iter().filter_map(|panel| panel.bar.as_ref()).collect();
+        let legends: Vec<&[LegendEntry]> =
+            panels.iter().map(|panel| &panel.legend[..]).filter(|legend| !legend.is_empty()).collect();
+        let all_alike = bars.len() > 1 && bars.iter().all(|bar| *bar == bars[0]);
+        let told_alike = legends.len() > 1 && legends.iter().all(|legend| *legend == legends[0]);
+        let scales_alike = panels.iter().all(|panel| panel.image_px_per_px == panels[0].image_px_per_px);
+        Self {
+            bar: all_alike.then(|| bars[0]),
+            legend: if told_alike { legends[0] } else { &[] },
+            scale_bars: scale_bar.then_some(!scales_alike),
+        }
+    }
+
+    fn of_panel(&self, place: usize) -> Own {
+        Own {
+            bar: self.bar.is_none(),
+            legend: self.legend.is_empty(),
+            scale_bar: self.scale_bars.is_some_and(|of_all| of_all || place == 0),
+        }
+    }
 }
 
 /// The letters of panel `place`: (a), (b), … (z), (aa), …
@@ -62,13 +146,15 @@ fn drawable(number: &f32) -> bool {
     number.abs() < 1e9
 }
 
-type Lettered<'a> = (Option<String>, &'a FigurePanel);
+/// Height of a colour bar with its labels, in heights of letters.
+const BAR_HEIGHT: f32 = 1.7;
 
 struct Style {
     scale: f32,
     stroke: f32,
     font: f32,
-    scale_bar: bool,
+    /// Width of the paper, if the figure has a given one.
+    paper: Option<f32>,
 }
 
 impl Style {
@@ -81,43 +167,60 @@ impl Style {
         FigureShape::Text { at, size: self.font, text: text.to_owned(), color: [0; 3] }
     }
 
-    /// Draws a panel with its left top corner at `corner`; returns its size.
+    /// Lines of a panel's title, each as wide as the picture at most where its words allow it.
+    fn title(&self, panel: &FigurePanel, letter: Option<String>) -> Vec<String> {
+        let least = if self.paper.is_some() { 0.0 } else { LEAST_ROOM * self.font };
+        let room = (width_px(panel) * self.scale).max(least);
+        let mut lines: Vec<String> = Vec::new();
+        for word in letter.iter().map(String::as_str).chain(panel.title.iter().flat_map(|title| title.split(' '))) {
+            match lines.last_mut() {
+                Some(line) if self.text_width(line) + self.text_width(word) <= room => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        lines
+    }
+
+    /// Draws a panel with its left top corner at `corner`, below a title in a room of so many lines; returns its size.
     fn panel(
         &self,
         panel: &FigurePanel,
-        letter: Option<&str>,
+        (title, lines): (&[String], usize),
+        own: &Own,
         corner: [f32; 2],
         out: &mut Vec<FigureShape>,
     ) -> [f32; 2] {
         let font = self.font;
-        let titles: Vec<&str> = letter.into_iter().chain(panel.title.as_deref()).collect();
         let px = self.scale * panel.image_px_per_px;
         let size = [panel.size.0 as f32 * px, panel.size.1 as f32 * px];
         let mut width = size[0];
-        let mut top = corner[1];
-        if !titles.is_empty() {
-            let title = titles.join("  ");
-            out.push(self.text([corner[0], top + 1.15 * font], &title));
-            width = width.max(self.text_width(&title));
-            top += 1.6 * font;
+        for (line, text) in title.iter().enumerate() {
+            let baseline = corner[1] + (1.0 + LINE * (lines.saturating_sub(title.len()) + line) as f32) * font;
+            out.push(self.text([corner[0], baseline], text));
+            width = if self.paper.is_some() { width } else { width.max(self.text_width(text)) };
         }
+        let top = corner[1] + if lines > 0 { (0.35 + LINE * lines as f32) * font } else { 0.0 };
         let rect = FigureRect { min: [corner[0], top], size };
         out.push(FigureShape::Picture { rect, size: panel.size, rgba: panel.rgba.clone() });
         let mut over = Vec::new();
         panel.marks.iter().for_each(|mark| self.fan(panel, mark, rect, &mut over));
         panel.marks.iter().for_each(|mark| self.mark(panel, mark, rect, &mut over));
-        if self.scale_bar {
+        if own.scale_bar {
             self.scale_bar(rect, &mut over);
         }
         if !over.is_empty() {
             out.push(FigureShape::Clipped { rect, shapes: over });
         }
         let mut bottom = top + size[1];
-        if let Some(bar) = &panel.bar {
+        if let Some(bar) = panel.bar.as_ref().filter(|_| own.bar) {
             width = width.max(self.colour_bar(bar, [corner[0], bottom], size[0], out));
-            bottom += 1.7 * font;
+            bottom += BAR_HEIGHT * font;
         }
-        let (legend_width, legend_height) = self.legend(&panel.legend, [corner[0], bottom], size[0], out);
+        let legend = if own.legend { &panel.legend[..] } else { &[] };
+        let (legend_width, legend_height) = self.legend(legend, [corner[0], bottom], size[0], out);
         [width.max(legend_width), bottom + legend_height - corner[1]]
     }
 
@@ -154,8 +257,8 @@ impl Style {
                 let barb = (4.0 * stroke.width).min(0.5 * length);
                 let (ax, ay) = (dx / length, dy / length);
                 let end = |side: f32| [to[0] - barb * (ax + 0.5 * side * ay), to[1] - barb * (ay - 0.5 * side * ax)];
-                out.push(FigureShape::Line { points: vec![from, to], stroke, class: "motion" });
-                out.push(FigureShape::Line { points: vec![end(1.0), to, end(-1.0)], stroke, class: "motion" });
+                out.push(line(vec![from, to], stroke, "motion"));
+                out.push(line(vec![end(1.0), to, end(-1.0)], stroke, "motion"));
             }
         }
         if mark.weight > 0.0 && radius > 0.0 {
@@ -164,27 +267,24 @@ impl Style {
         if let Some(angle) = mark.orientation {
             let (sin, cos) = angle.sin_cos();
             let tip = [centre[0] + radius * cos, centre[1] + radius * sin];
-            out.push(FigureShape::Line { points: vec![centre, tip], stroke, class: "orientation" });
+            out.push(line(vec![centre, tip], stroke, "orientation"));
         }
     }
 
     fn scale_bar(&self, rect: FigureRect, out: &mut Vec<FigureShape>) {
         let length_px = round_length(f64::from(0.2 * rect.size[0] / self.scale).max(1.0)) as f32;
-        let length = length_px * self.scale;
-        let right = rect.min[0] + rect.size[0] - 0.7 * self.font;
-        let y = rect.min[1] + rect.size[1] - 0.7 * self.font;
-        let label = format!("{length_px} px");
-        let text = [right - 0.5 * (length + 0.55 * self.font * label.chars().count() as f32), y - 0.45 * self.font];
-        // White with a dark edge: readable on any picture.
-        for (extra, color) in [(3.0, [0u8; 3]), (0.0, [255; 3])] {
-            let stroke = FigureStroke { width: 0.2 * self.font + extra, color, opacity: 1.0 };
-            out.push(FigureShape::Line { points: vec![[right - length, y], [right, y]], stroke, class: "scale" });
-        }
-        for shift in [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]] {
-            let at = [text[0] + shift[0], text[1] + shift[1]];
-            out.push(FigureShape::Text { at, size: self.font, text: label.clone(), color: [0; 3] });
-        }
-        out.push(FigureShape::Text { at: text, size: self.font, text: label, color: [255; 3] });
+        let (font, length, label) = (self.font, length_px * self.scale, format!("{length_px} px"));
+        let width = length.max(self.text_width(&label)) + 0.6 * font;
+        let right = rect.min[0] + rect.size[0] - 0.4 * font;
+        let y = rect.min[1] + rect.size[1] - 0.8 * font;
+        // White on black: readable on any picture.
+        let size = [width, 1.8 * font];
+        out.push(FigureShape::Fill { rect: FigureRect { min: [right - width, y - 1.4 * font], size }, color: [0; 3] });
+        let middle = right - 0.5 * width;
+        let ends = [middle - 0.5 * length, middle + 0.5 * length].map(|x| [x, y]);
+        out.push(line(ends.to_vec(), FigureStroke { width: 0.2 * font, color: [255; 3], opacity: 1.0 }, "scale"));
+        let at = [middle - 0.25 * font * label.chars().count() as f32, y - 0.4 * font];
+        out.push(FigureShape::Text { at, size: font, text: label, color: [255; 3] });
     }
 
     /// Draws the colours of the values in one line, with the values at their ends; returns its width.
@@ -215,13 +315,26 @@ impl Style {
             }
             let (x, baseline) = (corner[0] + left, corner[1] + font * (1.35 + 1.5 * row as f32));
             let rect = FigureRect { min: [x, baseline - 0.8 * font], size: [0.9 * font; 2] };
-            out.push(FigureShape::Fill { rect, color: entry.color });
+            out.push(match entry.mark {
+                LegendMark::Square => FigureShape::Fill { rect, color: entry.color },
+                mark => {
+                    let points = [x, x + 0.95 * font].map(|x| [x, baseline - 0.35 * font]).to_vec();
+                    let width = (0.12 * font).max(self.stroke);
+                    let stroke = FigureStroke { width, color: entry.color, opacity: 1.0 };
+                    FigureShape::Line { points, stroke, dashed: mark == LegendMark::Dashes, class: "legend" }
+                }
+            });
             out.push(self.text([x + 1.2 * font, baseline], &entry.label));
             left += needed;
             width = width.max(left);
         }
         (width, if entries.is_empty() { 0.0 } else { font * (0.3 + 1.5 * (row + 1) as f32) })
     }
+}
+
+/// A line that is not dashed.
+fn line(points: Vec<[f32; 2]>, stroke: FigureStroke, class: &'static str) -> FigureShape {
+    FigureShape::Line { points, stroke, dashed: false, class }
 }
 
 /// The largest of 1, 2 or 5 times a power of ten that is at most `max`, which is finite and above 0.
@@ -232,6 +345,7 @@ pub fn round_length(max: f64) -> f64 {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::FigureUnit;
     use super::*;
     use std::sync::Arc;
 
@@ -261,8 +375,8 @@ pub(super) mod tests {
         titled.title = Some("A long title that needs much more room than its picture has".into());
         titled.bar = Some(ColourBar { colors: vec![[1; 3]; 9], low: "0".into(), high: "0.1 of full scale".into() });
         let rows = [vec![panel((20, 60)), titled.clone()], vec![titled, panel((10, 10))]];
-        let options = FigureOptions { letters: true, scale: 2.0, ..FigureOptions::default() };
-        let drawing = lay_out(&rows, &options);
+        let width = FigureWidth::PxPerPx(2.0);
+        let drawing = lay_out(&rows, &[], &FigureOptions { letters: true, width, ..FigureOptions::default() });
         let rects: Vec<FigureRect> = drawing.pictures().collect();
         assert_eq!(rects.len(), 4);
         assert_eq!((rects[0].min[0], rects[1].min[0]), (rects[2].min[0], rects[3].min[0]), "columns are not in line");
@@ -276,5 +390,32 @@ pub(super) mod tests {
             drawing.shapes.iter().any(|s| matches!(s, FigureShape::Text { text, .. } if text.starts_with(letter)))
         };
         assert!(letters("(a)") && letters("(d)") && !letters("(e)"));
+    }
+
+    #[test]
+    fn a_figure_for_print_has_its_width_and_says_once_what_its_panels_share() {
+        let bar = ColourBar { colors: vec![[1; 3]; 9], low: "0".into(), high: "1 of full scale".into() };
+        let title = Some("A: DSC_0001 · Motion stack · slope (2.40, 0.00) px/frame".to_owned());
+        let one = FigurePanel { title, bar: Some(bar), ..panel((1152, 771)) };
+        let entry = |mark, label: &str| LegendEntry { mark, color: [1; 3], label: label.to_owned() };
+        let legend = [entry(LegendMark::Line, "456 inliers"), entry(LegendMark::Dashes, "88 outliers")];
+        for (mm, font_size) in [(88.0, 6.0), (181.0, 8.0)] {
+            let width = FigureWidth::Millimetres(mm);
+            let options =
+                FigureOptions { width, font_size, letters: true, scale_bar: true, ..FigureOptions::default() };
+            let drawing = lay_out(&[vec![one.clone(), one.clone()]], &legend, &options);
+            assert!((drawing.size[0] - mm * 72.0 / 25.4).abs() < 0.01, "{:?}", drawing.size);
+            assert_eq!(drawing.unit, FigureUnit::Point);
+            let rects: Vec<FigureRect> = drawing.pictures().collect();
+            assert_eq!(rects[0].min[1], rects[1].min[1], "pictures of a row are level");
+            let right = rects[1].min[0] + rects[1].size[0];
+            assert!((right - drawing.size[0]).abs() < 0.01, "they fill the width");
+            let says = |part: &str| {
+                let is_said =
+                    |shape: &&FigureShape| matches!(shape, FigureShape::Text { text, .. } if text.contains(part));
+                drawing.shapes.iter().filter(is_said).count()
+            };
+            assert_eq!((says("full scale"), says("inliers"), says("outliers"), says("DSC")), (1, 1, 1, 2));
+        }
     }
 }

@@ -1,10 +1,13 @@
 //! Figures for papers: pictures as shown in the window, with their overlays, as vectors or as pixels.
 //!
 //! [`lay_out`] puts one or several [`FigurePanel`]s on a sheet of paper, which gives a [`Drawing`]: shapes with
-//! positions in figure pixels. [`write_drawing_svg`] writes it as vectors; a caller with a font renderer can make
-//! pixels of it. Matches between panels are [`FigureLink`]s, which [`draw_links`] adds. A feature is a circle (of the
+//! positions in its [unit](FigureUnit). [`write_drawing_svg`] writes it as vectors; a caller with fonts can make pixels
+//! or a PDF of it. Matches between panels are [`FigureLink`]s, which [`draw_links`] adds. A feature is a circle (of the
 //! radius at which it is drawn in the window), a tick in the direction of its orientation, and an arrow along its
 //! motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
+//!
+//! A figure for print has a width in millimetres, and letters and lines in points. Titles are broken to the width of
+//! their pictures; bars and legends that pictures share stand once, below all.
 
 mod curve;
 mod fan;
@@ -20,18 +23,39 @@ pub use svg::write_drawing_svg;
 
 use crate::detector::Feature;
 use crate::plane::display::Display;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Red, green, blue.
 pub type Colour = [u8; 3];
 
+/// Mark of an entry of a legend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LegendMark {
+    /// A filled square.
+    Square,
+    /// A line.
+    Line,
+    /// A dashed line.
+    Dashes,
+}
+
 /// Meaning of a colour of the figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LegendEntry {
+    /// Shape that has the colour.
+    pub mark: LegendMark,
     /// Colour as red, green, blue.
     pub color: Colour,
     /// Meaning of the colour.
     pub label: String,
+}
+
+impl LegendEntry {
+    /// An entry with a square.
+    pub fn square(color: Colour, label: String) -> Self {
+        Self { mark: LegendMark::Square, color, label }
+    }
 }
 
 /// Mark of a feature over a picture; positions and lengths in image pixels.
@@ -146,28 +170,61 @@ pub struct FigurePanel {
     pub bar: Option<ColourBar>,
 }
 
-/// Options of the drawing of a figure. Lengths are in figure pixels, whatever the scale.
+/// Unit of a drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FigureUnit {
+    /// Pixels of the figure.
+    Pixel,
+    /// Points of 1/72 inch.
+    Point,
+}
+
+/// Points in a millimetre.
+const POINTS_PER_MM: f32 = 72.0 / 25.4;
+
+/// Width of a figure, which decides its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FigureWidth {
+    /// Figure pixels for each image pixel, 1/64 … 64.
+    PxPerPx(f32),
+    /// Millimetres on paper, 10 … 2000.
+    Millimetres(f32),
+}
+
+impl FigureWidth {
+    /// Unit of a drawing of this width.
+    pub fn unit(self) -> FigureUnit {
+        match self {
+            Self::PxPerPx(_) => FigureUnit::Pixel,
+            Self::Millimetres(_) => FigureUnit::Point,
+        }
+    }
+}
+
+/// Options of the drawing of a figure. Lengths are in the unit of its width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureOptions {
-    /// Figure pixels for each image pixel, 1/64 … 64; default 1.
-    pub scale: f32,
+    /// Width of the figure; default a pixel for each image pixel.
+    pub width: FigureWidth,
     /// Width of all strokes; default 1.5.
-    pub stroke_width_px: f32,
+    pub stroke_width: f32,
     /// Height of letters; default 14.
-    pub font_size_px: f32,
+    pub font_size: f32,
     /// Whether panels have letters (a), (b), …; default false.
     pub letters: bool,
-    /// Whether each picture has a bar of known length in its corner; default false.
+    /// Whether pictures have a bar of known length in their corner, one where all have the same scale; default false.
     pub scale_bar: bool,
 }
 
 impl Default for FigureOptions {
     fn default() -> Self {
-        Self { scale: 1.0, stroke_width_px: 1.5, font_size_px: 14.0, letters: false, scale_bar: false }
+        let width = FigureWidth::PxPerPx(1.0);
+        Self { width, stroke_width: 1.5, font_size: 14.0, letters: false, scale_bar: false }
     }
 }
 
-/// Rectangle of the figure, in figure pixels from its left top corner.
+/// Rectangle of the figure, from its left top corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureRect {
     /// Left top corner, (x, y).
@@ -179,7 +236,7 @@ pub struct FigureRect {
 /// Style of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureStroke {
-    /// Width, figure pixels.
+    /// Width of the line.
     pub width: f32,
     /// Colour of the line.
     pub color: Colour,
@@ -187,7 +244,7 @@ pub struct FigureStroke {
     pub opacity: f32,
 }
 
-/// Shape of a drawing; all positions in figure pixels.
+/// Shape of a drawing; all lengths in the drawing's unit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FigureShape {
     /// Pixels, each a rectangle of one colour.
@@ -223,6 +280,8 @@ pub enum FigureShape {
         points: Vec<[f32; 2]>,
         /// Style of the line.
         stroke: FigureStroke,
+        /// Whether the line is dashed, with dashes and gaps of [`DASH`] widths.
+        dashed: bool,
         /// Part of the figure that the line belongs to, for editing the figure: `orientation`, `motion`, `scale`,
         /// `match`.
         class: &'static str,
@@ -256,11 +315,16 @@ pub enum FigureShape {
     },
 }
 
+/// Length of a dash of a line, and of the gap after it, as multiples of the line's width.
+pub const DASH: f32 = 4.0;
+
 /// A figure on a white sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// Width and height, figure pixels.
+    /// Width and height.
     pub size: [f32; 2],
+    /// Unit of all lengths.
+    pub unit: FigureUnit,
     /// Shapes, the first at the bottom.
     pub shapes: Vec<FigureShape>,
     /// Title for screen readers.

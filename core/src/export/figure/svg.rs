@@ -1,6 +1,6 @@
 //! Drawings as SVG 1.1.
 
-use super::{Colour, Drawing, FigureRect, FigureShape, FigureStroke};
+use super::{Colour, DASH, Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit};
 use crate::error::Error;
 use crate::export::atomic::write_marked;
 use crate::export::png::Picture;
@@ -18,7 +18,8 @@ pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), Error> {
     }
     write_marked(path, Kind::Drawing, |out| {
         writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
-        let size = (f64::from(drawing.size[0]), f64::from(drawing.size[1]));
+        let unit = if drawing.unit == FigureUnit::Point { "pt" } else { "" };
+        let size = (f64::from(drawing.size[0]), f64::from(drawing.size[1]), unit);
         let mut svg = SvgWriter::document(out, size, &drawing.title, &[])?;
         drawing.shapes.iter().try_for_each(|shape| write_shape(&mut svg, shape))?;
         svg.finish().map(drop)
@@ -28,22 +29,23 @@ pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), Error> {
 fn write_shape(svg: &mut SvgWriter<impl Write>, shape: &FigureShape) -> io::Result<()> {
     match shape {
         FigureShape::Picture { rect, size, rgba } => {
-            svg.picture(&rectangle(&place(rect)), &Picture::rgba(size.0, size.1, rgba))
+            // Small pixels are blended by the reader; squares are shown where they can be seen.
+            let sharp = rect.size[0] >= size.0 as f32;
+            svg.picture(&rectangle(&place(rect)), &Picture::rgba(size.0, size.1, rgba), sharp)
         }
         FigureShape::Fill { rect, color } => {
             let fill: [Attribute<'_>; 1] = [("fill", &Hex(*color))];
             svg.empty("rect", &[&rectangle(&place(rect))[..], &fill].concat(), "")
         }
         FigureShape::Circle { centre, radius, stroke, dashed } => {
-            let piece = number(std::f32::consts::TAU * radius / 16.0);
-            let dash = if *dashed { format!(r#"stroke-dasharray="{piece} {piece}" "#) } else { String::new() };
             let [x, y, r] = [centre[0], centre[1], *radius].map(number);
-            let style = format!(r#"fill="none" {dash}{}"#, Stroke(stroke));
+            let dashes = dashes(*dashed, std::f32::consts::TAU * radius / 16.0);
+            let style = format!(r#"fill="none" {dashes}{}"#, Stroke(stroke));
             svg.empty("circle", &[("cx", &x), ("cy", &y), ("r", &r)], &style)
         }
-        FigureShape::Line { points, stroke, class } => {
+        FigureShape::Line { points, stroke, dashed, class } => {
             let points: Vec<_> = points.iter().map(|point| Some(point.map(f64::from))).collect();
-            let style = format!(r#"fill="none" {}"#, Stroke(stroke));
+            let style = format!(r#"fill="none" {}{}"#, dashes(*dashed, DASH * stroke.width), Stroke(stroke));
             svg.empty("path", &[("class", class), ("d", &PathData(&points))], &style)
         }
         FigureShape::Fan { points, color, opacity } => {
@@ -63,6 +65,12 @@ fn write_shape(svg: &mut SvgWriter<impl Write>, shape: &FigureShape) -> io::Resu
             svg.end("g")
         }
     }
+}
+
+/// The attribute of a dashed line with dashes and gaps of `length`; nothing for another one.
+fn dashes(dashed: bool, length: f32) -> String {
+    let length = number(length);
+    if dashed { format!(r#"stroke-dasharray="{length} {length}" "#) } else { String::new() }
 }
 
 fn number(value: f32) -> Number {

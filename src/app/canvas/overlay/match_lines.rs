@@ -17,6 +17,16 @@ pub enum LineKind {
 }
 
 impl LineKind {
+    pub const ALL: [Self; 3] = [Self::Inlier, Self::Outlier, Self::Unverified];
+
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Inlier => "inliers",
+            Self::Outlier => "outliers",
+            Self::Unverified => "matches, not verified",
+        }
+    }
+
     /// Kind of a match that is (or is not) an inlier; `None` means not verified.
     pub fn of(inlier: Option<bool>) -> Self {
         match inlier {
