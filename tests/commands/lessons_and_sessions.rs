@@ -125,8 +125,6 @@ fn full_session() -> String {
     let value = |source: &BurstSource| Value::try_from(source).expect("plain values");
     let planted = BurstSource::Planted { of: Box::new(chart.clone()), study: Box::new(study.clone()), seed: 1 };
     set("burst", value(&BurstSource::DarkCopy { of: Box::new(chart), noise: NoisyParams::default() }));
-    let pinned: Table = toml::toml! { with = "pinned" };
-    set("against", pinned.into());
     let mut part = |name: &str, inner: &[&str], value: Value| {
         let part = session.get_mut(name).and_then(Value::as_table_mut).expect("a table");
         let (last, way) = inner.split_last().expect("a key");
@@ -141,9 +139,7 @@ fn full_session() -> String {
     let calibration = toml::toml! { full_scale = 1.0
     black_level = 0.0 };
     part("document", &["calibration"], calibration.into());
-    let mut against = session["against"].as_table().expect("a table").clone();
-    against.insert("pinned".to_owned(), Value::try_from(&search).expect("plain values"));
-    session.insert("against".to_owned(), against.into());
+    part("document", &["comparisons", "a", "pinned"], Value::try_from(&search).expect("plain values"));
     toml::to_string(&session).expect("plain values")
 }
 
@@ -197,7 +193,11 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
         ),
         ("document.params.slopes.u.count", "1000000000", "document.params: slopes-u: 1000000000 slopes; at most 4096"),
         ("document.params.levels", "0", "document.params: levels: 0; give 1 to 10"),
-        ("against.pinned.slopes.v.count", "9223372036854775807", "against.pinned: slopes-v: "),
+        (
+            "document.comparisons.a.pinned.slopes.v.count",
+            "9223372036854775807",
+            "document.comparisons.a.pinned: slopes-v: ",
+        ),
         ("burst.dark_copy.of.chart.width", "1000000000", "burst: width: 1000000000 pixels; give 16 to 32768"),
         ("burst.dark_copy.noise.snr", "nan", "burst: snr: NaN; give a ratio"),
         ("second.burst.planted.study.slopes.count", "1000000000", "second.burst: planted-slopes: "),

@@ -90,11 +90,11 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     window.settle();
     assert_eq!((window.app().model.workspace, names(&window)), (Workspace::Pair, before.clone()), "nothing is swapped");
     let probed = |window: &Window| {
-        let probe = &window.app().model.probe;
-        assert!(probe.is_current() && probe.is_open, "{:?}", probe.problem);
-        let answer = probe.answer.as_ref().unwrap();
+        let model = &window.app().model;
+        assert!(model.probe_is_current() && model.probe.is_open, "{:?}", model.probed.problem);
+        let answer = model.probed.answer.as_ref().unwrap();
         assert_eq!(answer.probe.pos_image, place);
-        (probe.side, answer.request.traced.cache.burst.name.clone())
+        (model.probe.side, answer.request.traced.cache.burst.name.clone())
     };
     assert_eq!(probed(&window), (Side::B, before[1].clone()));
     assert!(window.shows(" of B"), "the panel says of which burst");

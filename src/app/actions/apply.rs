@@ -25,11 +25,11 @@ fn point(pointed: Pointed, model: &mut Model) {
     match pointed {
         Pointed::Feature(index) => model.hovered = index,
         Pointed::Candidate(index) => model.explained.pointed = index,
-        Pointed::Row(side, row) => model.slots[side].against.hovered = row,
+        Pointed::Row(side, row) => model.slots[side].comparison.hovered = row,
         Pointed::Match(index) => model.pair.hovered = index,
         Pointed::Camera(index) => model.trajectories.hovered = index,
-        Pointed::Place(place) => model.probe.pointer = place,
-        Pointed::Dots(features) => model.probe.as_dots = features,
+        Pointed::Place(place) => model.probed.pointer = place,
+        Pointed::Dots(features) => model.probed.as_dots = features,
         Pointed::Lines(drawn, all) => model.pair.lines_drawn = (drawn, all),
     }
 }
@@ -105,12 +105,12 @@ fn set(action: Action, model: &mut Model) {
         A::SearchDecoys => model.want_decoys(),
         A::Probe(side, question) => model.ask_probe(side, question),
         A::ProbeFeature(side, index) => model.probe_feature(side, index),
-        A::ProbeSubject(subject) => model.probe.look_at(subject),
+        A::ProbeSubject(subject) => model.look_at(subject),
         A::ProbeNear(sigma) => model.probe.near_sigma = sigma,
         A::OpenProbe(is_open) => model.probe.is_open = is_open,
         A::StopFollowing => model.probe.follows = false,
-        A::CompareWith(side, with) => model.show_against(side, with),
-        A::ShowKind(side, kind, shown) => show(&mut model.slots[side].against.hidden, kind, shown),
+        A::CompareWith(side, with) => model.show_comparison(side, with),
+        A::ShowKind(side, kind, shown) => show(&mut model.comparisons[side].hidden, kind, shown),
         A::SelectRow(side, row) => model.select_row(side, row),
         A::SetMatching(params) => model.matching = *params,
         A::SetMatchLook(look) => model.match_look = look,
@@ -216,6 +216,6 @@ mod tests {
         }
         model.close_step(false);
         assert!(model.document == before && !model.history.can_undo());
-        assert_eq!((model.hovered, model.slots.b.against.hovered), (Some(3), Some(1)));
+        assert_eq!((model.hovered, model.slots.b.comparison.hovered), (Some(3), Some(1)));
     }
 }

@@ -6,7 +6,7 @@ use crate::app::canvas::overlay::ColourBy;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::Tool;
 use crate::app::pane::{Direction, Link, Pane, Preset};
-use crate::app::project::against::With;
+use crate::app::project::comparison::Reference;
 use crate::app::project::cursor::{ViewKind, snapped, stepped};
 use crate::app::project::effect::{ExportKind, Purpose};
 use crate::app::project::method::plane_of;
@@ -181,7 +181,7 @@ pub fn place_to_probe(model: &Model, widgets: &PaneWidgets) -> Option<(Side, [f3
         let within = |x: f32, n: usize| x.clamp(0.0, n.saturating_sub(1) as f32);
         Some((model.focused().side, [within(visible.x, width), within(visible.y, height)]))
     };
-    model.probe.pointer.or_else(middle)
+    model.probed.pointer.or_else(middle)
 }
 
 fn change_values(id: ActionId, model: &mut Model) {
@@ -211,18 +211,18 @@ fn change_values(id: ActionId, model: &mut Model) {
         }
         A::ProbeStrongest => model.ask_probe(model.active_side(), ProbeQuestion::Strongest),
         A::ProbeFollow => model.follow_with_probe(),
-        A::CloseProbe => model.probe.clear(),
+        A::CloseProbe => model.clear_probe(),
         A::PinResult => {
             model.pin_result(model.active_side());
             model.bottom_tab = BottomTab::Compared;
             model.messages.note("Pinned: later detections are compared with these features");
         }
-        A::UnpinResult => model.forget_reference(model.active_side(), With::Pinned),
-        A::CloseFeatures => model.forget_reference(model.active_side(), With::File),
+        A::UnpinResult => model.forget_reference(model.active_side(), Reference::Pinned),
+        A::CloseFeatures => model.forget_reference(model.active_side(), Reference::File),
         A::ShowTruth => {
             let side = model.active_side();
-            let on = model.slots[side].against.with == Some(With::Truth);
-            model.show_against(side, (!on).then_some(With::Truth));
+            let on = model.comparisons[side].with == Some(Reference::Truth);
+            model.show_comparison(side, (!on).then_some(Reference::Truth));
             model.bottom_tab = BottomTab::Compared;
         }
         A::KeepCurves => model.studies.keep_current(),
@@ -278,7 +278,7 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::NextFeature => model.select_neighbour(true),
         A::PreviousFeature => model.select_neighbour(false),
         A::StrongestFeature => model.selected = model.listed.first().copied(),
-        A::ClearSelection => (model.selected, model.slots.a.against.selected) = (None, None),
+        A::ClearSelection => (model.selected, model.comparisons.a.selected) = (None, None),
         A::ClearFilter => model.filter = Default::default(),
         A::OtherSide => model.focus_other_side(),
         A::ProbeExpected => {

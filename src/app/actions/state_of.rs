@@ -5,7 +5,7 @@ use super::registry::ActionId;
 use crate::app::measure::Tool;
 use crate::app::pane::{Link, MAX_PANES, Over};
 use crate::app::project::Model;
-use crate::app::project::against::With;
+use crate::app::project::comparison::Reference;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
@@ -29,9 +29,9 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Undo => model.history.can_undo(),
         A::Redo => model.history.can_redo(),
         A::CopyCommand => has_burst && active.param_error.is_none(),
-        A::UnpinResult => active.against.has(With::Pinned),
-        A::CloseFeatures => active.against.has(With::File),
-        A::ShowTruth => active.against.has(With::Truth),
+        A::UnpinResult => model.has_reference(model.active_side(), Reference::Pinned),
+        A::CloseFeatures => model.has_reference(model.active_side(), Reference::File),
+        A::ShowTruth => model.has_reference(model.active_side(), Reference::Truth),
         A::CopyPicture => model.picture().is_some(),
         A::MeasureLine | A::MeasureRegion => has_burst && in_inspect,
         A::ClearMeasure => !model.measure.is_empty(),
@@ -92,14 +92,14 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Cancel => model.is_searching(),
         A::ResetParams => model.asked() != SearchParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
-        A::ClearSelection => model.selected_feature().is_some() || model.slots.a.against.selected.is_some(),
+        A::ClearSelection => model.selected_feature().is_some() || model.comparisons.a.selected.is_some(),
         A::GoToFeature => model.selected_feature().is_some(),
         A::ProbePlace | A::ProbeFollow | A::ProbeStrongest => {
             let can_search = active.found.is_some() || active.param_error.is_none();
             has_burst && (in_inspect || in_pair) && can_search
         }
         A::ProbeFeature => (in_inspect || in_pair) && model.feature_to_probe().is_some(),
-        A::CloseProbe => model.probe.is_on() || model.probe.answer.is_some(),
+        A::CloseProbe => model.probe.is_on() || model.probed.answer.is_some(),
         A::ClearFilter => !model.filter.is_open(),
         A::DetectAll => model.datasets.can_detect(model.asked().validate().is_ok()),
         A::CancelDataset => model.datasets.work.is_some(),
@@ -156,7 +156,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
-        A::ShowTruth => Some(model.slots[model.active_side()].against.with == Some(With::Truth)),
+        A::ShowTruth => Some(model.comparisons[model.active_side()].with == Some(Reference::Truth)),
         A::ProbeFollow => Some(model.probe.follows),
         A::Play => Some(model.playing),
         A::MeasureLine => Some(model.measure.tool == Tool::Line),

@@ -3,8 +3,8 @@
 
 use crate::app::actions::registry::ActionId;
 use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks};
-use crate::app::project::against::{Kind, With};
 use crate::app::project::compare::{CompareLook, Contender};
+use crate::app::project::comparison::{Kind, Reference};
 use crate::app::project::datasets::PairChoice;
 use crate::app::project::datasets::pairs::{BurstPair, PairColumn};
 use crate::app::project::figure::FigureChoice;
@@ -115,7 +115,7 @@ pub enum Action {
     OpenProbe(bool),
     StopFollowing,
 
-    CompareWith(Side, #[serde(with = "or_none")] Option<With>),
+    CompareWith(Side, #[serde(with = "or_none")] Option<Reference>),
     ShowKind(Side, Kind, bool),
     SelectRow(Side, #[serde(with = "or_none")] Option<usize>),
 

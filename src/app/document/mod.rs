@@ -8,6 +8,7 @@ pub use journal::{Journal, Playback, Steps};
 
 use crate::app::pane::Panes;
 use crate::app::project::compare::CompareLook;
+use crate::app::project::comparison::Comparison;
 use crate::app::project::figure::FigureChoice;
 use crate::app::project::film::FilmChoice;
 use crate::app::project::filter::{Filter, Order};
@@ -16,7 +17,9 @@ use crate::app::project::look::Look;
 use crate::app::project::measure::Measure;
 use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
 use crate::app::project::panels::Panels;
+use crate::app::project::probe::Probe;
 use crate::app::project::set_up::SetUpState;
+use crate::app::project::side::Sides;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice};
@@ -42,6 +45,8 @@ pub struct Document {
     /// Index of the selected feature of A.
     pub selected: Option<usize>,
     pub set_up: SetUpState,
+    pub probe: Probe,
+    pub comparisons: Sides<Comparison>,
     pub matching: MatchParams,
     pub match_look: MatchLook,
     pub match_order: Order<MatchColumn>,

@@ -50,7 +50,7 @@ pub(super) fn set_up(model: &mut Model, step: &Step) {
     model.read_depths(false);
     model.set_up =
         SetUpState { values: state.set_up.unwrap_or_default(), is_open: state.set_up.is_some(), ..model.set_up };
-    model.probe.clear();
+    model.clear_probe();
     model.look.ranges.forget();
     set_up_panes(model, state);
     model.check_params();
@@ -105,7 +105,7 @@ pub(super) fn seen(model: &Model) -> Holds<'_> {
         frames_used: model.params.used_frames(model.frame_count()).len(),
         features: current.then(|| model.features().len()),
         selected: model.selected_feature().is_some(),
-        probe: model.probe.place().filter(|_| model.probe.side == Side::A && model.probe.is_current()),
+        probe: model.probed_place().filter(|_| model.probe.side == Side::A && model.probe_is_current()),
         params: &model.params,
         matching: &model.matching,
         tab: model.shows_bottom().then_some(model.bottom_tab),

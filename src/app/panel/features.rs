@@ -128,7 +128,7 @@ pub fn features_ui(
 ) {
     (state.drawn_of, state.pointed) = (None, None);
     let is_probed = id == model.probed_pane_id();
-    if is_probed && !model.probe.as_dots.is_empty() {
+    if is_probed && !model.probed.as_dots.is_empty() {
         queue.push(Pointed::Dots(Vec::new()));
     }
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
@@ -150,7 +150,7 @@ pub fn features_ui(
     let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
     let mut in_full = layer.in_full(output);
     if is_probed && layer.method.is_none() {
-        let here = model.probe.features_here();
+        let here = model.probed.features_here();
         let dots: Vec<usize> = here.into_iter().filter(|feature| in_full.dots.contains(feature)).collect();
         if !dots.is_empty() {
             queue.push(Pointed::Dots(dots));

@@ -8,10 +8,10 @@ use crate::requests::{JobError, Request, Urgency};
 
 impl Model {
     pub fn wants(&self) -> Vec<&dyn Want> {
-        let Self { slots, pair, compare, explained, coherence, probe, datasets, trajectories, studies, .. } = self;
+        let Self { slots, pair, compare, explained, coherence, probed, datasets, trajectories, studies, .. } = self;
         let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
         let detecting: [&dyn Want; 2] = slots.both().map(|slot| &slot.detecting as _);
-        let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.against.wanted as _);
+        let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.comparison.wanted as _);
         let gold: [&dyn Want; 2] = compare.opening_gold.both().map(|gold| gold as _);
         let coherences: [&dyn Want; 2] = coherence.wanted.both().map(|wanted| wanted as _);
         let others: [&dyn Want; 16] = [
@@ -25,8 +25,8 @@ impl Model {
             &explained.asked_slopes,
             &explained.asked_candidates,
             &explained.asked_decoys,
-            &probe.wanted_trail,
-            &probe.wanted_answer,
+            &probed.wanted_trail,
+            &probed.wanted_answer,
             &datasets.wanted,
             &trajectories.reading,
             &studies.wanted,

@@ -3,9 +3,9 @@
 //! The [`Model`] draws nothing. Panels read and change it; in each pass it takes the engine's answers, and then
 //! requests what is missing.
 
-pub mod against;
 mod asking;
 pub mod compare;
+pub mod comparison;
 pub mod cursor;
 pub mod datasets;
 pub mod effect;
@@ -50,7 +50,7 @@ use datasets::Datasets;
 use explained::{CoherenceState, ExplainedState};
 use messages::Messages;
 use pair::PairState;
-use probe::ProbeModel;
+use probe::ProbeResults;
 use side::{Side, Sides};
 use slot::Slot;
 use std::collections::HashMap;
@@ -76,7 +76,7 @@ pub struct Model {
     pub history: History,
     pub explained: ExplainedState,
     pub coherence: CoherenceState,
-    pub probe: ProbeModel,
+    pub probed: ProbeResults,
     pub in_lesson: bool,
     pub figures: Wanted<FiguresJob>,
     pub datasets: Datasets,
@@ -116,8 +116,8 @@ impl Model {
 
     /// Things under the pointer.
     pub fn pointed(&self) -> impl PartialEq + use<> {
-        let probe = (self.probe.pointer, self.probe.as_dots.clone());
-        let rows = self.slots.both().map(|slot| slot.against.hovered);
+        let probe = (self.probed.pointer, self.probed.as_dots.clone());
+        let rows = self.slots.both().map(|slot| slot.comparison.hovered);
         (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.trajectories.hovered, probe)
     }
 

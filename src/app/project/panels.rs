@@ -98,7 +98,7 @@ impl Model {
     }
 
     pub fn open_probe(&mut self) {
-        (self.probe.is_open, self.probe.problem) = (true, None);
+        (self.probe.is_open, self.probed.problem) = (true, None);
         if self.panels.right == Visibility::Closed {
             self.panels.right = Visibility::Auto;
         }

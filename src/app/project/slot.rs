@@ -2,7 +2,7 @@
 //! was opened is never overwritten.
 
 use crate::app::pane::PaneId;
-use crate::app::project::against::Against;
+use crate::app::project::comparison::ComparisonResults;
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::side::Side;
@@ -29,7 +29,7 @@ pub struct Slot {
     pub usable_params: DetectorParams,
     pub param_error: Option<Error>,
     pub found: Option<FoundFeatures>,
-    pub against: Against,
+    pub comparison: ComparisonResults,
     pub opening: Wanted<OpenRequest>,
     pub detecting: Wanted<DetectRequest>,
 }
@@ -176,6 +176,7 @@ impl Model {
         self.explained.forget();
         self.pair.forget_matches();
         self.compare.gold[0] = None;
+        self.begin_comparison(Side::A);
         self.start_panes(Side::A, |cursor| Cursor { kind: cursor.kind, frame: middle, ..Cursor::default() });
         self.check_params();
     }
@@ -427,8 +428,7 @@ impl Model {
         }
         let calibration = [&self.calibration.bias, &self.calibration.flat];
         files.extend(calibration.into_iter().flatten().flat_map(|path| BurstSource::Paths(vec![path.clone()]).files()));
-        let others = self.slots.both().into_iter().filter_map(|slot| slot.against.file.as_ref());
-        files.extend(others.map(|file| file.path.clone()));
+        files.extend(self.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
         let trajectories = [&self.trajectories.compared.estimate, &self.trajectories.compared.truth];
         files.extend(trajectories.into_iter().flatten().flat_map(|(path, _)| files_of_model(path)));
         files

@@ -6,10 +6,10 @@ mod restoring;
 pub use restoring::Restoring;
 
 use super::document::{Document, Steps};
-use crate::app::project::against::{SavedAgainst, With};
+use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::datasets::Dataset;
 use crate::app::project::pair::{SavedMatch, Side};
-use crate::app::project::probe::SavedProbe;
+use crate::app::project::probe::Probe;
 use crate::app::project::trajectories::{SavedTrajectories, Trajectories};
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Model, SavedSelection};
@@ -40,8 +40,6 @@ pub struct Session {
     #[serde(default)]
     pub detected: bool,
     pub selection: Option<SavedSelection>,
-    pub probe: Option<SavedProbe>,
-    pub against: Option<SavedAgainst>,
     pub gold: Option<BurstSource>,
     #[serde(default)]
     pub second: SecondBurst,
@@ -56,8 +54,6 @@ pub struct Session {
 pub struct SecondBurst {
     pub burst: Option<BurstSource>,
     pub gold: Option<BurstSource>,
-    pub probe: Option<SavedProbe>,
-    pub against: Option<SavedAgainst>,
     pub selection: Option<SavedMatch>,
 }
 
@@ -67,8 +63,6 @@ impl Session {
         let second = SecondBurst {
             burst: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
             gold: gold_source(model, Side::B),
-            probe: model.probe.saved(Side::B),
-            against: saved_against(model, Side::B),
             selection: model.pair.saved_match(),
         };
         Some(Self {
@@ -78,8 +72,6 @@ impl Session {
             document: sound(model),
             detected: model.slots.a.found.is_some(),
             selection: model.saved_selection(),
-            probe: model.probe.saved(Side::A),
-            against: saved_against(model, Side::A),
             gold: gold_source(model, Side::A),
             second,
             dataset: model.datasets.open.as_ref().map(saved_dataset),
@@ -94,14 +86,14 @@ impl Session {
             self.document.workspace = Workspace::Inspect;
         }
         self.document.calibration = OpenOptions::default();
-        let against = self.against.map(|against| SavedAgainst {
-            with: against.with.filter(|with| *with != With::File),
-            file: None,
-            ..against
-        });
+        if self.document.probe.side == Side::B {
+            self.document.probe = Probe::default();
+        }
+        let comparisons = &mut self.document.comparisons;
+        comparisons.b = Comparison::default();
+        (comparisons.a.with, comparisons.a.file) = (comparisons.a.with.filter(|with| *with != Reference::File), None);
         Self {
             burst: BurstSource::Paths(Vec::new()),
-            against: against.filter(|against| *against != SavedAgainst::default()),
             gold: None,
             second: SecondBurst::default(),
             dataset: None,
@@ -153,7 +145,6 @@ impl Session {
         fn named<E: Display>(key: &str, checked: Result<(), E>) -> Result<(), String> {
             checked.map_err(|error| format!("{key}: {error}"))
         }
-        let pinned = |against: &Option<SavedAgainst>| against.as_ref().and_then(|against| against.pinned.clone());
         let (second, document) = (&self.second, &self.document);
         for (key, source) in [
             ("burst", Some(&self.burst)),
@@ -165,8 +156,8 @@ impl Session {
         }
         for (key, search) in [
             ("document.params", Some(document.search())),
-            ("against.pinned", pinned(&self.against)),
-            ("second.against.pinned", pinned(&second.against)),
+            ("document.comparisons.a.pinned", document.comparisons.a.pinned.clone()),
+            ("document.comparisons.b.pinned", document.comparisons.b.pinned.clone()),
         ] {
             named(key, search.map_or(Ok(()), |search| search.validate()))?;
         }
@@ -183,15 +174,25 @@ impl Session {
         model.panes = self.document.panes.clone();
         model.reselect = self.selection;
         model.keep_methods_arranged();
-        model.restore_probe(Side::A, self.probe);
-        model.restore_against(Side::A, self.against.clone());
+        self.restore_probe(Side::A, model);
+        model.restore_comparison(Side::A, self.document.comparisons.a.clone());
         model.check_params();
     }
 
     /// The panes, and the colours of the window, stay.
     pub fn apply_without_burst(&self, model: &mut Model) {
-        let (panes, theme) = (std::mem::take(&mut model.panes), model.theme);
-        model.document = Document { panes, theme, selected: None, playing: false, ..self.document.clone() };
+        let now = std::mem::take(&mut model.document);
+        let Document { panes, theme, probe, comparisons, .. } = now;
+        let (selected, playing) = (None, false);
+        model.document = Document { panes, theme, probe, comparisons, selected, playing, ..self.document.clone() };
+    }
+
+    fn restore_probe(&self, side: Side, model: &mut Model) {
+        model.clear_probe_of(side);
+        if self.document.probe.side == side {
+            model.clear_probe();
+            model.probe = self.document.probe;
+        }
     }
 
     /// Takes what waits for the second burst, which is open now, or closed for good.
@@ -202,8 +203,8 @@ impl Session {
             model.panes.take_placed(Workspace::Pair, &self.document.panes);
         }
         model.pair.reselect = self.second.selection;
-        model.restore_probe(Side::B, self.second.probe);
-        model.restore_against(Side::B, self.second.against.clone());
+        self.restore_probe(Side::B, model);
+        model.restore_comparison(Side::B, self.document.comparisons.b.clone());
         model.check_params();
         model.check_pair();
     }
@@ -214,6 +215,10 @@ impl Session {
 fn sound(model: &Model) -> Document {
     let mut document = model.document.clone();
     document.calibration = absolute_calibration(&document.calibration);
+    for side in Side::BOTH {
+        let file = &mut document.comparisons[side].file;
+        *file = file.as_deref().map(absolute_path);
+    }
     if document.search().validate().is_err() {
         document.params = model.slots.a.usable_params.clone();
     }
@@ -245,11 +250,6 @@ pub struct SavedDataset {
 
 fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
     model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.source))
-}
-
-fn saved_against(model: &Model, side: Side) -> Option<SavedAgainst> {
-    let saved = model.saved_against(side)?;
-    Some(SavedAgainst { file: saved.file.as_deref().map(absolute_path), ..saved })
 }
 
 /// `source` with absolute paths, so that the session can be opened from any folder.

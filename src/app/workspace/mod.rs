@@ -212,7 +212,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
             queue.point(&model.hovered, None, Pointed::Feature);
         }
         if over_rows != Some(BottomTab::Compared) {
-            queue.point(&model.slots.a.against.hovered, None, |row| Pointed::Row(Side::A, row));
+            queue.point(&model.slots.a.comparison.hovered, None, |row| Pointed::Row(Side::A, row));
         }
         queue.point(&model.explained.pointed, None, Pointed::Candidate);
     }

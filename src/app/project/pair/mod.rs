@@ -9,8 +9,8 @@ pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
 pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
 
 use crate::app::pane::{Content, Pane};
-use crate::app::project::against::With;
 use crate::app::project::asking::answers;
+use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::cursor::Cursor;
 use crate::app::project::filter::Order;
 use crate::app::project::slot::Slot;
@@ -107,8 +107,8 @@ impl Model {
     }
 
     /// Of two bursts, the features are drawn too, as the comparison is drawn in their place.
-    pub fn show_against(&mut self, side: Side, with: Option<With>) {
-        self.slots[side].against.show(with);
+    pub fn show_comparison(&mut self, side: Side, with: Option<Reference>) {
+        self.compare_with(side, with);
         if self.workspace == Workspace::Pair && with.is_some() {
             (self.match_look.features, self.pair_tab) = (true, PairTab::Compared);
         }
@@ -116,9 +116,10 @@ impl Model {
 
     pub fn swap_sides(&mut self) {
         self.slots.swap();
+        self.comparisons.swap();
         self.forget_requests();
         // What is probed stays with its burst, and so do the steps to undo.
-        (self.probe.side, self.probe.pointer) = (self.probe.side.other(), None);
+        (self.probe.side, self.probed.pointer) = (self.probe.side.other(), None);
         self.history.swap_sides();
         self.panes.swap_sides();
         self.compare.gold.swap(0, 1);
@@ -159,8 +160,9 @@ impl Model {
 
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
-        let Slot { opening, against, .. } = std::mem::take(&mut self.slots.b);
-        self.slots.b = Slot { burst: Some(burst), opening, against, ..Slot::default() };
+        let Slot { opening, .. } = std::mem::take(&mut self.slots.b);
+        self.slots.b = Slot { burst: Some(burst), opening, ..Slot::default() };
+        self.begin_comparison(Side::B);
         self.clear_probe_of(Side::B);
         self.pair.forget_matches();
         self.compare.gold[1] = None;
@@ -257,6 +259,7 @@ impl Model {
 
     pub(in crate::app) fn close_second(&mut self) {
         self.slots.b = Slot::default();
+        self.comparisons.b = Comparison::default();
         self.clear_probe_of(Side::B);
         self.panes.close_side(Side::B);
         self.compare.gold[1] = None;
@@ -272,7 +275,7 @@ impl Model {
             let slot = &mut self.slots[side];
             slot.opening.forget();
             slot.detecting.forget();
-            slot.against.wanted.forget();
+            slot.comparison.wanted.forget();
         }
         self.pair.matching.forget();
         self.compare.wanted.cancel();

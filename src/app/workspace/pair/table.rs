@@ -53,7 +53,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
 
 pub fn switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
-        let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
+        let is_compared = model.comparisons.both().into_iter().any(|set| set.with.is_some());
         let mut tab = model.pair_tab;
         ui.selectable_value(&mut tab, PairTab::Matches, "Matches");
         ui.selectable_value(&mut tab, PairTab::Unmatched, "Unmatched features of A")
