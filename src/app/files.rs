@@ -113,7 +113,7 @@ pub(super) fn purpose_of_dropped(
         }
         ([_], _) if model.workspace == Workspace::Trajectories => {
             // The first file dropped is the estimate, the second the truth; a third replaces the estimate.
-            let compared = &model.trajectories.compared;
+            let compared = &model.poses.compared;
             let truth = compared.estimate.is_some() && compared.truth.is_none();
             if truth { Purpose::OpenTruth } else { Purpose::OpenEstimate }
         }

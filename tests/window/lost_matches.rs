@@ -65,7 +65,7 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     window.settle();
     let asked = window.app().model.asked_feature().expect("a feature is asked about");
     assert_eq!((a.features[asked].u, a.features[asked].v), (f.u, f.v));
-    assert!(window.app().model.pair.selected.is_none());
+    assert!(window.app().model.selected_match.is_none());
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn a_match_tells_its_second_best() {
     window.key(Key::Home);
     window.settle();
     let model = &window.app().model;
-    let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
+    let row = model.pair.matches.as_ref().unwrap().row(model.selected_match.unwrap()).unwrap();
     let why = model.pair.lost.why.as_ref().expect("it is known why");
     assert_eq!(why.feature, row.found.a);
     assert_eq!(why.unmatched.candidates[0].feature, row.found.b);

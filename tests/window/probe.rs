@@ -137,7 +137,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         window.settle();
         let (model, answer) = (&window.app().model, answer(&window));
         assert_eq!((model.probe.side, model.workspace), (side, Workspace::Pair));
-        assert_eq!((model.pair.selected, model.asked_feature()), (None, None), "nothing else was clicked");
+        assert_eq!((model.selected_match, model.asked_feature()), (None, None), "nothing else was clicked");
         let place = answer.probe.pos_image;
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?}");
         // The answer is that of the library for this burst.

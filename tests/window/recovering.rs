@@ -98,7 +98,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     let shown = model.slots.a.comparison.shown.as_ref().expect("compared with the pinned result");
     assert_eq!(shown.summary, was.slots.a.comparison.shown.as_ref().expect("compared").summary);
     // What names other files is left out, also where a case was changed to have some.
-    let hostile = session.replacen("[document]", "[gold]\npaths = [\"/etc/passwd\"]\n\n[document]", 1);
+    let hostile = session.replacen("[document]", "[document.gold.a]\npaths = [\"/etc/passwd\"]\n\n[document]", 1);
     let (case, part) =
         Case::of(&small().0, &small().1.into(), (None, None), "", &Monitor::default()).expect("nobody cancels");
     let path = home.path().join("hostile.burstcase");

@@ -27,7 +27,7 @@ fn point(pointed: Pointed, model: &mut Model) {
         Pointed::Candidate(index) => model.explained.pointed = index,
         Pointed::Row(side, row) => model.slots[side].comparison.hovered = row,
         Pointed::Match(index) => model.pair.hovered = index,
-        Pointed::Camera(index) => model.trajectories.hovered = index,
+        Pointed::Camera(index) => model.poses.hovered = index,
         Pointed::Place(place) => model.probed.pointer = place,
         Pointed::Dots(features) => model.probed.as_dots = features,
         Pointed::Lines(drawn, all) => model.pair.lines_drawn = (drawn, all),
@@ -53,10 +53,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::CutOpenBurst(length) => model.cut_open_burst(length, engine),
         A::Calibrate(options) => return vec![model.calibrate(options, engine)],
         A::DetectAllAnyway => model.detect_all(engine),
-        A::SetPoseStudy(study) => {
-            model.trajectories.study = study;
-            model.compare_trajectories_again(engine);
-        }
+        A::SetPoseStudy(study) => model.set_pose_study(study, engine),
         A::OpenCamera(label) => model.look_at_camera(&label, engine),
         A::Note(text) => model.messages.note(text),
         A::DismissMessage(id) => model.messages.dismiss(id),
@@ -99,8 +96,8 @@ fn set(action: Action, model: &mut Model) {
         A::Select(index) => model.selected = index,
         A::SetFilter(filter) => model.filter = filter,
         A::SetOrder(order) => model.order = order,
-        A::ShowTest(test) => (model.explained.shown_test, model.explained.selected) = (test, None),
-        A::SelectCandidate(index) => model.explained.selected = index,
+        A::ShowTest(test) => (model.shown_test, model.selected_candidate) = (test, None),
+        A::SelectCandidate(index) => model.selected_candidate = index,
         A::ExamineSlopes => model.explained.slopes_wanted = true,
         A::SearchDecoys => model.want_decoys(),
         A::Probe(side, question) => model.ask_probe(side, question),
@@ -117,10 +114,10 @@ fn set(action: Action, model: &mut Model) {
         A::SetPairLinks(links) => model.set_pair_links(links),
         A::SetMatchOrder(order) => model.match_order = order,
         A::SetPairTab(tab) => model.pair_tab = tab,
-        A::SelectMatch(index) => (model.pair.selected, model.pair.lost.selected) = (index, None),
+        A::SelectMatch(index) => (model.selected_match, model.asked_about) = (index, None),
         A::AskFeature(index) => model.ask_feature(index),
         A::ShowLost(lost, shown) => {
-            show(&mut model.pair.lost.hidden, lost, shown);
+            show(&mut model.hidden_losses, lost, shown);
             model.pair_tab = crate::app::project::pair::PairTab::Unmatched;
         }
         A::SetMethods(look) => model.methods = look,
@@ -132,7 +129,7 @@ fn set(action: Action, model: &mut Model) {
             model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.name.clone_from(&name));
         }
         A::ForgetKept(index) => model.forget_kept(index),
-        A::SetPairChoice(choice) => model.datasets.choice = choice,
+        A::SetPairChoice(choice) => model.pairs = choice,
         A::ChooseBurst(..) | A::SelectPair(_) | A::SortPairs(_) => set_in_dataset(action, model),
         A::SetProjection(projection) => model.trajectories.projection = projection,
         A::MoveCameras(view) => model.trajectories.view = view,
@@ -148,10 +145,10 @@ fn show<T: PartialEq>(hidden: &mut Vec<T>, kind: T, shown: bool) {
 }
 
 fn set_in_dataset(action: Action, model: &mut Model) {
-    let Some(dataset) = &mut model.datasets.open else { return };
+    let (Some(dataset), Some(set)) = (&mut model.datasets.open, &mut model.document.dataset) else { return };
     match action {
-        Action::ChooseBurst(side, place) => dataset.choose(side as usize, place),
-        Action::SelectPair(pair) => dataset.select(pair),
+        Action::ChooseBurst(side, place) if place < dataset.bursts.len() => set.choose(side, place),
+        Action::SelectPair(pair) => set.select(pair),
         Action::SortPairs(column) => dataset.matches.sort_by(column),
         _ => {}
     }

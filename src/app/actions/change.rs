@@ -202,7 +202,7 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::GoToFeature => model.go_to_selected(),
         A::BurstAsA => model.choose_open_burst(Side::A),
         A::BurstAsB => model.choose_open_burst(Side::B),
-        A::CloseTrajectories => model.trajectories.clear(),
+        A::CloseTrajectories => model.close_trajectories(),
         A::SwapSides => model.swap_sides(),
         A::ProbeFeature => {
             if let Some((side, index)) = model.feature_to_probe() {
@@ -272,7 +272,7 @@ fn change_values(id: ActionId, model: &mut Model) {
         A::NextFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(true),
         A::PreviousFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(false),
         A::StrongestFeature if model.workspace == Workspace::Pair => {
-            model.pair.selected = model.pair.listed.first().copied();
+            model.selected_match = model.pair.listed.first().copied();
         }
         A::ClearSelection if model.workspace == Workspace::Pair => model.ask_feature(None),
         A::NextFeature => model.select_neighbour(true),

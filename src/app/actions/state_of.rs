@@ -25,7 +25,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
         A::ClearSelection if in_pair => model.asked_feature().is_some(),
-        A::GoToFeature if in_pair => model.pair.selected.is_some(),
+        A::GoToFeature if in_pair => model.selected_match.is_some(),
         A::Undo => model.history.can_undo(),
         A::Redo => model.history.can_redo(),
         A::CopyCommand => has_burst && active.param_error.is_none(),
@@ -111,7 +111,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         }
         A::MatchPairs => model.datasets.can_match(model.matching.validate().is_ok()),
         A::MatchSelected => {
-            let chosen = model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some());
+            let chosen = model.dataset.as_ref().is_some_and(|set| set.selected().is_some());
             chosen && model.datasets.can_match(model.matching.validate().is_ok())
         }
         A::ExportDatabase => {
@@ -120,8 +120,8 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         }
         A::PaperFigures => !model.figures.is_pending(),
         A::CancelFigures => model.figures.is_pending(),
-        A::ShowPair => model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some()),
-        A::CloseTrajectories => !model.trajectories.is_empty(),
+        A::ShowPair => model.dataset.as_ref().is_some_and(|set| set.selected().is_some()),
+        A::CloseTrajectories => !model.poses.is_empty(),
         A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
         A::LeaveLesson => model.in_lesson,
         A::CutSequence => {

@@ -2,13 +2,16 @@
 
 pub mod action;
 pub mod journal;
+mod paths;
 
 pub use action::{Action, Pointed, Queue};
 pub use journal::{Journal, Playback, Steps};
+pub use paths::absolute;
 
 use crate::app::pane::Panes;
 use crate::app::project::compare::CompareLook;
 use crate::app::project::comparison::Comparison;
+use crate::app::project::datasets::{DatasetChoice, PairChoice};
 use crate::app::project::figure::FigureChoice;
 use crate::app::project::film::FilmChoice;
 use crate::app::project::filter::{Filter, Order};
@@ -19,11 +22,14 @@ use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
 use crate::app::project::panels::Panels;
 use crate::app::project::probe::Probe;
 use crate::app::project::set_up::SetUpState;
-use crate::app::project::side::Sides;
+use crate::app::project::side::{Side, Sides};
+use crate::app::project::trajectories::Trajectories;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice};
+use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice, Test};
+use crate::inspect::unmatched::Lost;
 use crate::matching::MatchParams;
+use crate::requests::BurstSource;
 use crate::teach::{BottomTab, Workspace};
 use serde::{Deserialize, Serialize};
 
@@ -47,11 +53,23 @@ pub struct Document {
     pub set_up: SetUpState,
     pub probe: Probe,
     pub comparisons: Sides<Comparison>,
+    /// Test whose rejected candidates are marked.
+    pub shown_test: Option<Test>,
+    pub selected_candidate: Option<usize>,
     pub matching: MatchParams,
     pub match_look: MatchLook,
     pub match_order: Order<MatchColumn>,
     pub pair_tab: PairTab,
+    pub selected_match: Option<usize>,
+    /// Feature of A of which the user asks why it has no match.
+    pub asked_about: Option<usize>,
+    pub hidden_losses: Vec<Lost>,
     pub methods: CompareLook,
+    /// Sharp images of A's and of B's view.
+    pub gold: Sides<Option<BurstSource>>,
+    pub dataset: Option<DatasetChoice>,
+    pub pairs: PairChoice,
+    pub trajectories: Trajectories,
     pub lab: Lab,
     pub measure: Measure,
     pub figure: FigureChoice,
@@ -74,6 +92,24 @@ impl Document {
     pub fn of_new_window() -> Self {
         let (slopes, theme) = (SlopeChoice::AUTO, egui::ThemePreference::Dark);
         Self { slopes, theme, auto_detect: true, ..Self::default() }
+    }
+
+    /// The document with absolute paths, so that it can be opened from any folder.
+    #[must_use]
+    pub fn with_absolute_paths(mut self) -> Self {
+        let calibration = &mut self.calibration;
+        let [compared_a, compared_b] = [&mut self.comparisons.a.file, &mut self.comparisons.b.file];
+        let Trajectories { estimate, truth, .. } = &mut self.trajectories;
+        for path in [&mut calibration.bias, &mut calibration.flat, compared_a, compared_b, estimate, truth] {
+            path.iter_mut().for_each(paths::make_absolute);
+        }
+        for side in Side::BOTH {
+            self.gold[side] = self.gold[side].as_ref().map(paths::absolute);
+        }
+        if let Some(DatasetChoice { source, folder, .. }) = &mut self.dataset {
+            source.paths.iter_mut().chain(folder).for_each(paths::make_absolute);
+        }
+        self
     }
 
     pub fn search(&self) -> SearchParams {

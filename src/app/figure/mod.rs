@@ -36,7 +36,7 @@ pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<F
     match model.workspace {
         Workspace::Pair => {
             let Some(matches) = &model.pair.matches else { return Vec::new() };
-            links(model, widgets, panes, None, matches, &model.pair.drawn(model.match_look.alone))
+            links(model, widgets, panes, None, matches, &model.drawn_matches())
         }
         Workspace::Methods => Contender::ALL
             .into_iter()
@@ -82,7 +82,7 @@ fn links(
                 ends_image: ends.map(|feature| [feature.u, feature.v]),
                 color: [colour.r(), colour.g(), colour.b()],
                 opacity: model.match_look.opacity,
-                weight: if method.is_none() && model.pair.selected == Some(row.index) { 2.0 } else { 0.8 },
+                weight: if method.is_none() && model.selected_match == Some(row.index) { 2.0 } else { 0.8 },
                 dashed: kind.is_dashed(),
             });
         }

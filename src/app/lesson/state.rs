@@ -75,11 +75,11 @@ impl OpenLesson {
             return;
         }
         if model.workspace == Workspace::Pair {
-            model.pair.selected = model.pair.listed.first().copied();
+            model.selected_match = model.pair.listed.first().copied();
         } else if model.stale().is_none() {
             model.selected = model.listed.first().copied();
         }
-        self.selects = model.pair.selected.is_none() && model.selected.is_none();
+        self.selects = model.selected_match.is_none() && model.selected.is_none();
     }
 
     fn set_up(&mut self, model: &mut Model) {
@@ -290,7 +290,8 @@ fn show(mut other: Model, model: &mut Model) -> Model {
     std::mem::swap(&mut other, model);
     let (from, to) = (&mut other, model);
     std::mem::swap(&mut from.datasets, &mut to.datasets);
-    std::mem::swap(&mut from.trajectories, &mut to.trajectories);
+    std::mem::swap(&mut from.document.trajectories, &mut to.document.trajectories);
+    std::mem::swap(&mut from.poses, &mut to.poses);
     std::mem::swap(&mut from.document.lab, &mut to.document.lab);
     std::mem::swap(&mut from.studies, &mut to.studies);
     std::mem::swap(&mut from.messages, &mut to.messages);

@@ -45,7 +45,7 @@ pub(super) fn set_up(model: &mut Model, step: &Step) {
         }
     }
     (model.selected, model.hovered, model.reselect) = (None, None, None);
-    (model.pair.selected, model.playing, model.filter) = (None, false, Default::default());
+    (model.selected_match, model.playing, model.filter) = (None, false, Default::default());
     model.measure.clear();
     model.read_depths(false);
     model.set_up =
@@ -111,7 +111,7 @@ pub(super) fn seen(model: &Model) -> Holds<'_> {
         tab: model.shows_bottom().then_some(model.bottom_tab),
         workspace: model.workspace,
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
-        selected_match: model.pair.selected.is_some(),
+        selected_match: model.selected_match.is_some(),
         reads_depths: model.set_up.reads_depths,
     }
 }

@@ -8,7 +8,7 @@ use crate::requests::{JobError, Request, Urgency};
 
 impl Model {
     pub fn wants(&self) -> Vec<&dyn Want> {
-        let Self { slots, pair, compare, explained, coherence, probed, datasets, trajectories, studies, .. } = self;
+        let Self { slots, pair, compare, explained, coherence, probed, datasets, poses, studies, .. } = self;
         let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
         let detecting: [&dyn Want; 2] = slots.both().map(|slot| &slot.detecting as _);
         let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.comparison.wanted as _);
@@ -28,7 +28,7 @@ impl Model {
             &probed.wanted_trail,
             &probed.wanted_answer,
             &datasets.wanted,
-            &trajectories.reading,
+            &poses.reading,
             &studies.wanted,
             &studies.wanted_chart,
         ];

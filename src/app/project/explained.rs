@@ -8,7 +8,7 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use crate::app::view::ColourBy;
 use crate::detector::params::doc;
-use crate::detector::{Detection, DetectorParams, Feature, Method, Moves, ParamChange, SlopeChoice, Test};
+use crate::detector::{Detection, DetectorParams, Feature, Method, Moves, ParamChange, SlopeChoice};
 use crate::engine::{Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
@@ -31,10 +31,8 @@ pub struct ExplainedState {
     decoys: Option<(ExplainRequest, Arc<DecoyReport>)>,
     /// The decoys that were asked for; of no use once another detection is on show.
     wanted_decoys: Option<ExplainRequest>,
-    pub shown_test: Option<Test>,
     /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
     pub pointed: Option<usize>,
-    pub selected: Option<usize>,
     /// Whether the slopes of the detection on show are wanted although it took long.
     pub slopes_wanted: bool,
     pub asked_slopes: Wanted<ExplainRequest>,
@@ -50,13 +48,9 @@ impl ExplainedState {
             Explanation::Decoys(report) => self.decoys = Some((request, report)),
             Explanation::Candidates(survey) => {
                 self.candidates = Some((request, survey));
-                (self.selected, self.pointed) = (None, None);
+                self.pointed = None;
             }
         }
-    }
-
-    pub fn forget(&mut self) {
-        *self = Self { shown_test: self.shown_test, ..Self::default() };
     }
 }
 
@@ -99,6 +93,9 @@ impl Model {
         let slopes = answers(&mut self.explained.asked_slopes, "Explanation", &mut self.messages);
         let candidates = answers(&mut self.explained.asked_candidates, "Explanation", &mut self.messages);
         let decoys = answers(&mut self.explained.asked_decoys, "Decoys", &mut self.messages);
+        if !candidates.is_empty() {
+            self.selected_candidate = None;
+        }
         slopes.into_iter().chain(candidates).chain(decoys).for_each(|explained| self.explained.take(explained));
     }
 
@@ -166,7 +163,7 @@ impl Model {
     }
 
     pub fn selected_candidate(&self) -> Option<&CandidateMark> {
-        self.survey()?.marks.get(self.explained.selected?)
+        self.survey()?.marks.get(self.selected_candidate?)
     }
 
     pub fn slopes_take_long(&self) -> bool {
@@ -182,7 +179,7 @@ impl Model {
     }
 
     pub fn wanted_candidates(&self) -> Option<ExplainRequest> {
-        let test = self.explained.shown_test?;
+        let test = self.shown_test?;
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };
         self.explain_request(ExplainQuestion::Candidates(options))
     }

@@ -55,7 +55,7 @@ use side::{Side, Sides};
 use slot::Slot;
 use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
-use trajectories::Trajectories;
+use trajectories::TrajectoryResults;
 
 /// The document, and what the engine answered. All that is read of the document is read as if it were its own.
 #[derive(Debug, Default)]
@@ -80,7 +80,7 @@ pub struct Model {
     pub in_lesson: bool,
     pub figures: Wanted<FiguresJob>,
     pub datasets: Datasets,
-    pub trajectories: Trajectories,
+    pub poses: TrajectoryResults,
     pub studies: lab::Studies,
     play: panes::Play,
     listed_for: Option<filter::ListedFor>,
@@ -118,7 +118,7 @@ impl Model {
     pub fn pointed(&self) -> impl PartialEq + use<> {
         let probe = (self.probed.pointer, self.probed.as_dots.clone());
         let rows = self.slots.both().map(|slot| slot.comparison.hovered);
-        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.trajectories.hovered, probe)
+        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe)
     }
 
     pub fn frame_count(&self) -> usize {

@@ -80,7 +80,7 @@ impl Model {
     pub fn shows_right(&self) -> bool {
         self.panels.right.or(match self.workspace {
             Workspace::Inspect => self.selected.is_some() || self.probe.is_open,
-            Workspace::Pair => self.pair.selected.is_some() || self.asked_feature().is_some() || self.probe.is_open,
+            Workspace::Pair => self.selected_match.is_some() || self.asked_feature().is_some() || self.probe.is_open,
             Workspace::Methods => false,
             Workspace::Matches | Workspace::Trajectories | Workspace::Lab => true,
         })

@@ -262,7 +262,7 @@ impl Model {
         if self.workspace != Workspace::Pair {
             return self.selected_feature().and(self.selected).map(|index| (Side::A, index));
         }
-        let of_match = self.pair.matches.as_ref().zip(self.pair.selected).and_then(|(matches, index)| {
+        let of_match = self.pair.matches.as_ref().zip(self.selected_match).and_then(|(matches, index)| {
             let found = matches.row(index)?.found;
             Some(match self.active_side() {
                 Side::A => (Side::A, found.a),

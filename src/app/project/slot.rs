@@ -173,9 +173,9 @@ impl Model {
         self.forget_asked_pictures();
         (self.selected, self.hovered, self.playing) = (None, None, false);
         self.look.ranges.forget();
-        self.explained.forget();
-        self.pair.forget_matches();
-        self.compare.gold[0] = None;
+        (self.explained, self.document.selected_candidate) = Default::default();
+        self.forget_matches();
+        (self.compare.gold.a, self.document.gold.a) = (None, None);
         self.begin_comparison(Side::A);
         self.start_panes(Side::A, |cursor| Cursor { kind: cursor.kind, frame: middle, ..Cursor::default() });
         self.check_params();
@@ -420,7 +420,7 @@ impl Model {
 
     /// Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
-        let gold = self.compare.gold.iter().flatten();
+        let gold = self.compare.gold.both().into_iter().flatten();
         let bursts = self.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);
         let mut files: Vec<PathBuf> = bursts.flat_map(|open| open.source.files()).collect();
         for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
@@ -429,8 +429,8 @@ impl Model {
         let calibration = [&self.calibration.bias, &self.calibration.flat];
         files.extend(calibration.into_iter().flatten().flat_map(|path| BurstSource::Paths(vec![path.clone()]).files()));
         files.extend(self.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
-        let trajectories = [&self.trajectories.compared.estimate, &self.trajectories.compared.truth];
-        files.extend(trajectories.into_iter().flatten().flat_map(|(path, _)| files_of_model(path)));
+        let trajectories = [&self.trajectories.estimate, &self.trajectories.truth];
+        files.extend(trajectories.into_iter().flatten().flat_map(|path| files_of_model(path)));
         files
     }
 }

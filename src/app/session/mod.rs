@@ -5,16 +5,12 @@ mod restoring;
 
 pub use restoring::Restoring;
 
-use super::document::{Document, Steps};
+use super::document::{Document, Steps, absolute};
 use crate::app::project::comparison::{Comparison, Reference};
-use crate::app::project::datasets::Dataset;
 use crate::app::project::pair::{SavedMatch, Side};
 use crate::app::project::probe::Probe;
-use crate::app::project::trajectories::{SavedTrajectories, Trajectories};
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Model, SavedSelection};
-use crate::burst::OpenOptions;
-use crate::dataset::DatasetSource;
 use crate::export::case::read_session;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
@@ -22,7 +18,7 @@ use crate::requests::BurstSource;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const VERSION: u32 = 4;
 
@@ -40,11 +36,8 @@ pub struct Session {
     #[serde(default)]
     pub detected: bool,
     pub selection: Option<SavedSelection>,
-    pub gold: Option<BurstSource>,
     #[serde(default)]
     pub second: SecondBurst,
-    pub dataset: Option<SavedDataset>,
-    pub trajectories: Option<SavedTrajectories>,
 }
 
 /// Burst that is open as B, with what was asked about it. Panes of both bursts wait for it in the document while there
@@ -53,7 +46,6 @@ pub struct Session {
 #[serde(default, deny_unknown_fields)]
 pub struct SecondBurst {
     pub burst: Option<BurstSource>,
-    pub gold: Option<BurstSource>,
     pub selection: Option<SavedMatch>,
 }
 
@@ -62,8 +54,7 @@ impl Session {
         let burst = absolute(&model.slots.a.burst.as_ref()?.source);
         let second = SecondBurst {
             burst: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
-            gold: gold_source(model, Side::B),
-            selection: model.pair.saved_match(),
+            selection: model.saved_match(),
         };
         Some(Self {
             version: VERSION,
@@ -72,10 +63,7 @@ impl Session {
             document: sound(model),
             detected: model.slots.a.found.is_some(),
             selection: model.saved_selection(),
-            gold: gold_source(model, Side::A),
             second,
-            dataset: model.datasets.open.as_ref().map(saved_dataset),
-            trajectories: saved_trajectories(&model.trajectories),
         })
     }
 
@@ -85,21 +73,15 @@ impl Session {
         if !matches!(workspace, Workspace::Inspect | Workspace::Methods | Workspace::Lab) {
             self.document.workspace = Workspace::Inspect;
         }
-        self.document.calibration = OpenOptions::default();
+        let document = &mut self.document;
+        (document.calibration, document.gold, document.dataset, document.trajectories) = Default::default();
         if self.document.probe.side == Side::B {
             self.document.probe = Probe::default();
         }
         let comparisons = &mut self.document.comparisons;
         comparisons.b = Comparison::default();
         (comparisons.a.with, comparisons.a.file) = (comparisons.a.with.filter(|with| *with != Reference::File), None);
-        Self {
-            burst: BurstSource::Paths(Vec::new()),
-            gold: None,
-            second: SecondBurst::default(),
-            dataset: None,
-            trajectories: None,
-            ..self
-        }
+        Self { burst: BurstSource::Paths(Vec::new()), second: SecondBurst::default(), ..self }
     }
 
     pub fn in_case(path: &Path) -> Result<Option<Self>, String> {
@@ -148,9 +130,9 @@ impl Session {
         let (second, document) = (&self.second, &self.document);
         for (key, source) in [
             ("burst", Some(&self.burst)),
-            ("gold", self.gold.as_ref()),
             ("second.burst", second.burst.as_ref()),
-            ("second.gold", second.gold.as_ref()),
+            ("document.gold.a", document.gold.a.as_ref()),
+            ("document.gold.b", document.gold.b.as_ref()),
         ] {
             named(key, source.map_or(Ok(()), BurstSource::check))?;
         }
@@ -181,10 +163,10 @@ impl Session {
 
     /// The panes, and the colours of the window, stay.
     pub fn apply_without_burst(&self, model: &mut Model) {
-        let now = std::mem::take(&mut model.document);
-        let Document { panes, theme, probe, comparisons, .. } = now;
-        let (selected, playing) = (None, false);
-        model.document = Document { panes, theme, probe, comparisons, selected, playing, ..self.document.clone() };
+        let Document { panes, theme, probe, comparisons, gold, .. } = std::mem::take(&mut model.document);
+        let (selected, selected_match, playing) = (None, None, false);
+        let kept = Document { panes, theme, probe, comparisons, gold, ..self.document.clone() };
+        model.document = Document { selected, selected_match, playing, ..kept };
     }
 
     fn restore_probe(&self, side: Side, model: &mut Model) {
@@ -213,12 +195,7 @@ impl Session {
 /// The document with absolute paths; where what is typed makes no sense, the last that did: a session could not be
 /// opened again.
 fn sound(model: &Model) -> Document {
-    let mut document = model.document.clone();
-    document.calibration = absolute_calibration(&document.calibration);
-    for side in Side::BOTH {
-        let file = &mut document.comparisons[side].file;
-        *file = file.as_deref().map(absolute_path);
-    }
+    let mut document = model.document.clone().with_absolute_paths();
     if document.search().validate().is_err() {
         document.params = model.slots.a.usable_params.clone();
     }
@@ -237,55 +214,4 @@ fn read_noting_unknown_keys<T: DeserializeOwned>(text: &str) -> Result<(T, Vec<S
     let mut unknown = Vec::new();
     let value = serde_ignored::deserialize(toml::Deserializer::parse(text)?, |path| unknown.push(path.to_string()))?;
     Ok((value, unknown))
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SavedDataset {
-    pub source: DatasetSource,
-    pub folder: Option<PathBuf>,
-    pub a: Option<usize>,
-    pub b: Option<usize>,
-}
-
-fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
-    model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.source))
-}
-
-/// `source` with absolute paths, so that the session can be opened from any folder.
-pub fn absolute(source: &BurstSource) -> BurstSource {
-    match source {
-        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => source.clone(),
-        BurstSource::DarkCopy { of, noise } => BurstSource::DarkCopy { of: Box::new(absolute(of)), noise: *noise },
-        BurstSource::Planted { of, study, seed } => {
-            BurstSource::Planted { of: Box::new(absolute(of)), study: study.clone(), seed: *seed }
-        }
-        BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
-    }
-}
-
-fn absolute_calibration(options: &OpenOptions) -> OpenOptions {
-    let absolute = |path: &Option<PathBuf>| path.as_deref().map(absolute_path);
-    OpenOptions { bias: absolute(&options.bias), flat: absolute(&options.flat), ..options.clone() }
-}
-
-fn absolute_path(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.into())
-}
-
-fn saved_trajectories(trajectories: &Trajectories) -> Option<SavedTrajectories> {
-    let compared = &trajectories.compared;
-    let path = |read: &Option<(PathBuf, _)>| read.as_ref().map(|(path, _)| absolute_path(path));
-    (!trajectories.is_empty()).then(|| SavedTrajectories {
-        estimate: path(&compared.estimate),
-        truth: path(&compared.truth),
-        projection: trajectories.projection,
-    })
-}
-
-fn saved_dataset(dataset: &Dataset) -> SavedDataset {
-    let mut source = dataset.source.clone();
-    source.paths.iter_mut().for_each(|p| *p = absolute_path(p));
-    let [a, b] = dataset.pair;
-    SavedDataset { source, folder: dataset.folder.as_deref().map(absolute_path), a, b }
 }

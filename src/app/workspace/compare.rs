@@ -108,7 +108,7 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.weak("Gold standard");
         for (side, id) in [(Side::A, ActionId::OpenGoldA), (Side::B, ActionId::OpenGoldB)] {
-            let is_there = model.compare.gold[side as usize].is_some();
+            let is_there = model.compare.gold[side].is_some();
             let mark = if is_there { " ✔" } else { "…" };
             button_ui(ui, model, queue, id, Some(&format!("{}{mark}", side.name())));
         }

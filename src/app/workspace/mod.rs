@@ -246,11 +246,11 @@ fn trajectories_workspace_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if model.shows_bottom() {
         bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
             ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
-                cameras::points_strip_ui(ui, &model.trajectories, queue);
+                cameras::points_strip_ui(ui, model, queue);
             });
             ui.separator();
-            cameras::camera_list_ui(ui, &model.trajectories, queue);
+            cameras::camera_list_ui(ui, model, queue);
         });
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, &model.trajectories, queue));
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, model, queue));
 }

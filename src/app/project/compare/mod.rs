@@ -40,7 +40,7 @@ pub struct CompareJob {
 #[derive(Debug, Default)]
 pub struct Compare {
     /// Sharp images of A's and of B's view, each as a burst of one frame.
-    pub gold: [Option<OpenBurst>; 2],
+    pub gold: Sides<Option<OpenBurst>>,
     /// The request for the missing piece of work, one at a time, so that times can be compared.
     pub wanted: Wanted<CompareRequest>,
     asked: Option<CompareJob>,
@@ -102,11 +102,12 @@ impl Model {
                         self.messages.resolved("Open gold standard");
                         let said = open.describe();
                         self.messages.note(format!("Opened as gold standard of {}: {said}", side.name()));
-                        self.compare.gold[side as usize] = Some(open);
+                        self.compare.gold[side] = Some(open);
                     }
                     Err(JobError::Cancelled) => {}
                     Err(error) => self.messages.error("Open gold standard", error.to_string()),
                 }
+                self.document.gold[side] = self.compare.gold[side].as_ref().map(|open| open.source.clone());
             }
         }
         for ended in self.compare.wanted.take() {
@@ -152,7 +153,7 @@ impl Model {
     /// Burst that `method` searches on `side`: the open one, or the gold standard's image.
     pub fn method_burst(&self, method: Contender, side: Side) -> Option<&OpenBurst> {
         match method {
-            Contender::Gold => self.compare.gold[side as usize].as_ref(),
+            Contender::Gold => self.compare.gold[side].as_ref(),
             _ => self.burst_of(side),
         }
     }

@@ -72,7 +72,7 @@ fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
     model.methods.show(Contender::Buff2d, false);
     model.methods.show(Contender::Merge, false);
     assert_eq!(model.contenders(), [Contender::Sift, Contender::Buff1d]);
-    model.compare.gold[0] = Some(open((64, 48), 1));
+    model.compare.gold.a = Some(open((64, 48), 1));
     assert_eq!(model.contenders().last(), Some(&Contender::Gold));
     let done = do_all(&mut model);
     assert!(done.contains(&(Contender::Gold, Side::A)) && !done.contains(&(Contender::Gold, Side::B)));

@@ -14,9 +14,7 @@ pub const PATCHES: usize = 3;
 #[derive(Debug, Default)]
 pub struct LostFeatures {
     pub found: Option<Arc<FoundLosses>>,
-    pub selected: Option<usize>,
     pub why: Option<Why>,
-    pub hidden: Vec<Lost>,
     pub pictures: Vec<Picture>,
     pub wanted: Wanted<LossesRequest>,
     pub wanted_pictures: Wanted<PicturesRequest>,
@@ -87,20 +85,21 @@ impl Model {
     pub fn asked_feature(&self) -> Option<usize> {
         let of_match = || {
             let matches = self.pair.matches.as_ref()?;
-            Some(matches.row(self.pair.selected?)?.found.a)
+            Some(matches.row(self.selected_match?)?.found.a)
         };
-        of_match().or(self.pair.lost.selected)
+        of_match().or(self.asked_about)
     }
 
     pub fn ask_feature(&mut self, index: Option<usize>) {
         let matches = self.pair.matches.as_ref();
         let its_match = index.and_then(|index| matches?.rows().find(|row| row.found.a == index).map(|row| row.index));
-        (self.pair.selected, self.pair.lost.selected) = (its_match, index);
+        (self.selected_match, self.asked_about) = (its_match, index);
     }
 
     pub fn refresh_why(&mut self) {
         if self.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
+            self.asked_about = None;
             let LostFeatures { wanted, wanted_pictures, .. } = std::mem::take(&mut self.pair.lost);
             self.pair.lost = LostFeatures { wanted, wanted_pictures, ..LostFeatures::default() };
         }

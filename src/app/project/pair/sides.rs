@@ -94,7 +94,7 @@ impl Model {
 
     pub(in crate::app) fn go_to_match(&mut self) {
         let Some(matches) = self.pair.matches.clone() else { return };
-        let Some(row) = self.pair.selected.and_then(|index| matches.row(index)) else { return };
+        let Some(row) = self.selected_match.and_then(|index| matches.row(index)) else { return };
         let sigma = row.a.sigma.max(row.b.sigma).max(1.0);
         // Of each burst the pane in focus, or its first; those that are linked to it come along.
         let panes = &mut self.panes;

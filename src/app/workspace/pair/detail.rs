@@ -24,11 +24,11 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], q
             ui.weak("There are no matches yet.");
             return;
         };
-        let Some(row) = model.pair.focus().and_then(|index| matches.row(index)) else {
+        let Some(row) = model.match_in_focus().and_then(|index| matches.row(index)) else {
             ui.weak("Point at a line or a row of the table; click to keep it.");
             return;
         };
-        verdict_ui(ui, &row, model.pair.selected.is_none());
+        verdict_ui(ui, &row, model.selected_match.is_none());
         if let Some(stale) = model.stale_matches() {
             ui.label(RichText::new(stale).color(crate::app::style::warning(ui)));
         }
@@ -177,7 +177,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         if !unmatched.expected.is_empty() {
             button_ui(ui, model, queue, ActionId::ProbeExpected, None);
         }
-        if model.pair.selected.is_none() {
+        if model.selected_match.is_none() {
             button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
         }
     });

@@ -29,8 +29,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
         return pointer.map(|_| None);
     };
     let look = model.match_look;
-    let rows: Vec<MatchRow<'_>> =
-        model.pair.drawn(model.match_look.alone).into_iter().filter_map(|index| matches.row(index)).collect();
+    let rows: Vec<MatchRow<'_>> = model.drawn_matches().into_iter().filter_map(|index| matches.row(index)).collect();
     let lines: Vec<(Canvases, Vec<MatchLine>)> = views
         .canvases()
         .into_iter()
@@ -43,17 +42,21 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     let pointed = pointer.and_then(|(_, pos)| at(pos));
     let dragged = views.views.iter().any(|view| view.output.response.dragged());
     let hovered = if pointer.is_some() { pointed } else { model.pair.hovered };
-    let focus = model.pair.selected.or(hovered);
+    let focus = model.selected_match.or(hovered);
     if look.geometry
         && let Some(row) = focus.and_then(|index| matches.row(index))
     {
         locus_ui(model, matches, &row, &views);
     }
-    let style =
-        MatchLineStyle { opacity: look.opacity, selected: model.pair.selected, hovered, others_faint: focus.is_some() };
-    let always = |index| [model.pair.selected, hovered].contains(&Some(index));
+    let style = MatchLineStyle {
+        opacity: look.opacity,
+        selected: model.selected_match,
+        hovered,
+        others_faint: focus.is_some(),
+    };
+    let always = |index| [model.selected_match, hovered].contains(&Some(index));
     // An unmatched feature that is asked about stands alone.
-    let lines: Vec<_> = if model.pair.lost.selected.is_some() { Vec::new() } else { lines };
+    let lines: Vec<_> = if model.asked_about.is_some() { Vec::new() } else { lines };
     let mut numbers = (0, 0);
     for (canvases, lines) in &lines {
         let flags = overlay::drawn_lines(lines, &canvases.panes[0], always);
@@ -254,7 +257,7 @@ pub struct Canvases {
 fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
     let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
     // A selected match draws its own circles.
-    if model.pair.selected.is_some() {
+    if model.selected_match.is_some() {
         return;
     }
     let sides = MatchSides::of(found);
