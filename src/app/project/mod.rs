@@ -38,7 +38,7 @@ pub mod workspace {
     pub use crate::teach::Workspace;
 }
 
-use crate::app::document::Document;
+use crate::app::document::{Document, Pointed};
 use crate::app::pane::PaneId;
 use crate::app::project::history::History;
 use crate::detector::SearchParams;
@@ -119,6 +119,19 @@ impl Model {
         let probe = (self.probed.pointer, self.probed.as_dots.clone());
         let rows = self.slots.both().map(|slot| slot.comparison.hovered);
         (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe)
+    }
+
+    pub fn point_at(&mut self, pointed: Pointed) {
+        match pointed {
+            Pointed::Feature(index) => self.hovered = index,
+            Pointed::Candidate(index) => self.explained.pointed = index,
+            Pointed::Row(side, row) => self.slots[side].comparison.hovered = row,
+            Pointed::Match(index) => self.pair.hovered = index,
+            Pointed::Camera(index) => self.poses.hovered = index,
+            Pointed::Place(place) => self.probed.pointer = place,
+            Pointed::Dots(features) => self.probed.as_dots = features,
+            Pointed::Lines(drawn, all) => self.pair.lines_drawn = (drawn, all),
+        }
     }
 
     pub fn frame_count(&self) -> usize {

@@ -17,7 +17,7 @@ use crate::requests::{JobError, OpenBurst, Picture, PictureKind, PictureRequest,
 use std::borrow::Cow;
 use std::sync::Arc;
 
-impl Model {
+impl Document {
     pub fn open_workspace(&mut self, workspace: Workspace) {
         self.workspace = workspace;
         self.panes.turn_to(workspace);
@@ -41,6 +41,41 @@ impl Model {
         &self.focused().cursor
     }
 
+    /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
+    pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
+        let shared = self.look.ranges;
+        let Some(pane) = self.panes.get_mut(id) else { return };
+        pane.links.set(link, on);
+        if link == Link::Display {
+            pane.own_ranges = (!on).then_some(pane.own_ranges.unwrap_or(shared));
+        }
+    }
+
+    /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
+    pub fn focus_on_side(&mut self, side: Side) {
+        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
+        if !is_on(&self.panes.focus())
+            && let Some(id) = self.panes.shown().into_iter().find(is_on)
+        {
+            self.panes.set_focus(id);
+        }
+    }
+
+    pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
+        pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
+    }
+
+    pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
+        let focus = self.focus();
+        let Self { panes, look, .. } = self;
+        match panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
+            Some(own) => own,
+            None => &mut look.ranges,
+        }
+    }
+}
+
+impl Model {
     pub fn picture(&self) -> Option<&Picture> {
         self.picture_in(self.focus())
     }
@@ -156,16 +191,6 @@ impl Model {
         self.panes.shown().into_iter().all(|id| self.is_current(id))
     }
 
-    /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
-    pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
-        let shared = self.look.ranges;
-        let Some(pane) = self.panes.get_mut(id) else { return };
-        pane.links.set(link, on);
-        if link == Link::Display {
-            pane.own_ranges = (!on).then_some(pane.own_ranges.unwrap_or(shared));
-        }
-    }
-
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.picture_in(id).filter(|picture| picture.request.minus().is_none())?;
         picture.request.kind.slope()
@@ -229,16 +254,6 @@ impl Model {
         self.settle_ranges();
     }
 
-    /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
-    pub fn focus_on_side(&mut self, side: Side) {
-        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
-        if !is_on(&self.panes.focus())
-            && let Some(id) = self.panes.shown().into_iter().find(is_on)
-        {
-            self.panes.set_focus(id);
-        }
-    }
-
     pub fn lay_out(&mut self, preset: Preset) {
         let params = self.cursor_params().clone();
         self.panes.lay_out(preset, &params);
@@ -254,19 +269,6 @@ impl Model {
     pub fn has_colour_bar(&self, id: PaneId) -> bool {
         use RangeClass::{Difference, Intensity, Response};
         self.picture_in(id).is_some() && !matches!(self.range_class(id), Intensity | Response | Difference)
-    }
-
-    pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
-        pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
-    }
-
-    pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
-        let focus = self.focus();
-        let Document { panes, look, .. } = &mut self.document;
-        match panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
-            Some(own) => own,
-            None => &mut look.ranges,
-        }
     }
 
     pub fn display_of(&self, id: PaneId) -> Display {

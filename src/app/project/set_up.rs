@@ -3,8 +3,9 @@
 use super::panels::Visibility;
 use super::workspace::Workspace;
 use super::{BottomTab, Model};
+use crate::app::document::Document;
 use crate::app::view::{ColourBy, Known};
-use crate::detector::Feature;
+use crate::detector::{DetectorParams, Feature, SearchParams, SlopeChoice};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,18 @@ impl SetUpState {
 }
 
 impl Model {
+    pub fn apply_set_up(&mut self) {
+        let frames = self.slots.a.burst.as_ref().map_or(10, |open| open.burst.len());
+        let slopes = self.set_up.values.slopes(self.params.used_frames(frames).len(), &self.params);
+        if let Ok((slopes, options)) = slopes.map(|slopes| (slopes.grid, slopes.options())) {
+            let detector = DetectorParams { slopes, ..self.params.clone() };
+            self.set_search(SearchParams { detector, slopes: SlopeChoice::Given });
+            self.messages.note(format!("Set {options}"));
+        }
+    }
+}
+
+impl Document {
     pub fn show_set_up(&mut self) {
         self.workspace = Workspace::Inspect;
         (self.bottom_tab, self.panels.bottom) = (BottomTab::Slopes, Visibility::Open);
