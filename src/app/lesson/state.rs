@@ -2,6 +2,7 @@
 
 use super::snr::SnrTrace;
 use super::steps;
+use crate::app::document::Document;
 use crate::app::project::Model;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::Side;
@@ -70,16 +71,17 @@ impl OpenLesson {
         self.done.contains(&self.step)
     }
 
-    fn select_first(&mut self, model: &mut Model) {
+    /// Selects the first of the listed features or matches, as soon as there is one.
+    fn select_first(&mut self, [feature, of_match]: [Option<usize>; 2], document: &mut Document) {
         if !self.selects {
             return;
         }
-        if model.workspace == Workspace::Pair {
-            model.selected_match = model.pair.listed.first().copied();
-        } else if model.stale().is_none() {
-            model.selected = model.listed.first().copied();
+        if document.workspace == Workspace::Pair {
+            document.selected_match = of_match.or(document.selected_match);
+        } else {
+            document.selected = feature.or(document.selected);
         }
-        self.selects = model.selected_match.is_none() && model.selected.is_none();
+        self.selects = document.selected_match.is_none() && document.selected.is_none();
     }
 
     fn set_up(&mut self, model: &mut Model) {
@@ -140,7 +142,7 @@ impl Lessons {
         self.list_is_open = false;
         let opening = model.slots.a.opening.pending().map(|request| request.source.clone());
         let mut of_lesson = Model::default();
-        (of_lesson.theme, of_lesson.figure, of_lesson.in_lesson) = (model.theme, model.figure, true);
+        (of_lesson.figure, of_lesson.in_lesson) = (model.figure, true);
         model.slots.a.opening.forget();
         let kept = show(of_lesson, model);
         let progress = self.progress_in(&lesson);
@@ -162,9 +164,7 @@ impl Lessons {
     pub fn leave(&mut self, model: &mut Model, engine: &Engine) -> Option<Effect> {
         self.remember();
         let Kept { model: kept, opening } = *self.open.take()?.kept;
-        let theme = model.theme;
         drop(show(kept, model));
-        model.theme = theme;
         if let Some(source) = opening {
             model.open(Side::A, source, engine);
         }
@@ -224,7 +224,8 @@ impl Lessons {
             // A burst that was requested for another step has been opened.
             self.begin_step(model, engine);
         } else if open.is_ready {
-            open.select_first(model);
+            let feature = model.listed.first().copied().filter(|_| model.stale().is_none());
+            open.select_first([feature, model.pair.listed.first().copied()], &mut model.document);
             let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&steps::seen(model)));
             if is_met && open.done.insert(open.step) {
                 self.remember();
@@ -284,15 +285,15 @@ impl Lessons {
     }
 }
 
-/// Shows another project, and returns the one that was shown until now. Datasets, trajectories, the Lab, messages and
-/// figures stay, so that their work goes on.
+/// Shows another project, and returns the one that was shown until now. Datasets, trajectories, the Lab, messages,
+/// figures and colours of the window stay, so that their work goes on.
 fn show(mut other: Model, model: &mut Model) -> Model {
     std::mem::swap(&mut other, model);
     let (from, to) = (&mut other, model);
+    let Document { theme, dataset, pairs, trajectories, lab, .. } = from.document.clone();
+    to.document = Document { theme, dataset, pairs, trajectories, lab, ..std::mem::take(&mut to.document) };
     std::mem::swap(&mut from.datasets, &mut to.datasets);
-    std::mem::swap(&mut from.document.trajectories, &mut to.document.trajectories);
     std::mem::swap(&mut from.poses, &mut to.poses);
-    std::mem::swap(&mut from.document.lab, &mut to.document.lab);
     std::mem::swap(&mut from.studies, &mut to.studies);
     std::mem::swap(&mut from.messages, &mut to.messages);
     std::mem::swap(&mut from.figures, &mut to.figures);
