@@ -19,7 +19,7 @@ use crate::app::project::lab::Lab;
 use crate::app::project::look::Look;
 use crate::app::project::measure::Measure;
 use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
-use crate::app::project::panels::Panels;
+use crate::app::project::panels::{Panels, Visibility};
 use crate::app::project::probe::Probe;
 use crate::app::project::set_up::SetUpState;
 use crate::app::project::side::{Side, Sides};
@@ -110,6 +110,20 @@ impl Document {
             source.paths.iter_mut().chain(folder).for_each(paths::make_absolute);
         }
         self
+    }
+
+    pub fn show_set_up(&mut self) {
+        self.workspace = Workspace::Inspect;
+        (self.bottom_tab, self.panels.bottom) = (BottomTab::Slopes, Visibility::Open);
+        self.set_up.is_open = true;
+    }
+
+    /// Reads slopes as depths, or no longer; colours that would show depths then show slopes.
+    pub fn read_depths(&mut self, reads_depths: bool) {
+        self.set_up.reads_depths = reads_depths;
+        if !reads_depths && self.colour_by == ColourBy::Depth {
+            self.colour_by = ColourBy::default();
+        }
     }
 
     pub fn search(&self) -> SearchParams {

@@ -39,3 +39,40 @@ pub fn absolute(source: &BurstSource) -> BurstSource {
     }
     source
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::document::{Document, Journal};
+    use crate::app::project::datasets::DatasetChoice;
+    use crate::app::project::side::Side;
+    use crate::app::project::trajectories::Which;
+
+    #[test]
+    fn what_was_done_and_what_is_set_name_files_from_any_folder() {
+        let file = || PathBuf::from("here");
+        let source = || BurstSource::Paths(vec![file()]);
+        let actions = [
+            Action::Open(Side::A, source()),
+            Action::OpenGold(Side::B, BurstSource::DarkCopy { of: Box::new(source()), noise: Default::default() }),
+            Action::OpenDataset(DatasetSource::of_bursts(vec![file()])),
+            Action::UseFeatureFolder(file()),
+            Action::OpenFeatures(Side::A, file()),
+            Action::OpenTrajectory(Which::Truth, file()),
+            Action::Calibrate(OpenOptions { bias: Some(file()), flat: Some(file()), ..OpenOptions::default() }),
+        ];
+        let here = std::path::absolute("here").expect("a folder").display().to_string();
+        for action in actions {
+            let mut journal = Journal::default();
+            journal.take(&action, false);
+            assert!(journal.to_toml().contains(&here), "{action:?}");
+        }
+        let mut document = Document { gold: Default::default(), ..Document::of_new_window() };
+        document.gold.b = Some(source());
+        (document.comparisons.a.file, document.trajectories.truth) = (Some(file()), Some(file()));
+        let dataset = DatasetSource::of_bursts(vec![file()]);
+        document.dataset = Some(DatasetChoice { source: dataset, folder: Some(file()), pair: Default::default() });
+        let text = toml::to_string(&document.with_absolute_paths()).expect("plain values");
+        assert_eq!(text.matches(&here).count(), 5, "{text}");
+    }
+}

@@ -1,7 +1,6 @@
 //! Explanations of detections: the slopes and the candidates of the one on show, and how evenly the frames contribute
 //! to each feature of either burst (its coherence).
 
-use crate::app::project::asking::answers;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
@@ -9,7 +8,7 @@ use crate::app::project::{BottomTab, Model};
 use crate::app::view::ColourBy;
 use crate::detector::params::doc;
 use crate::detector::{Detection, DetectorParams, Feature, Method, Moves, ParamChange, SlopeChoice};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::error::Error;
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::decoys::{DecoyReport, DecoyStudy};
@@ -38,20 +37,6 @@ pub struct ExplainedState {
     pub asked_slopes: Wanted<ExplainRequest>,
     pub asked_candidates: Wanted<ExplainRequest>,
     pub asked_decoys: Wanted<ExplainRequest>,
-}
-
-impl ExplainedState {
-    pub fn take(&mut self, explained: Explained) {
-        let Explained { request, explanation } = explained;
-        match explanation {
-            Explanation::Slopes(spectrum) => self.slopes = Some((request, spectrum)),
-            Explanation::Decoys(report) => self.decoys = Some((request, report)),
-            Explanation::Candidates(survey) => {
-                self.candidates = Some((request, survey));
-                self.pointed = None;
-            }
-        }
-    }
 }
 
 impl Model {
@@ -89,22 +74,17 @@ impl Model {
         self.explained.wanted_decoys = self.decoys_request();
     }
 
-    pub(in crate::app) fn take_explanations(&mut self) {
-        let slopes = answers(&mut self.explained.asked_slopes, "Explanation", &mut self.messages);
-        let candidates = answers(&mut self.explained.asked_candidates, "Explanation", &mut self.messages);
-        let decoys = answers(&mut self.explained.asked_decoys, "Decoys", &mut self.messages);
-        if !candidates.is_empty() {
-            self.selected_candidate = None;
+    pub(super) fn take_explained(&mut self, ended: Ended<ExplainRequest>) {
+        let title = if matches!(ended.request.question, ExplainQuestion::Decoys(_)) { "Decoys" } else { "Explanation" };
+        let Some(Explained { request, explanation }) = self.answer(ended, title) else { return };
+        match explanation {
+            Explanation::Slopes(spectrum) => self.explained.slopes = Some((request, spectrum)),
+            Explanation::Decoys(report) => self.explained.decoys = Some((request, report)),
+            Explanation::Candidates(survey) => {
+                self.explained.candidates = Some((request, survey));
+                (self.selected_candidate, self.explained.pointed) = (None, None);
+            }
         }
-        slopes.into_iter().chain(candidates).chain(decoys).for_each(|explained| self.explained.take(explained));
-    }
-
-    pub(in crate::app) fn ask_for_explanations(&mut self, engine: &Engine) {
-        let (slopes, candidates) = (self.missing_slopes(), self.missing_candidates());
-        let decoys = self.missing_decoys();
-        self.explained.asked_slopes.want(engine, slopes);
-        self.explained.asked_candidates.want(engine, candidates);
-        self.explained.asked_decoys.want(engine, decoys);
     }
 
     /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
@@ -192,11 +172,6 @@ pub struct CoherenceState {
 }
 
 impl CoherenceState {
-    fn take(&mut self, coherences: Coherences) {
-        self.known.retain(|known| !Arc::ptr_eq(&known.detection, &coherences.detection));
-        self.known.push(coherences);
-    }
-
     pub fn try_again(&mut self) {
         self.wanted = Sides::default();
     }
@@ -212,11 +187,6 @@ impl CoherenceState {
     pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
         let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
         failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
-    }
-
-    fn keep_only(&mut self, detections: &[Arc<Detection>]) {
-        let is_open = |detection: &Arc<Detection>| detections.iter().any(|open| Arc::ptr_eq(open, detection));
-        self.known.retain(|known| is_open(&known.detection));
     }
 }
 
@@ -244,21 +214,14 @@ impl Model {
         self.coherence.of(&detection).is_none().then_some(CoherenceRequest { of, detection })
     }
 
-    pub(in crate::app) fn take_coherences(&mut self) {
-        for side in Side::BOTH {
-            let taken = answers(&mut self.coherence.wanted[side], "Coherence", &mut self.messages);
-            taken.into_iter().for_each(|coherences| self.coherence.take(coherences));
-        }
-
-        let open = Side::BOTH.into_iter().filter_map(|side| Some(self.found_of(side)?.detection.clone()));
-        let open: Vec<_> = open.collect();
-        self.coherence.keep_only(&open);
-    }
-
-    pub(in crate::app) fn ask_for_coherences(&mut self, engine: &Engine) {
-        for side in Side::BOTH {
-            let missing = self.missing_coherence(side);
-            self.coherence.wanted[side].want(engine, missing);
+    /// Those of detections that are not open any more are forgotten.
+    pub(super) fn take_coherences(&mut self, ended: Ended<CoherenceRequest>) {
+        let open = self.slots.both().map(|slot| slot.found.as_ref().map(|found| found.detection.clone()));
+        let is_open = |of: &Arc<Detection>| open.iter().flatten().any(|open| Arc::ptr_eq(open, of));
+        if let Some(coherences) = self.answer(ended, "Coherence") {
+            let known = &mut self.coherence.known;
+            known.retain(|known| is_open(&known.detection) && !Arc::ptr_eq(&known.detection, &coherences.detection));
+            known.push(coherences);
         }
     }
 

@@ -22,6 +22,7 @@ pub mod method;
 pub mod pair;
 pub mod panels;
 pub mod panes;
+mod part;
 mod pictures;
 pub mod probe;
 pub mod set_up;

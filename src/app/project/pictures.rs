@@ -4,18 +4,65 @@
 
 use crate::app::document::Document;
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
-use crate::app::project::asking::answers;
+use crate::app::project::Effect;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::look::{RangeClass, Ranges};
 use crate::app::project::pair::Side;
+use crate::app::project::part::{Part, Pass};
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{Detection, DetectorParams, Slope};
-use crate::engine::Engine;
+use crate::engine::{Ended, Want};
 use crate::plane::display::Display;
 use crate::requests::{JobError, OpenBurst, Picture, PictureKind, PictureRequest, Request, Urgency};
 use std::borrow::Cow;
 use std::sync::Arc;
+
+pub(super) struct PanePictures;
+
+impl Part for PanePictures {
+    fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want> {
+        model.pictures.values().map(|shown| &shown.wanted as _).collect()
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        let pictures = &mut pass.model.pictures;
+        let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
+        for (id, ended) in
+            taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
+        {
+            match ended.result {
+                Ok(picture) => pass.model.take_picture(id, picture),
+                Err(JobError::Cancelled) => pass.model.pictures.entry(id).or_default().wanted.forget(),
+                Err(error) => {
+                    pass.model.pictures.entry(id).or_default().problem = Some((ended.request, error.to_string()));
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
+    /// detection in their burst, from which they may be made.
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let model = &mut *pass.model;
+        let focus = model.focus();
+        let mut ids = model.panes.shown();
+        ids.sort_by_key(|id| *id != focus);
+        for id in ids {
+            let Some(wanted) = model.wanted(id).filter(|_| !model.is_current(id)) else { continue };
+            let side = model.panes.get(id).map_or(Side::A, |pane| pane.side);
+            let waits = pass.dragging || model.slots[side].detecting.is_pending();
+            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
+                model.pictures.entry(id).or_default().wanted.want(pass.engine, Some(wanted));
+            }
+        }
+    }
+
+    fn is_there(&self, model: &Model) -> bool {
+        model.pictures_are_current()
+    }
+}
 
 impl Document {
     pub fn open_workspace(&mut self, workspace: Workspace) {
@@ -196,42 +243,13 @@ impl Model {
         picture.request.kind.slope()
     }
 
-    pub(in crate::app) fn take_pictures(&mut self) {
-        let ended: Vec<_> = self
-            .pictures
-            .iter_mut()
-            .flat_map(|(id, shown)| shown.wanted.take().into_iter().map(|ended| (*id, ended)))
-            .collect();
-        for (id, ended) in ended {
-            match ended.result {
-                Ok(picture) => self.take_picture(id, picture),
-                Err(JobError::Cancelled) => self.pictures.entry(id).or_default().wanted.forget(),
-                Err(error) => {
-                    self.pictures.entry(id).or_default().problem = Some((ended.request, error.to_string()));
-                }
-            }
-        }
-        let patch = answers(&mut self.wanted_patch, "Patch", &mut self.messages).pop();
-        self.patch = patch.or_else(|| self.patch.take());
+    pub(super) fn missing_patch(&self) -> Option<PictureRequest> {
+        let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
+        self.patch_request().filter(|wanted| !is_there(wanted))
     }
 
-    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
-    /// detection in their burst, from which they may be made.
-    pub(in crate::app) fn ask_for_pictures(&mut self, engine: &Engine, dragging: bool) {
-        let focus = self.focus();
-        let mut ids = self.panes.shown();
-        ids.sort_by_key(|id| *id != focus);
-        for id in ids {
-            let Some(wanted) = self.wanted(id).filter(|_| !self.is_current(id)) else { continue };
-            let side = self.panes.get(id).map_or(Side::A, |pane| pane.side);
-            let waits = dragging || self.slots[side].detecting.is_pending();
-            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
-                self.pictures.entry(id).or_default().wanted.want(engine, Some(wanted));
-            }
-        }
-        let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
-        let missing = self.patch_request().filter(|wanted| !is_there(wanted));
-        self.wanted_patch.want_missing(engine, missing);
+    pub(super) fn take_patch(&mut self, ended: Ended<PictureRequest>) {
+        self.patch = self.answer(ended, "Patch").or_else(|| self.patch.take());
     }
 
     pub(in crate::app) fn forget_asked_pictures(&mut self) {

@@ -9,7 +9,7 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::inspect::Fate;
 use crate::inspect::price::time_factor;
 use crate::inspect::probe::{AT_PLACE_PX, Wanted as Subject};
@@ -135,48 +135,46 @@ impl Model {
         }
     }
 
-    pub(in crate::app) fn take_probed(&mut self) {
+    pub(super) fn take_probed_trail(&mut self, ended: Ended<DetectionSource>) {
         let open = self.burst_of(self.probe.side).map(|burst| burst.id);
-        for ended in self.probed.wanted_trail.take() {
-            match ended.result {
-                Ok(traced) if Some(traced.burst) == open => self.take_trail(traced),
-                Ok(_) => {}
-                Err(JobError::Cancelled) => {
-                    self.probed.problem = Some("Cancelled; probe the place again".to_owned());
-                }
-                Err(error) => self.probed.problem = Some(error.to_string()),
-            }
-        }
-        for ended in self.probed.wanted_answer.take() {
-            match ended.result {
-                Ok(probed) if Some(probed.request.traced.burst) == open => self.take_probe(probed),
-                Ok(_) => {}
-                Err(JobError::Cancelled) => self.probed.wanted_answer.forget(),
-                Err(error) => self.probed.problem = Some(error.to_string()),
-            }
+        match ended.result {
+            Ok(traced) if Some(traced.burst) == open => self.take_trail(traced),
+            Ok(_) => {}
+            Err(JobError::Cancelled) => self.probed.problem = Some("Cancelled; probe the place again".to_owned()),
+            Err(error) => self.probed.problem = Some(error.to_string()),
         }
     }
 
-    /// Requests the trail and the answer that are missing. A running detection comes first: it leaves its trail.
-    pub(in crate::app) fn ask_for_probed(&mut self, engine: &Engine, dragging: bool) {
+    pub(super) fn take_probed(&mut self, ended: Ended<ProbeRequest>) {
+        let open = self.burst_of(self.probe.side).map(|burst| burst.id);
+        match ended.result {
+            Ok(probed) if Some(probed.request.traced.burst) == open => self.take_probe(probed),
+            Ok(_) => {}
+            Err(JobError::Cancelled) => self.probed.wanted_answer.forget(),
+            Err(error) => self.probed.problem = Some(error.to_string()),
+        }
+    }
+
+    pub(super) fn follow_pointer(&mut self) {
         if let Some((side, place)) = self.probed.pointer.filter(|_| self.probe.follows) {
             self.set_question(side, ProbeQuestion::At { place, wanted: Subject::Best });
         }
-        if !self.probe.is_on() {
-            return;
-        }
-        let side = self.probe.side;
-        if !dragging && !self.slots[side].detecting.is_pending() && self.probed.problem.is_none() {
-            match self.untraced() {
-                Some(source) => self.probed.wanted_trail.want(engine, Some(source)),
-                None if self.slots[side].found.is_none() && self.wants_detection(side) => {
-                    self.start_detection(side, engine);
-                }
-                None => {}
-            }
-        }
-        let missing = self.wanted_probe().filter(|_| !self.probe_is_current());
-        self.probed.wanted_answer.want_missing(engine, missing);
+    }
+
+    pub(super) fn probe_wants_features(&self, side: Side) -> bool {
+        let (probe, slot) = (&self.probe, &self.slots[side]);
+        probe.is_on() && probe.side == side && slot.found.is_none() && self.probed.problem.is_none()
+    }
+
+    /// A running detection comes first: it leaves its trail.
+    pub(super) fn missing_trail(&self, dragging: bool) -> Option<DetectionSource> {
+        let waits = dragging || self.slots[self.probe.side].detecting.is_pending();
+        let is_asked = self.probe.is_on() && self.probed.problem.is_none();
+        self.untraced().filter(|_| is_asked && !waits)
+    }
+
+    pub(super) fn missing_probe(&self) -> Option<ProbeRequest> {
+        self.wanted_probe().filter(|_| !self.probe_is_current())
     }
 
     pub(in crate::app) fn follow_with_probe(&mut self) {
@@ -185,12 +183,6 @@ impl Model {
         if probe.follows {
             self.open_probe();
         }
-    }
-
-    pub(in crate::app) fn probe_is_settled(&self) -> bool {
-        let (probe, slot) = (&self.probe, &self.slots[self.probe.side]);
-        let can = slot.burst.is_some() && (slot.found.is_some() || self.wants_detection(probe.side));
-        !probe.is_on() || !can || probe.question.is_none() || self.probed.problem.is_some() || self.probe_is_current()
     }
 
     /// A place outside the picture only gives a note.

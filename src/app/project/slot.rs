@@ -6,6 +6,7 @@ use crate::app::project::comparison::ComparisonResults;
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
 use crate::app::project::{Effect, Model};
 use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
@@ -13,7 +14,7 @@ use crate::detector::{
     Advice, Detection, DetectorParams, Feature, FrameRange, Method, SearchParams, Slope, SlopeFinding, SlopeGrid,
     explain, follows, shared_slopes,
 };
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes, judgement, slope_with_most_features};
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, JobId, OpenBurst, OpenRequest};
@@ -137,24 +138,23 @@ impl Model {
         }
     }
 
-    pub(in crate::app) fn ask_for_features(&mut self, side: Side, engine: &Engine) {
-        if self.wants_detection(side) {
-            let request = self.detect_request(side);
-            self.slots[side].detecting.want(engine, request);
-        }
+    /// Features that are wanted by themselves, or by the probe, which begins with them.
+    pub(super) fn missing_features(&self, side: Side, dragging: bool) -> Option<DetectRequest> {
+        let follows = match side {
+            Side::A => !dragging || self.features_can_follow(side),
+            Side::B => !dragging && self.workspace == Workspace::Pair,
+        };
+        let is_time = self.auto_detect && follows || !dragging && self.probe_wants_features(side);
+        self.detect_request(side).filter(|_| is_time && self.wants_detection(side))
     }
 
-    pub(in crate::app) fn take_features(&mut self) {
-        for side in Side::BOTH {
-            for ended in self.slots[side].detecting.take() {
-                match ended.result {
-                    Ok(detected) => {
-                        self.messages.resolved(side.detection());
-                        self.take_detection(side, detected, ended.elapsed);
-                    }
-                    Err(error) => self.say_failed(side.detection(), &error),
-                }
+    pub(super) fn take_features(&mut self, side: Side, ended: Ended<DetectRequest>) {
+        match ended.result {
+            Ok(detected) => {
+                self.messages.resolved(side.detection());
+                self.take_detection(side, detected, ended.elapsed);
             }
+            Err(error) => self.say_failed(side.detection(), &error),
         }
     }
 

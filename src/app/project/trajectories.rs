@@ -1,9 +1,9 @@
 //! Estimated and true trajectory, as plain values.
 
-use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{Effect, Model};
 use crate::app::view::View;
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Engine, Wanted};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
 use serde::{Deserialize, Serialize};
@@ -121,31 +121,30 @@ impl Model {
 
     /// Takes the answers. Other trajectories than before reset pan and zoom; where one cannot be read, those that are
     /// open stay.
-    pub(in crate::app) fn take_trajectories(&mut self) {
+    pub(super) fn take_trajectories(&mut self, ended: Ended<PosesRequest>) -> Vec<Effect> {
         const TITLE: &str = "Trajectories";
-        for ended in self.poses.reading.take() {
-            let (set, before) = (&mut self.document.trajectories, &self.poses.compared);
-            match ended.result {
-                Ok(compared) => {
-                    self.messages.resolved(TITLE);
-                    let is_other = |before: &Read, now: &Read| match (before, now) {
-                        (Some((_, before)), Some((_, now))) => !Arc::ptr_eq(before, now),
-                        (before, now) => before.is_some() && now.is_none(),
-                    };
-                    if is_other(&before.estimate, &compared.estimate) || is_other(&before.truth, &compared.truth) {
-                        set.view = View::fit();
-                    }
-                    set.selected = None;
-                    let reading = std::mem::take(&mut self.poses.reading);
-                    self.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
+        let (set, before) = (&mut self.document.trajectories, &self.poses.compared);
+        match ended.result {
+            Ok(compared) => {
+                self.messages.resolved(TITLE);
+                let is_other = |before: &Read, now: &Read| match (before, now) {
+                    (Some((_, before)), Some((_, now))) => !Arc::ptr_eq(before, now),
+                    (before, now) => before.is_some() && now.is_none(),
+                };
+                if is_other(&before.estimate, &compared.estimate) || is_other(&before.truth, &compared.truth) {
+                    set.view = View::fit();
                 }
-                Err(error) => {
-                    let path = |read: &Read| read.as_ref().map(|(path, _)| path.clone());
-                    (set.estimate, set.truth) = (path(&before.estimate), path(&before.truth));
-                    self.messages.error(TITLE, error.to_string());
-                }
+                set.selected = None;
+                let reading = std::mem::take(&mut self.poses.reading);
+                self.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
+            }
+            Err(error) => {
+                let path = |read: &Read| read.as_ref().map(|(path, _)| path.clone());
+                (set.estimate, set.truth) = (path(&before.estimate), path(&before.truth));
+                self.messages.error(TITLE, error.to_string());
             }
         }
+        Vec::new()
     }
 
     /// Reads the trajectories of the document.

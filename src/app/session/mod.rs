@@ -36,26 +36,14 @@ pub struct Session {
     #[serde(default)]
     pub detected: bool,
     pub selection: Option<SavedSelection>,
-    #[serde(default)]
-    pub second: SecondBurst,
-}
-
-/// Burst that is open as B, with what was asked about it. Panes of both bursts wait for it in the document while there
-/// is none.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SecondBurst {
-    pub burst: Option<BurstSource>,
-    pub selection: Option<SavedMatch>,
+    /// Burst that is open as B. Panes of both bursts wait for it in the document.
+    pub second: Option<BurstSource>,
+    pub selected_match: Option<SavedMatch>,
 }
 
 impl Session {
     pub fn of(model: &Model) -> Option<Self> {
         let burst = absolute(&model.slots.a.burst.as_ref()?.source);
-        let second = SecondBurst {
-            burst: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
-            selection: model.saved_match(),
-        };
         Some(Self {
             version: VERSION,
             did: Steps::new(),
@@ -63,7 +51,8 @@ impl Session {
             document: sound(model),
             detected: model.slots.a.found.is_some(),
             selection: model.saved_selection(),
-            second,
+            second: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
+            selected_match: model.saved_match(),
         })
     }
 
@@ -81,7 +70,7 @@ impl Session {
         let comparisons = &mut self.document.comparisons;
         comparisons.b = Comparison::default();
         (comparisons.a.with, comparisons.a.file) = (comparisons.a.with.filter(|with| *with != Reference::File), None);
-        Self { burst: BurstSource::Paths(Vec::new()), second: SecondBurst::default(), ..self }
+        Self { burst: BurstSource::Paths(Vec::new()), second: None, selected_match: None, ..self }
     }
 
     pub fn in_case(path: &Path) -> Result<Option<Self>, String> {
@@ -127,10 +116,10 @@ impl Session {
         fn named<E: Display>(key: &str, checked: Result<(), E>) -> Result<(), String> {
             checked.map_err(|error| format!("{key}: {error}"))
         }
-        let (second, document) = (&self.second, &self.document);
+        let document = &self.document;
         for (key, source) in [
             ("burst", Some(&self.burst)),
-            ("second.burst", second.burst.as_ref()),
+            ("second", self.second.as_ref()),
             ("document.gold.a", document.gold.a.as_ref()),
             ("document.gold.b", document.gold.b.as_ref()),
         ] {
@@ -180,11 +169,11 @@ impl Session {
     /// Takes what waits for the second burst, which is open now, or closed for good.
     pub fn apply_second(&self, model: &mut Model) {
         model.panes = self.document.panes.clone();
-        if self.second.burst.is_none() {
+        if self.second.is_none() {
             model.panes.close_side(Side::B);
             model.panes.take_placed(Workspace::Pair, &self.document.panes);
         }
-        model.pair.reselect = self.second.selection;
+        model.pair.reselect = self.selected_match;
         self.restore_probe(Side::B, model);
         model.restore_comparison(Side::B, self.document.comparisons.b.clone());
         model.check_params();

@@ -123,7 +123,7 @@ impl Restoring {
                 model.open_gold(Side::A, gold, engine);
             }
         }
-        match session.second.burst.clone() {
+        match session.second.clone() {
             Some(source) => {
                 let id = model.open(Side::B, source, engine);
                 self.second = Some((id, Box::new(session)));

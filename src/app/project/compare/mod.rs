@@ -6,12 +6,13 @@
 pub use crate::app::project::method::Contender;
 
 use crate::app::pane::MethodsPreset;
-use crate::app::project::Model;
 use crate::app::project::pair::Matches;
+use crate::app::project::part::{Part, Pass};
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{Effect, Model};
 use crate::detector::{Detection, DetectorParams};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{
     BurstId, BurstSource, CompareRequest, Compared, DetectRequest, Detected, JobError, MatchRequest, OpenBurst,
     OpenRequest, Running,
@@ -88,66 +89,72 @@ impl Compare {
     }
 }
 
+/// Work of the comparison, one request at a time.
+pub(super) struct Methods;
+
+impl Part for Methods {
+    fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want> {
+        vec![&model.compare.wanted]
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        let Model { compare, messages, .. } = &mut *pass.model;
+        for ended in compare.wanted.take() {
+            let Some(job) = compare.asked.take() else { continue };
+            match ended.result {
+                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
+                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
+                    compare.take_found(job.method, job.side, found);
+                }
+                Ok(Compared::Matched(matched)) => {
+                    compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
+                }
+                Err(error) => {
+                    if error != JobError::Cancelled {
+                        messages.error(job.method.label(), error.to_string());
+                    }
+                    compare.take_failure(job, error.to_string());
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let model = &mut *pass.model;
+        if model.workspace != Workspace::Methods || model.slots.a.burst.is_none() {
+            return;
+        }
+        model.share_what_is_found();
+        let opening = model.compare.opening_gold.both();
+        let is_busy = model.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
+        let job = model.next_compare_job().filter(|_| !pass.dragging && model.auto_detect && !is_busy);
+        if let Some(job) = job {
+            model.compare.wanted.ask(pass.engine, job.request.clone());
+            model.compare.asked = Some(job);
+        }
+    }
+
+    fn is_there(&self, model: &Model) -> bool {
+        model.workspace != Workspace::Methods || !model.auto_detect || model.next_compare_job().is_none()
+    }
+}
+
 impl Model {
     pub(in crate::app) fn open_gold(&mut self, side: Side, source: BurstSource, engine: &Engine) {
         let options = self.calibration.clone();
         self.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
     }
 
-    pub(in crate::app) fn take_compared(&mut self) {
-        for side in Side::BOTH {
-            for ended in self.compare.opening_gold[side].take() {
-                match ended.result {
-                    Ok(open) => {
-                        self.messages.resolved("Open gold standard");
-                        let said = open.describe();
-                        self.messages.note(format!("Opened as gold standard of {}: {said}", side.name()));
-                        self.compare.gold[side] = Some(open);
-                    }
-                    Err(JobError::Cancelled) => {}
-                    Err(error) => self.messages.error("Open gold standard", error.to_string()),
-                }
-                self.document.gold[side] = self.compare.gold[side].as_ref().map(|open| open.source.clone());
-            }
+    pub(super) fn take_gold(&mut self, side: Side, ended: Ended<OpenRequest>) -> Vec<Effect> {
+        const TITLE: &str = "Open gold standard";
+        if let Some(open) = self.answer(ended, TITLE) {
+            self.messages.resolved(TITLE);
+            self.messages.note(format!("Opened as gold standard of {}: {}", side.name(), open.describe()));
+            self.compare.gold[side] = Some(open);
         }
-        for ended in self.compare.wanted.take() {
-            let Some(job) = self.compare.asked.take() else { continue };
-            match ended.result {
-                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
-                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
-                    self.compare.take_found(job.method, job.side, found);
-                }
-                Ok(Compared::Matched(matched)) => {
-                    self.compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
-                }
-                Err(error) => {
-                    if error != JobError::Cancelled {
-                        self.messages.error(job.method.label(), error.to_string());
-                    }
-                    self.compare.take_failure(job, error.to_string());
-                }
-            }
-        }
-    }
-
-    pub(in crate::app) fn ask_for_compared(&mut self, engine: &Engine, dragging: bool) {
-        if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
-            return;
-        }
-        self.share_what_is_found();
-        let is_busy =
-            self.compare.wanted.is_pending() || self.compare.opening_gold.both().iter().any(|w| w.is_pending());
-        if dragging || !self.auto_detect || is_busy {
-            return;
-        }
-        if let Some(job) = self.next_compare_job() {
-            self.compare.wanted.ask(engine, job.request.clone());
-            self.compare.asked = Some(job);
-        }
-    }
-
-    pub(in crate::app) fn comparison_of_methods_is_there(&self) -> bool {
-        self.workspace != Workspace::Methods || !self.auto_detect || self.next_compare_job().is_none()
+        self.document.gold[side] = self.compare.gold[side].as_ref().map(|open| open.source.clone());
+        Vec::new()
     }
 
     /// Burst that `method` searches on `side`: the open one, or the gold standard's image.

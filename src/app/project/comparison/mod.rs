@@ -8,9 +8,8 @@ pub use rows::{Kind, Row};
 
 use crate::app::project::Model;
 use crate::app::project::side::Side;
-use crate::app::project::slot::Slot;
 use crate::detector::{Detection, SearchParams};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::inspect::changes::ForeignFeature;
 use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, JobError, ReferenceSource};
 use serde::{Deserialize, Serialize};
@@ -169,40 +168,40 @@ impl Model {
         }
     }
 
-    pub(in crate::app) fn take_comparisons(&mut self) {
+    pub(super) fn take_comparison(&mut self, side: Side, ended: Ended<ComparisonRequest>) {
+        let is_wanted = self.wanted_comparison(side).is_some_and(|wanted| wanted == ended.request);
+        let (set, results) = (&mut self.document.comparisons[side], &mut self.slots[side].comparison);
+        match ended.result {
+            Ok(compared) if is_wanted => results.take(compared, set),
+            Ok(_) => {}
+            Err(JobError::Cancelled) => results.problem = Some("Cancelled".to_owned()),
+            Err(error) => results.problem = Some(error.to_string()),
+        }
+    }
+
+    /// Ends comparisons with a reference that is not there any more, and forgets why the one before was not made.
+    pub(super) fn check_references(&mut self) {
         for side in Side::BOTH {
-            let wanted = self.wanted_comparison(side);
-            let (set, results) = (&mut self.document.comparisons[side], &mut self.slots[side].comparison);
-            for ended in results.wanted.take() {
-                match ended.result {
-                    Ok(compared) if wanted.as_ref() == Some(&compared.request) => results.take(compared, set),
-                    Ok(_) => {}
-                    Err(JobError::Cancelled) => results.problem = Some("Cancelled".to_owned()),
-                    Err(error) => results.problem = Some(error.to_string()),
-                }
+            let slot = &mut self.slots[side];
+            let (open, comparison) = (slot.burst.as_ref(), &mut slot.comparison);
+            if comparison.truth.map(|(burst, _)| burst) != open.map(|open| open.id) {
+                comparison.truth = open.map(|open| (open.id, open.has_truth()));
+            }
+            if self.comparisons[side].with.is_some_and(|with| !self.has_reference(side, with)) {
+                self.compare_with(side, None);
+            }
+            let missing = self.missing_comparison(side);
+            let results = &mut self.slots[side].comparison;
+            if missing.is_some_and(|missing| !results.wanted.has_failed(&missing)) {
+                results.problem = None;
             }
         }
     }
 
-    pub(in crate::app) fn ask_for_comparisons(&mut self, engine: &Engine) {
-        for side in Side::BOTH {
-            let Slot { burst, comparison, .. } = &mut self.slots[side];
-            let open = burst.as_ref();
-            if comparison.truth.map(|(burst, _)| burst) != open.map(|open| open.id) {
-                comparison.truth = open.map(|open| (open.id, open.has_truth()));
-            }
-            let with = self.comparisons[side].with;
-            if with.is_some_and(|with| !self.has_reference(side, with)) {
-                self.compare_with(side, None);
-            }
-            let is_there = self.shown_comparison(side).is_some_and(|shown| Some(shown.with) == with);
-            let missing = self.wanted_comparison(side).filter(|_| !is_there);
-            let results = &mut self.slots[side].comparison;
-            if missing.as_ref().is_some_and(|missing| !results.wanted.has_failed(missing)) {
-                results.problem = None;
-            }
-            results.wanted.want(engine, missing);
-        }
+    pub(super) fn missing_comparison(&self, side: Side) -> Option<ComparisonRequest> {
+        let with = self.comparisons[side].with;
+        let is_there = self.shown_comparison(side).is_some_and(|shown| Some(shown.with) == with);
+        self.wanted_comparison(side).filter(|_| !is_there)
     }
 
     fn wanted_comparison(&self, side: Side) -> Option<ComparisonRequest> {

@@ -3,7 +3,7 @@
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::inspect::unmatched::{Losses, Lost, Unmatched};
 use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest};
 use std::sync::Arc;
@@ -45,29 +45,25 @@ pub fn lost_label(lost: Lost) -> &'static str {
 }
 
 impl Model {
-    /// Takes the losses and the pictures. A request that failed is repeated with the next matches.
-    pub(in crate::app) fn take_losses(&mut self) {
-        let lost = &mut self.pair.lost;
-        let found = lost.wanted.take().into_iter().filter_map(|ended| ended.result.ok()).next_back();
-        lost.found = found.map(Arc::new).or_else(|| lost.found.take());
-        let pictures = lost.wanted_pictures.take().into_iter().filter_map(|ended| ended.result.ok()).next_back();
-        lost.pictures = pictures.unwrap_or_else(|| std::mem::take(&mut lost.pictures));
+    /// A request that failed is repeated with the next matches.
+    pub(in crate::app::project) fn missing_losses(&self) -> Option<LossesRequest> {
+        self.wanted_losses().filter(|_| self.workspace == Workspace::Pair && self.losses().is_none())
     }
 
-    pub(in crate::app) fn ask_for_losses(&mut self, engine: &Engine) {
-        if self.workspace != Workspace::Pair {
-            return;
-        }
-        let missing = self.wanted_losses().filter(|_| self.losses().is_none());
-        self.pair.lost.wanted.want_missing(engine, missing);
+    pub(in crate::app::project) fn take_losses(&mut self, ended: Ended<LossesRequest>) {
+        self.pair.lost.found = ended.result.ok().map(Arc::new).or_else(|| self.pair.lost.found.take());
         self.refresh_why();
+    }
+
+    pub(in crate::app::project) fn missing_candidate_pictures(&self) -> Option<PicturesRequest> {
         let pictures = self.wanted_candidate_pictures();
-        let is_there = |wanted: &[PictureRequest]| {
-            let shown = &self.pair.lost.pictures;
-            shown.iter().map(|picture| &picture.request).eq(wanted)
-        };
-        if !is_there(&pictures) {
-            self.pair.lost.wanted_pictures.want(engine, Some(PicturesRequest(pictures)));
+        let shown = self.pair.lost.pictures.iter().map(|picture| &picture.request);
+        (self.workspace == Workspace::Pair && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
+    }
+
+    pub(in crate::app::project) fn take_lost_pictures(&mut self, ended: Ended<PicturesRequest>) {
+        if let Ok(pictures) = ended.result {
+            self.pair.lost.pictures = pictures;
         }
     }
 
@@ -97,6 +93,9 @@ impl Model {
     }
 
     pub fn refresh_why(&mut self) {
+        if self.workspace != Workspace::Pair {
+            return;
+        }
         if self.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
             self.asked_about = None;

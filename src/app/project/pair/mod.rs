@@ -9,7 +9,6 @@ pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
 pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
 
 use crate::app::pane::{Content, Pane};
-use crate::app::project::asking::answers;
 use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::cursor::Cursor;
 use crate::app::project::filter::{Order, neighbour};
@@ -17,7 +16,7 @@ use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::error::Error;
 use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
 use serde::{Deserialize, Serialize};
@@ -201,56 +200,35 @@ impl Model {
         Some(PicturesRequest(vec![request(Side::A, row.a.slope)?, request(Side::B, row.b.slope)?]))
     }
 
-    fn missing_patches(&self) -> Option<PicturesRequest> {
+    fn shows_pair(&self) -> bool {
+        self.workspace == Workspace::Pair && self.slots.b.burst.is_some()
+    }
+
+    pub(super) fn missing_patches(&self) -> Option<PicturesRequest> {
         let there = || PicturesRequest(self.pair.patches.iter().map(|picture| picture.request.clone()).collect());
-        self.patches_request().filter(|wanted| there() != *wanted)
+        self.patches_request().filter(|wanted| self.shows_pair() && there() != *wanted)
     }
 
-    fn wants_matching(&self) -> bool {
-        self.needs_matches() && !self.wanted_matches().is_some_and(|wanted| self.pair.matching.has_failed(&wanted))
-    }
-
-    pub(in crate::app) fn take_matches(&mut self) {
-        for ended in self.pair.matching.take() {
-            match ended.result {
-                Ok(matched) => {
-                    self.messages.resolved("Matching");
-                    self.take_made_matches(Matches::new(matched, ended.elapsed));
-                    self.refresh_listed_matches();
-                }
-                Err(error) => self.say_failed("Matching", &error),
-            }
-        }
-        let patches = answers(&mut self.pair.wanted_patches, "Patches", &mut self.messages).pop();
-        self.pair.patches = patches.unwrap_or_else(|| std::mem::take(&mut self.pair.patches));
-    }
-
-    pub(in crate::app) fn ask_for_pair(&mut self, engine: &Engine, dragging: bool) {
-        if self.workspace != Workspace::Pair || self.slots.b.burst.is_none() {
-            return;
-        }
-        let patches = self.missing_patches();
-        self.pair.wanted_patches.want_missing(engine, patches);
-        if dragging {
-            return;
-        }
-        if self.auto_detect {
-            self.ask_for_features(Side::B, engine);
-        }
-        // While features are still being found, matches would be out of date at once.
+    /// While features are still being found, matches would be out of date at once.
+    pub(super) fn missing_matches(&self, dragging: bool) -> Option<MatchRequest> {
         let detecting = self.slots.both().into_iter().any(|slot| slot.detecting.is_pending());
-        if !detecting && self.wants_matching() {
-            let wanted = self.wanted_matches();
-            self.pair.matching.want(engine, wanted);
+        self.wanted_matches().filter(|_| self.shows_pair() && !dragging && !detecting && self.needs_matches())
+    }
+
+    pub(super) fn take_matches(&mut self, ended: Ended<MatchRequest>) {
+        match ended.result {
+            Ok(matched) => {
+                self.messages.resolved("Matching");
+                self.take_made_matches(Matches::new(matched, ended.elapsed));
+                self.refresh_listed_matches();
+            }
+            Err(error) => self.say_failed("Matching", &error),
         }
     }
 
-    pub(in crate::app) fn pair_is_settled(&self) -> bool {
-        if self.workspace != Workspace::Pair || self.slots.both().into_iter().any(|slot| slot.burst.is_none()) {
-            return true;
-        }
-        let patches = self.missing_patches().is_none_or(|missing| self.pair.wanted_patches.has_failed(&missing));
-        patches && !(self.auto_detect && self.wants_detection(Side::B)) && !self.wants_matching()
+    pub(super) fn take_patches(&mut self, ended: Ended<PicturesRequest>) {
+        let before = std::mem::take(&mut self.pair.patches);
+        self.pair.patches = self.answer(ended, "Patches").unwrap_or(before);
     }
 
     pub(in crate::app) fn close_second(&mut self) {
