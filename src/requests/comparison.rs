@@ -104,22 +104,6 @@ pub enum OthersSource {
     File(Arc<Vec<ForeignFeature>>),
 }
 
-impl Differences {
-    pub fn found_again(&self) -> Option<&Arc<Detection>> {
-        match self {
-            Self::Changes { source: OthersSource::Earlier(detection), .. } => Some(detection),
-            _ => None,
-        }
-    }
-
-    pub fn read(&self) -> Option<&Arc<Vec<ForeignFeature>>> {
-        match self {
-            Self::Changes { source: OthersSource::File(read), .. } => Some(read),
-            _ => None,
-        }
-    }
-}
-
 #[derive(Debug, Clone)]
 pub struct ComparedWith {
     pub request: ComparisonRequest,

@@ -21,7 +21,6 @@ pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> 
             return model.as_step(|model| {
                 let effects = applied(action, model, engine);
                 model.check_params();
-                model.check_pair();
                 effects
             });
         }
@@ -37,7 +36,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::Open(side, source) => {
             model.open(side, source, engine);
         }
-        A::OpenDataset(source) => model.open_dataset(source, engine),
+        A::OpenDataset(source) => model.look_at_dataset(source, None, engine),
         A::UseFeatureFolder(folder) => model.use_feature_folder(folder, engine),
         A::OpenGold(side, source) => model.open_gold(side, source, engine),
         A::OpenFeatures(side, path) => {

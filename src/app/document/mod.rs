@@ -2,11 +2,9 @@
 
 pub mod action;
 pub mod journal;
-mod paths;
 
-pub use action::{Action, Pointed, Queue};
+pub use action::{Action, Pointed, Queue, absolute};
 pub use journal::{Journal, Playback, Steps};
-pub use paths::absolute;
 
 use crate::app::pane::Panes;
 use crate::app::project::compare::CompareLook;
@@ -101,13 +99,13 @@ impl Document {
         let [compared_a, compared_b] = [&mut self.comparisons.a.file, &mut self.comparisons.b.file];
         let Trajectories { estimate, truth, .. } = &mut self.trajectories;
         for path in [&mut calibration.bias, &mut calibration.flat, compared_a, compared_b, estimate, truth] {
-            path.iter_mut().for_each(paths::make_absolute);
+            path.iter_mut().for_each(action::make_absolute);
         }
         for side in Side::BOTH {
-            self.gold[side] = self.gold[side].as_ref().map(paths::absolute);
+            self.gold[side] = self.gold[side].as_ref().map(absolute);
         }
         if let Some(DatasetChoice { source, folder, .. }) = &mut self.dataset {
-            source.paths.iter_mut().chain(folder).for_each(paths::make_absolute);
+            source.paths.iter_mut().chain(folder).for_each(action::make_absolute);
         }
         self
     }

@@ -16,7 +16,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
 use crate::app::project::Model;
-use crate::app::project::compare::Contender;
+use crate::app::project::compare::MethodId;
 use crate::app::project::figure::FigureChoice;
 use crate::app::project::look::RangeClass;
 use crate::app::project::pair::Matches;
@@ -38,7 +38,7 @@ pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<F
             let Some(matches) = &model.pair.matches else { return Vec::new() };
             links(model, widgets, panes, None, matches, &model.drawn_matches())
         }
-        Workspace::Methods => Contender::ALL
+        Workspace::Methods => MethodId::ALL
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .flat_map(|(method, matches)| {
@@ -54,7 +54,7 @@ fn links(
     model: &Model,
     widgets: &PaneWidgets,
     panes: &[PaneId],
-    method: Option<Contender>,
+    method: Option<MethodId>,
     matches: &Matches,
     drawn: &[usize],
 ) -> Vec<FigureLink> {

@@ -9,7 +9,7 @@ use crate::app::project::pair::Side;
 use crate::app::project::set_up::SetUpState;
 use crate::app::project::{Model, Panels, Visibility};
 use crate::detector::DetectorParams;
-use crate::teach::{Holds, InView, Layout, Part, State, Step, Workspace};
+use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
 
 fn panels_of(step: &Step) -> Panels {
     let Step { state, highlight, .. } = step;
@@ -40,7 +40,6 @@ pub(super) fn set_up(model: &mut Model, step: &Step) {
     }
     (model.hovered, model.reselect, model.probed) = Default::default();
     model.check_params();
-    model.check_pair();
     model.refresh_listed();
     if let Some(layout) = step.state.layout {
         model.lay_out(layout);
@@ -109,11 +108,11 @@ fn set_panes(panes: &mut Panes, state: &State, frames: usize) {
     }
 }
 
-pub(super) fn seen(model: &Model) -> Holds<'_> {
+pub(super) fn seen(model: &Model) -> Situation<'_> {
     let cursor = model.cursor();
     let current = model.slots.a.found.is_some() && model.stale().is_none();
     let matches = model.pair.matches.as_ref().filter(|_| !model.needs_matches());
-    Holds {
+    Situation {
         slope: cursor.slope,
         show: model.focused().shown(),
         layout: layout(model),

@@ -12,7 +12,7 @@ use crate::app::project::Model;
 use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::look::FeaturesShown;
-use crate::app::project::method::Contender;
+use crate::app::project::method::MethodId;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::view::{Known, depth_text, motion_text};
@@ -38,7 +38,7 @@ pub struct FeatureLayer {
     pub orientations: bool,
     pub motions: bool,
     pub is_listed: bool,
-    pub method: Option<Contender>,
+    pub method: Option<MethodId>,
 }
 
 impl FeatureLayer {
@@ -71,7 +71,7 @@ impl FeatureLayer {
             hovered: model.hovered.filter(|_| is_listed),
             stale: is_stale,
             orientations: model.look.orientations && inspected,
-            motions: model.look.motion_vectors && (inspected || pane.method.is_some_and(Contender::is_buff)),
+            motions: model.look.motion_vectors && (inspected || pane.method.is_some_and(MethodId::is_buff)),
             is_listed,
             method: pane.method,
             detection,

@@ -86,7 +86,10 @@ impl Model {
     pub(in crate::app) fn take_answers(&mut self, engine: &Engine) -> Vec<Effect> {
         engine.enforce_grace();
         self.probe_planted();
-        self.take_partial_results();
+        self.take_part_of_study();
+        for event in self.datasets.wanted.take_told() {
+            self.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(&event));
+        }
         let mut pass = Pass { model: self, engine, dragging: false };
         PARTS.iter().flat_map(|part| part.take(&mut pass)).collect()
     }
@@ -97,13 +100,6 @@ impl Model {
         self.refresh_why();
         let mut pass = Pass { model: self, engine, dragging };
         PARTS.iter().for_each(|part| part.ask(&mut pass));
-    }
-
-    fn take_partial_results(&mut self) {
-        self.take_part_of_study();
-        for event in self.datasets.wanted.take_told() {
-            self.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(&event));
-        }
     }
 
     /// The answer; a failure becomes a message with this title.

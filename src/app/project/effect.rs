@@ -82,34 +82,29 @@ pub enum ExportKind {
 
 impl ExportKind {
     pub fn extension(self) -> &'static str {
-        match self {
-            Self::Csv | Self::Matches | Self::Profile | Self::CurvesCsv => "csv",
-            Self::Colmap => "txt",
-            Self::Npz => "npz",
-            Self::Tiff => "tiff",
-            Self::Png | Self::MatchPicture | Self::FigurePng => "png",
-            Self::Svg | Self::CurvesSvg => "svg",
-            Self::Case => CASE_EXTENSION,
-            Self::FilmGif => "gif",
-        }
+        self.words()[0]
     }
 
     pub fn label(self) -> &'static str {
+        self.words()[1]
+    }
+
+    fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Csv => "Export features as CSV",
-            Self::Colmap => "Export features for COLMAP",
-            Self::Npz => "Export features as NPZ",
-            Self::Tiff => "Export picture as TIFF",
-            Self::Png => "Export picture as PNG",
-            Self::Svg => "Export figure as SVG",
-            Self::Matches => "Export matches as CSV",
-            Self::MatchPicture => "Export match picture as PNG",
-            Self::Profile => "Export line profile as CSV",
-            Self::FigurePng => "Export figure as PNG",
-            Self::CurvesCsv => "Export curves as CSV",
-            Self::CurvesSvg => "Export curves as SVG",
-            Self::Case => "Save case",
-            Self::FilmGif => "Export film as GIF",
+            Self::Csv => ["csv", "Export features as CSV"],
+            Self::Colmap => ["txt", "Export features for COLMAP"],
+            Self::Npz => ["npz", "Export features as NPZ"],
+            Self::Tiff => ["tiff", "Export picture as TIFF"],
+            Self::Png => ["png", "Export picture as PNG"],
+            Self::Svg => ["svg", "Export figure as SVG"],
+            Self::Matches => ["csv", "Export matches as CSV"],
+            Self::MatchPicture => ["png", "Export match picture as PNG"],
+            Self::Profile => ["csv", "Export line profile as CSV"],
+            Self::FigurePng => ["png", "Export figure as PNG"],
+            Self::CurvesCsv => ["csv", "Export curves as CSV"],
+            Self::CurvesSvg => ["svg", "Export curves as SVG"],
+            Self::Case => [CASE_EXTENSION, "Save case"],
+            Self::FilmGif => ["gif", "Export film as GIF"],
         }
     }
 }

@@ -9,7 +9,6 @@ use crate::app::view::ColourBy;
 use crate::detector::params::doc;
 use crate::detector::{Detection, DetectorParams, Feature, Method, Moves, ParamChange, SlopeChoice};
 use crate::engine::{Ended, Wanted};
-use crate::error::Error;
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::decoys::{DecoyReport, DecoyStudy};
 use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
@@ -88,21 +87,16 @@ impl Model {
     }
 
     /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
-    pub fn apply_changes(&mut self, side: Side, changes: &[ParamChange]) -> Result<(), Error> {
-        let slopes = self.params_of(side).slopes;
-        let changed = ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() })?;
-        let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
-        if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
-            (self.params, self.slopes) = (changed, SlopeChoice::Given);
-        } else {
-            self.params = DetectorParams { slopes: self.params.slopes, ..changed };
-        }
-        Ok(())
-    }
-
     pub fn apply_advice(&mut self, side: Side, changes: &[ParamChange]) {
-        match self.apply_changes(side, changes) {
-            Ok(()) => {
+        let slopes = self.params_of(side).slopes;
+        match ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() }) {
+            Ok(changed) => {
+                let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
+                if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
+                    (self.params, self.slopes) = (changed, SlopeChoice::Given);
+                } else {
+                    self.params = DetectorParams { slopes: self.params.slopes, ..changed };
+                }
                 let labels: Vec<String> = changes.iter().map(ParamChange::label).collect();
                 self.messages.note(format!("Set {}", labels.join(", ")));
             }

@@ -85,10 +85,6 @@ impl History {
         }
     }
 
-    fn is_open(&self) -> bool {
-        self.begun.is_some()
-    }
-
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
@@ -135,7 +131,6 @@ impl Model {
         let before = self.document.clone();
         step(&mut self.history, &mut self.document);
         self.check_params();
-        self.check_pair();
         let changed = self.changed_from(&before);
         if !changed.is_empty() {
             self.messages.note(format!("{what}: {changed}"));
@@ -152,7 +147,7 @@ impl Model {
 
     /// Ends a step, unless `goes_on`: its change may continue in the next pass.
     pub(in crate::app) fn close_step(&mut self, goes_on: bool) {
-        if !goes_on && !self.playing && self.history.is_open() {
+        if !goes_on && !self.playing && self.history.begun.is_some() {
             self.history.close(&self.document);
         }
     }

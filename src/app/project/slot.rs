@@ -220,17 +220,13 @@ impl Model {
         let auto = self.slopes.is_auto();
         self.slots.a.param_error =
             checked(self.slots.a.burst.as_ref(), self.document.params.clone(), auto, &mut self.slots.a.usable_params);
-        self.check_cursors();
-    }
-
-    pub fn check_pair(&mut self) {
         self.pair.param_error = self.matching.validate().err();
         if self.slots.b.burst.is_some() {
-            let (params, auto) = (self.params_of(Side::B), self.slopes.is_auto());
+            let params = self.params_of(Side::B);
             let b = &mut self.slots.b;
             b.param_error = checked(b.burst.as_ref(), params, auto, &mut b.usable_params);
-            self.check_cursors();
         }
+        self.check_cursors();
     }
 
     /// Brings cursors into the range of their bursts. Those that follow the one in focus may lie outside, so that they
@@ -326,7 +322,7 @@ impl Model {
         let found = FoundFeatures::new(detected, burst, elapsed);
         if side == Side::B {
             self.slots.b.found = Some(found);
-            self.check_pair();
+            self.check_params();
             self.go_to_first_slope(Side::B);
             return;
         }

@@ -35,7 +35,6 @@ impl Bench {
         loop {
             effects.extend(self.model.take_answers(&self.engine));
             self.model.check_params();
-            self.model.check_pair();
             self.model.ask(&self.engine, false);
             if done(&self.model, &effects) {
                 return effects;

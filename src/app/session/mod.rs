@@ -177,7 +177,6 @@ impl Session {
         self.restore_probe(Side::B, model);
         model.restore_comparison(Side::B, self.document.comparisons.b.clone());
         model.check_params();
-        model.check_pair();
     }
 }
 

@@ -84,7 +84,7 @@ impl Restoring {
             Err(JobError::Cancelled) => model.messages.note("Opening cancelled"),
             Err(JobError::Several(_)) if session.is_none() => {
                 if let BurstSource::Paths(paths) = ended.request.source {
-                    model.open_dataset(DatasetSource::of_bursts(paths), engine);
+                    model.look_at_dataset(DatasetSource::of_bursts(paths), None, engine);
                 }
             }
             Err(error) => {

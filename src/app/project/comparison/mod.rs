@@ -11,7 +11,7 @@ use crate::app::project::side::Side;
 use crate::detector::{Detection, SearchParams};
 use crate::engine::{Ended, Wanted};
 use crate::inspect::changes::ForeignFeature;
-use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, JobError, ReferenceSource};
+use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, JobError, OthersSource, ReferenceSource};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -244,16 +244,20 @@ impl ComparisonResults {
     /// Takes the answer that is wanted now.
     fn take(&mut self, compared: ComparedWith, set: &mut Comparison) {
         let (ComparedWith { request, differences }, Some(with)) = (compared, set.with) else { return };
-        match (&request.with, differences.found_again(), differences.read()) {
-            (ReferenceSource::Earlier { asked, .. }, Some(found), _) => {
-                self.pinned = Some((asked.clone(), found.clone()));
-            }
-            (ReferenceSource::File { path, .. }, _, Some(read)) => self.file = Some((path.clone(), read.clone())),
-            _ => {}
-        }
         let (is_whole_truth, ours) = match &differences {
             Differences::Truth { against, .. } => (against.is_whole_truth, against.name_of_elsewhere()),
-            Differences::Changes { .. } => (true, Kind::Ours.label(with)),
+            Differences::Changes { source, .. } => {
+                match (&request.with, source) {
+                    (ReferenceSource::Earlier { asked, .. }, OthersSource::Earlier(found)) => {
+                        self.pinned = Some((asked.clone(), found.clone()));
+                    }
+                    (ReferenceSource::File { path, .. }, OthersSource::File(read)) => {
+                        self.file = Some((path.clone(), read.clone()));
+                    }
+                    _ => {}
+                }
+                (true, Kind::Ours.label(with))
+            }
         };
         if self.shown.is_none() && !is_whole_truth {
             set.hidden = vec![Kind::Ours];

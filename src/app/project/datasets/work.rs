@@ -26,12 +26,7 @@ impl Datasets {
 }
 
 impl Model {
-    /// Opens a dataset in the background; the open one stays until then.
-    pub(in crate::app) fn open_dataset(&mut self, source: DatasetSource, engine: &Engine) {
-        self.look_at_dataset(source, None, engine);
-    }
-
-    /// `None` keeps the features beside the bursts. A single long sequence is first offered for cutting.
+    /// Opens a dataset in the background; the open one stays until then. `None` keeps the features beside the bursts. A single long sequence is first offered for cutting.
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>, engine: &Engine) {
         let (params, open) = (self.asked(), self.calibration.clone());
         self.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);
@@ -77,7 +72,7 @@ impl Model {
 
     pub(in crate::app) fn cut_open_burst(&mut self, length: usize, engine: &Engine) {
         if let Some(Effect::Cut { paths, .. }) = self.cut_of_open_burst() {
-            self.open_dataset(DatasetSource { paths, burst_length: Some(length), burst_step: None }, engine);
+            self.look_at_dataset(DatasetSource { paths, burst_length: Some(length), burst_step: None }, None, engine);
         }
     }
 

@@ -5,7 +5,9 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::engine::{Ended, Wanted};
 use crate::inspect::unmatched::{Losses, Lost, Unmatched};
-use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest};
+use crate::requests::{
+    FoundLosses, LossesRequest, MatchRequest, Picture, PictureKind, PictureRequest, PicturesRequest,
+};
 use std::sync::Arc;
 
 pub const CANDIDATES: usize = 5;
@@ -122,13 +124,13 @@ impl Model {
     /// from burst to burst. `None` where no geometry is known, and where the place lies outside B.
     pub fn expected_place(&self) -> Option<[f32; 2]> {
         let (why, found) = self.pair.lost.why.as_ref().zip(self.losses())?;
-        let own = MatchSides::of(found).a.features.get(why.feature)?;
+        let own = found.request.request.a.features.get(why.feature)?;
         nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
     }
 
     pub fn wanted_candidate_pictures(&self) -> Vec<PictureRequest> {
         let Some((why, found)) = self.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
-        let MatchSides { a, b } = MatchSides::of(found);
+        let MatchRequest { a, b, .. } = &found.request.request;
         let own = a.features.get(why.feature).map(|f| (Side::A, f.slope));
         let candidates = why.unmatched.candidates.iter().take(PATCHES);
         let others = candidates.filter_map(|c| b.features.get(c.feature).map(|f| (Side::B, f.slope)));
@@ -139,17 +141,6 @@ impl Model {
                 Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
             })
             .collect()
-    }
-}
-
-pub struct MatchSides<'a> {
-    pub a: &'a crate::detector::Detection,
-    pub b: &'a crate::detector::Detection,
-}
-
-impl<'a> MatchSides<'a> {
-    pub fn of(found: &'a FoundLosses) -> Self {
-        Self { a: &found.request.request.a, b: &found.request.request.b }
     }
 }
 

@@ -5,7 +5,7 @@ mod lost;
 mod matches;
 mod sides;
 
-pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
+pub use lost::{LostFeatures, PATCHES, lost_label};
 pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
 
 use crate::app::pane::{Content, Pane};
@@ -172,7 +172,7 @@ impl Model {
         if pane.links.view {
             pane.view = view;
         }
-        self.check_pair();
+        self.check_params();
     }
 
     pub fn wanted_matches(&self) -> Option<MatchRequest> {

@@ -50,7 +50,7 @@ fn a_second_burst_has_the_parameters_as_far_as_it_can_use_them() {
     model.take_second_burst(open((64, 48), 3));
     assert_eq!(model.params_of(Side::B).frames, None);
     model.take_second_burst(open((64, 48), 1));
-    model.check_pair();
+    model.check_params();
     assert_eq!(model.params_of(Side::B).method, Method::Sift);
     assert_eq!(model.slots.b.param_error, None, "a single sharp image can be B");
     assert_eq!(model.params_of(Side::A).method, Method::Buff);
@@ -68,11 +68,11 @@ fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
     assert!(model.needs_matches());
     assert!(model.stale_matches().is_some_and(|why| why.contains("matching")));
     model.matching.ratio = 2.0;
-    model.check_pair();
+    model.check_params();
     assert!(!model.needs_matches(), "parameters that make no sense are not tried");
     assert_eq!(model.pair.param_error.as_ref().map(|e| e.subject.as_str()), Some("ratio"));
     model.matching = MatchParams::default();
-    model.check_pair();
+    model.check_params();
     model.params.edge_threshold *= 2.0;
     assert!(model.stale_matches().is_some_and(|why| why.contains("detector")));
     model.take_burst(open((64, 48), 5));

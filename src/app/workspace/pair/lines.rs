@@ -9,8 +9,8 @@ use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
-use crate::app::project::method::Contender;
-use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side};
+use crate::app::project::method::MethodId;
+use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side};
 use crate::app::view::signed_slope;
 use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
@@ -188,7 +188,7 @@ pub struct MatchViews<'a> {
 }
 
 impl<'a> MatchViews<'a> {
-    pub fn of(model: &Model, drawn: &'a [(PaneId, Drawn)], method: Option<Contender>) -> Self {
+    pub fn of(model: &Model, drawn: &'a [(PaneId, Drawn)], method: Option<MethodId>) -> Self {
         let places: Vec<_> = drawn.iter().map(|(_, drawn)| (drawn.shown, drawn.output.response.rect)).collect();
         let JoinedPanes { sides, pairs } = joined_panes(model, &places, method);
         let mut of_drawn: Vec<(usize, Side)> =
@@ -260,7 +260,7 @@ fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
     if model.selected_match.is_some() {
         return;
     }
-    let sides = MatchSides::of(found);
+    let sides = &found.request.request;
     let Some(own) = sides.a.features.get(why.feature) else { return };
     let mark = |f: &Feature, colour: Color32, dashed: bool| ComparedMark {
         pos_image: pos2(f.u, f.v),
