@@ -67,7 +67,7 @@ impl Request for UntilCancelled {
     }
 }
 
-/// Situation back the writing of files until the window is being closed: a task before them waits for a search job, which
+/// Holds back the writing of files until the window is being closed: a task before them waits for a search job, which
 /// releases it when it is cancelled.
 fn hold_files_until_closing(window: &Window) -> Wanted<UntilCancelled> {
     let engine = &window.app().engine;

@@ -26,7 +26,8 @@ impl Datasets {
 }
 
 impl Model {
-    /// Opens a dataset in the background; the open one stays until then. `None` keeps the features beside the bursts. A single long sequence is first offered for cutting.
+    /// Opens a dataset in the background; the open one stays until then. Without a folder the features are kept beside
+    /// the bursts. A single long sequence is first offered for cutting.
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>, engine: &Engine) {
         let (params, open) = (self.asked(), self.calibration.clone());
         self.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);
