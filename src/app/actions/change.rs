@@ -299,7 +299,7 @@ fn change_document(id: ActionId, grid: &SlopeGrid, document: &mut Document) {
         }
         A::PresetSift => document.params.method = Method::Sift,
         A::ClearSelection if document.workspace == Workspace::Pair => {
-            (document.selected_match, document.asked_about) = (None, None)
+            (document.selected_match, document.asked_about) = (None, None);
         }
         A::ClearSelection => (document.selected, document.comparisons.a.selected) = (None, None),
         A::ClearFilter => document.filter = Default::default(),

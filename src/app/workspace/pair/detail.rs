@@ -167,11 +167,11 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         let title = format!("Feature {} of A: {}", why.feature + 1, state_words(unmatched.lost));
         ui.label(RichText::new(title).strong());
         ui.add(Label::new(sentence(&unmatched.sentence)).wrap());
-        for line in notes(own, unmatched, &sides) {
+        for line in notes(own, unmatched, sides) {
             warning_ui(ui, line);
         }
         ui.add_space(4.0);
-        candidate_patches_ui(ui, model, own, unmatched, &sides, textures);
+        candidate_patches_ui(ui, model, own, unmatched, sides, textures);
         candidates_ui(ui, unmatched, found);
         weak_ui(ui, expected_words(unmatched, found));
         if !unmatched.expected.is_empty() {
