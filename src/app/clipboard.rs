@@ -59,7 +59,7 @@ pub fn copy_row(ctx: &egui::Context, model: &Model, widgets: &PaneWidgets) -> Op
 
 fn selected_text(model: &Model) -> Option<String> {
     match model.workspace {
-        Workspace::Pair => Some(match_text(&model.pair.matches.as_ref()?.row(model.pair.selected?)?)),
+        Workspace::Pair => Some(match_text(&model.pair.matches.as_ref()?.row(model.selected_match?)?)),
         _ => model.selected_feature().map(feature_text),
     }
 }

@@ -109,7 +109,8 @@ impl BurstscopeApp {
             Effect::ReplaceFeatures => self.overlays.replace_features = true,
             Effect::ForgetThumbnails => self.thumbnails.clear(),
             Effect::Ask(purpose) => {
-                if let Err(Question { purpose, suggested_name, .. }) = self.desk.ask(files::question(purpose, model)) {
+                if let Err(Question { purpose, suggested_name, .. }) = self.chooser.ask(files::question(purpose, model))
+                {
                     let why = "another dialog for files is not answered yet";
                     model.messages.note_unanswered(purpose, suggested_name, why);
                 }

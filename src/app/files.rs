@@ -115,7 +115,7 @@ pub(super) fn purpose_of_dropped(
         }
         ([_], _) if model.workspace == Workspace::Trajectories => {
             // The first file dropped is the estimate, the second the truth; a third replaces the estimate.
-            let compared = &model.trajectories.compared;
+            let compared = &model.poses.compared;
             let truth = compared.estimate.is_some() && compared.truth.is_none();
             if truth { Purpose::OpenTruth } else { Purpose::OpenEstimate }
         }
@@ -249,8 +249,8 @@ fn settings_work(toml: String) -> Work {
 fn case_work(model: &Model) -> Result<Work, String> {
     let open = model.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
     let is_of_a = model.probe.side == Side::A;
-    let place = model.probe.place().filter(|_| is_of_a);
-    let answer = model.probe.answer.as_ref().filter(|_| place.is_some());
+    let place = model.probed_place().filter(|_| is_of_a);
+    let answer = model.probed.answer.as_ref().filter(|_| place.is_some());
     let note = answer.map_or_else(String::new, |answer| answer.probe.summary.clone());
     let search = model.asked();
     let session = Session::of(model).map(|session| session.for_case().to_toml());

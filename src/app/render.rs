@@ -100,8 +100,8 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
             if is_open && path.exists() {
                 opened = app.model.opened_files();
             }
-            if options.select_strongest && app.model.pair.selected.is_none() {
-                app.model.pair.selected = app.model.pair.listed.first().copied();
+            if options.select_strongest && app.model.selected_match.is_none() {
+                app.model.selected_match = app.model.pair.listed.first().copied();
             }
             if options.select_strongest && app.model.selected.is_none() && !app.model.listed.is_empty() {
                 app.model.selected = app.model.listed.first().copied();

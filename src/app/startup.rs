@@ -65,12 +65,8 @@ impl Startup {
         actions.set(&OpenOptions::default(), self.calibration.clone(), Action::Calibrate);
         if self.session.is_none() {
             let burst = || self.source.clone().map(|source| Action::Open(Side::A, source));
-            self.dataset
-                .clone()
-                .map(Action::OpenDataset)
-                .or_else(burst)
-                .into_iter()
-                .for_each(|open| actions.push(open));
+            let open = self.dataset.clone().map(Action::OpenDataset).or_else(burst);
+            open.into_iter().for_each(|open| actions.push(open));
         }
         self.second.iter().for_each(|source| actions.push(Action::Open(Side::B, source.clone())));
         actions

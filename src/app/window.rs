@@ -5,11 +5,11 @@ use super::actions::{self, ActionId, Queue, menu::menu_bar_ui};
 use super::canvas::Readout;
 use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
-use super::dialogs::{Desk, FileAnswer, Question};
+use super::dialogs::{FileAnswer, FileChooser, Question};
 use super::document::{Action, Document, Journal, Playback};
 use super::files::{drop_places, purpose_of_dropped};
 use super::inspector::{PaneWidgets, PlaceValue};
-use super::lesson::{Captions, Lessons, Wish, lesson_ui};
+use super::lesson::{Captions, LessonAction, Lessons, lesson_ui};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
 use super::pane::PaneId;
@@ -49,7 +49,7 @@ pub struct BurstscopeApp {
     playback: Option<Playback>,
     pub lessons: Lessons,
     pub(super) captions: Captions,
-    pub(super) desk: Desk,
+    pub(super) chooser: FileChooser,
     pub(super) recovery: Option<Recovery>,
     pub(super) lost_device: Option<String>,
     pub(super) end: EndRequest,
@@ -86,7 +86,7 @@ impl BurstscopeApp {
             playback: startup.play.map(|steps| Playback { steps, ..Playback::default() }),
             lessons: Lessons { progress: startup.settings.lessons.clone(), ..Lessons::default() },
             captions: Captions::default(),
-            desk: Desk::new(startup.dialogs, on_update),
+            chooser: FileChooser::new(startup.dialogs, on_update),
             recovery: None,
             lost_device: None,
             end: startup.end,
@@ -117,14 +117,14 @@ impl BurstscopeApp {
 
     fn rests(&self) -> bool {
         self.engine.is_idle()
-            && !self.desk.is_asking()
+            && !self.chooser.is_asking()
             && self.model.is_settled()
             && !self.thumbnails.is_waiting()
             && self.lessons.is_settled(&self.model)
     }
 
     pub fn is_asking(&self) -> bool {
-        self.desk.is_asking()
+        self.chooser.is_asking()
     }
 
     pub fn show(&mut self, ui: &mut egui::Ui) {
@@ -137,7 +137,7 @@ impl BurstscopeApp {
         let mut queue = Queue::default();
         // While a dialog is open, or is being opened by the system, only the dialog gets keys.
         let recovery_asks = self.recovery.as_ref().is_some_and(Recovery::is_asking);
-        if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.desk.is_asking() {
+        if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.chooser.is_asking() {
             self.overlays.glossary.take_escape(&ctx);
             actions::take_shortcuts(&ctx, &self.model, &mut queue);
             if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
@@ -156,13 +156,12 @@ impl BurstscopeApp {
             slope.into_iter().for_each(|slope| queue.push(Action::PlaySlope(focus, slope)));
             ctx.request_repaint_after(rest);
         }
-        let wish = self.layout_ui(ui, &mut queue);
+        let asked = self.layout_ui(ui, &mut queue);
         let effects = self.overlays.ui(&ctx, &self.model, &mut self.lessons, &mut queue);
         self.apply(effects);
         self.act(&ctx, queue);
-        self.go_on_with_lesson(&ctx, wish);
+        self.go_on_with_lesson(&ctx, asked);
         self.model.check_params();
-        self.model.check_pair();
         let goes_on = plays_on || ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
         self.model.close_step(goes_on);
         self.journal.close(goes_on || self.model.playing);
@@ -217,7 +216,7 @@ impl BurstscopeApp {
                 Err(error) => messages.error(done.label, error.to_string()),
             }
         }
-        for answer in self.desk.take_answers() {
+        for answer in self.chooser.take_answers() {
             match answer {
                 FileAnswer::Chosen(purpose, paths) => self.apply([Effect::UseFiles(purpose, paths)]),
                 FileAnswer::Nothing(Question { purpose, suggested_name, .. }) => {
@@ -244,9 +243,9 @@ impl BurstscopeApp {
         self.apply([Effect::UseFiles(purpose, paths)]);
     }
 
-    fn go_on_with_lesson(&mut self, ctx: &egui::Context, wish: Option<Wish>) {
+    fn go_on_with_lesson(&mut self, ctx: &egui::Context, asked: Option<LessonAction>) {
         let is_restoring = self.restoring.waits_for(&self.model).is_some();
-        let effects = self.lessons.go_on(wish, is_restoring, &mut self.model, &self.engine);
+        let effects = self.lessons.go_on(asked, is_restoring, &mut self.model, &self.engine);
         self.apply(effects);
         parts::want(ctx, self.lessons.highlighted());
     }
@@ -278,7 +277,7 @@ impl BurstscopeApp {
         }
     }
 
-    fn layout_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<Wish> {
+    fn layout_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<LessonAction> {
         let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
 
         Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
@@ -302,7 +301,7 @@ impl BurstscopeApp {
                 filmstrip::filmstrip_ui(ui, &self.model, &mut self.thumbnails, queue);
             });
         }
-        let wish = self.lesson_panel_ui(ui, queue);
+        let asked = self.lesson_panel_ui(ui, queue);
         let mut start_lesson = None;
         if self.model.slots.a.burst.is_none() && self.model.workspace.needs_burst() {
             CentralPanel::default().show(ui, |ui| {
@@ -317,7 +316,7 @@ impl BurstscopeApp {
         }
         self.drop_hint_ui(ui);
         self.apply(start_lesson.map(Effect::StartLesson));
-        wish
+        asked
     }
 
     fn offers_ui(&mut self, ui: &mut egui::Ui, bar: Frame, queue: &mut Queue) {
@@ -345,7 +344,7 @@ impl BurstscopeApp {
         }
     }
 
-    fn lesson_panel_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<Wish> {
+    fn lesson_panel_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<LessonAction> {
         self.lessons.open.as_ref()?;
         let width = (0.27 * ui.available_width()).clamp(290.0, 360.0);
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 12, right: 10, top: 8, bottom: 2 });
@@ -358,7 +357,7 @@ impl BurstscopeApp {
         if let Some(word) = &clicks.word {
             self.overlays.glossary.open(Some(word));
         }
-        clicks.wish
+        clicks.asked
     }
 
     fn workspace_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) {

@@ -72,13 +72,6 @@ impl<R: Request> Wanted<R> {
         }
     }
 
-    /// Requests `missing`, if anything is missing; otherwise what runs goes on.
-    pub fn want_missing(&mut self, engine: &Engine, missing: Option<R>) {
-        if missing.is_some() {
-            self.want(engine, missing);
-        }
-    }
-
     /// Requests `request` in any case; a running request is superseded.
     pub fn ask(&mut self, engine: &Engine, request: R) -> JobId {
         let jobs = self.jobs.get_or_insert_with(|| jobs(engine));

@@ -2,8 +2,8 @@
 //! `compute` makes it on the calling thread and its pool, and stops with [`JobError::Cancelled`] once its
 //! [`Monitor`](crate::monitor::Monitor) is cancelled. [`crate::engine`] decides when, where, and which of several wins.
 
-mod against;
 mod coherence;
+mod comparison;
 pub mod dataset;
 mod detect;
 mod detect_line;
@@ -23,8 +23,8 @@ mod trail;
 #[cfg(test)]
 mod tests;
 
-pub use against::{Against, AgainstRequest, ComparedWith, OthersSource, Reference};
 pub use coherence::{CoherenceRequest, Coherences};
+pub use comparison::{ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
 pub use dataset::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest};
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};

@@ -93,7 +93,7 @@ pub enum Wanted {
 }
 
 #[derive(Debug, Clone, Copy)]
-pub struct Holds<'a> {
+pub struct Situation<'a> {
     pub slope: Slope,
     /// Content of the focused picture; `None` where it is made of several.
     pub show: Option<ViewKind>,
@@ -121,7 +121,7 @@ impl Goal {
         *self == Self::default()
     }
 
-    pub fn is_met(&self, now: &Holds<'_>) -> bool {
+    pub fn is_met(&self, now: &Situation<'_>) -> bool {
         let within = |wanted: Option<Between>, value: f32| wanted.is_none_or(|wanted| wanted.contains(value));
         let counted = |wanted: Option<Between>, value: Option<usize>| {
             wanted.is_none_or(|wanted| value.is_some_and(|value| wanted.contains(value as f32)))
@@ -151,7 +151,7 @@ impl Goal {
             && self.reads_depths.is_none_or(|wanted| wanted == now.reads_depths)
     }
 
-    fn params_are_met(&self, now: &Holds<'_>) -> bool {
+    fn params_are_met(&self, now: &Situation<'_>) -> bool {
         if self.params.is_empty() {
             return true;
         }
@@ -193,14 +193,14 @@ mod tests {
         toml::from_str(text).expect(text)
     }
 
-    fn is_met(text: &str, change: impl FnOnce(&mut Holds<'_>)) -> bool {
+    fn is_met(text: &str, change: impl FnOnce(&mut Situation<'_>)) -> bool {
         let params = DetectorParams {
             noise_gate: NoiseGate::Factor(4.0),
             slopes: SlopeGrid::line(-3.0..=3.0, 7),
             ..DetectorParams::default()
         };
         let matching = MatchParams::default();
-        let mut now = Holds {
+        let mut now = Situation {
             slope: Slope::new(-2.0, 0.5),
             show: Some(ViewKind::Stack),
             layout: None,

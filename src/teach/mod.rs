@@ -9,7 +9,7 @@ mod part;
 mod state;
 mod values;
 
-pub use goal::{Goal, Holds, Near, ParamName, Wanted};
+pub use goal::{Goal, Near, ParamName, Situation, Wanted};
 pub use lesson::{Lesson, Step, Task, built_in, built_in_names, lessons_at};
 pub use part::Part;
 pub use state::{BottomTab, InView, Layout, Spot, State, Workspace};

@@ -42,16 +42,15 @@ fn sound_ones_are_read() {
 /// Parts of a session that hold numbers and that the window need not have.
 const MORE: &str = r#"
 selection = { index = 0, u = 20.0, v = 20.0, sigma = 3.0, slope = { u = 0.5, v = 0.0 } }
-probe = { place = [20.0, 20.0], is_open = true }
-dataset = { source = { paths = ["nowhere"], burst_length = 2, burst_step = 1 }, a = 0, b = 1 }
-
-[second]
-selection = { a = [20.0, 20.0], b = [20.0, 20.0] }
-probe = { place = [20.0, 20.0], is_open = false }
+selected_match = { a = [20.0, 20.0], b = [20.0, 20.0] }
 
 [document]
 bottom_tab = "tally"
 slopes = "given"
+probe = { question = { at = { place = [20.0, 20.0], wanted = { feature = 0 } } }, near_sigma = 3.0, is_open = true }
+selected_match = 0
+asked_about = 0
+dataset = { source = { paths = ["nowhere"], burst_length = 2, burst_step = 1 }, pair = { a = 0, b = 1 } }
 filter = { slope_u = { min = -1.0, max = 1.0 }, slope_v = { min = -1.0, max = 1.0 }, sigma = { min = 0.0, max = 99.0 }, response = { min = 0.0, max = 1.0 }, coherence = { min = 0.0, max = 1.0 }, near_slope = 0.5 }
 
 [document.look]
@@ -125,15 +124,13 @@ fn full_session() -> String {
     let value = |source: &BurstSource| Value::try_from(source).expect("plain values");
     let planted = BurstSource::Planted { of: Box::new(chart.clone()), study: Box::new(study.clone()), seed: 1 };
     set("burst", value(&BurstSource::DarkCopy { of: Box::new(chart), noise: NoisyParams::default() }));
-    let pinned: Table = toml::toml! { with = "pinned" };
-    set("against", pinned.into());
+    set("second", value(&planted));
     let mut part = |name: &str, inner: &[&str], value: Value| {
         let part = session.get_mut(name).and_then(Value::as_table_mut).expect("a table");
         let (last, way) = inner.split_last().expect("a key");
         let at = way.iter().fold(part, |part, key| part[*key].as_table_mut().expect("a table"));
         at.insert((*last).to_owned(), value);
     };
-    part("second", &["burst"], value(&planted));
     part("document", &["params"], Value::try_from(&detector).expect("plain values"));
     part("document", &["lab", "planted"], Value::try_from(&study).expect("plain values"));
     part("document", &["set_up", "values"], Value::try_from(SetUp::default()).expect("plain values"));
@@ -141,9 +138,7 @@ fn full_session() -> String {
     let calibration = toml::toml! { full_scale = 1.0
     black_level = 0.0 };
     part("document", &["calibration"], calibration.into());
-    let mut against = session["against"].as_table().expect("a table").clone();
-    against.insert("pinned".to_owned(), Value::try_from(&search).expect("plain values"));
-    session.insert("against".to_owned(), against.into());
+    part("document", &["comparisons", "a", "pinned"], Value::try_from(&search).expect("plain values"));
     toml::to_string(&session).expect("plain values")
 }
 
@@ -197,10 +192,14 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
         ),
         ("document.params.slopes.u.count", "1000000000", "document.params: slopes-u: 1000000000 slopes; at most 4096"),
         ("document.params.levels", "0", "document.params: levels: 0; give 1 to 10"),
-        ("against.pinned.slopes.v.count", "9223372036854775807", "against.pinned: slopes-v: "),
+        (
+            "document.comparisons.a.pinned.slopes.v.count",
+            "9223372036854775807",
+            "document.comparisons.a.pinned: slopes-v: ",
+        ),
         ("burst.dark_copy.of.chart.width", "1000000000", "burst: width: 1000000000 pixels; give 16 to 32768"),
         ("burst.dark_copy.noise.snr", "nan", "burst: snr: NaN; give a ratio"),
-        ("second.burst.planted.study.slopes.count", "1000000000", "second.burst: planted-slopes: "),
+        ("second.planted.study.slopes.count", "1000000000", "second: planted-slopes: "),
         (
             "document.matching.max_iterations",
             "1000000000",
@@ -232,7 +231,7 @@ fn a_session_of_absurd_numbers_is_drawn() {
     let text = full_session();
     let mut whole: Value = toml::from_str(&text).expect("TOML");
     // A dataset that is not there would end the drawing.
-    whole.as_table_mut().and_then(|session| session.remove("dataset")).expect("a dataset");
+    whole["document"].as_table_mut().and_then(|document| document.remove("dataset")).expect("a dataset");
     Session::from_toml(&toml::to_string(&whole).expect("plain values")).expect("sound");
     for which in 0..4 {
         // As many at a time as are taken.

@@ -35,24 +35,23 @@ fn what_is_probed_and_compared_in_b_comes_back_with_b() {
     model.take_second_burst(second());
     let before = Session::of(&model).expect("a burst is open");
     let text = before.to_toml();
-    assert!(!text.contains("probe") && !text.contains("against"), "{text}");
+    assert!(!text.contains("theirs.csv"), "{text}");
     model.probe_place(Side::B, [70.0, 20.0]);
     model.lay_over(Side::B, "theirs.csv".into());
     let session = Session::of(&model).expect("a burst is open");
-    assert!(session.probe.is_none() && session.against.is_none(), "they are of B");
     let text = session.to_toml();
     assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
     let mut restored = self::model();
     session.apply(&mut restored);
     restored.take_second_burst(second());
     session.apply_second(&mut restored);
-    assert_eq!((restored.probe.side, restored.probe.place()), (Side::B, Some([70.0, 20.0])));
-    let file = restored.slots.b.against.file.as_ref().expect("it was opened").path.clone();
+    assert_eq!((restored.probe.side, restored.probed_place()), (Side::B, Some([70.0, 20.0])));
+    let file = restored.comparisons.b.file.clone().expect("it was opened");
     assert!(file.is_absolute() && file.ends_with("theirs.csv"));
-    assert_eq!(Session::of(&restored).expect("a burst is open").second, session.second);
+    assert_eq!(Session::of(&restored).expect("a burst is open").document, session.document);
     // The session of before says nothing of B's probe, and takes it away.
     before.apply_second(&mut restored);
-    assert!(!restored.probe.is_on() && restored.saved_against(Side::B).is_none());
+    assert!(!restored.probe.is_on() && restored.comparisons == Default::default());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Comparison with earlier features and with those of others, and the command that finds the present ones.
 
 use crate::support::Start;
-use burstscope::app::project::against::{Kind, With};
+use burstscope::app::project::comparison::{Kind, Reference};
 use burstscope::app::project::side::Side;
 use burstscope::export::{write_colmap, write_csv};
 use burstscope::inspect::changes::{Spot, compare};
@@ -22,16 +22,16 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let expected = compare(&before, &after);
     assert!(!expected.lost.is_empty() && !expected.same.is_empty());
     let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
-    assert_eq!((shown.with, shown.count(Kind::Theirs)), (With::Pinned, expected.lost.len()));
+    assert_eq!((shown.with, shown.count(Kind::Theirs)), (Reference::Pinned, expected.lost.len()));
     assert_eq!((shown.count(Kind::Ours), shown.count(Kind::Moved)), (expected.gained.len(), expected.moved().count()));
     assert!(window.shows(&expected.summary()), "the counts in a line");
     window.harness.get_by_role_and_label(Role::Row, "Lost 1").click();
     window.settle();
-    assert_eq!(window.app().model.slots.a.against.selected, Some(0));
+    assert_eq!(window.app().model.comparisons.a.selected, Some(0));
     assert_eq!(window.app().model.selected, None, "what is lost is none of ours");
     window.snapshot("compared_with_pinned");
     window.key(Key::Escape);
-    assert_eq!(window.app().model.slots.a.against.selected, None);
+    assert_eq!(window.app().model.comparisons.a.selected, None);
     window.run_action("unpin");
     window.settle();
     assert!(window.app().model.shown_comparison(Side::A).is_none() && !window.shows("as before"));
@@ -68,7 +68,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
         window.run_action("open features");
         window.settle();
         let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
-        assert_eq!((shown.with, shown.count(Kind::Theirs)), (With::File, 1), "{}", path.display());
+        assert_eq!((shown.with, shown.count(Kind::Theirs)), (Reference::File, 1), "{}", path.display());
         let row = &shown.rows[0];
         assert!((row.pos_image[0] - 5.0).abs() < 0.01 && row.feature.is_none(), "{row:?}");
         assert!(window.shows("1 only theirs"));
@@ -126,7 +126,7 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     };
     let mut window = reopen();
     let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
-    assert_eq!((shown.with, &shown.summary), (With::File, &laid_over));
+    assert_eq!((shown.with, &shown.summary), (Reference::File, &laid_over));
     shows_pinned(&mut window);
     // A missing file is reported where it belongs, and nothing else is lost.
     std::fs::remove_file(&theirs).unwrap();

@@ -1,6 +1,6 @@
 //! Matches of all pairs of a dataset: the matrix, the list, one pair.
 
-use crate::datasets::{click_burst, dataset, few_slopes, start, walk};
+use crate::datasets::{chosen, click_burst, dataset, few_slopes, start, walk};
 use crate::support::Window;
 use burstscope::Monitor;
 use burstscope::app::project::workspace::Workspace;
@@ -60,15 +60,15 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     // The list and the matrix select one common pair, which is A and B of the filmstrip.
     window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_012").click();
     window.harness.run_steps(3);
-    assert_eq!(dataset(&window).pair, [Some(0), Some(2)]);
+    assert_eq!(chosen(&window), [Some(0), Some(2)]);
     let counts = expected(home.path(), (0, 2));
     assert!(window.shows(&format!("{} putative matches, {} inliers", counts.putative, counts.inliers.unwrap())));
     let matrix = window.harness.get_by_role_and_label(Role::Image, "Match matrix").rect();
     // Cells are 64 points large; the first row is 72 points below the top, the first column 96 to the right.
     window.click_at(matrix.min + egui::vec2(96.0 + 1.5 * 64.0, 72.0 + 2.5 * 64.0));
-    assert_eq!(dataset(&window).pair, [Some(1), Some(2)]);
+    assert_eq!(chosen(&window), [Some(1), Some(2)]);
     window.key(Key::ArrowUp);
-    assert_eq!(dataset(&window).pair, [Some(0), Some(2)], "arrow keys move through the matrix");
+    assert_eq!(chosen(&window), [Some(0), Some(2)], "arrow keys move through the matrix");
     window.click("Side by side");
     window.settle();
     let model = &window.app().model;
@@ -84,7 +84,7 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     let mut window = detected(home.path());
     window.harness.get_by_role_and_label(Role::RadioButton, "Each with the next").click();
     window.harness.run_steps(2);
-    window.app_mut().model.datasets.choice.overlap = 1;
+    window.app_mut().model.pairs.overlap = 1;
     window.click("Match pairs");
     window.settle();
     let matched = |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.get(pair).is_some());

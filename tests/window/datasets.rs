@@ -49,6 +49,11 @@ pub fn dataset(window: &Window) -> &Dataset {
     window.app().model.datasets.open.as_ref().expect("a dataset is open")
 }
 
+/// Places of the bursts chosen as A and as B.
+pub fn chosen(window: &Window) -> [Option<usize>; 2] {
+    window.app().model.dataset.as_ref().expect("a dataset is open").pair.both().map(|place| *place)
+}
+
 fn features(window: &Window) -> Vec<Option<usize>> {
     let count = |state: &BurstState| if let BurstState::Done(f) = state { Some(f.features) } else { None };
     dataset(window).states.iter().map(count).collect()
@@ -226,9 +231,9 @@ fn a_and_b_are_chosen_in_the_strip_or_by_action() {
     let mut window = start(walk(home.path())).open();
     click_burst(&mut window, "Use frame_007 as A");
     click_burst(&mut window, "Use frame_012 as B");
-    assert_eq!(dataset(&window).pair, [Some(1), Some(2)]);
+    assert_eq!(chosen(&window), [Some(1), Some(2)]);
     window.run_action("use burst as b");
-    assert_eq!(dataset(&window).pair, [Some(1), Some(0)]);
+    assert_eq!(chosen(&window), [Some(1), Some(0)]);
 }
 
 #[test]
@@ -274,7 +279,7 @@ fn a_session_brings_the_dataset_back() {
     other.dialogs.will_choose(&file);
     other.run_action("open session");
     other.settle();
-    assert_eq!((dataset(&other).pair, dataset(&other).bursts.len()), ([None, Some(2)], 3));
+    assert_eq!((chosen(&other), dataset(&other).bursts.len()), ([None, Some(2)], 3));
     assert_eq!(dataset(&other).place_of(other.app().model.slots.a.burst.as_ref()), Some(1));
 }
 

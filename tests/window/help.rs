@@ -63,7 +63,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     // Another burst is searched at slopes that are found in it.
     window.run_action("open demo burst");
     window.settle();
-    assert!(window.app().model.slopes.is_auto() && window.app().model.probe.place().is_none());
+    assert!(window.app().model.slopes.is_auto() && window.app().model.probed_place().is_none());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
-use burstscope::app::project::against::With;
+use burstscope::app::project::comparison::Reference;
 use burstscope::app::project::side::Side;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::evaluate::curves::curves_csv;
@@ -106,7 +106,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     assert_eq!(frames.len(), 10);
     window.run_action("compare with the truth");
     window.settle();
-    assert!(window.app().model.slots.a.against.has(With::Truth));
+    assert!(window.app().model.has_reference(Side::A, Reference::Truth));
     assert!(window.app().model.shown_comparison(Side::A).expect("a comparison").is_whole_truth);
 }
 

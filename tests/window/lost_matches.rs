@@ -65,7 +65,7 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     window.settle();
     let asked = window.app().model.asked_feature().expect("a feature is asked about");
     assert_eq!((a.features[asked].u, a.features[asked].v), (f.u, f.v));
-    assert!(window.app().model.pair.selected.is_none());
+    assert!(window.app().model.selected_match.is_none());
 }
 
 #[test]
@@ -90,11 +90,11 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     window.settle();
     assert_eq!((window.app().model.workspace, names(&window)), (Workspace::Pair, before.clone()), "nothing is swapped");
     let probed = |window: &Window| {
-        let probe = &window.app().model.probe;
-        assert!(probe.is_current() && probe.is_open, "{:?}", probe.problem);
-        let answer = probe.answer.as_ref().unwrap();
+        let model = &window.app().model;
+        assert!(model.probe_is_current() && model.probe.is_open, "{:?}", model.probed.problem);
+        let answer = model.probed.answer.as_ref().unwrap();
         assert_eq!(answer.probe.pos_image, place);
-        (probe.side, answer.request.traced.cache.burst.name.clone())
+        (model.probe.side, answer.request.traced.cache.burst.name.clone())
     };
     assert_eq!(probed(&window), (Side::B, before[1].clone()));
     assert!(window.shows(" of B"), "the panel says of which burst");
@@ -113,7 +113,7 @@ fn a_match_tells_its_second_best() {
     window.key(Key::Home);
     window.settle();
     let model = &window.app().model;
-    let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
+    let row = model.pair.matches.as_ref().unwrap().row(model.selected_match.unwrap()).unwrap();
     let why = model.pair.lost.why.as_ref().expect("it is known why");
     assert_eq!(why.feature, row.found.a);
     assert_eq!(why.unmatched.candidates[0].feature, row.found.b);

@@ -4,7 +4,7 @@
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::measure::Tool;
 use burstscope::app::project::BottomTab;
-use burstscope::app::project::against::{Kind, With};
+use burstscope::app::project::comparison::{Kind, Reference};
 use burstscope::app::project::side::Side;
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::truth::{against_truth, truth_of};
@@ -125,7 +125,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     let detection: &Detection = &model.slots.a.found.as_ref().unwrap().detection;
     assert_eq!(cache.detection().features, detection.features, "the truth is held against the features on show");
     let shown = model.shown_comparison(Side::A).expect("a comparison");
-    assert_eq!(shown.with, With::Truth);
+    assert_eq!(shown.with, Reference::Truth);
     let kinds = [Kind::Same, Kind::Theirs, Kind::Repeated, Kind::Ours, Kind::WrongMotion];
     let counts = kinds.map(|kind| shown.count(kind));
     let sizes = [expected.found.len(), expected.missed.len(), expected.repeated.len(), expected.elsewhere.len()];
@@ -137,7 +137,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     assert!(otherwise.all(|row| row.note.starts_with("slope ") && row.note.contains(" instead of ")));
     // The truth of a scene lists only some of its features.
     assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
-    assert!(!shown.is_whole_truth && !window.app().model.slots.a.against.shows(Kind::Ours));
+    assert!(!shown.is_whole_truth && !window.app().model.comparisons.a.shows(Kind::Ours));
     // A miss tells its reason.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);
     // The row stays in its place when it is selected, and selected when it is clicked again.
@@ -145,14 +145,14 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     for _ in 0..2 {
         window.harness.get_by_role_and_label(Role::Row, "Missed 1").click();
         window.settle();
-        assert_eq!(window.app().model.slots.a.against.selected, Some(0));
+        assert_eq!(window.app().model.comparisons.a.selected, Some(0));
         assert_eq!(window.harness.get_by_role_and_label(Role::Row, "Missed 1").rect(), place);
     }
     assert!(window.shows(&expected.missed[0].why));
     window.snapshot("truth");
     window.click("Why here?");
     window.settle();
-    let place = window.app().model.probe.place().expect("the place is probed");
+    let place = window.app().model.probed_place().expect("the place is probed");
     let miss = &truth.features[expected.missed[0].disc];
     assert!((f64::from(place[0]) - miss.u).abs() < 0.01 && (f64::from(place[1]) - miss.v).abs() < 0.01);
 }
@@ -163,8 +163,8 @@ fn a_burst_of_the_camera_has_no_truth_to_compare_with() {
     let mut window = Start::of(&noisy_stack(folder.path(), 4, 60, 80)).open();
     window.click("Detect");
     window.settle();
-    assert!(!window.app().model.slots.a.against.has(With::Truth));
+    assert!(!window.app().model.has_reference(Side::A, Reference::Truth));
     window.run_action("compare with the truth");
     window.settle();
-    assert_eq!(window.app().model.slots.a.against.with, None);
+    assert_eq!(window.app().model.comparisons.a.with, None);
 }

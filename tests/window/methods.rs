@@ -3,7 +3,7 @@
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
 use burstscope::app::pane::Over;
-use burstscope::app::project::compare::Contender;
+use burstscope::app::project::compare::MethodId;
 use burstscope::app::project::pair::Side;
 use burstscope::detect;
 use burstscope::detector::view::{dog_view, stack_view};
@@ -27,7 +27,7 @@ fn each_method_finds_what_the_library_finds() {
     let window = methods(false);
     let model = &window.app().model;
     let burst = model.slots.a.burst.as_ref().unwrap().burst.clone();
-    for method in [Contender::Sift, Contender::Merge, Contender::Buff1d, Contender::Buff2d] {
+    for method in [MethodId::Sift, MethodId::Merge, MethodId::Buff1d, MethodId::Buff2d] {
         let found = model.method_found(method, Side::A).unwrap();
         let expected = detect(&burst, &method.params(&model.params), &Monitor::default()).unwrap();
         assert_eq!(found.detection.features, expected.features, "{method:?}");
@@ -35,7 +35,7 @@ fn each_method_finds_what_the_library_finds() {
         let name = format!("A: {}", method.label());
         assert!(window.harness.query_by_role_and_label(Role::Canvas, &name).is_some(), "{name}");
     }
-    assert!(model.method_found(Contender::Gold, Side::A).is_none());
+    assert!(model.method_found(MethodId::Gold, Side::A).is_none());
 }
 
 #[test]
@@ -43,8 +43,8 @@ fn with_a_second_burst_matches_are_compared_too() {
     let mut window = methods(true);
     let model = &window.app().model;
     let inliers = |method| model.method_matches(method).unwrap().result.counts.inliers.unwrap();
-    assert!(inliers(Contender::Buff1d) > 2 * inliers(Contender::Sift), "a burst shows what one frame does not");
-    assert!(window.shows(&inliers(Contender::Buff1d).to_string()));
+    assert!(inliers(MethodId::Buff1d) > 2 * inliers(MethodId::Sift), "a burst shows what one frame does not");
+    assert!(window.shows(&inliers(MethodId::Buff1d).to_string()));
     window.click("Match lines");
     window.settle();
     assert_eq!(window.app().model.panes.arrangement().in_rows().len(), 4, "a row for each");
@@ -68,12 +68,12 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     assert!(matches!(over, Some(Over::Wipe { other, at }) if other == right && at > 0.55), "{over:?}");
     // The two methods are chosen beside the picture.
     let methods = |window: &Window| [left, right].map(|id| window.app().model.panes.get(id).unwrap().method.unwrap());
-    assert_eq!(methods(&window), [Contender::Sift, Contender::Buff1d]);
+    assert_eq!(methods(&window), [MethodId::Sift, MethodId::Buff1d]);
     window.harness.get_by_role_and_label(Role::ComboBox, "Right").click();
     window.harness.run_steps(2);
     window.click("SIFT, merged");
     window.settle();
-    assert_eq!(methods(&window), [Contender::Sift, Contender::Merge]);
+    assert_eq!(methods(&window), [MethodId::Sift, MethodId::Merge]);
     assert!(window.shows("SIFT, merged  ·  Merged frames"));
     window.key(Key::W);
     window.settle();
@@ -86,16 +86,16 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
 #[test]
 fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let mut window = methods(false);
-    let pane = |window: &Window, method: Contender| window.app().model.panes.shown_of(Side::A, Some(method));
-    let [own] = pane(&window, Contender::Buff1d)[..] else { panic!("one pane") };
+    let pane = |window: &Window, method: MethodId| window.app().model.panes.shown_of(Side::A, Some(method));
+    let [own] = pane(&window, MethodId::Buff1d)[..] else { panic!("one pane") };
     let number = window.app().model.panes.number(own).unwrap();
     window.click(&format!("Split down {number}"));
     window.key(Key::Num3);
     window.settle();
-    let [stack, dog] = pane(&window, Contender::Buff1d)[..] else { panic!("two panes") };
+    let [stack, dog] = pane(&window, MethodId::Buff1d)[..] else { panic!("two panes") };
     let model = &window.app().model;
     let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let params = Contender::Buff1d.params(&model.params);
+    let params = MethodId::Buff1d.params(&model.params);
     let plane = |id| model.picture_in(id).unwrap().plane.clone();
     let cursor = model.panes.get(dog).unwrap().cursor;
     let monitor = Monitor::default();
@@ -104,9 +104,9 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let name = format!("A: BuFF 1D, pane {}", model.panes.number(dog).unwrap());
     assert!(window.harness.query_by_role_and_label(Role::Canvas, &name).is_some(), "{name}");
     // The other panes switched to the DoG of their inputs.
-    let [sift] = pane(&window, Contender::Sift)[..] else { panic!("one pane") };
+    let [sift] = pane(&window, MethodId::Sift)[..] else { panic!("one pane") };
     let model = &window.app().model;
-    let params = Contender::Sift.params(&model.params);
+    let params = MethodId::Sift.params(&model.params);
     let plane = model.picture_in(sift).unwrap().plane.clone();
     let expected = dog_view(burst_of(&window), &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
     assert_eq!(*plane, expected);
@@ -122,18 +122,18 @@ fn a_method_that_is_switched_off_loses_its_pane_and_the_others_stay() {
     let mut window = methods(true);
     window.click("Match lines");
     window.settle();
-    let methods = |window: &Window| -> Vec<Contender> {
+    let methods = |window: &Window| -> Vec<MethodId> {
         let panes = &window.app().model.panes;
         panes.shown().iter().filter_map(|id| panes.get(*id)?.method).collect()
     };
     let merge = "SIFT, merged";
     window.harness.get_by_role_and_label(Role::CheckBox, merge).click();
     window.settle();
-    let left = [Contender::Sift, Contender::Buff1d, Contender::Buff2d];
+    let left = [MethodId::Sift, MethodId::Buff1d, MethodId::Buff2d];
     assert_eq!(methods(&window), left.into_iter().flat_map(|method| [method; 2]).collect::<Vec<_>>());
     window.harness.get_by_role_and_label(Role::CheckBox, merge).click();
     window.settle();
-    assert_eq!(methods(&window)[6..], [Contender::Merge; 2], "in a row of its own");
+    assert_eq!(methods(&window)[6..], [MethodId::Merge; 2], "in a row of its own");
     assert!(window.shows("matches are inliers"));
 }
 
@@ -146,7 +146,7 @@ fn a_gold_standard_is_opened_and_methods_are_switched_in_the_table() {
     window.run_action("gold standard of a");
     window.settle();
     let model = &window.app().model;
-    let found = model.method_found(Contender::Gold, Side::A).unwrap();
+    let found = model.method_found(MethodId::Gold, Side::A).unwrap();
     assert!(window.shows(&format!("Gold standard  ·  {} features", found.detection.features.len())));
     window.harness.get_by_role_and_label(Role::CheckBox, "BuFF 2D").click();
     window.settle();

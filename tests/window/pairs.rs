@@ -72,7 +72,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     let pos = middle_of(&window, index);
     window.click_at(pos);
     window.settle();
-    let chosen = window.app().model.pair.selected.expect("a line is there");
+    let chosen = window.app().model.selected_match.expect("a line is there");
     assert!(window.shows(&format!("Match {}: ", chosen + 1)));
     for name in ["Patch in A", "Patch in B", "Descriptor in A", "Descriptor in B"] {
         assert!(window.harness.query_by_role_and_label(Role::Image, name).is_some(), "{name}");
@@ -86,18 +86,18 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     // Rows and keys select too.
     window.harness.get_by_role_and_label(Role::Row, &format!("Match {}", chosen + 1)).click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.pair.selected, Some(chosen), "a click on the selected row keeps it selected");
+    assert_eq!(window.app().model.selected_match, Some(chosen), "a click on the selected row keeps it selected");
     window.key(Key::Home);
-    assert_eq!(window.app().model.pair.selected, Some(index));
+    assert_eq!(window.app().model.selected_match, Some(index));
     window.key(Key::N);
-    assert_eq!(window.app().model.pair.selected, Some(window.app().model.pair.listed[1]));
+    assert_eq!(window.app().model.selected_match, Some(window.app().model.pair.listed[1]));
     window.key(Key::Enter);
     window.settle();
     let model = &window.app().model;
-    let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
+    let row = model.pair.matches.as_ref().unwrap().row(model.selected_match.unwrap()).unwrap();
     assert_eq!((model.cursor_of(Side::A).slope, model.cursor_of(Side::B).slope), (row.a.slope, row.b.slope));
     window.key(Key::Escape);
-    assert_eq!(window.app().model.pair.selected, None);
+    assert_eq!(window.app().model.selected_match, None);
 }
 
 #[test]
@@ -254,7 +254,7 @@ fn a_session_brings_the_pair_back() {
     window.click("Cursor of B");
     window.slide("Slope u", 0.75);
     window.settle();
-    let saved = window.app().model.pair.saved_match().unwrap();
+    let saved = window.app().model.saved_match().unwrap();
     window.dialogs.will_choose(&file);
     window.run_action("save session");
     window.settle();
@@ -269,7 +269,7 @@ fn a_session_brings_the_pair_back() {
     assert_eq!(model.matching.ratio, 0.7);
     assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.75, 0.0));
     assert_eq!((model.active_side(), model.pair_links().cursor), (Side::B, false));
-    assert_eq!(model.pair.saved_match(), Some(saved), "the same match is selected");
+    assert_eq!(model.saved_match(), Some(saved), "the same match is selected");
 }
 
 #[test]
@@ -314,7 +314,7 @@ fn pos_in(window: &Window, id: PaneId, feature: &burstscope::detector::Feature) 
 /// Hovers over the line of the selected match between two panes; returns the hovered match.
 fn match_between(window: &mut Window, a: PaneId, b: PaneId) -> Option<usize> {
     let model = &window.app().model;
-    let row = model.pair.matches.as_ref().unwrap().row(model.pair.selected.unwrap()).unwrap();
+    let row = model.pair.matches.as_ref().unwrap().row(model.selected_match.unwrap()).unwrap();
     let (from, to) = (pos_in(window, a, row.a), pos_in(window, b, row.b));
     let mut found = None;
     // Part of the line is in the gap between the two pictures, where nothing is hovered.
@@ -333,7 +333,7 @@ fn a_pane_that_is_split_has_its_part_of_the_matches() {
     let mut window = pair();
     window.key(Key::Home);
     window.settle();
-    let selected = window.app().model.pair.selected;
+    let selected = window.app().model.selected_match;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     assert_eq!(match_between(&mut window, a, b), selected);
     // A twice: the lines begin at the pane beside B, the other one keeps the ends.
@@ -359,7 +359,7 @@ fn matches_go_to_where_a_person_puts_the_panes() {
     let mut window = pair();
     window.key(Key::Home);
     window.settle();
-    let selected = window.app().model.pair.selected;
+    let selected = window.app().model.selected_match;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     let middle = |window: &Window, id: PaneId| window.app().widgets.rect_ui(id).unwrap().center();
     assert!(middle(&window, a).x < middle(&window, b).x);

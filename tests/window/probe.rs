@@ -28,9 +28,9 @@ fn demo() -> Window {
 }
 
 pub fn answer(window: &Window) -> &Probed {
-    let probe = &window.app().model.probe;
-    assert!(probe.is_current(), "{:?} {:?}", probe.question, probe.problem);
-    probe.answer.as_ref().unwrap()
+    let model = &window.app().model;
+    assert!(model.probe_is_current(), "{:?} {:?}", model.probe, model.probed.problem);
+    model.probed.answer.as_ref().unwrap()
 }
 
 fn shift(window: &mut Window, key: Key) {
@@ -78,7 +78,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     window.app_mut().model.look.overlay = FeaturesShown::None;
     let ui = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).unwrap();
     let near = |window: &Window, u: f32, v: f32| {
-        let place = window.app().model.probe.place().expect("a place");
+        let place = window.app().model.probed_place().expect("a place");
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?} {u} {v}");
     };
     let pos = ui(&window, 300.0, 40.0);
@@ -119,7 +119,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     window.settle();
     near(&window, 240.0 - later * cursor.slope.u, 100.0 - later * cursor.slope.v);
     window.click("Clear probe");
-    assert!(window.app().model.probe.answer.is_none() && !window.app().model.probe.is_on());
+    assert!(window.app().model.probed.answer.is_none() && !window.app().model.probe.is_on());
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         window.settle();
         let (model, answer) = (&window.app().model, answer(&window));
         assert_eq!((model.probe.side, model.workspace), (side, Workspace::Pair));
-        assert_eq!((model.pair.selected, model.asked_feature()), (None, None), "nothing else was clicked");
+        assert_eq!((model.selected_match, model.asked_feature()), (None, None), "nothing else was clicked");
         let place = answer.probe.pos_image;
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?}");
         // The answer is that of the library for this burst.
@@ -249,12 +249,12 @@ fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
         let feature = window.app().model.features()[index];
         window.app_mut().model.probe_place(Side::A, [feature.u, feature.v]);
         window.settle();
-        !window.app().model.probe.as_dots.is_empty()
+        !window.app().model.probed.as_dots.is_empty()
     });
     assert!(dot.is_some(), "{count} features, none a dot");
-    let shown = window.app().model.probe.as_dots[0];
+    let shown = window.app().model.probed.as_dots[0];
     assert!(window.shows(&format!("Feature {} was found here, but is drawn as a dot", shown + 1)));
-    window.app_mut().model.probe.clear();
+    window.app_mut().model.clear_probe();
     window.settle();
     assert!(!window.shows("drawn as a dot"));
 }
@@ -312,7 +312,7 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     window.shift_click_at(pos);
     window.run_action("stack and slice");
     window.settle();
-    let place = window.app().model.probe.place();
+    let place = window.app().model.probed_place();
     window.dialogs.will_choose(&file);
     window.run_action("save session");
     window.settle();
@@ -321,7 +321,7 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     other.run_action("open session");
     other.settle();
     let model = &other.app().model;
-    assert!(place.is_some() && model.probe.place() == place && model.probe.is_open);
+    assert!(place.is_some() && model.probed_place() == place && model.probe.is_open);
     assert_eq!(answer(&other).probe.pos_image, place.unwrap());
     assert!(model.panes.iter().any(|(_, pane)| pane.content == Content::Slice(SliceAxis::Along)));
 }

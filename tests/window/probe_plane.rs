@@ -78,7 +78,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     window.settle();
     let rect = rect_of(&window, "Response over both slopes");
     assert!(window.harness.ctx.content_rect().contains_rect(rect), "{rect:?}");
-    let plane = window.app().model.probe.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
+    let plane = window.app().model.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     let (columns, rows) = plane.snr.size();
     let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
     let (column, row) =
@@ -99,7 +99,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     let above = rect_of(&window, "Response over slope and scale");
     window.click_at(pos2(above.center().x, above.top() + 0.7 * above.height()));
     window.settle();
-    let coarser = window.app().model.probe.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
+    let coarser = window.app().model.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     assert!(coarser.scale.sigma > scale.sigma, "{} {}", coarser.scale.sigma, scale.sigma);
 }
 
@@ -114,7 +114,7 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     let contents: Vec<Content> = shown.iter().map(|id| window.app().model.panes.get(*id).unwrap().content).collect();
     let slices = [Content::Slice(SliceAxis::Along), Content::Slice(SliceAxis::Across)];
     assert_eq!(contents, [Content::Cursor, slices[0], slices[1]]);
-    let probe = &window.app().model.probe.answer.as_ref().unwrap().probe;
+    let probe = &window.app().model.probed.answer.as_ref().unwrap().probe;
     let [along, across] = [0, 1].map(|axis| probe.slices[axis].direction);
     assert!((along[0] * across[0] + along[1] * across[1]).abs() < 1e-5, "at right angles");
     let on = |direction: [f32; 2], slope: Slope| slope.u * direction[0] + slope.v * direction[1];
@@ -151,7 +151,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     let picture = model.picture().unwrap();
     let motion = picture.motion.clone().expect("a map of the motion");
     // It equals the library's map of this detection.
-    let trail = &model.probe.answer.as_ref().unwrap().request.traced.cache.trail;
+    let trail = &model.probed.answer.as_ref().unwrap().request.traced.cache.trail;
     let expected = winning_slopes(trail, feature.octave, feature.level, &Monitor::default()).unwrap();
     let slopes: Vec<Slope> = trail.params().used_slopes().slopes().collect();
     let (width, height) = expected.snr.size();

@@ -2,9 +2,8 @@
 
 use crate::support::{Start, Window};
 use burstscope::app::project::BottomTab;
-use burstscope::app::project::against::With;
+use burstscope::app::project::comparison::Reference;
 use burstscope::app::project::film::FilmContent;
-use burstscope::app::project::side::Side;
 use burstscope::app::project::workspace::Workspace;
 use burstscope::app::session::Session;
 use burstscope::app::view::ColourBy;
@@ -48,7 +47,7 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     let (burst, params) = small();
     assert_eq!(model.slots.a.burst.as_ref().expect("open").burst.frames, burst.frames);
     assert_eq!((model.params.slopes, model.slopes), (params.slopes, SlopeChoice::Given));
-    assert_eq!(model.probe.place(), Some([120.0, 90.0]));
+    assert_eq!(model.probed_place(), Some([120.0, 90.0]));
     // Saved again, it is the same case.
     let again = home.path().join("again.burstcase");
     window.dialogs.will_choose(&again);
@@ -92,14 +91,14 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     assert_eq!(model.panes.arrangement().in_rows(), before);
     assert!(model.filter.hide_slope_limit);
     assert_eq!((model.params.edge_threshold, model.lab.planted.copies), (8.0, 3));
-    assert_eq!(model.probe.place(), Some([120.0, 90.0]));
-    let pinned = model.saved_against(Side::A).and_then(|against| against.pinned);
+    assert_eq!(model.probed_place(), Some([120.0, 90.0]));
+    let pinned = model.comparisons.a.pinned.as_ref();
     assert!(pinned.is_some_and(|pinned| pinned.detector.edge_threshold != 8.0));
-    assert_eq!(model.saved_against(Side::A), was.saved_against(Side::A));
-    let shown = model.slots.a.against.shown.as_ref().expect("compared with the pinned result");
-    assert_eq!(shown.summary, was.slots.a.against.shown.as_ref().expect("compared").summary);
+    assert_eq!(model.comparisons, was.comparisons);
+    let shown = model.slots.a.comparison.shown.as_ref().expect("compared with the pinned result");
+    assert_eq!(shown.summary, was.slots.a.comparison.shown.as_ref().expect("compared").summary);
     // What names other files is left out, also where a case was changed to have some.
-    let hostile = session.replacen("[document]", "[gold]\npaths = [\"/etc/passwd\"]\n\n[document]", 1);
+    let hostile = session.replacen("[document]", "[document.gold.a]\npaths = [\"/etc/passwd\"]\n\n[document]", 1);
     let (case, part) =
         Case::of(&small().0, &small().1.into(), (None, None), "", &Monitor::default()).expect("nobody cancels");
     let path = home.path().join("hostile.burstcase");
@@ -192,15 +191,15 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     assert_eq!(model.workspace, Workspace::Inspect);
     let source = &model.slots.a.burst.as_ref().expect("open").source;
     assert!(matches!(source, BurstSource::Planted { seed, .. } if *seed == thing.seed), "{source:?}");
-    let place = model.probe.place().expect("probed");
+    let place = model.probed_place().expect("probed");
     assert!((f64::from(place[0]) - thing.truth.u).abs() < 0.01 && (f64::from(place[1]) - thing.truth.v).abs() < 0.01);
     // The copy is compared with the truth of what is planted in it.
     window.run_action("detect");
     window.settle();
     window.run_action("compare with the truth");
     window.settle();
-    let against = &window.app().model.slots.a.against;
-    assert_eq!(against.with, Some(With::Truth));
+    let against = &window.app().model.slots.a.comparison;
+    assert_eq!(window.app().model.comparisons.a.with, Some(Reference::Truth));
     let of_copy = report.planted.iter().filter(|one| one.seed == thing.seed);
     // One that is found at a wrong motion only is not found for the truth, which says so.
     let found = of_copy.clone().filter(|one| one.found.is_some()).count();
@@ -219,7 +218,7 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     window.dialogs.will_choose(&kept);
     window.run_action("open files");
     window.settle();
-    let against = &window.app().model.slots.a.against;
+    let against = &window.app().model.slots.a.comparison;
     let (found, _) = shown.split_once(" missed").expect("counted");
     assert!(against.shown.as_ref().is_some_and(|against| against.summary.starts_with(found)), "{shown}");
 }

@@ -65,7 +65,7 @@ fn the_errors_are_those_of_the_library() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, report) = open_both(home.path());
     assert_eq!(window.app().model.workspace, Workspace::Trajectories);
-    assert_eq!(window.app().model.trajectories.report().map(|r| (**r).clone()), Some(report.clone()));
+    assert_eq!(window.app().model.poses.report().map(|r| (**r).clone()), Some(report.clone()));
     assert!(window.shows("13 of 14 (93 %)"));
     for errors in [&report.absolute, &report.relative] {
         assert!(window.shows(&format!("{:.4}", errors.translation.rmse)));
@@ -77,12 +77,12 @@ fn the_errors_are_those_of_the_library() {
     // Motions over three poses have other errors.
     window.harness.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
     window.settle();
-    let over_three = window.app().model.trajectories.report().unwrap().clone();
+    let over_three = window.app().model.poses.report().unwrap().clone();
     assert_eq!((over_three.step, over_three.relative.count), (3, 10));
     assert!(window.shows(&format!("{:.4}", over_three.relative.translation.rmse)));
     window.run_action("close trajectories");
     window.settle();
-    assert!(window.app().model.trajectories.is_empty() && window.shows("none yet"));
+    assert!(window.app().model.poses.is_empty() && window.shows("none yet"));
 }
 
 #[test]
@@ -92,12 +92,12 @@ fn a_camera_is_pointed_at_in_the_plane() {
     window.app_mut().model.trajectories.projection = Projection::Xz;
     window.settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let scene = window.app_mut().model.trajectories.scene();
+    let scene = window.app().model.poses.scene(window.app().model.trajectories.projection);
     let view = window.app().model.trajectories.view;
     let at = canvas.center() + view.points_per_pixel() * (scene.estimate[6].pos - egui::Pos2::from(view.centre_image));
     window.harness.hover_at(at);
     window.harness.run_steps(30);
-    assert_eq!(window.app().model.trajectories.hovered, Some(6));
+    assert_eq!(window.app().model.poses.hovered, Some(6));
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
     window.click_at(at);
     assert_eq!(window.app().model.trajectories.selected, Some(6));
@@ -144,14 +144,14 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     app.model.open_trajectory(Which::Truth, broken, &app.engine);
     window.settle();
     assert!(window.shows("broken.txt") && window.shows("line 1"));
-    assert!(window.app().model.trajectories.report().is_some());
+    assert!(window.app().model.poses.report().is_some());
     // A truth of other places: both are read, but nothing can be compared.
     let other = home.path().join("other.txt");
     std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
     window.drop_file(other);
     window.settle();
-    assert!(window.app().model.trajectories.report().is_none());
-    assert!(window.app().model.trajectories.problem().is_some());
+    assert!(window.app().model.poses.report().is_none());
+    assert!(window.app().model.poses.problem().is_some());
     assert!(window.shows("cannot be"));
 }
 
@@ -170,14 +170,14 @@ fn a_session_brings_the_trajectories_back() {
     other.settle();
     let model = &other.app().model;
     assert_eq!((model.workspace, model.trajectories.projection), (Workspace::Trajectories, Projection::Yz));
-    assert_eq!(model.trajectories.report().map(|r| r.absolute), Some(report.absolute));
+    assert_eq!(model.poses.report().map(|r| r.absolute), Some(report.absolute));
 }
 
 #[test]
 fn trajectories() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
-    let compared = &mut window.app_mut().model.trajectories.compared;
+    let compared = &mut window.app_mut().model.poses.compared;
     // The place of this test's files differs from run to run.
     compared.estimate.as_mut().unwrap().0 = "/data/rec/sparse".into();
     compared.truth.as_mut().unwrap().0 = "/data/truth.txt".into();

@@ -1,11 +1,12 @@
 //! The one function by which the user changes the project.
 
 use super::change::change;
-use crate::app::document::{Action, Pointed};
+use super::registry::ActionId;
+use crate::app::document::{Action, Document};
 use crate::app::pane::Content;
 use crate::app::project::look::Look;
+use crate::app::project::pair::PairTab;
 use crate::app::project::{Effect, Model, Visibility};
-use crate::detector::{SearchParams, SlopeChoice};
 use crate::engine::Engine;
 use crate::requests::ViewKind;
 use crate::teach::BottomTab;
@@ -13,27 +14,21 @@ use crate::teach::BottomTab;
 /// Applies an action. It is a step to undo, or a part of one, where it changes settings that undo covers.
 pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     match action {
-        Action::Point(pointed) => point(pointed, model),
-        Action::Do(super::ActionId::Undo) => model.undo(),
-        Action::Do(super::ActionId::Redo) => model.redo(),
-        action => return model.as_step(|model| applied(action, model, engine)),
+        Action::Point(pointed) => model.point_at(pointed),
+        Action::Do(ActionId::Undo) => model.undo(),
+        Action::Do(ActionId::Redo) => model.redo(),
+        action => {
+            return model.as_step(|model| {
+                let effects = applied(action, model, engine);
+                model.check_params();
+                effects
+            });
+        }
     }
     Vec::new()
 }
 
-fn point(pointed: Pointed, model: &mut Model) {
-    match pointed {
-        Pointed::Feature(index) => model.hovered = index,
-        Pointed::Candidate(index) => model.explained.pointed = index,
-        Pointed::Row(side, row) => model.slots[side].against.hovered = row,
-        Pointed::Match(index) => model.pair.hovered = index,
-        Pointed::Camera(index) => model.trajectories.hovered = index,
-        Pointed::Place(place) => model.probe.pointer = place,
-        Pointed::Dots(features) => model.probe.as_dots = features,
-        Pointed::Lines(drawn, all) => model.pair.lines_drawn = (drawn, all),
-    }
-}
-
+/// Applies those that need the engine, the bursts or what was answered; the others change the document alone.
 fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     use Action as A;
     match action {
@@ -41,7 +36,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::Open(side, source) => {
             model.open(side, source, engine);
         }
-        A::OpenDataset(source) => model.open_dataset(source, engine),
+        A::OpenDataset(source) => model.look_at_dataset(source, None, engine),
         A::UseFeatureFolder(folder) => model.use_feature_folder(folder, engine),
         A::OpenGold(side, source) => model.open_gold(side, source, engine),
         A::OpenFeatures(side, path) => {
@@ -53,78 +48,30 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::CutOpenBurst(length) => model.cut_open_burst(length, engine),
         A::Calibrate(options) => return vec![model.calibrate(options, engine)],
         A::DetectAllAnyway => model.detect_all(engine),
-        A::SetPoseStudy(study) => {
-            model.trajectories.study = study;
-            model.compare_trajectories_again(engine);
-        }
+        A::SetPoseStudy(study) => model.set_pose_study(study, engine),
         A::OpenCamera(label) => model.look_at_camera(&label, engine),
         A::Note(text) => model.messages.note(text),
         A::DismissMessage(id) => model.messages.dismiss(id),
-        action => set(action, model),
-    }
-    Vec::new()
-}
-
-fn set(action: Action, model: &mut Model) {
-    use Action as A;
-    match action {
-        A::SetLook(look) => {
-            if look.smoothing_px != model.look.smoothing_px {
-                // With less noise the values span less.
-                model.focused_ranges_mut().forget();
-            }
-            model.look = Look { ranges: model.look.ranges, ..look };
-        }
-        A::SetDisplay(class, display) => *model.focused_ranges_mut().display_mut(class) = display,
         A::ColourBy(by) => {
             model.colour_by = by;
             // Choosing a quantity again starts its computation again, if that was cancelled.
             model.coherence.try_again();
         }
-        A::SetMeasure(measure) => model.measure = measure,
-        A::SetPanels(panels) => model.panels = panels,
-        A::OpenTab(tab) => (model.bottom_tab, model.panels.bottom) = (tab, Visibility::Open),
         A::ToggleTab(tab) => {
             model.panels.bottom = Visibility::from(!model.shows_bottom() || model.bottom_tab != tab);
             model.bottom_tab = tab;
         }
-        A::SetFigure(figure) => model.figure = figure,
-        A::SetFilm(film) => model.film = film,
-        A::SetSearch(search) => model.set_search(*search),
         A::UseFrames(count) => model.use_frames(count),
         A::ApplyChanges(side, changes) => model.apply_advice(side, &changes),
-        A::SetSetUp(set_up) => model.set_up = set_up,
-        A::ApplySetUp => apply_set_up(model),
-        A::ReadDepths(reads) => model.read_depths(reads),
-        A::Select(index) => model.selected = index,
-        A::SetFilter(filter) => model.filter = filter,
-        A::SetOrder(order) => model.order = order,
-        A::ShowTest(test) => (model.explained.shown_test, model.explained.selected) = (test, None),
-        A::SelectCandidate(index) => model.explained.selected = index,
+        A::ApplySetUp => model.apply_set_up(),
         A::ExamineSlopes => model.explained.slopes_wanted = true,
         A::SearchDecoys => model.want_decoys(),
         A::Probe(side, question) => model.ask_probe(side, question),
         A::ProbeFeature(side, index) => model.probe_feature(side, index),
-        A::ProbeSubject(subject) => model.probe.look_at(subject),
-        A::ProbeNear(sigma) => model.probe.near_sigma = sigma,
-        A::OpenProbe(is_open) => model.probe.is_open = is_open,
-        A::StopFollowing => model.probe.follows = false,
-        A::CompareWith(side, with) => model.show_against(side, with),
-        A::ShowKind(side, kind, shown) => show(&mut model.slots[side].against.hidden, kind, shown),
+        A::ProbeSubject(subject) => model.look_at(subject),
+        A::CompareWith(side, with) => model.show_comparison(side, with),
         A::SelectRow(side, row) => model.select_row(side, row),
-        A::SetMatching(params) => model.matching = *params,
-        A::SetMatchLook(look) => model.match_look = look,
-        A::SetPairLinks(links) => model.set_pair_links(links),
-        A::SetMatchOrder(order) => model.match_order = order,
-        A::SetPairTab(tab) => model.pair_tab = tab,
-        A::SelectMatch(index) => (model.pair.selected, model.pair.lost.selected) = (index, None),
         A::AskFeature(index) => model.ask_feature(index),
-        A::ShowLost(lost, shown) => {
-            show(&mut model.pair.lost.hidden, lost, shown);
-            model.pair_tab = crate::app::project::pair::PairTab::Unmatched;
-        }
-        A::SetMethods(look) => model.methods = look,
-        A::SetLab(lab) => model.lab = *lab,
         A::ShowKept(index, shown) => {
             model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.is_shown = shown);
         }
@@ -132,12 +79,60 @@ fn set(action: Action, model: &mut Model) {
             model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.name.clone_from(&name));
         }
         A::ForgetKept(index) => model.forget_kept(index),
-        A::SetPairChoice(choice) => model.datasets.choice = choice,
-        A::ChooseBurst(..) | A::SelectPair(_) | A::SortPairs(_) => set_in_dataset(action, model),
-        A::SetProjection(projection) => model.trajectories.projection = projection,
-        A::MoveCameras(view) => model.trajectories.view = view,
-        A::SelectCamera(index) => model.trajectories.selected = index,
-        action => set_pane(action, model),
+        A::SortPairs(column) => model.datasets.open.iter_mut().for_each(|open| open.matches.sort_by(column)),
+        A::ChangePanes(change) => model.change_panes(change),
+        action => set(action, &mut model.document),
+    }
+    Vec::new()
+}
+
+fn set(action: Action, document: &mut Document) {
+    use Action as A;
+    match action {
+        A::SetLook(look) => {
+            if look.smoothing_px != document.look.smoothing_px {
+                // With less noise the values span less.
+                document.focused_ranges_mut().forget();
+            }
+            document.look = Look { ranges: document.look.ranges, ..look };
+        }
+        A::SetDisplay(class, display) => *document.focused_ranges_mut().display_mut(class) = display,
+        A::SetMeasure(measure) => document.measure = measure,
+        A::SetPanels(panels) => document.panels = panels,
+        A::OpenTab(tab) => (document.bottom_tab, document.panels.bottom) = (tab, Visibility::Open),
+        A::SetFigure(figure) => document.figure = figure,
+        A::SetFilm(film) => document.film = film,
+        A::SetSearch(search) => document.set_search(*search),
+        A::SetSetUp(set_up) => document.set_up = set_up,
+        A::ReadDepths(reads) => document.read_depths(reads),
+        A::Select(index) => document.selected = index,
+        A::SetFilter(filter) => document.filter = filter,
+        A::SetOrder(order) => document.order = order,
+        A::ShowTest(test) => (document.shown_test, document.selected_candidate) = (test, None),
+        A::SelectCandidate(index) => document.selected_candidate = index,
+        A::ProbeNear(sigma) => document.probe.near_sigma = sigma,
+        A::OpenProbe(is_open) => document.probe.is_open = is_open,
+        A::StopFollowing => document.probe.follows = false,
+        A::ShowKind(side, kind, shown) => show(&mut document.comparisons[side].hidden, kind, shown),
+        A::SetMatching(params) => document.matching = *params,
+        A::SetMatchLook(look) => document.match_look = look,
+        A::SetPairLinks(links) => document.set_pair_links(links),
+        A::SetMatchOrder(order) => document.match_order = order,
+        A::SetPairTab(tab) => document.pair_tab = tab,
+        A::SelectMatch(index) => (document.selected_match, document.asked_about) = (index, None),
+        A::ShowLost(lost, shown) => {
+            show(&mut document.hidden_losses, lost, shown);
+            document.pair_tab = PairTab::Unmatched;
+        }
+        A::SetMethods(look) => document.methods = look,
+        A::SetLab(lab) => document.lab = *lab,
+        A::SetPairChoice(choice) => document.pairs = choice,
+        A::ChooseBurst(side, place) => document.dataset.iter_mut().for_each(|dataset| dataset.choose(side, place)),
+        A::SelectPair(pair) => document.dataset.iter_mut().for_each(|dataset| dataset.select(pair)),
+        A::SetProjection(projection) => document.trajectories.projection = projection,
+        A::MoveCameras(view) => document.trajectories.view = view,
+        A::SelectCamera(index) => document.trajectories.selected = index,
+        action => set_pane(action, document),
     }
 }
 
@@ -147,63 +142,41 @@ fn show<T: PartialEq>(hidden: &mut Vec<T>, kind: T, shown: bool) {
     hidden.extend((!shown).then_some(kind));
 }
 
-fn set_in_dataset(action: Action, model: &mut Model) {
-    let Some(dataset) = &mut model.datasets.open else { return };
-    match action {
-        Action::ChooseBurst(side, place) => dataset.choose(side as usize, place),
-        Action::SelectPair(pair) => dataset.select(pair),
-        Action::SortPairs(column) => dataset.matches.sort_by(column),
-        _ => {}
-    }
-}
-
-fn set_pane(action: Action, model: &mut Model) {
+fn set_pane(action: Action, document: &mut Document) {
     use Action as A;
     match action {
-        A::Focus(id) => model.panes.set_focus(id),
-        A::Rearrange(arrangement) => model.panes.rearrange(arrangement),
-        A::ChangePanes(change) => model.change_panes(change),
-        A::MoveView { pane, before, after } => model.move_view(pane, &before, after),
-        A::GoTo(side, destination) => model.go_to(side, &destination),
-        A::SetFrame(id, frame) => model.lead(id, |pane| {
+        A::Focus(id) => document.panes.set_focus(id),
+        A::Rearrange(arrangement) => document.panes.rearrange(arrangement),
+        A::MoveView { pane, before, after } => document.move_view(pane, &before, after),
+        A::GoTo(side, destination) => document.go_to(side, &destination),
+        A::SetFrame(id, frame) => document.lead(id, |pane| {
             pane.cursor.frame = frame;
             pane.show(ViewKind::Frame);
         }),
         A::SetSlope(id, slope) => {
-            model.playing = false;
-            model.show_slope(id, slope);
+            document.playing = false;
+            document.show_slope(id, slope);
         }
-        A::PlaySlope(id, slope) => model.show_slope(id, slope),
-        A::SetScale(id, octave, level) => model.lead(id, |pane| {
+        A::PlaySlope(id, slope) => document.show_slope(id, slope),
+        A::SetScale(id, octave, level) => document.lead(id, |pane| {
             (pane.cursor.octave, pane.cursor.level) = (octave, level);
             pane.show_scale();
         }),
-        A::Show(id, kind) => model.lead(id, |pane| pane.show(kind)),
-        A::SetContent(id, Content::Slice(axis)) => model.lead(id, |pane| pane.show_slice(axis)),
-        A::SetContent(id, content) => model.lead(id, |pane| pane.content = content),
-        A::SetOver(id, over) => model.lead(id, |pane| pane.over = over),
-        A::SetLink(id, link, on) => model.set_link(id, link, on),
-        A::SetMethod(id, method) => model.lead(id, |pane| pane.method = Some(method)),
-        A::SetSide(id, side) => model.panes.show_side(id, side),
+        A::Show(id, kind) => document.lead(id, |pane| pane.show(kind)),
+        A::SetContent(id, Content::Slice(axis)) => document.lead(id, |pane| pane.show_slice(axis)),
+        A::SetContent(id, content) => document.lead(id, |pane| pane.content = content),
+        A::SetOver(id, over) => document.lead(id, |pane| pane.over = over),
+        A::SetLink(id, link, on) => document.set_link(id, link, on),
+        A::SetMethod(id, method) => document.lead(id, |pane| pane.method = Some(method)),
+        A::SetSide(id, side) => document.panes.show_side(id, side),
         _ => {}
-    }
-}
-
-fn apply_set_up(model: &mut Model) {
-    let frames = model.slots.a.burst.as_ref().map_or(10, |open| open.burst.len());
-    let slopes = model.set_up.values.slopes(model.params.used_frames(frames).len(), &model.params);
-    if let Ok(slopes) = slopes.map(|slopes| (slopes.grid, slopes.options())) {
-        let (grid, options) = slopes;
-        let mut detector = model.params.clone();
-        detector.slopes = grid;
-        model.set_search(SearchParams { detector, slopes: SlopeChoice::Given });
-        model.messages.note(format!("Set {options}"));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::document::Pointed;
     use crate::app::project::side::Side;
     use crate::app::project::tests::Bench;
 
@@ -216,6 +189,6 @@ mod tests {
         }
         model.close_step(false);
         assert!(model.document == before && !model.history.can_undo());
-        assert_eq!((model.hovered, model.slots.b.against.hovered), (Some(3), Some(1)));
+        assert_eq!((model.hovered, model.slots.b.comparison.hovered), (Some(3), Some(1)));
     }
 }

@@ -3,10 +3,11 @@
 use super::ActionId;
 use crate::app::canvas::View;
 use crate::app::canvas::overlay::ColourBy;
+use crate::app::document::Document;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::Tool;
 use crate::app::pane::{Direction, Link, Pane, Preset};
-use crate::app::project::against::With;
+use crate::app::project::comparison::Reference;
 use crate::app::project::cursor::{ViewKind, snapped, stepped};
 use crate::app::project::effect::{ExportKind, Purpose};
 use crate::app::project::method::plane_of;
@@ -180,28 +181,20 @@ pub fn place_to_probe(model: &Model, widgets: &PaneWidgets) -> Option<(Side, [f3
         let within = |x: f32, n: usize| x.clamp(0.0, n.saturating_sub(1) as f32);
         Some((model.focused().side, [within(visible.x, width), within(visible.y, height)]))
     };
-    model.probe.pointer.or_else(middle)
+    model.probed.pointer.or_else(middle)
 }
 
 fn change_values(id: ActionId, model: &mut Model) {
     use ActionId as A;
     match id {
-        A::Undo => model.undo(),
-        A::Redo => model.redo(),
         A::Play => model.toggle_play(),
-        A::Fit => model.change_views(View::set_fit),
-        A::ZoomIn => model.change_views(|view| view.zoom_by(1.25)),
-        A::ZoomOut => model.change_views(|view| view.zoom_by(0.8)),
-        A::SplitRight => model.change_panes(Change::Split(model.focus(), Direction::Right)),
-        A::SplitDown => model.change_panes(Change::Split(model.focus(), Direction::Down)),
-        A::ClosePane => model.change_panes(Change::Close(model.focus())),
         A::GoToFeature if model.workspace == Workspace::Pair => {
             model.go_to_match();
         }
         A::GoToFeature => model.go_to_selected(),
         A::BurstAsA => model.choose_open_burst(Side::A),
         A::BurstAsB => model.choose_open_burst(Side::B),
-        A::CloseTrajectories => model.trajectories.clear(),
+        A::CloseTrajectories => model.close_trajectories(),
         A::SwapSides => model.swap_sides(),
         A::ProbeFeature => {
             if let Some((side, index)) = model.feature_to_probe() {
@@ -210,117 +203,136 @@ fn change_values(id: ActionId, model: &mut Model) {
         }
         A::ProbeStrongest => model.ask_probe(model.active_side(), ProbeQuestion::Strongest),
         A::ProbeFollow => model.follow_with_probe(),
-        A::CloseProbe => model.probe.clear(),
+        A::CloseProbe => model.clear_probe(),
         A::PinResult => {
             model.pin_result(model.active_side());
             model.bottom_tab = BottomTab::Compared;
             model.messages.note("Pinned: later detections are compared with these features");
         }
-        A::UnpinResult => model.forget_reference(model.active_side(), With::Pinned),
-        A::CloseFeatures => model.forget_reference(model.active_side(), With::File),
+        A::UnpinResult => model.forget_reference(model.active_side(), Reference::Pinned),
+        A::CloseFeatures => model.forget_reference(model.active_side(), Reference::File),
         A::ShowTruth => {
             let side = model.active_side();
-            let on = model.slots[side].against.with == Some(With::Truth);
-            model.show_against(side, (!on).then_some(With::Truth));
+            let on = model.comparisons[side].with == Some(Reference::Truth);
+            model.show_comparison(side, (!on).then_some(Reference::Truth));
             model.bottom_tab = BottomTab::Compared;
         }
         A::KeepCurves => model.studies.keep_current(),
-        A::MeasureLine => model.measure.toggle(Tool::Line),
-        A::MeasureRegion => model.measure.toggle(Tool::Region),
-        A::ClearMeasure => model.measure.clear(),
-        A::ClearSelection if model.measure.tool != Tool::Pan => {
-            let tool = model.measure.tool;
-            model.measure.toggle(tool);
-        }
-        A::NextPane => model.panes.focus_next(true),
-        A::PreviousPane => model.panes.focus_next(false),
-        A::NextLayout => model.panes.next_over(),
-        A::Flip => model.panes.flip(),
         A::CompareAgain => model.compare.forget_failures(),
-        A::ToggleOverlay if model.workspace == Workspace::Methods => model.methods.features ^= true,
-        A::ToggleOverlay if model.workspace == Workspace::Pair => model.match_look.features ^= true,
-        A::ToggleOverlay => model.look.overlay = model.look.overlay.next(),
-        A::ToggleMotion => model.look.motion_vectors ^= true,
-        A::ToggleOrientation => model.look.orientations ^= true,
-        A::ToggleLegend => model.look.legend ^= true,
-        A::NextColouring => {
-            let choices = || ColourBy::choices(model.set_up.reads_depths);
-            let next = choices().skip_while(|by| *by != model.colour_by).nth(1);
-            model.colour_by = next.unwrap_or_default();
-        }
         A::ToggleLeft if model.shows_left() => model.panels.left = Visibility::Closed,
         A::ToggleLeft => model.open_left(),
         A::ToggleRight => model.panels.right = Visibility::from(!model.shows_right()),
         A::ToggleBottom => model.panels.bottom = Visibility::from(!model.shows_bottom()),
-        A::ToggleFilmstrip => model.panels.filmstrip ^= true,
-        A::ThemeSystem => model.theme = egui::ThemePreference::System,
-        A::ThemeLight => model.theme = egui::ThemePreference::Light,
-        A::ThemeDark => model.theme = egui::ThemePreference::Dark,
-        A::AutoDetect => model.auto_detect ^= true,
-        A::SlopesFromSetUp => model.show_set_up(),
-        A::ResetParams => model.set_search(SearchParams::default()),
-        A::Preset1d => {
-            (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
-            model.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
-        }
-        A::Preset2d => {
-            (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
-            model.params.slopes = plane_of(model.params.slopes);
-        }
-        A::PresetSift => model.params.method = Method::Sift,
         A::NextFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(true),
         A::PreviousFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(false),
         A::StrongestFeature if model.workspace == Workspace::Pair => {
-            model.pair.selected = model.pair.listed.first().copied();
+            model.selected_match = model.pair.listed.first().copied();
         }
-        A::ClearSelection if model.workspace == Workspace::Pair => model.ask_feature(None),
         A::NextFeature => model.select_neighbour(true),
         A::PreviousFeature => model.select_neighbour(false),
         A::StrongestFeature => model.selected = model.listed.first().copied(),
-        A::ClearSelection => (model.selected, model.slots.a.against.selected) = (None, None),
-        A::ClearFilter => model.filter = Default::default(),
-        A::OtherSide => model.focus_other_side(),
         A::ProbeExpected => {
             if let Some(place) = model.expected_place() {
                 model.probe_place(Side::B, place);
             }
         }
-        A::LinkCursors => model.toggle_link(Link::Cursor),
-        A::LinkViews => model.toggle_link(Link::View),
-        A::LinkRanges => model.toggle_link(Link::Display),
-        A::ResetMatching => model.matching = Default::default(),
-        A::ToggleInliers => model.match_look.inliers ^= true,
-        A::ToggleOutliers => model.match_look.outliers ^= true,
-        A::ToggleAlone => model.match_look.alone ^= true,
-        A::ToggleEpipolar => model.match_look.geometry ^= true,
-        _ => move_cursor(model, id),
+        A::BusiestSlope => {
+            let focus = model.focus();
+            model.playing = false;
+            model.go_to_busiest_slope(focus);
+            model.lead(focus, Pane::show_slope);
+        }
+        _ => {
+            let grid = model.cursor_params().slopes;
+            change_document(id, &grid, &mut model.document);
+        }
     }
 }
 
-fn move_cursor(model: &mut Model, id: ActionId) {
+/// Changes the document alone. `grid` has the slopes to go through.
+fn change_document(id: ActionId, grid: &SlopeGrid, document: &mut Document) {
     use ActionId as A;
-    let grid = model.cursor_params().slopes;
-    let slope = model.cursor().slope;
+    match id {
+        A::Fit => document.change_views(View::set_fit),
+        A::ZoomIn => document.change_views(|view| view.zoom_by(1.25)),
+        A::ZoomOut => document.change_views(|view| view.zoom_by(0.8)),
+        A::SplitRight => drop(document.panes.split(document.focus(), Direction::Right)),
+        A::SplitDown => drop(document.panes.split(document.focus(), Direction::Down)),
+        A::ClosePane => document.panes.close(document.focus()),
+        A::MeasureLine => document.measure.toggle(Tool::Line),
+        A::MeasureRegion => document.measure.toggle(Tool::Region),
+        A::ClearMeasure => document.measure.clear(),
+        A::ClearSelection if document.measure.tool != Tool::Pan => {
+            let tool = document.measure.tool;
+            document.measure.toggle(tool);
+        }
+        A::NextPane => document.panes.focus_next(true),
+        A::PreviousPane => document.panes.focus_next(false),
+        A::NextLayout => document.panes.next_over(),
+        A::Flip => document.panes.flip(),
+        A::ToggleOverlay if document.workspace == Workspace::Methods => document.methods.features ^= true,
+        A::ToggleOverlay if document.workspace == Workspace::Pair => document.match_look.features ^= true,
+        A::ToggleOverlay => document.look.overlay = document.look.overlay.next(),
+        A::ToggleMotion => document.look.motion_vectors ^= true,
+        A::ToggleOrientation => document.look.orientations ^= true,
+        A::ToggleLegend => document.look.legend ^= true,
+        A::NextColouring => {
+            let choices = || ColourBy::choices(document.set_up.reads_depths);
+            let next = choices().skip_while(|by| *by != document.colour_by).nth(1);
+            document.colour_by = next.unwrap_or_default();
+        }
+        A::ToggleFilmstrip => document.panels.filmstrip ^= true,
+        A::ThemeSystem => document.theme = egui::ThemePreference::System,
+        A::ThemeLight => document.theme = egui::ThemePreference::Light,
+        A::ThemeDark => document.theme = egui::ThemePreference::Dark,
+        A::AutoDetect => document.auto_detect ^= true,
+        A::SlopesFromSetUp => document.show_set_up(),
+        A::ResetParams => document.set_search(SearchParams::default()),
+        A::Preset1d => {
+            (document.params.method, document.slopes) = (Method::Buff, SlopeChoice::Given);
+            document.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
+        }
+        A::Preset2d => {
+            (document.params.method, document.slopes) = (Method::Buff, SlopeChoice::Given);
+            document.params.slopes = plane_of(document.params.slopes);
+        }
+        A::PresetSift => document.params.method = Method::Sift,
+        A::ClearSelection if document.workspace == Workspace::Pair => {
+            (document.selected_match, document.asked_about) = (None, None);
+        }
+        A::ClearSelection => (document.selected, document.comparisons.a.selected) = (None, None),
+        A::ClearFilter => document.filter = Default::default(),
+        A::OtherSide => document.focus_other_side(),
+        A::LinkCursors => document.toggle_link(Link::Cursor),
+        A::LinkViews => document.toggle_link(Link::View),
+        A::LinkRanges => document.toggle_link(Link::Display),
+        A::ResetMatching => document.matching = Default::default(),
+        A::ToggleInliers => document.match_look.inliers ^= true,
+        A::ToggleOutliers => document.match_look.outliers ^= true,
+        A::ToggleAlone => document.match_look.alone ^= true,
+        A::ToggleEpipolar => document.match_look.geometry ^= true,
+        _ => move_cursor(id, grid, document),
+    }
+}
+
+fn move_cursor(id: ActionId, grid: &SlopeGrid, document: &mut Document) {
+    use ActionId as A;
+    let slope = document.cursor().slope;
     let slope = match id {
-        A::SlopeULess => Some(stepped(&grid, slope, false, false)),
-        A::SlopeUMore => Some(stepped(&grid, slope, false, true)),
-        A::SlopeVLess => Some(stepped(&grid, slope, true, false)),
-        A::SlopeVMore => Some(stepped(&grid, slope, true, true)),
+        A::SlopeULess => Some(stepped(grid, slope, false, false)),
+        A::SlopeUMore => Some(stepped(grid, slope, false, true)),
+        A::SlopeVLess => Some(stepped(grid, slope, true, false)),
+        A::SlopeVMore => Some(stepped(grid, slope, true, true)),
         A::SlopeZero => Some(Slope::default()),
-        A::SnapSlope => Some(snapped(&grid, slope)),
+        A::SnapSlope => Some(snapped(grid, slope)),
         _ => None,
     };
-    let focus = model.focus();
+    let focus = document.focus();
     if let Some(slope) = slope {
-        model.playing = false;
-        model.show_slope(focus, slope);
+        document.playing = false;
+        document.show_slope(focus, slope);
     }
-    if id == A::BusiestSlope {
-        model.playing = false;
-        model.go_to_busiest_slope(focus);
-        model.lead(focus, Pane::show_slope);
-    }
-    model.lead(focus, |pane| {
+    document.lead(focus, |pane| {
         let cursor = &mut pane.cursor;
         match id {
             A::FramePrevious => cursor.frame = cursor.frame.saturating_sub(1),

@@ -5,7 +5,7 @@ use super::registry::ActionId;
 use crate::app::measure::Tool;
 use crate::app::pane::{Link, MAX_PANES, Over};
 use crate::app::project::Model;
-use crate::app::project::against::With;
+use crate::app::project::comparison::Reference;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Method, SearchParams};
@@ -24,13 +24,13 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
     match id {
         A::NextFeature | A::PreviousFeature | A::StrongestFeature if in_pair => !model.pair.listed.is_empty(),
         A::ClearSelection if in_pair => model.asked_feature().is_some(),
-        A::GoToFeature if in_pair => model.pair.selected.is_some(),
+        A::GoToFeature if in_pair => model.selected_match.is_some(),
         A::Undo => model.history.can_undo(),
         A::Redo => model.history.can_redo(),
         A::CopyCommand => has_burst && active.param_error.is_none(),
-        A::UnpinResult => active.against.has(With::Pinned),
-        A::CloseFeatures => active.against.has(With::File),
-        A::ShowTruth => active.against.has(With::Truth),
+        A::UnpinResult => model.has_reference(model.active_side(), Reference::Pinned),
+        A::CloseFeatures => model.has_reference(model.active_side(), Reference::File),
+        A::ShowTruth => model.has_reference(model.active_side(), Reference::Truth),
         A::CopyPicture => model.picture().is_some(),
         A::MeasureLine | A::MeasureRegion => has_burst && in_inspect,
         A::ClearMeasure => !model.measure.is_empty(),
@@ -75,7 +75,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         | A::ZoomOut => has_burst,
         A::PinResult | A::ExportCsv | A::ExportColmap | A::ExportNpz | A::BusiestSlope => active.found.is_some(),
         A::ExportMatches => model.pair.matches.is_some(),
-        A::ExportMethods => model.workspace == Workspace::Methods && !model.contenders().is_empty(),
+        A::ExportMethods => model.workspace == Workspace::Methods && !model.methods_shown().is_empty(),
         A::ExportTiff | A::ExportPng | A::ExportFigure | A::FigureOptions => model.picture().is_some(),
         A::SlopeULess | A::SlopeUMore | A::SlopeVLess | A::SlopeVMore | A::SlopeZero | A::SnapSlope => has_burst,
         A::Play => has_burst && model.cursor_params().slopes.len() > 1,
@@ -89,14 +89,14 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Cancel => model.is_searching(),
         A::ResetParams => model.asked() != SearchParams::default(),
         A::NextFeature | A::PreviousFeature | A::StrongestFeature => !model.listed.is_empty(),
-        A::ClearSelection => model.selected_feature().is_some() || model.slots.a.against.selected.is_some(),
+        A::ClearSelection => model.selected_feature().is_some() || model.comparisons.a.selected.is_some(),
         A::GoToFeature => model.selected_feature().is_some(),
         A::ProbePlace | A::ProbeFollow | A::ProbeStrongest => {
             let can_search = active.found.is_some() || active.param_error.is_none();
             has_burst && (in_inspect || in_pair) && can_search
         }
         A::ProbeFeature => (in_inspect || in_pair) && model.feature_to_probe().is_some(),
-        A::CloseProbe => model.probe.is_on() || model.probe.answer.is_some(),
+        A::CloseProbe => model.probe.is_on() || model.probed.answer.is_some(),
         A::ClearFilter => !model.filter.is_open(),
         A::DetectAll => model.datasets.can_detect(model.asked().validate().is_ok()),
         A::CancelDataset => model.datasets.work.is_some(),
@@ -108,7 +108,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         }
         A::MatchPairs => model.datasets.can_match(model.matching.validate().is_ok()),
         A::MatchSelected => {
-            let chosen = model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some());
+            let chosen = model.dataset.as_ref().is_some_and(|set| set.selected().is_some());
             chosen && model.datasets.can_match(model.matching.validate().is_ok())
         }
         A::ExportDatabase => {
@@ -117,8 +117,8 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         }
         A::PaperFigures => !model.figures.is_pending(),
         A::CancelFigures => model.figures.is_pending(),
-        A::ShowPair => model.datasets.open.as_ref().is_some_and(|d| d.selected().is_some()),
-        A::CloseTrajectories => !model.trajectories.is_empty(),
+        A::ShowPair => model.dataset.as_ref().is_some_and(|set| set.selected().is_some()),
+        A::CloseTrajectories => !model.poses.is_empty(),
         A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
         A::LeaveLesson => model.in_lesson,
         A::CutSequence => {
@@ -153,7 +153,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),
-        A::ShowTruth => Some(model.slots[model.active_side()].against.with == Some(With::Truth)),
+        A::ShowTruth => Some(model.comparisons[model.active_side()].with == Some(Reference::Truth)),
         A::ProbeFollow => Some(model.probe.follows),
         A::Play => Some(model.playing),
         A::MeasureLine => Some(model.measure.tool == Tool::Line),

@@ -27,7 +27,6 @@ fn pass(bench: &mut Bench, action: Action) {
     let _ = apply(action, &mut bench.model, &bench.engine);
     bench.model.refresh_workspace();
     bench.model.check_params();
-    bench.model.check_pair();
     bench.model.close_step(false);
 }
 

@@ -6,7 +6,8 @@ use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::document::{Action, Pointed};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::instead_ui;
-use crate::app::project::trajectories::{PlaneScene, Spot, Trajectories};
+use crate::app::project::Model;
+use crate::app::project::trajectories::{PlaneScene, Spot};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
 use crate::export::round_length;
@@ -25,19 +26,19 @@ pub fn estimate_colour(ui: &Ui) -> Color32 {
 }
 
 /// Draws the plane; the pointer pans, zooms, and hovers over or selects cameras.
-pub fn plane_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
+pub fn plane_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(64.0, 64.0)), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Trajectories"));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, backdrop(ui));
-    let scene = trajectories.scene();
+    let scene = model.poses.scene(model.trajectories.projection);
     if scene.truth.is_empty() && scene.estimate.is_empty() {
-        let text = trajectories.problem().unwrap_or("Open an estimated and a true trajectory to compare them");
+        let text = model.poses.problem().unwrap_or("Open an estimated and a true trajectory to compare them");
         message(ui, &painter, rect, text);
         return;
     }
     let pixels_per_point = ui.ctx().pixels_per_point();
-    let mut view = trajectories.view;
+    let mut view = model.trajectories.view;
     view.settle(rect, scene.size, pixels_per_point);
     let before = view;
     navigate(ui, &response, rect, &mut view, true);
@@ -45,23 +46,23 @@ pub fn plane_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
     let pointed = response.hover_pos().and_then(|pos| nearest(&scene, &ui_from_plane, pos));
     let pair = pointed.and_then(|(_, spot)| spot.pair);
     if response.hovered() {
-        queue.point(&trajectories.hovered, pair, Pointed::Camera);
+        queue.point(&model.poses.hovered, pair, Pointed::Camera);
     }
     if response.clicked() {
         queue.push(Action::SelectCamera(pair));
     }
     if let Some((of_truth, spot)) = pointed.filter(|_| response.double_clicked()) {
-        queue.push(Action::OpenCamera(label_of(trajectories, of_truth, spot).to_owned()));
+        queue.push(Action::OpenCamera(label_of(model, of_truth, spot).to_owned()));
         // A double click fits the view, except on a camera.
         view = before;
     }
-    if !view.is_drawn_as(&trajectories.view) {
+    if !view.is_drawn_as(&model.trajectories.view) {
         queue.push(Action::MoveCameras(view));
     }
-    draw(ui, &painter, trajectories, &scene, &ui_from_plane);
-    frame_ui(ui, &painter, trajectories, &scene, &ui_from_plane, rect);
+    draw(ui, &painter, model, &scene, &ui_from_plane);
+    frame_ui(ui, &painter, model, &scene, &ui_from_plane, rect);
     if let Some((of_truth, spot)) = pointed.filter(|_| !response.dragged()) {
-        let text = spot_text(trajectories, of_truth, spot) + "\nDouble-click to open its burst";
+        let text = spot_text(model, of_truth, spot) + "\nDouble-click to open its burst";
         response.on_hover_text_at_pointer(text);
     }
 }
@@ -75,41 +76,41 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
     Some((of_truth, spot))
 }
 
-fn label_of<'t>(trajectories: &'t Trajectories, of_truth: bool, spot: &Spot) -> &'t str {
-    let compared = &trajectories.compared;
+fn label_of<'t>(model: &'t Model, of_truth: bool, spot: &Spot) -> &'t str {
+    let compared = &model.poses.compared;
     let read = if of_truth { &compared.truth } else { &compared.estimate };
     read.as_ref().and_then(|(_, t)| t.poses.get(spot.index)).map_or("", |p| p.label.as_str())
 }
 
-fn spot_text(trajectories: &Trajectories, of_truth: bool, spot: &Spot) -> String {
-    if let (Some(report), Some(pair)) = (trajectories.report(), spot.pair) {
-        return pair_text(trajectories, &report.pairs[pair]);
+fn spot_text(model: &Model, of_truth: bool, spot: &Spot) -> String {
+    if let (Some(report), Some(pair)) = (model.poses.report(), spot.pair) {
+        return pair_text(model, &report.pairs[pair]);
     }
-    let label = label_of(trajectories, of_truth, spot);
-    let is_missing = of_truth && trajectories.report().is_some();
+    let label = label_of(model, of_truth, spot);
+    let is_missing = of_truth && model.poses.report().is_some();
     format!("{label}{}", if is_missing { "\nnot registered: the estimate has no camera here" } else { "" })
 }
 
-pub fn pair_text(trajectories: &Trajectories, pair: &PairReport) -> String {
+pub fn pair_text(model: &Model, pair: &PairReport) -> String {
     let mut text = format!("{}\noff by {:.4} and {:.3}°", pair.label, pair.translation_error, pair.rotation_error_deg);
-    if let Some(points) = points_of(trajectories, pair.estimate) {
+    if let Some(points) = points_of(model, pair.estimate) {
         text += &format!("\n{points} 3D points");
     }
     text
 }
 
 /// Number of 3D points that image `index` of the estimate sees; `None` if the estimate is no sparse model.
-pub fn points_of(trajectories: &Trajectories, index: usize) -> Option<usize> {
-    let (_, estimate): &(_, std::sync::Arc<Trajectory>) = trajectories.compared.estimate.as_ref()?;
+pub fn points_of(model: &Model, index: usize) -> Option<usize> {
+    let (_, estimate): &(_, std::sync::Arc<Trajectory>) = model.poses.compared.estimate.as_ref()?;
     Some(estimate.model.as_ref()?.images.get(index)?.points)
 }
 
-fn draw(ui: &Ui, painter: &Painter, trajectories: &Trajectories, scene: &PlaneScene, ui_from_plane: &RectTransform) {
+fn draw(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_from_plane: &RectTransform) {
     let (true_colour, estimated_colour) = colours(ui);
     let places = |spots: &[Spot]| spots.iter().map(|s| ui_from_plane.pos(s.pos)).collect::<Vec<_>>();
     let (truth, estimate) = (places(&scene.truth), places(&scene.estimate));
     let error_colour = ui.visuals().error_fg_color;
-    if let Some(report) = trajectories.report() {
+    if let Some(report) = model.poses.report() {
         for pair in &report.pairs {
             let ends = [truth[pair.truth], estimate[pair.estimate]];
             painter.line_segment(ends, Stroke::new(1.5, error_colour));
@@ -117,10 +118,11 @@ fn draw(ui: &Ui, painter: &Painter, trajectories: &Trajectories, scene: &PlaneSc
     }
     painter.line(truth.clone(), Stroke::new(1.5, true_colour));
     painter.extend(Shape::dashed_line(&estimate, Stroke::new(1.5, estimated_colour), 6.0, 4.0));
-    let marked =
-        |spot: &Spot| spot.pair.is_some() && (spot.pair == trajectories.hovered || spot.pair == trajectories.selected);
+    let marked = |spot: &Spot| {
+        spot.pair.is_some() && (spot.pair == model.poses.hovered || spot.pair == model.trajectories.selected)
+    };
     for (spot, at) in scene.truth.iter().zip(&truth) {
-        let missing = trajectories.report().is_some() && spot.pair.is_none();
+        let missing = model.poses.report().is_some() && spot.pair.is_none();
         let colour = if missing { error_colour } else { true_colour };
         painter.circle_stroke(*at, if marked(spot) { 7.0 } else { 4.0 }, Stroke::new(1.5, colour));
     }
@@ -129,14 +131,7 @@ fn draw(ui: &Ui, painter: &Painter, trajectories: &Trajectories, scene: &PlaneSc
     }
 }
 
-fn frame_ui(
-    ui: &Ui,
-    painter: &Painter,
-    trajectories: &Trajectories,
-    scene: &PlaneScene,
-    ui_from_plane: &RectTransform,
-    rect: Rect,
-) {
+fn frame_ui(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_from_plane: &RectTransform, rect: Rect) {
     let (true_colour, estimated_colour) = colours(ui);
     let (font, weak) = (FontId::proportional(12.0), ui.visuals().weak_text_color());
     let mut y = rect.top() + 16.0;
@@ -166,7 +161,7 @@ fn frame_ui(
     if !scene.estimate.is_empty() {
         entry("Estimate, aligned", estimated_colour, Entry::Estimate);
     }
-    if trajectories.report().is_some() && scene.truth.iter().any(|s| s.pair.is_none()) {
+    if model.poses.report().is_some() && scene.truth.iter().any(|s| s.pair.is_none()) {
         entry("Not registered", ui.visuals().error_fg_color, Entry::Missing);
     }
     // The scale bar takes up to a quarter of the width.
@@ -179,7 +174,7 @@ fn frame_ui(
     let whose = if scene.truth.is_empty() { "estimate" } else { "truth" };
     let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
-    let [right, up] = trajectories.projection.axis_names();
+    let [right, up] = model.trajectories.projection.axis_names();
     let text = format!("{right}: to the right,  {up}: up");
     painter.text(rect.right_bottom() + vec2(-10.0, -8.0), Align2::RIGHT_BOTTOM, text, font, weak);
 }
@@ -201,26 +196,26 @@ struct Bar {
 
 /// Makes a bar for each image: those of the truth in their order where there is a comparison, otherwise those of the
 /// estimate.
-fn bars(trajectories: &Trajectories) -> Vec<Bar> {
-    let compared = &trajectories.compared;
+fn bars(model: &Model) -> Vec<Bar> {
+    let compared = &model.poses.compared;
     let Some((_, estimate)) = &compared.estimate else { return Vec::new() };
     if estimate.model.is_none() {
         return Vec::new();
     }
     let bar = |label: &str, points, pair| Bar { label: label.to_owned(), points, pair };
-    let (Some((_, truth)), Some(report)) = (&compared.truth, trajectories.report()) else {
+    let (Some((_, truth)), Some(report)) = (&compared.truth, model.poses.report()) else {
         let poses = estimate.poses.iter().enumerate();
-        return poses.map(|(index, pose)| bar(&pose.label, points_of(trajectories, index), None)).collect();
+        return poses.map(|(index, pose)| bar(&pose.label, points_of(model, index), None)).collect();
     };
     let mut bars: Vec<Bar> = truth.poses.iter().map(|pose| bar(&pose.label, None, None)).collect();
     for (index, pair) in report.pairs.iter().enumerate() {
-        bars[pair.truth] = bar(&pair.label, points_of(trajectories, pair.estimate), Some(index));
+        bars[pair.truth] = bar(&pair.label, points_of(model, pair.estimate), Some(index));
     }
     bars
 }
 
-pub fn points_strip_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
-    let bars = bars(trajectories);
+pub fn points_strip_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let bars = bars(model);
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D points of each image"));
     let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
@@ -246,14 +241,14 @@ pub fn points_strip_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Que
     let pointed = response.hover_pos().filter(|p| plot.contains(*p)).map(|p| ((p.x - plot.left()) / step) as usize);
     let pair = pointed.and_then(|k| bars.get(k)?.pair);
     if response.hovered() {
-        queue.point(&trajectories.hovered, pair, Pointed::Camera);
+        queue.point(&model.poses.hovered, pair, Pointed::Camera);
     }
     if response.clicked() {
         queue.push(Action::SelectCamera(pair));
     }
     for (k, bar) in bars.iter().enumerate() {
         let column = bar_at(k);
-        let marked = bar.pair.is_some() && (bar.pair == trajectories.hovered || bar.pair == trajectories.selected);
+        let marked = bar.pair.is_some() && (bar.pair == model.poses.hovered || bar.pair == model.trajectories.selected);
         if marked || pointed == Some(k) {
             painter.rect_filled(column.expand(gap), 0.0, visuals.widgets.hovered.weak_bg_fill);
         }
@@ -270,8 +265,8 @@ pub fn points_strip_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Que
         }
     }
     if let Some(bar) = pointed.and_then(|k| bars.get(k)) {
-        let text = match (trajectories.report(), bar.pair, bar.points) {
-            (Some(report), Some(pair), _) => pair_text(trajectories, &report.pairs[pair]),
+        let text = match (model.poses.report(), bar.pair, bar.points) {
+            (Some(report), Some(pair), _) => pair_text(model, &report.pairs[pair]),
             (_, _, Some(points)) => format!("{}\n{points} 3D points", bar.label),
             _ => format!("{}\nnot registered", bar.label),
         };
@@ -286,13 +281,13 @@ const HEADINGS: [(&str, &str); 4] = [
     ("3D points", "Points of the sparse model that the image sees"),
 ];
 
-pub fn camera_list_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
-    let Some(report) = trajectories.report() else {
+pub fn camera_list_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let Some(report) = model.poses.report() else {
         instead_ui(ui, "Cameras that have a true one are listed here");
         return;
     };
     let items: Vec<usize> = (0..report.pairs.len()).collect();
-    let listed = Listed { items: &items, selected: trajectories.selected, hovered: trajectories.hovered };
+    let listed = Listed { items: &items, selected: model.trajectories.selected, hovered: model.poses.hovered };
     let heading = |(text, help)| {
         let is_left = text == HEADINGS[0].0;
         let width = if is_left { 120.0 } else { 84.0 };
@@ -304,13 +299,13 @@ pub fn camera_list_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queu
             0 => pair.label.clone(),
             1 => format!("{:.4}", pair.translation_error),
             2 => format!("{:.3}", pair.rotation_error_deg),
-            _ => points_of(trajectories, pair.estimate).map_or("–".to_owned(), |n| n.to_string()),
+            _ => points_of(model, pair.estimate).map_or("–".to_owned(), |n| n.to_string()),
         }
     };
     let name = |index: usize| format!("Camera {}", report.pairs[index].label);
     rows_ui(ui, &HEADINGS.map(heading), None, &listed, text, name, |row, index| {
         if row.hovered() {
-            queue.point(&trajectories.hovered, Some(index), Pointed::Camera);
+            queue.point(&model.poses.hovered, Some(index), Pointed::Camera);
         }
         if row.clicked() {
             queue.push(Action::SelectCamera(Some(index)));

@@ -13,17 +13,17 @@ use std::path::Path;
 
 pub fn errors_panel_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Trajectories", |ui| {
-        let compared = &model.trajectories.compared;
+        let compared = &model.poses.compared;
         let path = |read: &Option<(std::path::PathBuf, _)>| read.as_ref().map(|(path, _)| path.clone());
         let (estimate, truth) = (path(&compared.estimate), path(&compared.truth));
         file_ui(ui, model, queue, ActionId::OpenEstimate, "Estimate", estimate.as_deref());
         file_ui(ui, model, queue, ActionId::OpenTruth, "Truth", truth.as_deref());
         study_ui(ui, &model.trajectories, queue);
     });
-    if let Some(problem) = model.trajectories.problem() {
+    if let Some(problem) = model.poses.problem() {
         error_ui(ui, problem);
     }
-    if let Some(report) = model.trajectories.report() {
+    if let Some(report) = model.poses.report() {
         section_ui(ui, "Errors", |ui| errors_ui(ui, report));
     }
     section_ui(ui, "Reconstruction", |ui| reconstruction_ui(ui, model));
@@ -97,10 +97,10 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
 }
 
 fn reconstruction_ui(ui: &mut Ui, model: &Model) {
-    let estimate = model.trajectories.compared.estimate.as_ref();
+    let estimate = model.poses.compared.estimate.as_ref();
     let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());
     let matched = model.datasets.open.as_ref().and_then(Dataset::image_counts);
-    let registered = match (model.trajectories.report(), &summary) {
+    let registered = match (model.poses.report(), &summary) {
         (Some(r), _) => Some(format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent())),
         (None, summary) => summary.as_ref().map(|s| s.registered_images.to_string()),
     };

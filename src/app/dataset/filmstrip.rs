@@ -27,8 +27,6 @@ const CELL_HEIGHT: f32 = PICTURE_HEIGHT + 2.0 * TEXT_HEIGHT;
 
 pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
-pub const SIDES: [&str; 2] = ["A", "B"];
-
 pub fn filmstrip_ui(ui: &mut Ui, model: &Model, thumbnails: &mut Thumbnails, queue: &mut Queue) {
     ui.horizontal(|ui| header_ui(ui, model, queue));
     let shown = model.datasets.open.as_ref().and_then(|d| d.place_of(model.slots.a.burst.as_ref()));
@@ -54,9 +52,13 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &Model, thumbnails: &mut Thumbnails, que
         let last = ((viewport.max.x / step).ceil().max(0.0) as usize).min(count);
         for place in first..last {
             let picture = thumbnails.get(&dataset.bursts[place]);
-            let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction, queue);
+            let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction);
             if response.clicked() {
                 queue.push(Action::OpenBurstAt(place));
+            }
+            for side in Side::BOTH {
+                let is_chosen = model.dataset.as_ref().is_some_and(|set| set.pair[side] == Some(place));
+                side_ui(ui, dataset, place, side, is_chosen, cell(place), queue);
             }
             response.context_menu(|ui| menu_ui(ui, dataset, place, queue));
         }
@@ -99,7 +101,7 @@ fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::DetectAll, None);
         notice_ui(ui, model, dataset, queue);
     }
-    if dataset.selected().is_some() {
+    if model.dataset.as_ref().is_some_and(|set| set.selected().is_some()) {
         button_ui(ui, model, queue, ActionId::ShowPair, Some("A | B"));
     }
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -158,7 +160,6 @@ fn cell_ui(
     picture: Option<&ThumbnailState>,
     open: bool,
     fraction: f32,
-    queue: &mut Queue,
 ) -> Response {
     let burst = &dataset.bursts[place];
     let state = &dataset.states[place];
@@ -180,21 +181,17 @@ fn cell_ui(
     let stroke = if open { Stroke::new(2.0, style::ACCENT) } else { visuals.widgets.noninteractive.bg_stroke };
     painter.rect_stroke(rect, 4.0, stroke, StrokeKind::Inside);
     let text = format!("{}\n{}\nClick to open it", burst.name, state.sentence());
-    for side in Side::BOTH {
-        side_ui(ui, dataset, place, side, rect, queue);
-    }
     response.on_hover_text(text)
 }
 
-fn side_ui(ui: &Ui, dataset: &Dataset, place: usize, side: Side, rect: Rect, queue: &mut Queue) {
+fn side_ui(ui: &Ui, dataset: &Dataset, place: usize, side: Side, on: bool, rect: Rect, queue: &mut Queue) {
     let corner = rect.right_top() + vec2(-33.0 + 16.0 * f32::from(side as u8), 1.5);
     let square = Rect::from_min_size(corner, vec2(14.0, 14.0));
-    let on = dataset.pair[side as usize] == Some(place);
     let response = ui.interact(square, ui.scope_id().with(("side", place, side)), Sense::click());
     let label = format!("Use {} as {}", dataset.bursts[place].name, side.name());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, &label));
     let visuals = ui.visuals();
-    let fill = if on { side_colour(side as usize) } else { visuals.extreme_bg_color };
+    let fill = if on { side_colour(side) } else { visuals.extreme_bg_color };
     let text = if on { Color32::BLACK } else { visuals.weak_text_color() };
     let painter = ui.painter_at(rect);
     painter.rect_filled(square, 3.0, fill);
@@ -208,8 +205,8 @@ fn side_ui(ui: &Ui, dataset: &Dataset, place: usize, side: Side, rect: Rect, que
 }
 
 /// Colour of A or B; the two can be told apart without colour vision, on dark and light backgrounds.
-pub fn side_colour(side: usize) -> Color32 {
-    [Color32::from_rgb(0xf2, 0xb1, 0x4b), Color32::from_rgb(0x6c, 0xb8, 0xf2)][side]
+pub fn side_colour(side: Side) -> Color32 {
+    [Color32::from_rgb(0xf2, 0xb1, 0x4b), Color32::from_rgb(0x6c, 0xb8, 0xf2)][side as usize]
 }
 
 fn picture_ui(ui: &Ui, area: Rect, picture: Option<&ThumbnailState>) {

@@ -1,13 +1,14 @@
 //! Matches of all pairs of bursts: as a matrix, whose cells show the inliers of two bursts as a colour and a number, and
 //! as a list.
 
-use super::filmstrip::{SIDES, side_colour};
+use super::filmstrip::side_colour;
 use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::{instead_ui, middle_elided};
 use crate::app::project::datasets::pairs::{BurstPair, PairColumn, PairTable, pair_of};
-use crate::app::project::datasets::{BurstState, Dataset};
+use crate::app::project::datasets::{BurstState, Dataset, DatasetChoice};
+use crate::app::project::side::Side;
 use crate::app::style;
 use crate::plane::display::ColourMap;
 use egui::epaint::TextShape;
@@ -51,7 +52,7 @@ impl Grid {
 }
 
 /// Draws the matrix. A click selects a pair; returns the double-clicked pair, which is to be opened.
-pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, queue: &mut Queue) -> Option<BurstPair> {
+pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mut Queue) -> Option<BurstPair> {
     let count = dataset.bursts.len();
     let cell = Grid::cell_side(count, ui.available_size() - vec2(12.0, 12.0));
     let side = count as f32 * cell;
@@ -61,7 +62,7 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, queue: &mut Queue) -> Option<Bu
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         let grid = Grid { origin: rect.min + vec2(NAMES_WIDTH, HEAD_HEIGHT), cell, count };
         let pointed = response.hover_pos().and_then(|pos| grid.cell_at(pos));
-        draw(ui, dataset, &grid, pointed);
+        draw(ui, dataset, set, &grid, pointed);
         if let Some((row, column)) = pointed
             && let Some(pair) = pair_of(row, column)
         {
@@ -72,8 +73,8 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, queue: &mut Queue) -> Option<Bu
                 opened = Some(pair);
             }
         }
-        move_selection(ui, dataset, &response, queue);
-        let text = dataset.selected().map_or_else(String::new, |pair| pair_text(dataset, pair));
+        move_selection(ui, dataset, set, &response, queue);
+        let text = set.selected().map_or_else(String::new, |pair| pair_text(dataset, pair));
         response.widget_info(|| egui::WidgetInfo {
             current_text_value: Some(text.clone()),
             ..egui::WidgetInfo::labeled(egui::Role::Image, true, "Match matrix")
@@ -90,14 +91,14 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, queue: &mut Queue) -> Option<Bu
 }
 
 /// Moves the selection with the arrow keys while the matrix has the keyboard focus.
-fn move_selection(ui: &Ui, dataset: &Dataset, response: &Response, queue: &mut Queue) {
+fn move_selection(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, response: &Response, queue: &mut Queue) {
     if response.clicked() {
         response.request_focus();
     }
     if !response.has_focus() {
         return;
     }
-    let Some((row, column)) = dataset.selected() else { return };
+    let Some((row, column)) = set.selected() else { return };
     ui.memory_mut(|m| {
         let keys = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
         m.set_focus_lock_filter(response.id, keys);
@@ -169,7 +170,7 @@ pub fn legend_ui(ui: &mut Ui, most: usize) {
     response.on_hover_text("Inliers of a pair; the colour grows with the square root of their number");
 }
 
-fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>) {
+fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: Option<(usize, usize)>) {
     let painter = ui.painter();
     let visuals = ui.visuals();
     let colours = CountColours::new(dataset.matches.strongest());
@@ -206,12 +207,12 @@ fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>
             }
         }
     }
-    names(ui, dataset, grid, pointed);
+    names(ui, dataset, set, grid, pointed);
     let outline = |(row, column): (usize, usize), stroke: Stroke| {
         painter.rect_stroke(grid.cell(row, column), 0.0, stroke, StrokeKind::Middle);
         painter.rect_stroke(grid.cell(column, row), 0.0, stroke, StrokeKind::Middle);
     };
-    if let Some(pair) = dataset.selected() {
+    if let Some(pair) = set.selected() {
         outline(pair, Stroke::new(2.0, visuals.strong_text_color()));
     }
     if let Some(cell) = pointed {
@@ -220,14 +221,14 @@ fn draw(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>
 }
 
 /// Draws the bursts' names beside the rows and, upwards, above the columns; the hovered and selected ones stand out.
-fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)>) {
+fn names(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: Option<(usize, usize)>) {
     let (painter, visuals) = (ui.painter(), ui.visuals());
     let marked = |place: usize| {
         let of = |pair: Option<(usize, usize)>| pair.is_some_and(|(a, b)| a == place || b == place);
-        of(pointed) || of(dataset.selected())
+        of(pointed) || of(set.selected())
     };
     for (place, burst) in dataset.bursts.iter().enumerate() {
-        let colour = match (0..SIDES.len()).find(|&side| dataset.pair[side] == Some(place)) {
+        let colour = match Side::BOTH.into_iter().find(|&side| set.pair[side] == Some(place)) {
             Some(side) => side_colour(side),
             None if marked(place) => visuals.strong_text_color(),
             None => visuals.weak_text_color(),
@@ -249,7 +250,7 @@ fn names(ui: &Ui, dataset: &Dataset, grid: &Grid, pointed: Option<(usize, usize)
 }
 
 /// Draws the list. Returns the double-clicked pair.
-pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, queue: &mut Queue) -> Option<BurstPair> {
+pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mut Queue) -> Option<BurstPair> {
     if dataset.matches.is_empty() {
         instead_ui(ui, "Match pairs to see them here");
         return None;
@@ -259,7 +260,7 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, queue: &mut Queue) -> Option
     let item = |(a, b): BurstPair| a * count + b;
     let pair_at = |item: usize| (item / count, item % count);
     let rows: Vec<usize> = dataset.matches.listed().into_iter().map(|(pair, _)| item(pair)).collect();
-    let listed = Listed { items: &rows, selected: dataset.selected().map(item), hovered: None };
+    let listed = Listed { items: &rows, selected: set.selected().map(item), hovered: None };
     let order = dataset.matches.order;
     let sorted_by = PairColumn::ALL.iter().position(|column| *column == order.column).unwrap_or_default();
     let names = |item: usize| {
@@ -329,7 +330,8 @@ mod tests {
         let context = egui::Context::default();
         let screen = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 500.0));
         let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
-        let mut output = context.run_ui(input, |ui| assert_eq!(matrix_ui(ui, &dataset, &mut Queue::default()), None));
+        let mut output = context
+            .run_ui(input, |ui| assert_eq!(matrix_ui(ui, &dataset, &dataset.choice(), &mut Queue::default()), None));
         output.textures_delta.clear();
         let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
             egui::Shape::Text(text) => Some((text.galley.text().to_owned(), text.angle != 0.0)),

@@ -106,7 +106,7 @@ pub enum FileAnswer {
     NoDialog(Question),
 }
 
-pub struct Desk {
+pub struct FileChooser {
     dialogs: Arc<dyn FileDialogs>,
     sender: mpsc::Sender<FileAnswer>,
     receiver: mpsc::Receiver<FileAnswer>,
@@ -114,7 +114,7 @@ pub struct Desk {
     open: usize,
 }
 
-impl Desk {
+impl FileChooser {
     pub fn new(dialogs: Arc<dyn FileDialogs>, on_update: OnUpdate) -> Self {
         let (sender, receiver) = mpsc::channel();
         Self { dialogs, sender, receiver, on_update, open: 0 }
@@ -183,19 +183,19 @@ mod tests {
 
     #[test]
     fn what_was_chosen_is_answered_and_a_second_question_comes_back() {
-        let mut desk = Desk::new(Arc::new(Scripted(true, Some(vec!["/x".into()]))), Arc::new(|| {}));
-        assert!(desk.ask(question()).is_ok());
-        assert!(desk.is_asking() && desk.ask(question()).is_err());
+        let mut chooser = FileChooser::new(Arc::new(Scripted(true, Some(vec!["/x".into()]))), Arc::new(|| {}));
+        assert!(chooser.ask(question()).is_ok());
+        assert!(chooser.is_asking() && chooser.ask(question()).is_err());
         let end = Instant::now() + Duration::from_secs(120);
         let chosen = loop {
-            if let Some(answer) = desk.take_answers().pop() {
+            if let Some(answer) = chooser.take_answers().pop() {
                 break answer;
             }
             assert!(Instant::now() < end, "no answer");
             std::thread::sleep(Duration::from_millis(1));
         };
         assert!(matches!(chosen, FileAnswer::Chosen(Purpose::OpenFolder, paths) if paths == [PathBuf::from("/x")]));
-        assert!(!desk.is_asking() && desk.ask(question()).is_ok());
+        assert!(!chooser.is_asking() && chooser.ask(question()).is_ok());
     }
 
     #[test]

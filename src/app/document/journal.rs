@@ -6,7 +6,6 @@
 
 use super::Action;
 use crate::app::actions::registry::ActionId;
-use crate::app::session::absolute;
 use crate::files::{explained, written_by};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -75,10 +74,7 @@ impl Journal {
         if in_lesson || !is_taken_down(action) {
             return;
         }
-        let action = match action.clone() {
-            Action::Open(side, source) => Action::Open(side, absolute(&source)),
-            action => action,
-        };
+        let action = action.clone().with_absolute_paths();
         match self.steps.back_mut().filter(|_| self.is_open) {
             Some(step) => {
                 if step.last().is_some_and(|last| replaces(&action, last)) {

@@ -3,11 +3,13 @@
 pub mod action;
 pub mod journal;
 
-pub use action::{Action, Pointed, Queue};
+pub use action::{Action, Pointed, Queue, absolute};
 pub use journal::{Journal, Playback, Steps};
 
 use crate::app::pane::Panes;
 use crate::app::project::compare::CompareLook;
+use crate::app::project::comparison::Comparison;
+use crate::app::project::datasets::{DatasetChoice, PairChoice};
 use crate::app::project::figure::FigureChoice;
 use crate::app::project::film::FilmChoice;
 use crate::app::project::filter::{Filter, Order};
@@ -15,12 +17,17 @@ use crate::app::project::lab::Lab;
 use crate::app::project::look::Look;
 use crate::app::project::measure::Measure;
 use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
-use crate::app::project::panels::Panels;
+use crate::app::project::panels::{Panels, Visibility};
+use crate::app::project::probe::Probe;
 use crate::app::project::set_up::SetUpState;
+use crate::app::project::side::{Side, Sides};
+use crate::app::project::trajectories::Trajectories;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice};
+use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice, Test};
+use crate::inspect::unmatched::Lost;
 use crate::matching::MatchParams;
+use crate::requests::BurstSource;
 use crate::teach::{BottomTab, Workspace};
 use serde::{Deserialize, Serialize};
 
@@ -42,11 +49,25 @@ pub struct Document {
     /// Index of the selected feature of A.
     pub selected: Option<usize>,
     pub set_up: SetUpState,
+    pub probe: Probe,
+    pub comparisons: Sides<Comparison>,
+    /// Test whose rejected candidates are marked.
+    pub shown_test: Option<Test>,
+    pub selected_candidate: Option<usize>,
     pub matching: MatchParams,
     pub match_look: MatchLook,
     pub match_order: Order<MatchColumn>,
     pub pair_tab: PairTab,
+    pub selected_match: Option<usize>,
+    /// Feature of A of which the user asks why it has no match.
+    pub asked_about: Option<usize>,
+    pub hidden_losses: Vec<Lost>,
     pub methods: CompareLook,
+    /// Sharp images of A's and of B's view.
+    pub gold: Sides<Option<BurstSource>>,
+    pub dataset: Option<DatasetChoice>,
+    pub pairs: PairChoice,
+    pub trajectories: Trajectories,
     pub lab: Lab,
     pub measure: Measure,
     pub figure: FigureChoice,
@@ -69,6 +90,38 @@ impl Document {
     pub fn of_new_window() -> Self {
         let (slopes, theme) = (SlopeChoice::AUTO, egui::ThemePreference::Dark);
         Self { slopes, theme, auto_detect: true, ..Self::default() }
+    }
+
+    /// The document with absolute paths, so that it can be opened from any folder.
+    #[must_use]
+    pub fn with_absolute_paths(mut self) -> Self {
+        let calibration = &mut self.calibration;
+        let [compared_a, compared_b] = [&mut self.comparisons.a.file, &mut self.comparisons.b.file];
+        let Trajectories { estimate, truth, .. } = &mut self.trajectories;
+        for path in [&mut calibration.bias, &mut calibration.flat, compared_a, compared_b, estimate, truth] {
+            path.iter_mut().for_each(action::make_absolute);
+        }
+        for side in Side::BOTH {
+            self.gold[side] = self.gold[side].as_ref().map(absolute);
+        }
+        if let Some(DatasetChoice { source, folder, .. }) = &mut self.dataset {
+            source.paths.iter_mut().chain(folder).for_each(action::make_absolute);
+        }
+        self
+    }
+
+    pub fn show_set_up(&mut self) {
+        self.workspace = Workspace::Inspect;
+        (self.bottom_tab, self.panels.bottom) = (BottomTab::Slopes, Visibility::Open);
+        self.set_up.is_open = true;
+    }
+
+    /// Reads slopes as depths, or no longer; colours that would show depths then show slopes.
+    pub fn read_depths(&mut self, reads_depths: bool) {
+        self.set_up.reads_depths = reads_depths;
+        if !reads_depths && self.colour_by == ColourBy::Depth {
+            self.colour_by = ColourBy::default();
+        }
     }
 
     pub fn search(&self) -> SearchParams {

@@ -15,11 +15,11 @@ use std::sync::Arc;
 #[derive(Debug, Default)]
 pub struct FilmDialog {
     pub is_open: bool,
-    told: Option<Told>,
+    described: Option<Described>,
 }
 
 #[derive(Debug)]
-struct Told {
+struct Described {
     choice: FilmChoice,
     picture: Option<Arc<Plane>>,
     found: Option<Arc<Detection>>,
@@ -44,7 +44,7 @@ impl FilmDialog {
             choice_ui(ui, &mut film);
             queue.set(&model.film, film, Action::SetFilm);
             ui.add_space(4.0);
-            ui.label(self.told(model));
+            ui.label(self.described(model));
             ui.add_space(8.0);
             ui.horizontal(|ui| {
                 let export = ActionId::ExportFilmGif;
@@ -58,19 +58,19 @@ impl FilmDialog {
         self.is_open &= !(close || modal.should_close());
     }
 
-    fn told(&mut self, model: &Model) -> String {
+    fn described(&mut self, model: &Model) -> String {
         let picture = model.picture().map(|picture| picture.plane.clone());
         let found = model.found_of(model.active_side()).map(|found| found.detection.clone());
-        let is_same = |told: &&Told| {
-            told.choice == model.film
-                && told.picture.as_ref().map(Arc::as_ptr) == picture.as_ref().map(Arc::as_ptr)
-                && told.found.as_ref().map(Arc::as_ptr) == found.as_ref().map(Arc::as_ptr)
+        let is_same = |described: &&Described| {
+            described.choice == model.film
+                && described.picture.as_ref().map(Arc::as_ptr) == picture.as_ref().map(Arc::as_ptr)
+                && described.found.as_ref().map(Arc::as_ptr) == found.as_ref().map(Arc::as_ptr)
         };
-        if let Some(told) = self.told.as_ref().filter(is_same) {
-            return told.text.clone();
+        if let Some(described) = self.described.as_ref().filter(is_same) {
+            return described.text.clone();
         }
         let text = tell(model);
-        self.told = Some(Told { choice: model.film, picture, found, text: text.clone() });
+        self.described = Some(Described { choice: model.film, picture, found, text: text.clone() });
         text
     }
 }

@@ -18,7 +18,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
 use crate::app::project::Model;
-use crate::app::project::compare::Contender;
+use crate::app::project::compare::MethodId;
 use crate::app::project::figure::{FigureAmount, FigureChoice, FigureFormat, ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::project::look::RangeClass;
 use crate::app::project::pair::{MatchRow, Matches};
@@ -47,12 +47,12 @@ fn links_of(
         rows.sort_by(|a, b| a.found.distance.total_cmp(&b.found.distance).then(a.index.cmp(&b.index)));
         amount.of(rows).into_iter().map(|row| row.index).collect::<Vec<_>>()
     };
-    let of_each: Vec<(Option<Contender>, &Matches, Vec<usize>)> = match model.workspace {
+    let of_each: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.workspace {
         Workspace::Pair => {
-            let drawn = |matches| chosen(matches, model.pair.drawn(model.match_look.alone));
+            let drawn = |matches| chosen(matches, model.drawn_matches());
             model.pair.matches.iter().map(|matches| (None, matches, drawn(matches))).collect()
         }
-        Workspace::Methods => Contender::ALL
+        Workspace::Methods => MethodId::ALL
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .map(|(method, matches)| {
@@ -89,7 +89,7 @@ fn links_between(
     model: &Model,
     widgets: &PaneWidgets,
     panes: &[PaneId],
-    method: Option<Contender>,
+    method: Option<MethodId>,
     matches: &Matches,
     drawn: &[usize],
 ) -> Vec<FigureLink> {
@@ -116,7 +116,7 @@ fn links_between(
                 ends_image: ends.map(|feature| [feature.u, feature.v]),
                 color: rgb(kind.colour()),
                 opacity: model.match_look.opacity,
-                weight: if method.is_none() && model.pair.selected == Some(row.index) { 2.0 } else { 0.8 },
+                weight: if method.is_none() && model.selected_match == Some(row.index) { 2.0 } else { 0.8 },
                 dashed: kind.is_dashed(),
             });
         }

@@ -5,12 +5,12 @@ use egui::Rect;
 
 /// Canvas of the last pass, and its view before the panel came.
 #[derive(Debug, Default)]
-pub struct Aside {
+pub struct HeldPlace {
     last: Option<(Rect, bool)>,
     moved: Option<(View, View)>,
 }
 
-impl Aside {
+impl HeldPlace {
     /// Adapts `view` to the canvas `rect_ui` of this pass, beside which a panel came by itself (`is_beside`) or not.
     /// When the panel comes, the picture keeps its place and size; when it goes, an untouched view is as before.
     pub fn keep(&mut self, view: &mut View, rect_ui: Rect, is_beside: bool) {
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn the_picture_stays_while_the_panel_comes_and_is_as_before_when_it_goes() {
-        let (mut aside, mut view) = (Aside::default(), View::fit());
+        let (mut aside, mut view) = (HeldPlace::default(), View::fit());
         aside.keep(&mut view, rect(1040.0), false);
         let place = pos2(100.0, 50.0);
         let before = view.settle(rect(1040.0), SIZE, 1.0).pos(place);
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn a_view_that_was_changed_meanwhile_stays_as_it_is() {
-        let (mut aside, mut view) = (Aside::default(), View::fit());
+        let (mut aside, mut view) = (HeldPlace::default(), View::fit());
         aside.keep(&mut view, rect(1040.0), false);
         view.settle(rect(1040.0), SIZE, 1.0);
         aside.keep(&mut view, rect(780.0), true);
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn a_window_that_is_resized_fits_its_picture_anew() {
-        let (mut aside, mut view) = (Aside::default(), View::fit());
+        let (mut aside, mut view) = (HeldPlace::default(), View::fit());
         aside.keep(&mut view, rect(1040.0), false);
         aside.keep(&mut view, rect(600.0), false);
         assert!(view.is_fit());

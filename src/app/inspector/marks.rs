@@ -106,7 +106,7 @@ pub(super) fn probe_ui(
     probe_marks_ui(model, drawn);
     let pointed = drawn.iter().find_map(|(_, drawn)| Some((drawn, drawn.output.hover_image?)));
     let pointer = pointed.and_then(|(drawn, pos)| mid_burst(model, drawn.shown, pos));
-    queue.set(&model.probe.pointer, pointer, |place| Action::Point(Pointed::Place(place)));
+    queue.set(&model.probed.pointer, pointer, |place| Action::Point(Pointed::Place(place)));
     let Some((drawn, _)) = pointed.filter(|(drawn, _)| drawn.output.response.clicked()) else { return };
     let with_shift = is_with_shift(ui);
     if !with_shift && !model.probe.follows {
@@ -139,8 +139,8 @@ pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
 }
 
 fn probe_marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
-    let Some(place) = model.probe.place() else { return };
-    let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current());
+    let Some(place) = model.probed_place() else { return };
+    let answer = model.probed.answer.as_ref().filter(|_| model.probe_is_current());
     let is_linked = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
     let is_probed = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
     // B's panes are not linked to A's; where none of the probed burst's panes is linked, all of them show the marks.

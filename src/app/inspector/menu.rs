@@ -65,7 +65,7 @@ fn content_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
         pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
     });
     let both = model.burst_of(Side::B).is_some();
-    let methods = model.contenders();
+    let methods = model.methods_shown();
     let Some(pane) = model.panes.get(id) else { return };
     for kind in ViewKind::ALL {
         let about = kind.about();

@@ -225,7 +225,7 @@ pub(super) fn slice_ui(
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
     let is_probed = model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
-    let Some(answer) = model.probe.answer.as_ref().filter(|_| is_probed) else {
+    let Some(answer) = model.probed.answer.as_ref().filter(|_| is_probed) else {
         let text = if is_probed && model.probe.question.is_some() { "Probing the place…" } else { HOW };
         canvas::message(ui, ui.painter(), whole, text);
         return touched;

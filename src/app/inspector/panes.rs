@@ -15,7 +15,7 @@ use crate::app::panel::picture::stale_ui;
 use crate::app::panel::tally::candidates_ui;
 use crate::app::panel::widgets::{progress_ui, weak_ui};
 use crate::app::project::Model;
-use crate::app::project::method::Contender;
+use crate::app::project::method::MethodId;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
@@ -95,7 +95,7 @@ impl Behavior<PaneId> for Inspector<'_> {
             Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.widgets, self.queue),
             _ if !is_open => {
                 match method {
-                    Some(Contender::Gold) => gold_ui(ui, side, self.queue),
+                    Some(MethodId::Gold) => gold_ui(ui, side, self.queue),
                     _ => second_ui(ui, self.model, self.queue),
                 }
                 false

@@ -1,7 +1,7 @@
 //! Parts that the panes of the inspector share: their widgets between passes, their names (in headers, on tabs, for
 //! screen readers and tests), and the pairs of panes of A and of B between which match lines are drawn.
 
-use super::aside::Aside;
+use super::aside::HeldPlace;
 use crate::app::canvas;
 use crate::app::canvas::{Readout, RectTransform};
 use crate::app::pane::{Content, Pane, PaneId};
@@ -10,7 +10,7 @@ use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::project::Model;
 use crate::app::project::cursor::ViewKind;
-use crate::app::project::method::Contender;
+use crate::app::project::method::MethodId;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::requests::PictureKind;
@@ -22,7 +22,7 @@ pub struct PaneWidget {
     pub picture: PictureState,
     pub display: DisplayState,
     pub rect_ui: Option<Rect>,
-    pub(super) aside: Aside,
+    pub(super) aside: HeldPlace,
     pub(super) slice: PlaneTexture,
     pub(super) menu: MenuPlace,
 }
@@ -171,7 +171,7 @@ pub struct JoinedPanes {
 
 /// Finds the panes that show the input of `method` (those without a method, for `None`) among `places`: visible panes
 /// and their rectangles. Differences and slices show no places of one burst.
-pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<Contender>) -> JoinedPanes {
+pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<MethodId>) -> JoinedPanes {
     let is_of = |id: PaneId, side: Side| {
         let pane = model.panes.get(id).filter(|pane| pane.side == side && pane.method == method);
         pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))

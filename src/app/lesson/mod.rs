@@ -7,4 +7,4 @@ mod state;
 mod steps;
 
 pub use panel::{Captions, Chosen, highlights_ui, lesson_ui, list_ui, rows_ui};
-pub use state::{Lessons, OpenLesson, Progress, Wish};
+pub use state::{LessonAction, Lessons, OpenLesson, Progress};

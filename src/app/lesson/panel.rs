@@ -1,7 +1,7 @@
 //! Panel of the open lesson, the frames around what it highlights, and the list of all lessons.
 
 use super::snr::snr_ui;
-use super::state::{Lessons, OpenLesson, Wish};
+use super::state::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::panel::widgets::{named, weak_ui};
 use crate::app::project::Model;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 #[derive(Debug, Default)]
 pub struct LessonClicks {
-    pub wish: Option<Wish>,
+    pub asked: Option<LessonAction>,
     pub word: Option<String>,
 }
 
@@ -79,12 +79,12 @@ fn header_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
             let leave = ui.button("Leave").on_hover_text("Close the lesson; what was open before it comes back");
             named(&leave, egui::Role::Button, "Leave lesson");
             if leave.clicked() {
-                clicks.wish = Some(Wish::Leave);
+                clicks.asked = Some(LessonAction::Leave);
             }
             let again = ui.button("↺").on_hover_text("Set this step up again, as it began");
             named(&again, egui::Role::Button, "Set the step up again");
             if again.clicked() {
-                clicks.wish = Some(Wish::Again);
+                clicks.asked = Some(LessonAction::Again);
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add(egui::Label::new(RichText::new(&open.lesson.title).strong()).truncate());
@@ -154,13 +154,13 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks
         let back = ui.add_enabled(before.is_some(), Button::new("Back").min_size(size));
         back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, before.is_some(), "Step back"));
         if back.on_hover_text("The step before").clicked() {
-            clicks.wish = before.map(Wish::Step);
+            clicks.asked = before.map(LessonAction::Step);
         }
-        let (label, name, wish) = match step + 1 == count {
-            _ if open.is_ended && next_lesson.is_some() => ("Next lesson", "Next lesson", Wish::NextLesson),
-            _ if open.is_ended => ("Close", "Close the lesson", Wish::Leave),
-            true => ("Finish", "Finish the lesson", Wish::End),
-            false => ("Next", "Next step", Wish::Step(step + 1)),
+        let (label, name, asked) = match step + 1 == count {
+            _ if open.is_ended && next_lesson.is_some() => ("Next lesson", "Next lesson", LessonAction::NextLesson),
+            _ if open.is_ended => ("Close", "Close the lesson", LessonAction::Leave),
+            true => ("Finish", "Finish the lesson", LessonAction::End),
+            false => ("Next", "Next step", LessonAction::Step(step + 1)),
         };
         let is_done = open.is_ended || open.is_done() || open.step().task.is_none();
         let colour = if is_done { Color32::WHITE } else { ui.visuals().text_color() };
@@ -169,7 +169,7 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks
         let next = ui.add(next.min_size(size));
         named(&next, egui::Role::Button, name);
         if next.clicked() {
-            clicks.wish = Some(wish);
+            clicks.asked = Some(asked);
         }
     });
 }
@@ -192,7 +192,7 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
             painter.circle_stroke(rect.center(), 6.0, Stroke::new(1.5, style::ACCENT));
         }
         if response.on_hover_text(title).clicked() {
-            clicks.wish = Some(Wish::Step(place));
+            clicks.asked = Some(LessonAction::Step(place));
         }
     }
 }

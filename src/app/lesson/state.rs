@@ -2,6 +2,7 @@
 
 use super::snr::SnrTrace;
 use super::steps;
+use crate::app::document::Document;
 use crate::app::project::Model;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::Side;
@@ -23,7 +24,7 @@ pub struct Progress {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wish {
+pub enum LessonAction {
     Step(usize),
     Again,
     End,
@@ -40,12 +41,6 @@ pub struct Lessons {
 }
 
 #[derive(Debug)]
-struct Kept {
-    model: Model,
-    opening: Option<BurstSource>,
-}
-
-#[derive(Debug)]
 pub struct OpenLesson {
     pub lesson: Arc<Lesson>,
     pub step: usize,
@@ -58,7 +53,8 @@ pub struct OpenLesson {
     selects: bool,
     opens: Vec<BurstSource>,
     pub(super) snr: SnrTrace,
-    kept: Box<Kept>,
+    /// Project of the user, and the burst that was being opened in it.
+    of_user: (Box<Model>, Option<BurstSource>),
 }
 
 impl OpenLesson {
@@ -70,16 +66,17 @@ impl OpenLesson {
         self.done.contains(&self.step)
     }
 
-    fn select_first(&mut self, model: &mut Model) {
+    /// Selects the first of the listed features or matches, as soon as there is one.
+    fn select_first(&mut self, [feature, of_match]: [Option<usize>; 2], document: &mut Document) {
         if !self.selects {
             return;
         }
-        if model.workspace == Workspace::Pair {
-            model.pair.selected = model.pair.listed.first().copied();
-        } else if model.stale().is_none() {
-            model.selected = model.listed.first().copied();
+        if document.workspace == Workspace::Pair {
+            document.selected_match = of_match.or(document.selected_match);
+        } else {
+            document.selected = feature.or(document.selected);
         }
-        self.selects = model.pair.selected.is_none() && model.selected.is_none();
+        self.selects = document.selected_match.is_none() && document.selected.is_none();
     }
 
     fn set_up(&mut self, model: &mut Model) {
@@ -121,7 +118,7 @@ impl Lessons {
 
     /// Project of the user: the one before the open lesson, or without one `shown`.
     pub fn project_of_user<'a>(&'a self, shown: &'a Model) -> &'a Model {
-        self.open.as_ref().map_or(shown, |open| &open.kept.model)
+        self.open.as_ref().map_or(shown, |open| &open.of_user.0)
     }
 
     pub fn highlighted(&self) -> &[Part] {
@@ -140,9 +137,9 @@ impl Lessons {
         self.list_is_open = false;
         let opening = model.slots.a.opening.pending().map(|request| request.source.clone());
         let mut of_lesson = Model::default();
-        (of_lesson.theme, of_lesson.figure, of_lesson.in_lesson) = (model.theme, model.figure, true);
+        (of_lesson.figure, of_lesson.in_lesson) = (model.figure, true);
         model.slots.a.opening.forget();
-        let kept = show(of_lesson, model);
+        let of_user = Box::new(show(of_lesson, model));
         let progress = self.progress_in(&lesson);
         self.open = Some(OpenLesson {
             lesson,
@@ -153,7 +150,7 @@ impl Lessons {
             selects: false,
             opens: Vec::new(),
             snr: SnrTrace::default(),
-            kept: Box::new(Kept { model: kept, opening }),
+            of_user: (of_user, opening),
         });
         self.begin_step(model, engine);
         Effect::ForgetWidgets
@@ -161,10 +158,8 @@ impl Lessons {
 
     pub fn leave(&mut self, model: &mut Model, engine: &Engine) -> Option<Effect> {
         self.remember();
-        let Kept { model: kept, opening } = *self.open.take()?.kept;
-        let theme = model.theme;
-        drop(show(kept, model));
-        model.theme = theme;
+        let (of_user, opening) = self.open.take()?.of_user;
+        drop(show(*of_user, model));
         if let Some(source) = opening {
             model.open(Side::A, source, engine);
         }
@@ -186,13 +181,19 @@ impl Lessons {
         }
     }
 
-    /// Applies `wish` to the open lesson, sets its step up once its bursts are open, and checks its tasks. The lesson
+    /// Applies `asked` to the open lesson, sets its step up once its bursts are open, and checks its tasks. The lesson
     /// is left when another burst is being opened in it, or a session restored (`is_restoring`).
-    pub fn go_on(&mut self, wish: Option<Wish>, is_restoring: bool, model: &mut Model, engine: &Engine) -> Vec<Effect> {
+    pub fn go_on(
+        &mut self,
+        asked: Option<LessonAction>,
+        is_restoring: bool,
+        model: &mut Model,
+        engine: &Engine,
+    ) -> Vec<Effect> {
         let mut effects = Vec::new();
-        match wish {
-            Some(Wish::Leave) => effects.extend(self.leave(model, engine)),
-            Some(Wish::Step(step)) => {
+        match asked {
+            Some(LessonAction::Leave) => effects.extend(self.leave(model, engine)),
+            Some(LessonAction::Step(step)) => {
                 if let Some(open) = &mut self.open {
                     let spot = open.step().state.spot;
                     (open.step, open.is_ended) = (step.min(open.lesson.steps.len() - 1), false);
@@ -205,12 +206,12 @@ impl Lessons {
                 }
                 self.begin_step(model, engine);
             }
-            Some(Wish::Again) => {
+            Some(LessonAction::Again) => {
                 self.open.iter_mut().for_each(|open| open.snr = SnrTrace::default());
                 self.begin_step(model, engine);
             }
-            Some(Wish::End) => self.open.iter_mut().for_each(|open| open.is_ended = true),
-            Some(Wish::NextLesson) => {
+            Some(LessonAction::End) => self.open.iter_mut().for_each(|open| open.is_ended = true),
+            Some(LessonAction::NextLesson) => {
                 if let Some(next) = self.next_lesson() {
                     effects.push(self.start(next, model, engine));
                 }
@@ -224,7 +225,8 @@ impl Lessons {
             // A burst that was requested for another step has been opened.
             self.begin_step(model, engine);
         } else if open.is_ready {
-            open.select_first(model);
+            let feature = model.listed.first().copied().filter(|_| model.stale().is_none());
+            open.select_first([feature, model.pair.listed.first().copied()], &mut model.document);
             let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&steps::seen(model)));
             if is_met && open.done.insert(open.step) {
                 self.remember();
@@ -246,7 +248,7 @@ impl Lessons {
             let Some(source) = source.filter(|_| !is_open) else { continue };
             open.opens.push(source.clone());
             // A burst that was open before the lesson need not be opened again.
-            let mut kept = open.kept.model.slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
+            let mut kept = open.of_user.0.slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
             match (side, kept.find(|burst| burst.source == source).cloned()) {
                 (Side::A, Some(burst)) => model.take_burst(burst),
                 (Side::B, Some(burst)) => model.take_second_burst(burst),
@@ -284,14 +286,15 @@ impl Lessons {
     }
 }
 
-/// Shows another project, and returns the one that was shown until now. Datasets, trajectories, the Lab, messages and
-/// figures stay, so that their work goes on.
+/// Shows another project, and returns the one that was shown until now. Datasets, trajectories, the Lab, messages,
+/// figures and colours of the window stay, so that their work goes on.
 fn show(mut other: Model, model: &mut Model) -> Model {
     std::mem::swap(&mut other, model);
     let (from, to) = (&mut other, model);
+    let Document { theme, dataset, pairs, trajectories, lab, .. } = from.document.clone();
+    to.document = Document { theme, dataset, pairs, trajectories, lab, ..std::mem::take(&mut to.document) };
     std::mem::swap(&mut from.datasets, &mut to.datasets);
-    std::mem::swap(&mut from.trajectories, &mut to.trajectories);
-    std::mem::swap(&mut from.document.lab, &mut to.document.lab);
+    std::mem::swap(&mut from.poses, &mut to.poses);
     std::mem::swap(&mut from.studies, &mut to.studies);
     std::mem::swap(&mut from.messages, &mut to.messages);
     std::mem::swap(&mut from.figures, &mut to.figures);

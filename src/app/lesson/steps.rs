@@ -1,14 +1,15 @@
 //! Steps and the project: sets it up as a step begins, and reads from it what the goals of tasks ask about.
 
 use crate::app::canvas::{View, Zoom};
-use crate::app::pane::{Content, PaneId, PaneLinks};
+use crate::app::document::Document;
+use crate::app::pane::{Content, PaneId, PaneLinks, Panes};
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::set_up::SetUpState;
 use crate::app::project::{Model, Panels, Visibility};
 use crate::detector::DetectorParams;
-use crate::teach::{Holds, InView, Layout, Part, State, Step, Workspace};
+use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
 
 fn panels_of(step: &Step) -> Panels {
     let Step { state, highlight, .. } = step;
@@ -31,55 +32,71 @@ fn panels_of(step: &Step) -> Panels {
 
 /// Sets the model up as `step` says; its bursts are open already.
 pub(super) fn set_up(model: &mut Model, step: &Step) {
-    let state = &step.state;
-    model.workspace = state.workspace.unwrap_or_default();
-    model.set_search(state.params.clone().unwrap_or_else(|| DetectorParams::default().into()));
-    model.matching = state.matching.clone().unwrap_or_default();
-    model.auto_detect = state.detect.unwrap_or(false);
-    let has_features = state.features.unwrap_or(model.auto_detect);
-    model.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
-    model.bottom_tab = state.tab.unwrap_or_default();
+    model.document = document_of(step, model.frame_count(), &model.document);
     for side in Side::BOTH {
         if !model.auto_detect || !model.features_are_current(side) {
             model.slots[side].found = None;
         }
     }
-    (model.selected, model.hovered, model.reselect) = (None, None, None);
-    (model.pair.selected, model.playing, model.filter) = (None, false, Default::default());
-    model.measure.clear();
-    model.read_depths(false);
-    model.set_up =
-        SetUpState { values: state.set_up.unwrap_or_default(), is_open: state.set_up.is_some(), ..model.set_up };
-    model.probe.clear();
-    model.look.ranges.forget();
-    set_up_panes(model, state);
+    (model.hovered, model.reselect, model.probed) = Default::default();
     model.check_params();
-    model.check_pair();
     model.refresh_listed();
-    if let Some(layout) = state.layout {
+    if let Some(layout) = step.state.layout {
         model.lay_out(layout);
     }
-    if let Some(place) = state.probe {
+    if let Some(place) = step.state.probe {
+        let panels = model.panels;
         model.probe_place(Side::A, place);
+        // A probe opens its panel.
+        model.panels = panels;
     }
-    // Last, because a probe opens its panel.
-    model.panels = panels_of(step);
     model.settle_ranges();
     model.history.clear();
 }
 
-fn set_up_panes(model: &mut Model, state: &State) {
-    model.panes.show_alone(PaneId::of(Side::A));
-    let frame = state.frame.unwrap_or_else(|| model.frame_count() / 2);
+/// The document of a step whose burst A has this many `frames`: what the step leaves open is as in a new window, and
+/// how the window looks as it was `before`.
+fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
+    let state = step.state.clone();
+    let auto_detect = state.detect.unwrap_or(false);
+    let has_features = state.features.unwrap_or(auto_detect);
+    let set_up = SetUpState {
+        values: state.set_up.unwrap_or_default(),
+        is_open: state.set_up.is_some(),
+        ..SetUpState::default()
+    };
+    let (selected, selected_match, playing) = (None, None, false);
+    let mut document = Document {
+        workspace: state.workspace.unwrap_or_default(),
+        matching: state.matching.clone().unwrap_or_default(),
+        auto_detect,
+        bottom_tab: state.tab.unwrap_or_default(),
+        panels: panels_of(step),
+        filter: Default::default(),
+        measure: Default::default(),
+        probe: Default::default(),
+        set_up,
+        ..Document { selected, selected_match, playing, ..before.clone() }
+    };
+    document.read_depths(false);
+    document.set_search(state.params.clone().unwrap_or_else(|| DetectorParams::default().into()));
+    document.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
+    document.look.ranges.forget();
+    set_panes(&mut document.panes, &state, frames);
+    document
+}
+
+fn set_panes(panes: &mut Panes, state: &State, frames: usize) {
+    panes.show_alone(PaneId::of(Side::A));
     let cursor = Cursor {
         kind: ViewKind::Stack,
-        frame,
+        frame: state.frame.unwrap_or(frames / 2),
         slope: state.slope.unwrap_or_default(),
         octave: state.octave.unwrap_or(0),
         level: state.level.unwrap_or(0),
     };
     for side in Side::BOTH {
-        let pane = model.panes.of_mut(side);
+        let pane = panes.of_mut(side);
         (pane.cursor, pane.slope_chosen, pane.content) = (cursor, true, Content::Cursor);
         (pane.own_ranges, pane.links, pane.over) = (None, PaneLinks::default(), None);
         pane.view = match state.view {
@@ -91,11 +108,11 @@ fn set_up_panes(model: &mut Model, state: &State) {
     }
 }
 
-pub(super) fn seen(model: &Model) -> Holds<'_> {
+pub(super) fn seen(model: &Model) -> Situation<'_> {
     let cursor = model.cursor();
     let current = model.slots.a.found.is_some() && model.stale().is_none();
     let matches = model.pair.matches.as_ref().filter(|_| !model.needs_matches());
-    Holds {
+    Situation {
         slope: cursor.slope,
         show: model.focused().shown(),
         layout: layout(model),
@@ -105,13 +122,13 @@ pub(super) fn seen(model: &Model) -> Holds<'_> {
         frames_used: model.params.used_frames(model.frame_count()).len(),
         features: current.then(|| model.features().len()),
         selected: model.selected_feature().is_some(),
-        probe: model.probe.place().filter(|_| model.probe.side == Side::A && model.probe.is_current()),
+        probe: model.probed_place().filter(|_| model.probe.side == Side::A && model.probe_is_current()),
         params: &model.params,
         matching: &model.matching,
         tab: model.shows_bottom().then_some(model.bottom_tab),
         workspace: model.workspace,
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
-        selected_match: model.pair.selected.is_some(),
+        selected_match: model.selected_match.is_some(),
         reads_depths: model.set_up.reads_depths,
     }
 }

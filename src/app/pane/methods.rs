@@ -4,7 +4,7 @@ use super::preset::in_rows;
 use super::set::place_of;
 use super::{Arrangement, Content, Link, Over, Pane, PaneId, Panes};
 use crate::app::project::look::Ranges;
-use crate::app::project::method::Contender;
+use crate::app::project::method::MethodId;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use serde::{Deserialize, Serialize};
@@ -44,14 +44,14 @@ impl MethodsPreset {
 
 impl Panes {
     /// On B as well where the preset shows matches. A wipe or flip takes SIFT and BuFF 1D where these are compared.
-    pub fn lay_out_methods(&mut self, preset: MethodsPreset, methods: &[Contender], both: bool) {
-        let usual = [Contender::Sift, Contender::Buff1d];
+    pub fn lay_out_methods(&mut self, preset: MethodsPreset, methods: &[MethodId], both: bool) {
+        let usual = [MethodId::Sift, MethodId::Buff1d];
         let mut two = usual.into_iter().chain(methods.iter().copied()).filter(|method| methods.contains(method));
         let first = two.next();
         let second = two.find(|method| Some(*method) != first);
-        let two: Vec<Contender> = first.into_iter().chain(second).collect();
+        let two: Vec<MethodId> = first.into_iter().chain(second).collect();
         let mut made = BTreeMap::new();
-        let mut make = |panes: &mut Self, method: Contender, side: Side| {
+        let mut make = |panes: &mut Self, method: MethodId, side: Side| {
             let id = panes.fresh();
             made.insert(id, panes.of_method(method, side));
             id
@@ -68,7 +68,7 @@ impl Panes {
                 Arrangement::Tabs { parts: ids.into_iter().map(Arrangement::Pane).collect(), active: 0 }
             }
             MethodsPreset::Matches if both => {
-                let row = |method: &Contender| Side::BOTH.map(|side| make(self, *method, side)).to_vec();
+                let row = |method: &MethodId| Side::BOTH.map(|side| make(self, *method, side)).to_vec();
                 Arrangement::rows(&methods.iter().map(row).collect::<Vec<_>>())
             }
             _ => Arrangement::rows(&in_rows(methods.iter().map(|method| make(self, *method, Side::A)).collect())),
@@ -78,7 +78,7 @@ impl Panes {
     }
 
     /// Where it has none: on A, and with B in a row of its own where the others have such rows.
-    pub fn add_method(&mut self, method: Contender, both: bool) {
+    pub fn add_method(&mut self, method: MethodId, both: bool) {
         let place = place_of(Workspace::Methods);
         let shown = self.shown_in(Workspace::Methods);
         let panes = || shown.iter().filter_map(|id| self.get(*id));
@@ -97,7 +97,7 @@ impl Panes {
         self.placed[place].arrangement.append(&ids);
     }
 
-    pub fn remove_method(&mut self, method: Contender) {
+    pub fn remove_method(&mut self, method: MethodId) {
         let place = place_of(Workspace::Methods);
         for id in self.shown_in(Workspace::Methods) {
             if self.get(id).is_some_and(|pane| pane.method == Some(method)) {
@@ -106,9 +106,9 @@ impl Panes {
         }
     }
 
-    fn of_method(&self, method: Contender, side: Side) -> Pane {
+    fn of_method(&self, method: MethodId, side: Side) -> Pane {
         let shown = self.shown_in(Workspace::Methods);
-        let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(Contender::Gold) && pane.side == side;
+        let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(MethodId::Gold) && pane.side == side;
         let base = shown.iter().filter_map(|id| self.get(*id)).find(alike).unwrap_or_else(|| self.of(side));
         let mut pane = Pane {
             method: Some(method),
@@ -118,7 +118,7 @@ impl Panes {
             view: base.view,
             ..Pane::new(side)
         };
-        if method == Contender::Gold {
+        if method == MethodId::Gold {
             // It was taken in other light.
             pane.links.set(Link::Display, false);
             pane.own_ranges = Some(Ranges::default());

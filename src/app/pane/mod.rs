@@ -26,7 +26,7 @@ pub use tiles::{arrangement_of, tree_of};
 
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::Ranges;
-use crate::app::project::method::Contender;
+use crate::app::project::method::MethodId;
 use crate::app::project::side::Side;
 use crate::app::view::View;
 use crate::detector::{DetectorParams, Method};
@@ -123,7 +123,7 @@ impl Over {
 #[serde(default, deny_unknown_fields)]
 pub struct Pane {
     pub side: Side,
-    pub method: Option<Contender>,
+    pub method: Option<MethodId>,
     pub content: Content,
     /// A linked pane may have been moved beyond the burst's range; [`Pane::cursor_within`] limits it.
     pub cursor: Cursor,

@@ -1,7 +1,7 @@
 //! All panes, their arrangement in each workspace, and the focus.
 
 use super::{Arrangement, Over, Pane, PaneId};
-use crate::app::project::method::Contender;
+use crate::app::project::method::MethodId;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use serde::{Deserialize, Serialize};
@@ -120,7 +120,7 @@ impl Panes {
         self.placed[place_of(workspace)].arrangement.panes()
     }
 
-    pub fn shown_of(&self, side: Side, method: Option<Contender>) -> Vec<PaneId> {
+    pub fn shown_of(&self, side: Side, method: Option<MethodId>) -> Vec<PaneId> {
         let is_of = |id: &PaneId| self.get(*id).is_some_and(|pane| pane.side == side && pane.method == method);
         self.shown().into_iter().filter(is_of).collect()
     }

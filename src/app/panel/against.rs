@@ -10,7 +10,7 @@ use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
 use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
 use crate::app::project::Model;
-use crate::app::project::against::{Kind, Row, Shown, With};
+use crate::app::project::comparison::{Kind, Reference, Row, Shown};
 use crate::app::project::panes::Destination;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
@@ -20,15 +20,15 @@ use egui::{Align, Button, Color32, Label, Layout, RichText, Sense, Ui, pos2, vec
 use egui_extras::{Column, TableBuilder};
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
-pub fn colour(with: With, kind: Kind) -> Color32 {
+pub fn colour(with: Reference, kind: Kind) -> Color32 {
     match (with, kind) {
         (_, Kind::Theirs) => Color32::from_rgb(0xff, 0x6b, 0xb5),
         (_, Kind::WrongMotion) => Color32::from_rgb(0x4d, 0xd0, 0xe1),
-        (With::Truth, Kind::Ours) => Color32::from_rgb(0xff, 0x8a, 0x3d),
+        (Reference::Truth, Kind::Ours) => Color32::from_rgb(0xff, 0x8a, 0x3d),
         (_, Kind::Ours) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
         (_, Kind::Moved) => Color32::from_rgb(0xff, 0xd2, 0x4a),
         (_, Kind::Repeated) => Color32::from_rgb(0xc4, 0xa2, 0xff),
-        (With::Truth, Kind::Same) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
+        (Reference::Truth, Kind::Same) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
         (_, Kind::Same) => Color32::from_rgb(0x86, 0xb7, 0xee),
     }
 }
@@ -37,8 +37,8 @@ fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
     if model.workspace == Workspace::Pair {
         ui.label(RichText::new(format!("Features of {}", side.name())).strong());
     }
-    for with in With::ALL {
-        let (on, there) = (model.slots[side].against.with == Some(with), model.slots[side].against.has(with));
+    for with in Reference::ALL {
+        let (on, there) = (model.comparisons[side].with == Some(with), model.has_reference(side, with));
         let button = Button::selectable(on, with.label()).frame_when_inactive(true);
         let response = ui.add_enabled(there, button).on_hover_text(with.help()).on_disabled_hover_text(with.help());
         if response.clicked() {
@@ -47,15 +47,15 @@ fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
     }
     ui.separator();
     button_ui(ui, model, queue, ActionId::PinResult, Some("Pin"));
-    let ends = match model.slots[side].against.with {
-        Some(With::Pinned) => Some((ActionId::UnpinResult, "Unpin")),
-        Some(With::File) => Some((ActionId::CloseFeatures, "Close")),
-        Some(With::Truth) | None => None,
+    let ends = match model.comparisons[side].with {
+        Some(Reference::Pinned) => Some((ActionId::UnpinResult, "Unpin")),
+        Some(Reference::File) => Some((ActionId::CloseFeatures, "Close")),
+        Some(Reference::Truth) | None => None,
     };
     if let Some((id, text)) = ends {
         button_ui(ui, model, queue, id, Some(text));
     }
-    if let Some(running) = &model.slots[side].against.wanted.running() {
+    if let Some(running) = &model.slots[side].comparison.wanted.running() {
         progress_ui(ui, running, Some(220.0), progress_text(running));
     }
 }
@@ -65,8 +65,8 @@ const PROBE_HELP: &str = "Say why there is a feature at its place, or why there 
 pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut Queue) {
     let side = model.active_side();
     ui.horizontal_wrapped(|ui| switch_ui(ui, model, side, queue));
-    let Some(shown) = &model.slots[side].against.shown else {
-        ui.centered_and_justified(|ui| match &model.slots[side].against.problem {
+    let Some(shown) = &model.slots[side].comparison.shown else {
+        ui.centered_and_justified(|ui| match &model.slots[side].comparison.problem {
             Some(problem) => ui.label(RichText::new(problem).color(ui.visuals().error_fg_color)),
             None => ui.weak(what_to_do(model, side)),
         });
@@ -78,7 +78,7 @@ pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
             ui.weak("(of the earlier features)");
         }
         // The button is there without a selected row too, so that selecting one moves nothing under the pointer.
-        let selected = model.slots[side].against.selected.and_then(|row| shown.rows.get(row));
+        let selected = model.comparisons[side].selected.and_then(|row| shown.rows.get(row));
         let why = ui.add_enabled(selected.is_some(), Button::new("Why here?").small());
         let why = why.on_hover_text(PROBE_HELP).on_disabled_hover_text("Select a row first");
         if let Some(row) = selected.filter(|_| why.clicked()) {
@@ -86,7 +86,7 @@ pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
         }
         ui.separator();
         for &kind in Kind::of(shown.with) {
-            let mut on = model.slots[side].against.shows(kind);
+            let mut on = model.comparisons[side].shows(kind);
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
             key_ui(ui, shown, kind);
             if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
@@ -108,7 +108,7 @@ pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
 }
 
 fn what_to_do(model: &Model, side: Side) -> &'static str {
-    match model.slots[side].against.with {
+    match model.comparisons[side].with {
         Some(_) if model.found_of(side).is_none() => {
             model.without_features(side, "Press Detect to find features to compare")
         }
@@ -126,7 +126,7 @@ fn table_ui(
     queue: &mut Queue,
 ) -> (Option<usize>, Option<usize>) {
     let listed: Vec<usize> =
-        (0..shown.rows.len()).filter(|&row| model.slots[side].against.shows(shown.rows[row].kind)).collect();
+        (0..shown.rows.len()).filter(|&row| model.comparisons[side].shows(shown.rows[row].kind)).collect();
     let (mut clicked, mut hovered, mut probed) = (None, None, None);
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let table = TableBuilder::new(ui)
@@ -153,8 +153,8 @@ fn table_ui(
             body.rows(ROW_HEIGHT, listed.len(), |mut table_row| {
                 let index = listed[table_row.index()];
                 let row = &shown.rows[index];
-                table_row.set_selected(model.slots[side].against.selected == Some(index));
-                table_row.set_hovered(model.slots[side].against.hovered == Some(index));
+                table_row.set_selected(model.comparisons[side].selected == Some(index));
+                table_row.set_hovered(model.slots[side].comparison.hovered == Some(index));
                 table_row.col(|ui| {
                     key_ui(ui, shown, row.kind);
                     ui.add(Label::new(shown.label(row.kind)).selectable(false));
@@ -187,7 +187,7 @@ fn table_ui(
         });
     // The pointer may be over a picture instead, which then sets the hovered row.
     if is_pointed_at {
-        queue.point(&model.slots[side].against.hovered, hovered, |row| Pointed::Row(side, row));
+        queue.point(&model.slots[side].comparison.hovered, hovered, |row| Pointed::Row(side, row));
     }
     (clicked, probed)
 }
@@ -211,7 +211,7 @@ fn is_in_view(model: &Model, widgets: &PaneWidgets, row: &Row) -> bool {
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
 fn marks_of(model: &Model, side: Side, shown: &Shown, picture: Option<&Picture>) -> (Vec<usize>, Vec<ComparedMark>) {
     let dt = frames_from_middle(picture, &shown.detection).unwrap_or(0.0);
-    let drawn = shown.rows.iter().enumerate().filter(|(_, row)| model.slots[side].against.shows(row.kind));
+    let drawn = shown.rows.iter().enumerate().filter(|(_, row)| model.comparisons[side].shows(row.kind));
     drawn
         .map(|(index, row)| {
             let slope = row.slope.unwrap_or_default();
@@ -244,7 +244,7 @@ pub fn marks_ui(
     let on_top = model.explained.pointed.is_none() && !is_over_match;
     let pointer = output.pointer_ui.filter(|pos| on_top && clip.contains(*pos));
     let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));
-    let hovered_before = model.slots[side].against.hovered;
+    let hovered_before = model.slots[side].comparison.hovered;
     let hovered = if pointer.is_some() { pointed.map(|mark| rows[mark]) } else { hovered_before };
     queue.point(&hovered_before, hovered, |row| Pointed::Row(side, row));
     if pointer.is_some() {
@@ -253,7 +253,7 @@ pub fn marks_ui(
     }
     // A feature selected or hovered elsewhere is one of ours.
     let of_ours = |feature: usize| rows.iter().position(|row| shown.rows[*row].feature == Some(feature));
-    let focus = hovered.or(model.slots[side].against.selected);
+    let focus = hovered.or(model.comparisons[side].selected);
     let highlighted = focus.and_then(|row| rows.iter().position(|r| *r == row));
     let elsewhere = model.hovered.or(model.selected).filter(|_| side == Side::A);
     let highlighted = highlighted.or_else(|| elsewhere.and_then(of_ours));
@@ -281,7 +281,7 @@ fn row_tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
 
 pub fn legend_ui(ui: &mut Ui, model: &Model, side: Side, shown: &Shown, output: &CanvasOutput, queue: &mut Queue) {
     let kinds: Vec<Kind> =
-        Kind::of(shown.with).iter().copied().filter(|kind| model.slots[side].against.shows(*kind)).collect();
+        Kind::of(shown.with).iter().copied().filter(|kind| model.comparisons[side].shows(*kind)).collect();
     let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: false };
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
     legend::legend_ui(ui, model, size, place, queue, |ui| {
@@ -310,7 +310,7 @@ fn key_ui(ui: &mut Ui, shown: &Shown, kind: Kind) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::against::{Kind, With};
+    use crate::app::project::comparison::{Kind, Reference};
     use crate::app::project::tests::{detected, feature, open};
     use crate::detector::Slope;
     use std::time::Duration;
@@ -336,7 +336,7 @@ mod tests {
     fn an_empty_list_says_the_next_step() {
         let mut model = Model::default();
         assert!(what_to_do(&model, Side::A).starts_with("Pin a result"));
-        model.slots.a.against.with = Some(With::Truth);
+        model.comparisons.a.with = Some(Reference::Truth);
         assert!(what_to_do(&model, Side::A).starts_with("Press Detect"));
         let burst = open((64, 48), 3);
         model.take_burst(burst.clone());
@@ -348,7 +348,7 @@ mod tests {
         let params = model.params.clone();
         let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
         model.take_detection(Side::A, detected(&burst, &params, features), Duration::ZERO);
-        model.slots.a.against.with = Some(With::Truth);
+        model.comparisons.a.with = Some(Reference::Truth);
         assert_eq!(what_to_do(&model, Side::A), "Comparing…");
     }
 }

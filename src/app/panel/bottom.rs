@@ -25,11 +25,11 @@ const TABS: [(BottomTab, &str, &str); 7] = [
 
 /// Whether `tab` has something to show, or is the chosen one.
 fn has_content(tab: BottomTab, model: &Model) -> bool {
-    let against = &model.slots[model.active_side()].against;
+    let compared = &model.slots[model.active_side()].comparison;
     let is_filled = match tab {
         BottomTab::Profile => model.measure.line.is_some(),
         BottomTab::Region => model.measure.region.is_some(),
-        BottomTab::Compared => against.shown.is_some() || against.problem.is_some(),
+        BottomTab::Compared => compared.shown.is_some() || compared.problem.is_some(),
         _ => true,
     };
     is_filled || model.bottom_tab == tab

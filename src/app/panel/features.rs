@@ -12,7 +12,7 @@ use crate::app::project::Model;
 use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::look::FeaturesShown;
-use crate::app::project::method::Contender;
+use crate::app::project::method::MethodId;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::view::{Known, depth_text, motion_text};
@@ -38,7 +38,7 @@ pub struct FeatureLayer {
     pub orientations: bool,
     pub motions: bool,
     pub is_listed: bool,
-    pub method: Option<Contender>,
+    pub method: Option<MethodId>,
 }
 
 impl FeatureLayer {
@@ -71,7 +71,7 @@ impl FeatureLayer {
             hovered: model.hovered.filter(|_| is_listed),
             stale: is_stale,
             orientations: model.look.orientations && inspected,
-            motions: model.look.motion_vectors && (inspected || pane.method.is_some_and(Contender::is_buff)),
+            motions: model.look.motion_vectors && (inspected || pane.method.is_some_and(MethodId::is_buff)),
             is_listed,
             method: pane.method,
             detection,
@@ -128,7 +128,7 @@ pub fn features_ui(
 ) {
     (state.drawn_of, state.pointed) = (None, None);
     let is_probed = id == model.probed_pane_id();
-    if is_probed && !model.probe.as_dots.is_empty() {
+    if is_probed && !model.probed.as_dots.is_empty() {
         queue.push(Pointed::Dots(Vec::new()));
     }
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
@@ -150,7 +150,7 @@ pub fn features_ui(
     let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
     let mut in_full = layer.in_full(output);
     if is_probed && layer.method.is_none() {
-        let here = model.probe.features_here();
+        let here = model.probed.features_here();
         let dots: Vec<usize> = here.into_iter().filter(|feature| in_full.dots.contains(feature)).collect();
         if !dots.is_empty() {
             queue.push(Pointed::Dots(dots));

@@ -67,7 +67,7 @@ pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 .and_then(|survey| survey.counts.iter().find(|count| count.test == test).map(|count| count.candidates));
             let bar = Some((most, false));
             let row = Row { name: test.reason(), samples: tally.rejected_by(test), candidates, bar };
-            let mut shown = model.explained.shown_test == Some(test);
+            let mut shown = model.shown_test == Some(test);
             let before = shown;
             line_ui(ui, &row, test.takes_candidates().then_some(&mut shown));
             if shown != before {
@@ -186,7 +186,7 @@ const MAX_DRAWN: usize = 20_000;
 
 /// Draws the candidates over the picture of pane `id`, and lets the pointer choose one.
 pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
-    let Some(test) = model.explained.shown_test else {
+    let Some(test) = model.shown_test else {
         queue.point(&model.explained.pointed, None, Pointed::Candidate);
         return;
     };
@@ -202,7 +202,7 @@ pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, 
     };
     let shown = strongest(survey);
     let circle = |mark: &CandidateMark| circle_of(mark, slopes.slope(mark.sample.slope_index), dt);
-    let selected = model.explained.selected;
+    let selected = model.selected_candidate;
     let marks = shown.iter().map(|&index| {
         let mark = &survey.marks[index];
         let (centre, radius) = circle(mark);

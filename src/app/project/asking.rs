@@ -1,121 +1,118 @@
-//! Requests of the project to the engine: in each pass it takes the answers that came, and requests what is missing.
+//! Parts of the project with background work, in one list: in each pass the project takes the answers that came, and
+//! requests what is missing.
 
-use super::messages::Messages;
+use super::compare::Methods;
+use super::part::{One, Part, Pass};
+use super::pictures::PanePictures;
 use super::side::Side;
 use super::{Effect, Model};
-use crate::engine::{Ended, Engine, Want, Wanted};
+use crate::engine::{Ended, Engine, Want};
 use crate::requests::{JobError, Request, Urgency};
 
+/// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken.
+macro_rules! one {
+    ($ends:literal, |$m:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr) => {
+        &One {
+            wanted: |$m| &$wanted,
+            wanted_mut: |$m| &mut $wanted,
+            missing: |$of, $drags| $missing,
+            ends: $ends,
+            take: |$to, $ended, _| {
+                $take;
+                Vec::new()
+            },
+        }
+    };
+}
+
+/// Makes a [`One`] that the user asks for: nothing is missing by itself.
+macro_rules! asked {
+    (|$m:ident| $wanted:expr, $take:expr) => {
+        &One { wanted: |$m| &$wanted, wanted_mut: |$m| &mut $wanted, missing: |_, _| None, ends: false, take: $take }
+    };
+}
+
+/// The one list. Pictures are asked for before the detection from which later ones may be made.
+#[rustfmt::skip]
+const PARTS: &[&dyn Part] = &[
+    asked!(|m| m.slots.a.opening, |_, ended, _| vec![Effect::Opened(Side::A, ended)]),
+    asked!(|m| m.slots.b.opening, |_, ended, _| vec![Effect::Opened(Side::B, ended)]),
+    &PanePictures,
+    one!(false, |m| m.wanted_patch, |m, _| m.missing_patch(), |m, ended| m.take_patch(ended)),
+    one!(false, |m| m.slots.a.detecting, |m, drags| m.missing_features(Side::A, drags), |m, ended| m.take_features(Side::A, ended)),
+    one!(false, |m| m.slots.b.detecting, |m, drags| m.missing_features(Side::B, drags), |m, ended| m.take_features(Side::B, ended)),
+    one!(false, |m| m.probed.wanted_trail, |m, drags| m.missing_trail(drags), |m, ended| m.take_probed_trail(ended)),
+    one!(false, |m| m.probed.wanted_answer, |m, _| m.missing_probe(), |m, ended| m.take_probed(ended)),
+    one!(false, |m| m.pair.wanted_patches, |m, _| m.missing_patches(), |m, ended| m.take_patches(ended)),
+    one!(false, |m| m.pair.matching, |m, drags| m.missing_matches(drags), |m, ended| m.take_matches(ended)),
+    asked!(|m| m.compare.opening_gold.a, |m, ended, _| m.take_gold(Side::A, ended)),
+    asked!(|m| m.compare.opening_gold.b, |m, ended, _| m.take_gold(Side::B, ended)),
+    &Methods,
+    one!(true, |m| m.explained.asked_slopes, |m, _| m.missing_slopes(), |m, ended| m.take_explained(ended)),
+    one!(true, |m| m.explained.asked_candidates, |m, _| m.missing_candidates(), |m, ended| m.take_explained(ended)),
+    one!(true, |m| m.explained.asked_decoys, |m, _| m.missing_decoys(), |m, ended| m.take_explained(ended)),
+    one!(true, |m| m.slots.a.comparison.wanted, |m, _| m.missing_comparison(Side::A), |m, ended| m.take_comparison(Side::A, ended)),
+    one!(true, |m| m.slots.b.comparison.wanted, |m, _| m.missing_comparison(Side::B), |m, ended| m.take_comparison(Side::B, ended)),
+    one!(true, |m| m.coherence.wanted.a, |m, _| m.missing_coherence(Side::A), |m, ended| m.take_coherences(ended)),
+    one!(true, |m| m.coherence.wanted.b, |m, _| m.missing_coherence(Side::B), |m, ended| m.take_coherences(ended)),
+    one!(false, |m| m.pair.lost.wanted, |m, _| m.missing_losses(), |m, ended| m.take_losses(ended)),
+    one!(false, |m| m.pair.lost.wanted_pictures, |m, _| m.missing_candidate_pictures(), |m, ended| m.take_lost_pictures(ended)),
+    one!(false, |m| m.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| m.take_chart(ended)),
+    asked!(|m| m.studies.wanted, |m, ended, _| m.take_study(ended)),
+    asked!(|m| m.figures, |m, ended, _| m.take_figures(ended)),
+    asked!(|m| m.poses.reading, |m, ended, _| m.take_trajectories(ended)),
+    asked!(|m| m.datasets.wanted, |m, ended, engine| m.take_dataset_answer(ended, engine)),
+];
+
 impl Model {
-    pub fn wants(&self) -> Vec<&dyn Want> {
-        let Self { slots, pair, compare, explained, coherence, probe, datasets, trajectories, studies, .. } = self;
-        let opening: [&dyn Want; 2] = slots.both().map(|slot| &slot.opening as _);
-        let detecting: [&dyn Want; 2] = slots.both().map(|slot| &slot.detecting as _);
-        let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.against.wanted as _);
-        let gold: [&dyn Want; 2] = compare.opening_gold.both().map(|gold| gold as _);
-        let coherences: [&dyn Want; 2] = coherence.wanted.both().map(|wanted| wanted as _);
-        let others: [&dyn Want; 16] = [
-            &self.wanted_patch,
-            &self.figures,
-            &pair.matching,
-            &pair.wanted_patches,
-            &pair.lost.wanted,
-            &pair.lost.wanted_pictures,
-            &compare.wanted,
-            &explained.asked_slopes,
-            &explained.asked_candidates,
-            &explained.asked_decoys,
-            &probe.wanted_trail,
-            &probe.wanted_answer,
-            &datasets.wanted,
-            &trajectories.reading,
-            &studies.wanted,
-            &studies.wanted_chart,
-        ];
-        [opening, detecting, against, gold, coherences].into_iter().flatten().chain(others).collect()
+    fn wants(&self) -> impl Iterator<Item = &dyn Want> {
+        PARTS.iter().flat_map(|part| part.wants(self))
     }
 
     pub fn is_searching(&self) -> bool {
-        self.wants().iter().any(|want| want.urgency() == Some(Urgency::Search))
+        self.wants().any(|want| want.urgency() == Some(Urgency::Search))
     }
 
     /// Work on datasets, the Lab's studies and the figures of the paper are cancelled separately.
     pub fn cancel_searches(&self) {
-        self.wants().into_iter().filter(|want| want.urgency() == Some(Urgency::Search)).for_each(Want::cancel);
+        self.wants().filter(|want| want.urgency() == Some(Urgency::Search)).for_each(Want::cancel);
     }
 
     pub fn is_settled(&self) -> bool {
-        self.wants().into_iter().all(Want::is_settled)
-            && self.pictures_are_current()
-            && !(self.auto_detect && self.wants_detection(Side::A))
-            && self.pair_is_settled()
-            && self.probe_is_settled()
-            && self.comparison_of_methods_is_there()
-            && Side::BOTH.into_iter().all(|side| {
-                let wanted = &self.coherence.wanted[side];
-                self.missing_coherence(side).is_none_or(|missing| wanted.has_failed(&missing))
-            })
-            && self.missing_slopes().is_none_or(|missing| self.explained.asked_slopes.has_failed(&missing))
-            && self.missing_candidates().is_none_or(|missing| self.explained.asked_candidates.has_failed(&missing))
-            && self.missing_decoys().is_none_or(|missing| self.explained.asked_decoys.has_failed(&missing))
+        self.wants().all(Want::is_settled) && PARTS.iter().all(|part| part.is_there(self))
     }
 
     #[must_use]
     pub(in crate::app) fn take_answers(&mut self, engine: &Engine) -> Vec<Effect> {
         engine.enforce_grace();
-        let mut effects = Vec::new();
-        for side in Side::BOTH {
-            effects.extend(self.slots[side].opening.take().into_iter().map(|ended| Effect::Opened(side, ended)));
-        }
-        self.take_pictures();
-        self.take_features();
-        self.take_matches();
-        self.take_probed();
-        self.take_compared();
-        self.take_explanations();
-        self.take_coherences();
-        self.take_comparisons();
-        self.take_losses();
-        self.take_studies();
-        self.take_figures();
-        self.take_trajectories();
+        self.probe_planted();
+        self.take_part_of_study();
         for event in self.datasets.wanted.take_told() {
             self.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(&event));
         }
-        for ended in self.datasets.wanted.take() {
-            effects.extend(self.take_dataset_answer(ended, engine));
-        }
-        effects
+        let mut pass = Pass { model: self, engine, dragging: false };
+        PARTS.iter().flat_map(|part| part.take(&mut pass)).collect()
     }
 
-    /// While the pointer drags a value, long work waits for the final one; features that need no search follow it.
     pub(in crate::app) fn ask(&mut self, engine: &Engine, dragging: bool) {
-        self.ask_for_pictures(engine, dragging);
-        if self.auto_detect && (!dragging || self.features_can_follow(Side::A)) {
-            self.ask_for_features(Side::A, engine);
-        }
-        self.ask_for_probed(engine, dragging);
-        self.ask_for_pair(engine, dragging);
-        self.ask_for_compared(engine, dragging);
-        self.ask_for_explanations(engine);
-        self.ask_for_comparisons(engine);
-        self.ask_for_coherences(engine);
-        self.ask_for_losses(engine);
-        self.ask_for_chart(engine);
+        self.follow_pointer();
+        self.check_references();
+        self.refresh_why();
+        let mut pass = Pass { model: self, engine, dragging };
+        PARTS.iter().for_each(|part| part.ask(&mut pass));
     }
-}
 
-/// The answers since the last pass. A failure becomes a message with this title.
-pub(super) fn answers<R: Request>(wanted: &mut Wanted<R>, title: &str, messages: &mut Messages) -> Vec<R::Answer> {
-    let answer = |ended: Ended<R>| match ended.result {
-        Ok(answer) => Some(answer),
-        Err(JobError::Cancelled) => None,
-        Err(error) => {
-            messages.error(title, error.to_string());
-            None
+    /// The answer; a failure becomes a message with this title.
+    pub(super) fn answer<R: Request>(&mut self, ended: Ended<R>, title: &str) -> Option<R::Answer> {
+        match ended.result {
+            Ok(answer) => Some(answer),
+            Err(JobError::Cancelled) => None,
+            Err(error) => {
+                self.messages.error(title, error.to_string());
+                None
+            }
         }
-    };
-    wanted.take().into_iter().filter_map(answer).collect()
+    }
 }
 
 #[cfg(test)]

@@ -82,35 +82,28 @@ pub enum ExportKind {
 impl ExportKind {
     /// Extensions of the files that are written, the usual one first.
     pub fn extensions(self) -> &'static [&'static str] {
-        match self {
-            Self::Csv | Self::Matches | Self::Profile | Self::CurvesCsv => &["csv"],
-            Self::Methods => &["csv", "tex"],
-            Self::Colmap => &["txt"],
-            Self::Npz => &["npz"],
-            Self::Tiff => &["tiff"],
-            Self::Png => &["png"],
-            Self::Figure => &["pdf", "svg", "png"],
-            Self::CurvesSvg => &["svg"],
-            Self::Case => &[CASE_EXTENSION],
-            Self::FilmGif => &["gif"],
-        }
+        self.words().0
     }
 
     pub fn label(self) -> &'static str {
+        self.words().1
+    }
+
+    fn words(self) -> (&'static [&'static str], &'static str) {
         match self {
-            Self::Csv => "Export features as CSV",
-            Self::Colmap => "Export features for COLMAP",
-            Self::Npz => "Export features as NPZ",
-            Self::Tiff => "Export picture as TIFF",
-            Self::Png => "Export picture as PNG",
-            Self::Figure => "Export figure as PDF, SVG or PNG",
-            Self::Matches => "Export matches as CSV",
-            Self::Methods => "Export table of methods as CSV or LaTeX",
-            Self::Profile => "Export line profile as CSV",
-            Self::CurvesCsv => "Export curves as CSV",
-            Self::CurvesSvg => "Export curves as SVG",
-            Self::Case => "Save case",
-            Self::FilmGif => "Export film as GIF",
+            Self::Csv => (&["csv"], "Export features as CSV"),
+            Self::Colmap => (&["txt"], "Export features for COLMAP"),
+            Self::Npz => (&["npz"], "Export features as NPZ"),
+            Self::Tiff => (&["tiff"], "Export picture as TIFF"),
+            Self::Png => (&["png"], "Export picture as PNG"),
+            Self::Figure => (&["pdf", "svg", "png"], "Export figure as PDF, SVG or PNG"),
+            Self::Matches => (&["csv"], "Export matches as CSV"),
+            Self::Methods => (&["csv", "tex"], "Export table of methods as CSV or LaTeX"),
+            Self::Profile => (&["csv"], "Export line profile as CSV"),
+            Self::CurvesCsv => (&["csv"], "Export curves as CSV"),
+            Self::CurvesSvg => (&["svg"], "Export curves as SVG"),
+            Self::Case => (&[CASE_EXTENSION], "Save case"),
+            Self::FilmGif => (&["gif"], "Export film as GIF"),
         }
     }
 }

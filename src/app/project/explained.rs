@@ -1,16 +1,14 @@
 //! Explanations of detections: the slopes and the candidates of the one on show, and how evenly the frames contribute
 //! to each feature of either burst (its coherence).
 
-use crate::app::project::asking::answers;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{BottomTab, Model};
 use crate::app::view::ColourBy;
 use crate::detector::params::doc;
-use crate::detector::{Detection, DetectorParams, Feature, Method, Moves, ParamChange, SlopeChoice, Test};
-use crate::engine::{Engine, Wanted};
-use crate::error::Error;
+use crate::detector::{Detection, DetectorParams, Feature, Method, Moves, ParamChange, SlopeChoice};
+use crate::engine::{Ended, Wanted};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::decoys::{DecoyReport, DecoyStudy};
 use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
@@ -31,33 +29,13 @@ pub struct ExplainedState {
     decoys: Option<(ExplainRequest, Arc<DecoyReport>)>,
     /// The decoys that were asked for; of no use once another detection is on show.
     wanted_decoys: Option<ExplainRequest>,
-    pub shown_test: Option<Test>,
     /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
     pub pointed: Option<usize>,
-    pub selected: Option<usize>,
     /// Whether the slopes of the detection on show are wanted although it took long.
     pub slopes_wanted: bool,
     pub asked_slopes: Wanted<ExplainRequest>,
     pub asked_candidates: Wanted<ExplainRequest>,
     pub asked_decoys: Wanted<ExplainRequest>,
-}
-
-impl ExplainedState {
-    pub fn take(&mut self, explained: Explained) {
-        let Explained { request, explanation } = explained;
-        match explanation {
-            Explanation::Slopes(spectrum) => self.slopes = Some((request, spectrum)),
-            Explanation::Decoys(report) => self.decoys = Some((request, report)),
-            Explanation::Candidates(survey) => {
-                self.candidates = Some((request, survey));
-                (self.selected, self.pointed) = (None, None);
-            }
-        }
-    }
-
-    pub fn forget(&mut self) {
-        *self = Self { shown_test: self.shown_test, ..Self::default() };
-    }
 }
 
 impl Model {
@@ -95,37 +73,30 @@ impl Model {
         self.explained.wanted_decoys = self.decoys_request();
     }
 
-    pub(in crate::app) fn take_explanations(&mut self) {
-        let slopes = answers(&mut self.explained.asked_slopes, "Explanation", &mut self.messages);
-        let candidates = answers(&mut self.explained.asked_candidates, "Explanation", &mut self.messages);
-        let decoys = answers(&mut self.explained.asked_decoys, "Decoys", &mut self.messages);
-        slopes.into_iter().chain(candidates).chain(decoys).for_each(|explained| self.explained.take(explained));
-    }
-
-    pub(in crate::app) fn ask_for_explanations(&mut self, engine: &Engine) {
-        let (slopes, candidates) = (self.missing_slopes(), self.missing_candidates());
-        let decoys = self.missing_decoys();
-        self.explained.asked_slopes.want(engine, slopes);
-        self.explained.asked_candidates.want(engine, candidates);
-        self.explained.asked_decoys.want(engine, decoys);
+    pub(super) fn take_explained(&mut self, ended: Ended<ExplainRequest>) {
+        let title = if matches!(ended.request.question, ExplainQuestion::Decoys(_)) { "Decoys" } else { "Explanation" };
+        let Some(Explained { request, explanation }) = self.answer(ended, title) else { return };
+        match explanation {
+            Explanation::Slopes(spectrum) => self.explained.slopes = Some((request, spectrum)),
+            Explanation::Decoys(report) => self.explained.decoys = Some((request, report)),
+            Explanation::Candidates(survey) => {
+                self.explained.candidates = Some((request, survey));
+                (self.selected_candidate, self.explained.pointed) = (None, None);
+            }
+        }
     }
 
     /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
-    pub fn apply_changes(&mut self, side: Side, changes: &[ParamChange]) -> Result<(), Error> {
-        let slopes = self.params_of(side).slopes;
-        let changed = ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() })?;
-        let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
-        if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
-            (self.params, self.slopes) = (changed, SlopeChoice::Given);
-        } else {
-            self.params = DetectorParams { slopes: self.params.slopes, ..changed };
-        }
-        Ok(())
-    }
-
     pub fn apply_advice(&mut self, side: Side, changes: &[ParamChange]) {
-        match self.apply_changes(side, changes) {
-            Ok(()) => {
+        let slopes = self.params_of(side).slopes;
+        match ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() }) {
+            Ok(changed) => {
+                let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
+                if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
+                    (self.params, self.slopes) = (changed, SlopeChoice::Given);
+                } else {
+                    self.params = DetectorParams { slopes: self.params.slopes, ..changed };
+                }
                 let labels: Vec<String> = changes.iter().map(ParamChange::label).collect();
                 self.messages.note(format!("Set {}", labels.join(", ")));
             }
@@ -166,7 +137,7 @@ impl Model {
     }
 
     pub fn selected_candidate(&self) -> Option<&CandidateMark> {
-        self.survey()?.marks.get(self.explained.selected?)
+        self.survey()?.marks.get(self.selected_candidate?)
     }
 
     pub fn slopes_take_long(&self) -> bool {
@@ -182,7 +153,7 @@ impl Model {
     }
 
     pub fn wanted_candidates(&self) -> Option<ExplainRequest> {
-        let test = self.explained.shown_test?;
+        let test = self.shown_test?;
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };
         self.explain_request(ExplainQuestion::Candidates(options))
     }
@@ -195,11 +166,6 @@ pub struct CoherenceState {
 }
 
 impl CoherenceState {
-    fn take(&mut self, coherences: Coherences) {
-        self.known.retain(|known| !Arc::ptr_eq(&known.detection, &coherences.detection));
-        self.known.push(coherences);
-    }
-
     pub fn try_again(&mut self) {
         self.wanted = Sides::default();
     }
@@ -215,11 +181,6 @@ impl CoherenceState {
     pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
         let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
         failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
-    }
-
-    fn keep_only(&mut self, detections: &[Arc<Detection>]) {
-        let is_open = |detection: &Arc<Detection>| detections.iter().any(|open| Arc::ptr_eq(open, detection));
-        self.known.retain(|known| is_open(&known.detection));
     }
 }
 
@@ -247,21 +208,14 @@ impl Model {
         self.coherence.of(&detection).is_none().then_some(CoherenceRequest { of, detection })
     }
 
-    pub(in crate::app) fn take_coherences(&mut self) {
-        for side in Side::BOTH {
-            let taken = answers(&mut self.coherence.wanted[side], "Coherence", &mut self.messages);
-            taken.into_iter().for_each(|coherences| self.coherence.take(coherences));
-        }
-
-        let open = Side::BOTH.into_iter().filter_map(|side| Some(self.found_of(side)?.detection.clone()));
-        let open: Vec<_> = open.collect();
-        self.coherence.keep_only(&open);
-    }
-
-    pub(in crate::app) fn ask_for_coherences(&mut self, engine: &Engine) {
-        for side in Side::BOTH {
-            let missing = self.missing_coherence(side);
-            self.coherence.wanted[side].want(engine, missing);
+    /// Those of detections that are not open any more are forgotten.
+    pub(super) fn take_coherences(&mut self, ended: Ended<CoherenceRequest>) {
+        let open = self.slots.both().map(|slot| slot.found.as_ref().map(|found| found.detection.clone()));
+        let is_open = |of: &Arc<Detection>| open.iter().flatten().any(|open| Arc::ptr_eq(open, of));
+        if let Some(coherences) = self.answer(ended, "Coherence") {
+            let known = &mut self.coherence.known;
+            known.retain(|known| is_open(&known.detection) && !Arc::ptr_eq(&known.detection, &coherences.detection));
+            known.push(coherences);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Figures: contents and style of those of the window, and the request for those of the paper.
 
-use crate::app::project::Model;
-use crate::engine::Engine;
+use crate::app::project::{Effect, Model};
+use crate::engine::{Ended, Engine};
 use crate::export::{FigureOptions, FigureWidth};
 use crate::figures::{FigureSize, FiguresJob, find_colmap};
 use crate::requests::JobError;
@@ -136,18 +136,17 @@ impl Model {
         self.figures.ask(engine, job);
     }
 
-    pub(in crate::app) fn take_figures(&mut self) {
-        for ended in self.figures.take() {
-            match ended.result {
-                Ok(report) => {
-                    self.messages.resolved(TITLE);
-                    self.messages.note(format!("The figures are there: open {}", report.page.display()));
-                }
-                Err(JobError::Cancelled) => {
-                    self.messages.note("Figures of the paper cancelled; what is finished is kept");
-                }
-                Err(error) => self.messages.error(TITLE, error.to_string()),
+    pub(super) fn take_figures(&mut self, ended: Ended<FiguresJob>) -> Vec<Effect> {
+        match ended.result {
+            Ok(report) => {
+                self.messages.resolved(TITLE);
+                self.messages.note(format!("The figures are there: open {}", report.page.display()));
             }
+            Err(JobError::Cancelled) => {
+                self.messages.note("Figures of the paper cancelled; what is finished is kept");
+            }
+            Err(error) => self.messages.error(TITLE, error.to_string()),
         }
+        Vec::new()
     }
 }

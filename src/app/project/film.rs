@@ -67,7 +67,7 @@ impl Model {
         let detection = found.map(|found| found.detection.clone());
         // The place that is probed, at the scale of the cursor, as the curves of the probe follow it.
         let cursor = self.cursor();
-        let probed = self.probe.place().filter(|_| self.probe.side == side);
+        let probed = self.probed_place().filter(|_| self.probe.side == side);
         let place = probed.map(|at| FilmPlace { at, scale: (cursor.octave, cursor.level) });
         let max_side_px = self.film.max_side_px;
         Some(Film { burst, params, sweep, slope: cursor.slope, detection, place, max_side_px })

@@ -2,58 +2,48 @@
 //! Automatic changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag,
 //! typing, playing through the slopes) is one step.
 
-use crate::app::pane::PaneId;
+use crate::app::document::Document;
+use crate::app::pane::{Pane, PaneId};
 use crate::app::project::Model;
-use crate::app::project::side::Side;
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, Slope, SlopeChoice, SlopeGrid};
+use crate::detector::{DetectorParams, SearchParams, Slope, SlopeGrid};
 use crate::matching::MatchParams;
 
 const MAX_STEPS: usize = 200;
 
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    params: DetectorParams,
-    slopes: SlopeChoice,
-    /// The slopes that were given, or found: what is found is no step, but a step back returns to it.
-    grid: SlopeGrid,
-    matching: MatchParams,
-    cursors: Vec<(PaneId, Slope)>,
-}
-
-impl Settings {
-    pub fn of(model: &Model) -> Self {
-        let mut params = model.params.clone();
-        let grid = params.slopes;
-        if model.slopes.is_auto() {
-            // Slopes that were found are not set by the user.
-            params.slopes = SlopeGrid::default();
+impl Document {
+    /// Parameters as the user set them: slopes that were found are not among them.
+    fn given(&self) -> (SearchParams, &MatchParams) {
+        let mut search = self.search();
+        if self.slopes.is_auto() {
+            search.detector.slopes = SlopeGrid::default();
         }
-        let cursors = model.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect();
-        Self { params, slopes: model.slopes, grid, matching: model.matching.clone(), cursors }
+        (search, &self.matching)
     }
 
-    fn apply(self, model: &mut Model) {
-        let is_found_still = self.slopes.is_auto() && model.slopes.is_auto();
-        let slopes = if is_found_still { model.params.slopes } else { self.grid };
-        model.params = DetectorParams { slopes, ..self.params };
-        (model.slopes, model.matching) = (self.slopes, self.matching);
-        for (id, slope) in self.cursors {
-            if let Some(pane) = model.panes.get_mut(id) {
-                pane.cursor.slope = slope;
-            }
+    fn slopes_on_show(&self) -> Vec<(PaneId, Slope)> {
+        self.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect()
+    }
+
+    /// Takes the settings that undo covers. Slopes that were found are no step, but a step back returns to them.
+    fn take_settings(&mut self, from: Self) {
+        let is_found_still = from.slopes.is_auto() && self.slopes.is_auto();
+        let slopes = if is_found_still { self.params.slopes } else { from.params.slopes };
+        for (id, pane) in from.panes.iter() {
+            self.panes.get_mut(id).into_iter().for_each(|own| own.cursor.slope = pane.cursor.slope);
         }
-        model.check_params();
-        model.check_pair();
+        self.params = DetectorParams { slopes, ..from.params };
+        (self.slopes, self.matching) = (from.slopes, from.matching);
     }
 
     fn changed_from(&self, before: &Self) -> String {
-        let changed = doc::ALL.iter().filter(|record| record.text(&self.params) != record.text(&before.params));
+        let (now, was) = (self.given(), before.given());
+        let changed = doc::ALL.iter().filter(|record| record.text(&now.0.detector) != record.text(&was.0.detector));
         let mut names: Vec<&str> = changed.map(|record| record.label).collect();
         let others = [
             (self.slopes != before.slopes, doc::SLOPES.label),
-            (self.matching != before.matching, "Matching"),
-            (self.cursors != before.cursors, "Slope on show"),
+            (now.1 != was.1, "Matching"),
+            (self.slopes_on_show() != before.slopes_on_show(), "Slope on show"),
         ];
         names.extend(others.into_iter().filter(|(differ, _)| *differ).map(|(_, name)| name));
         names.dedup();
@@ -62,31 +52,30 @@ impl Settings {
 
     /// Whether the change from `before` is a step to undo. Opening or closing panes is none.
     fn is_step_from(&self, before: &Self) -> bool {
-        let moved = before
-            .cursors
-            .iter()
-            .any(|(id, slope)| self.cursors.iter().find(|(other, _)| other == id).is_some_and(|(_, now)| now != slope));
-        moved || (&self.params, self.slopes, &self.matching) != (&before.params, before.slopes, &before.matching)
+        let has_moved =
+            |(id, pane): (PaneId, &Pane)| self.panes.get(id).is_some_and(|now| now.cursor.slope != pane.cursor.slope);
+        before.panes.iter().any(has_moved) || self.given() != before.given()
     }
 }
 
+/// Documents before the steps that can be undone, and after those that were.
 #[derive(Debug, Default)]
 pub struct History {
-    past: Vec<Settings>,
-    future: Vec<Settings>,
-    begun: Option<Settings>,
+    past: Vec<Document>,
+    future: Vec<Document>,
+    begun: Option<Document>,
 }
 
 impl History {
-    /// Takes a change of the settings. It belongs to the step that is open, or opens one.
-    pub fn take(&mut self, before: Settings, after: &Settings) {
+    /// Takes a change. It belongs to the step that is open, or opens one.
+    pub fn take(&mut self, before: Document, after: &Document) {
         if after.is_step_from(&before) {
             self.begun.get_or_insert(before);
         }
     }
 
     /// Closes the step that is open, if there is one, and records it unless it ended where it began.
-    pub fn close(&mut self, now: &Settings) {
+    pub fn close(&mut self, now: &Document) {
         if let Some(begun) = self.begun.take().filter(|begun| now.is_step_from(begun)) {
             self.past.push(begun);
             self.future.clear();
@@ -94,10 +83,6 @@ impl History {
                 self.past.remove(0);
             }
         }
-    }
-
-    fn is_open(&self) -> bool {
-        self.begun.is_some()
     }
 
     pub fn can_undo(&self) -> bool {
@@ -108,27 +93,23 @@ impl History {
         !self.future.is_empty()
     }
 
-    pub fn undo(&mut self, model: &mut Model) {
+    pub fn undo(&mut self, document: &mut Document) {
         if let Some(before) = self.past.pop() {
-            self.future.push(Settings::of(model));
-            before.apply(model);
+            self.future.push(document.clone());
+            document.take_settings(before);
         }
     }
 
-    pub fn redo(&mut self, model: &mut Model) {
+    pub fn redo(&mut self, document: &mut Document) {
         if let Some(after) = self.future.pop() {
-            self.past.push(Settings::of(model));
-            after.apply(model);
+            self.past.push(document.clone());
+            document.take_settings(after);
         }
     }
 
     pub fn swap_sides(&mut self) {
-        for (id, _) in self.past.iter_mut().chain(&mut self.future).chain(&mut self.begun).flat_map(|s| &mut s.cursors)
-        {
-            if let Some(side) = Side::BOTH.into_iter().find(|side| PaneId::of(*side) == *id) {
-                *id = PaneId::of(side.other());
-            }
-        }
+        let steps = self.past.iter_mut().chain(&mut self.future).chain(&mut self.begun);
+        steps.for_each(|document| document.panes.swap_sides());
     }
 
     pub fn clear(&mut self) {
@@ -138,39 +119,36 @@ impl History {
 
 impl Model {
     pub fn undo(&mut self) {
-        self.with_history("Undone", History::undo);
+        self.step("Undone", History::undo);
     }
 
     pub fn redo(&mut self) {
-        self.with_history("Redone", History::redo);
+        self.step("Redone", History::redo);
     }
 
     /// Takes a step. The note about it replaces one about the settings that are no longer set.
-    fn with_history(&mut self, what: &str, step: impl FnOnce(&mut History, &mut Self)) {
-        let mut history = std::mem::take(&mut self.history);
-        let before = Settings::of(self);
-        step(&mut history, self);
-        let after = Settings::of(self);
-        if after != before {
-            self.messages.note(format!("{what}: {}", after.changed_from(&before)));
+    fn step(&mut self, what: &str, step: impl FnOnce(&mut History, &mut Document)) {
+        let before = self.document.clone();
+        step(&mut self.history, &mut self.document);
+        self.check_params();
+        let changed = self.changed_from(&before);
+        if !changed.is_empty() {
+            self.messages.note(format!("{what}: {changed}"));
         }
-        self.history = history;
     }
 
     /// Makes a change by the user, which is a step to undo, or a part of one.
     pub fn as_step<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
-        let before = Settings::of(self);
+        let before = self.document.clone();
         let changed = change(self);
-        let after = Settings::of(self);
-        self.history.take(before, &after);
+        self.history.take(before, &self.document);
         changed
     }
 
     /// Ends a step, unless `goes_on`: its change may continue in the next pass.
     pub(in crate::app) fn close_step(&mut self, goes_on: bool) {
-        if !goes_on && !self.playing && self.history.is_open() {
-            let now = Settings::of(self);
-            self.history.close(&now);
+        if !goes_on && !self.playing && self.history.begun.is_some() {
+            self.history.close(&self.document);
         }
     }
 }
@@ -179,15 +157,16 @@ impl Model {
 mod tests {
     use super::*;
     use crate::app::project::pair::tests::pair;
+    use crate::app::project::side::Side;
     use crate::app::project::workspace::Workspace;
+    use crate::detector::SlopeChoice;
 
     fn pass(history: &mut History, model: &mut Model, goes_on: bool, change: impl FnOnce(&mut Model)) {
-        let before = Settings::of(model);
+        let before = model.document.clone();
         change(model);
-        let after = Settings::of(model);
-        history.take(before, &after);
+        history.take(before, &model.document);
         if !goes_on {
-            history.close(&after);
+            history.close(&model.document);
         }
     }
 
@@ -197,7 +176,7 @@ mod tests {
         pass(&mut history, &mut model, false, |m| m.params.levels = 5);
         pass(&mut history, &mut model, false, |m| m.matching.ratio = 0.5);
         pass(&mut history, &mut model, false, |_| {});
-        history.undo(&mut model);
+        history.undo(&mut model.document);
         assert_eq!((&model.matching, model.params.levels), (&MatchParams::default(), 5));
         pass(&mut history, &mut model, false, |m| m.params.octaves = 2);
         assert!(!history.can_redo());
@@ -213,14 +192,14 @@ mod tests {
         let (a, before) = (slopes(&model)[0], slopes(&model)[1]);
         pass(&mut history, &mut model, false, |m| m.focused_mut().cursor.slope.u = 0.25);
         assert_eq!(slopes(&model), [a, 0.25]);
-        history.undo(&mut model);
+        history.undo(&mut model.document);
         assert_eq!(slopes(&model), [a, before]);
-        history.redo(&mut model);
+        history.redo(&mut model.document);
         model.history = history;
         model.swap_sides();
         history = std::mem::take(&mut model.history);
         assert_eq!(slopes(&model), [0.25, a]);
-        history.undo(&mut model);
+        history.undo(&mut model.document);
         assert_eq!(slopes(&model), [before, a], "the burst that was B");
     }
 
@@ -246,7 +225,7 @@ mod tests {
         });
         assert!(!history.can_undo(), "nor is a new pane");
         pass(&mut history, &mut model, false, |m| m.params.levels = 5);
-        history.undo(&mut model);
+        history.undo(&mut model.document);
         assert_eq!(model.params.slopes, SlopeGrid::line(-2.0..=2.0, 5), "slopes that were found stay");
     }
 }

@@ -1,11 +1,11 @@
 //! The Lab: its questions with the settings of their studies, and the studies that answer them: the curves so far, and the
 //! chart on show.
 
-use crate::app::project::Model;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{Effect, Model};
 use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Engine, Wanted};
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, FramesStudy, Searches};
 use crate::recover::{Planted, RecoverReport, RecoverStudy};
@@ -193,43 +193,44 @@ impl Model {
         self.open(Side::A, source, engine);
     }
 
-    fn probe_planted(&mut self) {
+    pub(super) fn take_part_of_study(&mut self) {
+        let lab = &mut self.studies;
+        if let (Some(report), Some(request)) = (lab.wanted.take_told().pop(), lab.wanted.pending()) {
+            lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
+        }
+    }
+
+    pub(super) fn take_study(&mut self, ended: Ended<StudyRequest>) -> Vec<Effect> {
+        match ended.result {
+            Ok(report) => {
+                self.studies.current = Some(LabResult { study: ended.request.study, report, is_whole: true });
+                self.messages.note("The study is finished");
+            }
+            Err(JobError::Cancelled) => self.messages.note("The study was cancelled"),
+            Err(error) => self.studies.problem = Some(error.to_string()),
+        }
+        Vec::new()
+    }
+
+    pub(super) fn missing_chart(&self) -> Option<ChartOfStudy> {
+        self.selected_chart().filter(|_| self.current_chart().is_none())
+    }
+
+    pub(super) fn take_chart(&mut self, ended: Ended<ChartOfStudy>) {
+        match ended.result {
+            Ok(shown) => self.studies.shown = Some(shown),
+            Err(JobError::Cancelled) => {}
+            Err(error) => self.studies.problem = Some(error.to_string()),
+        }
+    }
+
+    pub(super) fn probe_planted(&mut self) {
         let is_open = |(source, _): &mut (BurstSource, [f32; 2])| {
             self.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
         };
         if let Some((_, place)) = self.studies.probe_when_open.take_if(is_open) {
             self.probe_place(Side::A, place);
         }
-    }
-
-    pub(in crate::app) fn take_studies(&mut self) {
-        self.probe_planted();
-        let lab = &mut self.studies;
-        if let (Some(report), Some(request)) = (lab.wanted.take_told().pop(), lab.wanted.pending()) {
-            lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
-        }
-        for ended in lab.wanted.take() {
-            match ended.result {
-                Ok(report) => {
-                    lab.current = Some(LabResult { study: ended.request.study, report, is_whole: true });
-                    self.messages.note("The study is finished");
-                }
-                Err(JobError::Cancelled) => self.messages.note("The study was cancelled"),
-                Err(error) => lab.problem = Some(error.to_string()),
-            }
-        }
-        for ended in lab.wanted_chart.take() {
-            match ended.result {
-                Ok(shown) => lab.shown = Some(shown),
-                Err(JobError::Cancelled) => {}
-                Err(error) => lab.problem = Some(error.to_string()),
-            }
-        }
-    }
-
-    pub(in crate::app) fn ask_for_chart(&mut self, engine: &Engine) {
-        let missing = self.selected_chart().filter(|_| self.current_chart().is_none());
-        self.studies.wanted_chart.want_missing(engine, missing);
     }
 }
 

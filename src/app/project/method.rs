@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Contender {
+pub enum MethodId {
     Sift,
     Merge,
     Buff1d,
@@ -17,7 +17,7 @@ pub enum Contender {
 /// Range (±, pixels per frame) and number of slopes of an axis where the edited grid has none to take over.
 const USUAL: (f32, usize) = (3.0, 7);
 
-impl Contender {
+impl MethodId {
     pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
 
     pub fn is_buff(self) -> bool {
@@ -98,18 +98,18 @@ mod tests {
     #[test]
     fn each_method_takes_the_edited_parameters_in_its_own_way() {
         let line = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() };
-        assert_eq!(Contender::Buff1d.params(&line), line);
-        assert_eq!(Contender::Buff2d.params(&line).slopes, SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5));
+        assert_eq!(MethodId::Buff1d.params(&line), line);
+        assert_eq!(MethodId::Buff2d.params(&line).slopes, SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5));
         let plane = DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3), ..line.clone() };
-        assert_eq!(Contender::Buff2d.params(&plane), plane);
+        assert_eq!(MethodId::Buff2d.params(&plane), plane);
         let forwards = DetectorParams { slopes: SlopeGrid::line(-6.0..=-3.0, 4), ..line.clone() };
         let around_zero = SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5);
-        assert_eq!(Contender::Buff2d.params(&forwards).slopes, around_zero, "v has no slopes of u's range");
-        assert_eq!(Contender::Buff1d.params(&plane).slopes, SlopeGrid::line(-3.0..=3.0, 7));
+        assert_eq!(MethodId::Buff2d.params(&forwards).slopes, around_zero, "v has no slopes of u's range");
+        assert_eq!(MethodId::Buff1d.params(&plane).slopes, SlopeGrid::line(-3.0..=3.0, 7));
         let sift = DetectorParams { method: Method::Sift, peak_threshold: 0.01, ..line };
-        assert_eq!(Contender::Sift.params(&sift), sift);
-        assert_eq!(Contender::Buff1d.params(&sift).peak_threshold, 0.01);
-        for method in Contender::ALL {
+        assert_eq!(MethodId::Sift.params(&sift), sift);
+        assert_eq!(MethodId::Buff1d.params(&sift).peak_threshold, 0.01);
+        for method in MethodId::ALL {
             assert!(!method.help().is_empty());
             assert_eq!(method.params(&plane).validate(), Ok(()));
         }

@@ -3,9 +3,9 @@
 //! The [`Model`] draws nothing. Panels read and change it; in each pass it takes the engine's answers, and then
 //! requests what is missing.
 
-pub mod against;
 mod asking;
 pub mod compare;
+pub mod comparison;
 pub mod cursor;
 pub mod datasets;
 pub mod effect;
@@ -22,6 +22,7 @@ pub mod method;
 pub mod pair;
 pub mod panels;
 pub mod panes;
+mod part;
 mod pictures;
 pub mod probe;
 pub mod set_up;
@@ -38,7 +39,7 @@ pub mod workspace {
     pub use crate::teach::Workspace;
 }
 
-use crate::app::document::Document;
+use crate::app::document::{Document, Pointed};
 use crate::app::pane::PaneId;
 use crate::app::project::history::History;
 use crate::detector::SearchParams;
@@ -50,12 +51,12 @@ use datasets::Datasets;
 use explained::{CoherenceState, ExplainedState};
 use messages::Messages;
 use pair::PairState;
-use probe::ProbeModel;
+use probe::ProbeResults;
 use side::{Side, Sides};
 use slot::Slot;
 use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
-use trajectories::Trajectories;
+use trajectories::TrajectoryResults;
 
 /// The document, and what the engine answered. All that is read of the document is read as if it were its own.
 #[derive(Debug, Default)]
@@ -76,11 +77,11 @@ pub struct Model {
     pub history: History,
     pub explained: ExplainedState,
     pub coherence: CoherenceState,
-    pub probe: ProbeModel,
+    pub probed: ProbeResults,
     pub in_lesson: bool,
     pub figures: Wanted<FiguresJob>,
     pub datasets: Datasets,
-    pub trajectories: Trajectories,
+    pub poses: TrajectoryResults,
     pub studies: lab::Studies,
     play: panes::Play,
     listed_for: Option<filter::ListedFor>,
@@ -116,9 +117,22 @@ impl Model {
 
     /// Things under the pointer.
     pub fn pointed(&self) -> impl PartialEq + use<> {
-        let probe = (self.probe.pointer, self.probe.as_dots.clone());
-        let rows = self.slots.both().map(|slot| slot.against.hovered);
-        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.trajectories.hovered, probe)
+        let probe = (self.probed.pointer, self.probed.as_dots.clone());
+        let rows = self.slots.both().map(|slot| slot.comparison.hovered);
+        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe)
+    }
+
+    pub fn point_at(&mut self, pointed: Pointed) {
+        match pointed {
+            Pointed::Feature(index) => self.hovered = index,
+            Pointed::Candidate(index) => self.explained.pointed = index,
+            Pointed::Row(side, row) => self.slots[side].comparison.hovered = row,
+            Pointed::Match(index) => self.pair.hovered = index,
+            Pointed::Camera(index) => self.poses.hovered = index,
+            Pointed::Place(place) => self.probed.pointer = place,
+            Pointed::Dots(features) => self.probed.as_dots = features,
+            Pointed::Lines(drawn, all) => self.pair.lines_drawn = (drawn, all),
+        }
     }
 
     pub fn frame_count(&self) -> usize {

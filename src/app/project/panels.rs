@@ -80,7 +80,7 @@ impl Model {
     pub fn shows_right(&self) -> bool {
         self.panels.right.or(match self.workspace {
             Workspace::Inspect => self.selected.is_some() || self.probe.is_open,
-            Workspace::Pair => self.pair.selected.is_some() || self.asked_feature().is_some() || self.probe.is_open,
+            Workspace::Pair => self.selected_match.is_some() || self.asked_feature().is_some() || self.probe.is_open,
             Workspace::Methods => false,
             Workspace::Matches | Workspace::Trajectories | Workspace::Lab => true,
         })
@@ -98,7 +98,7 @@ impl Model {
     }
 
     pub fn open_probe(&mut self) {
-        (self.probe.is_open, self.probe.problem) = (true, None);
+        (self.probe.is_open, self.probed.problem) = (true, None);
         if self.panels.right == Visibility::Closed {
             self.panels.right = Visibility::Auto;
         }

@@ -1,6 +1,7 @@
 //! Panes in each pass of the window: changes of the set of panes, cursors that follow the one in focus, views, and
 //! playing through the slopes.
 
+use crate::app::document::Document;
 use crate::app::pane::{Direction, MethodsPreset, Pane, PaneId, Preset, SidesPreset};
 use crate::app::project::Model;
 use crate::app::project::cursor::{ViewKind, play_step_of, played};
@@ -56,15 +57,42 @@ impl Model {
         }
     }
 
-    /// Changes a pane. The cursors that are linked with that of the pane in focus follow it.
+    pub fn go_to_selected(&mut self) {
+        let Some(Feature { u, v, sigma, slope, .. }) = self.selected_feature().copied() else { return };
+        let at = Some(([u, v], 60.0 / sigma.max(1.0)));
+        self.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
+    }
+
+    pub fn toggle_play(&mut self) {
+        self.playing = !self.playing;
+        let step = play_step_of(&self.cursor_params().slopes, self.cursor().slope);
+        self.play = Play { step, due: None };
+    }
+
+    /// The next slope, if it is due, while slopes are played, and the time after which to ask again.
+    pub(in crate::app) fn step_play(&mut self) -> Option<(Option<Slope>, Duration)> {
+        if !self.playing {
+            return None;
+        }
+        let now = Instant::now();
+        let due = self.play.due.is_none_or(|due| now >= due);
+        // The next slope waits for the pictures of this one, so that a slow machine plays slowly and skips none.
+        let slope = (due && self.pictures_are_current()).then(|| {
+            let step = self.play.step + 1;
+            self.play = Play { step, due: Some(now + PLAY_EVERY) };
+            played(&self.cursor_params().slopes, step)
+        });
+        Some((slope, PLAY_EVERY / 4))
+    }
+}
+
+impl Document {
+    /// Changes a pane. The cursors that are linked with that of the pane in focus follow it. It may leave the range of
+    /// its burst, into which [`Model::check_params`] brings it.
     pub fn lead(&mut self, id: PaneId, change: impl FnOnce(&mut Pane)) {
-        let Some(pane) = self.document.panes.get_mut(id) else { return };
+        let Some(pane) = self.panes.get_mut(id) else { return };
         let before = pane.cursor;
         change(pane);
-        let slot = &self.slots[pane.side];
-        if let Some(burst) = &slot.burst {
-            pane.cursor = pane.cursor_within(burst, &slot.usable_params);
-        }
         if id == self.focus() {
             self.panes.follow_cursor(id, before);
         }
@@ -95,12 +123,6 @@ impl Model {
         }
     }
 
-    pub fn go_to_selected(&mut self) {
-        let Some(Feature { u, v, sigma, slope, .. }) = self.selected_feature().copied() else { return };
-        let at = Some(([u, v], 60.0 / sigma.max(1.0)));
-        self.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
-    }
-
     /// Moves the pane in focus, or the first one on the burst of `side`.
     pub fn go_to(&mut self, side: Side, to: &Destination) {
         self.focus_on_side(side);
@@ -122,28 +144,6 @@ impl Model {
             pane.view.look_at(place.into(), zoom);
             self.panes.follow_view(focus, &before);
         }
-    }
-
-    pub fn toggle_play(&mut self) {
-        self.playing = !self.playing;
-        let step = play_step_of(&self.cursor_params().slopes, self.cursor().slope);
-        self.play = Play { step, due: None };
-    }
-
-    /// The next slope, if it is due, while slopes are played, and the time after which to ask again.
-    pub(in crate::app) fn step_play(&mut self) -> Option<(Option<Slope>, Duration)> {
-        if !self.playing {
-            return None;
-        }
-        let now = Instant::now();
-        let due = self.play.due.is_none_or(|due| now >= due);
-        // The next slope waits for the pictures of this one, so that a slow machine plays slowly and skips none.
-        let slope = (due && self.pictures_are_current()).then(|| {
-            let step = self.play.step + 1;
-            self.play = Play { step, due: Some(now + PLAY_EVERY) };
-            played(&self.cursor_params().slopes, step)
-        });
-        Some((slope, PLAY_EVERY / 4))
     }
 }
 
@@ -179,6 +179,7 @@ mod tests {
 
         // At the end of the range the others keep their distance to the cursor in focus.
         model.show_slope(second, Slope::new(100.0, 0.0));
+        model.check_params();
         let limit = slope_limit(&model.slots.a.usable_params.slopes);
         assert_eq!(slopes(&model), [Slope::new(limit + right.u - left.u, 0.0), Slope::new(limit, 0.0), start]);
     }

@@ -4,20 +4,67 @@
 
 use crate::app::document::Document;
 use crate::app::pane::{Content, Link, Pane, PaneId, Preset};
-use crate::app::project::asking::answers;
+use crate::app::project::Effect;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::look::{RangeClass, Ranges};
 use crate::app::project::pair::Side;
+use crate::app::project::part::{Part, Pass};
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{Detection, DetectorParams, Slope};
-use crate::engine::Engine;
+use crate::engine::{Ended, Want};
 use crate::plane::display::Display;
 use crate::requests::{JobError, OpenBurst, Picture, PictureKind, PictureRequest, Request, Urgency};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-impl Model {
+pub(super) struct PanePictures;
+
+impl Part for PanePictures {
+    fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want> {
+        model.pictures.values().map(|shown| &shown.wanted as _).collect()
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        let pictures = &mut pass.model.pictures;
+        let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
+        for (id, ended) in
+            taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
+        {
+            match ended.result {
+                Ok(picture) => pass.model.take_picture(id, picture),
+                Err(JobError::Cancelled) => pass.model.pictures.entry(id).or_default().wanted.forget(),
+                Err(error) => {
+                    pass.model.pictures.entry(id).or_default().problem = Some((ended.request, error.to_string()));
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
+    /// detection in their burst, from which they may be made.
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let model = &mut *pass.model;
+        let focus = model.focus();
+        let mut ids = model.panes.shown();
+        ids.sort_by_key(|id| *id != focus);
+        for id in ids {
+            let Some(wanted) = model.wanted(id).filter(|_| !model.is_current(id)) else { continue };
+            let side = model.panes.get(id).map_or(Side::A, |pane| pane.side);
+            let waits = pass.dragging || model.slots[side].detecting.is_pending();
+            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
+                model.pictures.entry(id).or_default().wanted.want(pass.engine, Some(wanted));
+            }
+        }
+    }
+
+    fn is_there(&self, model: &Model) -> bool {
+        model.pictures_are_current()
+    }
+}
+
+impl Document {
     pub fn open_workspace(&mut self, workspace: Workspace) {
         self.workspace = workspace;
         self.panes.turn_to(workspace);
@@ -41,6 +88,41 @@ impl Model {
         &self.focused().cursor
     }
 
+    /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
+    pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
+        let shared = self.look.ranges;
+        let Some(pane) = self.panes.get_mut(id) else { return };
+        pane.links.set(link, on);
+        if link == Link::Display {
+            pane.own_ranges = (!on).then_some(pane.own_ranges.unwrap_or(shared));
+        }
+    }
+
+    /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
+    pub fn focus_on_side(&mut self, side: Side) {
+        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
+        if !is_on(&self.panes.focus())
+            && let Some(id) = self.panes.shown().into_iter().find(is_on)
+        {
+            self.panes.set_focus(id);
+        }
+    }
+
+    pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
+        pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
+    }
+
+    pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
+        let focus = self.focus();
+        let Self { panes, look, .. } = self;
+        match panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
+            Some(own) => own,
+            None => &mut look.ranges,
+        }
+    }
+}
+
+impl Model {
     pub fn picture(&self) -> Option<&Picture> {
         self.picture_in(self.focus())
     }
@@ -156,57 +238,18 @@ impl Model {
         self.panes.shown().into_iter().all(|id| self.is_current(id))
     }
 
-    /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
-    pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
-        let shared = self.look.ranges;
-        let Some(pane) = self.panes.get_mut(id) else { return };
-        pane.links.set(link, on);
-        if link == Link::Display {
-            pane.own_ranges = (!on).then_some(pane.own_ranges.unwrap_or(shared));
-        }
-    }
-
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
         let picture = self.picture_in(id).filter(|picture| picture.request.minus().is_none())?;
         picture.request.kind.slope()
     }
 
-    pub(in crate::app) fn take_pictures(&mut self) {
-        let ended: Vec<_> = self
-            .pictures
-            .iter_mut()
-            .flat_map(|(id, shown)| shown.wanted.take().into_iter().map(|ended| (*id, ended)))
-            .collect();
-        for (id, ended) in ended {
-            match ended.result {
-                Ok(picture) => self.take_picture(id, picture),
-                Err(JobError::Cancelled) => self.pictures.entry(id).or_default().wanted.forget(),
-                Err(error) => {
-                    self.pictures.entry(id).or_default().problem = Some((ended.request, error.to_string()));
-                }
-            }
-        }
-        let patch = answers(&mut self.wanted_patch, "Patch", &mut self.messages).pop();
-        self.patch = patch.or_else(|| self.patch.take());
+    pub(super) fn missing_patch(&self) -> Option<PictureRequest> {
+        let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
+        self.patch_request().filter(|wanted| !is_there(wanted))
     }
 
-    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
-    /// detection in their burst, from which they may be made.
-    pub(in crate::app) fn ask_for_pictures(&mut self, engine: &Engine, dragging: bool) {
-        let focus = self.focus();
-        let mut ids = self.panes.shown();
-        ids.sort_by_key(|id| *id != focus);
-        for id in ids {
-            let Some(wanted) = self.wanted(id).filter(|_| !self.is_current(id)) else { continue };
-            let side = self.panes.get(id).map_or(Side::A, |pane| pane.side);
-            let waits = dragging || self.slots[side].detecting.is_pending();
-            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
-                self.pictures.entry(id).or_default().wanted.want(engine, Some(wanted));
-            }
-        }
-        let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
-        let missing = self.patch_request().filter(|wanted| !is_there(wanted));
-        self.wanted_patch.want_missing(engine, missing);
+    pub(super) fn take_patch(&mut self, ended: Ended<PictureRequest>) {
+        self.patch = self.answer(ended, "Patch").or_else(|| self.patch.take());
     }
 
     pub(in crate::app) fn forget_asked_pictures(&mut self) {
@@ -229,16 +272,6 @@ impl Model {
         self.settle_ranges();
     }
 
-    /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
-    pub fn focus_on_side(&mut self, side: Side) {
-        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
-        if !is_on(&self.panes.focus())
-            && let Some(id) = self.panes.shown().into_iter().find(is_on)
-        {
-            self.panes.set_focus(id);
-        }
-    }
-
     pub fn lay_out(&mut self, preset: Preset) {
         let params = self.cursor_params().clone();
         self.panes.lay_out(preset, &params);
@@ -254,19 +287,6 @@ impl Model {
     pub fn has_colour_bar(&self, id: PaneId) -> bool {
         use RangeClass::{Difference, Intensity, Response};
         self.picture_in(id).is_some() && !matches!(self.range_class(id), Intensity | Response | Difference)
-    }
-
-    pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
-        pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
-    }
-
-    pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
-        let focus = self.focus();
-        let Document { panes, look, .. } = &mut self.document;
-        match panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
-            Some(own) => own,
-            None => &mut look.ranges,
-        }
     }
 
     pub fn display_of(&self, id: PaneId) -> Display {

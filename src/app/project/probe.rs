@@ -9,7 +9,7 @@ use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope, SlopeChoice, SlopeGrid};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::inspect::Fate;
 use crate::inspect::price::time_factor;
 use crate::inspect::probe::{AT_PLACE_PX, Wanted as Subject};
@@ -19,16 +19,10 @@ use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQu
 use crate::synth::Example;
 use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SavedProbe {
-    pub place: [f32; 2],
-    #[serde(default)]
-    pub is_open: bool,
-}
-
-#[derive(Debug, Default)]
-pub struct ProbeModel {
+/// The probe as it is set.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Probe {
     pub side: Side,
     pub is_open: bool,
     pub follows: bool,
@@ -37,6 +31,10 @@ pub struct ProbeModel {
     pub near_sigma: Option<f32>,
     /// Slope by which candidates come first: that of the picture in view; `None` for a picture of no slope.
     pub in_view: Option<Slope>,
+}
+
+#[derive(Debug, Default)]
+pub struct ProbeResults {
     /// Features at the place that the pane of the probed burst drew as dots in the last pass.
     pub as_dots: Vec<usize>,
     pub traced: Option<Traced>,
@@ -48,44 +46,13 @@ pub struct ProbeModel {
     pub wanted_answer: Wanted<ProbeRequest>,
 }
 
-impl ProbeModel {
+impl Probe {
     pub fn is_on(&self) -> bool {
         self.follows || self.question.is_some()
     }
+}
 
-    pub fn is_in_use(&self) -> bool {
-        self.is_open || self.is_on() || self.answer.is_some()
-    }
-
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    /// Probes the burst of `side` from now on. Question and answer about the other burst are forgotten.
-    fn turn_to(&mut self, side: Side) {
-        if self.side != side {
-            let Self { is_open, follows, pointer, .. } = *self;
-            *self = Self { side, is_open, follows, pointer, ..Self::default() };
-        }
-    }
-
-    /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.
-    pub fn place(&self) -> Option<[f32; 2]> {
-        match self.question? {
-            ProbeQuestion::At { place, wanted: Subject::Feature(_) } => Some(match &self.answer {
-                Some(answer) if self.is_current() => answer.probe.pos_image,
-                _ => place,
-            }),
-            ProbeQuestion::At { place, .. } => Some(place),
-            ProbeQuestion::Strongest => None,
-        }
-    }
-
-    pub fn wanted(&self) -> Option<ProbeRequest> {
-        let &Self { near_sigma, in_view, .. } = self;
-        Some(ProbeRequest { traced: self.traced.clone()?, question: self.question?, near_sigma, in_view })
-    }
-
+impl ProbeResults {
     /// Features of the answer that lie at its place.
     pub fn features_here(&self) -> Vec<usize> {
         let Some(probe) = self.answer.as_ref().map(|answer| &answer.probe) else { return Vec::new() };
@@ -94,95 +61,120 @@ impl ProbeModel {
         let here = probe.near_fates().iter().filter(|fate| away(fate) <= AT_PLACE_PX);
         here.filter_map(|fate| fate.features.first().copied()).collect()
     }
+}
 
-    pub fn saved(&self, side: Side) -> Option<SavedProbe> {
-        let place = self.place().filter(|_| self.side == side)?;
-        Some(SavedProbe { place, is_open: self.is_open })
+impl Model {
+    pub fn has_probe(&self) -> bool {
+        self.probe.is_open || self.probe.is_on() || self.probed.answer.is_some()
     }
 
-    pub fn is_current(&self) -> bool {
-        let wanted = self.wanted();
-        self.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request == wanted)
+    pub fn clear_probe(&mut self) {
+        (self.probe, self.probed) = Default::default();
+    }
+
+    /// Probes the burst of `side` from now on. Question and answer about the other burst are forgotten.
+    fn turn_probe_to(&mut self, side: Side) {
+        if self.probe.side != side {
+            let Probe { is_open, follows, .. } = self.probe;
+            self.probe = Probe { side, is_open, follows, ..Probe::default() };
+            self.probed = ProbeResults { pointer: self.probed.pointer, ..ProbeResults::default() };
+        }
+    }
+
+    /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.
+    pub fn probed_place(&self) -> Option<[f32; 2]> {
+        match self.probe.question? {
+            ProbeQuestion::At { place, wanted: Subject::Feature(_) } => Some(match &self.probed.answer {
+                Some(answer) if self.probe_is_current() => answer.probe.pos_image,
+                _ => place,
+            }),
+            ProbeQuestion::At { place, .. } => Some(place),
+            ProbeQuestion::Strongest => None,
+        }
+    }
+
+    fn wanted_probe(&self) -> Option<ProbeRequest> {
+        let Probe { question, near_sigma, in_view, .. } = self.probe;
+        Some(ProbeRequest { traced: self.probed.traced.clone()?, question: question?, near_sigma, in_view })
+    }
+
+    pub fn probe_is_current(&self) -> bool {
+        let wanted = self.wanted_probe();
+        self.probed.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request == wanted)
     }
 
     /// A question about a feature, or a sample on another grid, becomes one about the best candidate at its place.
-    pub fn take_trail(&mut self, traced: Traced) {
+    fn take_trail(&mut self, traced: Traced) {
         let slopes = |traced: &Traced| traced.cache.params().used_slopes();
-        let same_grid = self.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
-        let place = self.place();
-        if let (Some(ProbeQuestion::At { wanted, .. }), Some(_), Some(place)) = (self.question, &self.traced, place) {
-            let wanted = match wanted {
+        let same_grid = self.probed.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
+        if let (Some(ProbeQuestion::At { wanted, .. }), Some(_)) = (self.probe.question, &self.probed.traced) {
+            self.look_at(match wanted {
                 Subject::Candidate(sample) if same_grid => Subject::Candidate(sample),
                 _ => Subject::Best,
-            };
-            self.question = Some(ProbeQuestion::At { place, wanted });
+            });
         }
-        (self.traced, self.problem) = (Some(traced), None);
+        (self.probed.traced, self.probed.problem) = (Some(traced), None);
     }
 
     /// Takes an answer. The question for the strongest candidate then becomes one for its place.
-    pub fn take_answer(&mut self, mut answer: Probed) {
-        let is_asked = self.question == Some(answer.request.question);
+    fn take_probe(&mut self, mut answer: Probed) {
+        let is_asked = self.probe.question == Some(answer.request.question);
         if answer.request.question == ProbeQuestion::Strongest {
             let wanted = answer.probe.subject_fate().map_or(Subject::Best, |f| Subject::Candidate(f.of_sample()));
             answer.request.question = ProbeQuestion::At { place: answer.probe.pos_image, wanted };
             if is_asked {
-                self.question = Some(answer.request.question);
+                self.probe.question = Some(answer.request.question);
             }
         }
-        (self.answer, self.problem) = (Some(answer), None);
+        (self.probed.answer, self.probed.problem) = (Some(answer), None);
     }
 
     pub fn look_at(&mut self, wanted: Subject) {
-        if let Some(place) = self.place() {
-            self.question = Some(ProbeQuestion::At { place, wanted });
+        if let Some(place) = self.probed_place() {
+            self.probe.question = Some(ProbeQuestion::At { place, wanted });
         }
     }
-}
 
-impl Model {
-    pub(in crate::app) fn take_probed(&mut self) {
+    pub(super) fn take_probed_trail(&mut self, ended: Ended<DetectionSource>) {
         let open = self.burst_of(self.probe.side).map(|burst| burst.id);
-        for ended in self.probe.wanted_trail.take() {
-            match ended.result {
-                Ok(traced) if Some(traced.burst) == open => self.probe.take_trail(traced),
-                Ok(_) => {}
-                Err(JobError::Cancelled) => {
-                    self.probe.problem = Some("Cancelled; probe the place again".to_owned());
-                }
-                Err(error) => self.probe.problem = Some(error.to_string()),
-            }
-        }
-        for ended in self.probe.wanted_answer.take() {
-            match ended.result {
-                Ok(probed) if Some(probed.request.traced.burst) == open => self.probe.take_answer(probed),
-                Ok(_) => {}
-                Err(JobError::Cancelled) => self.probe.wanted_answer.forget(),
-                Err(error) => self.probe.problem = Some(error.to_string()),
-            }
+        match ended.result {
+            Ok(traced) if Some(traced.burst) == open => self.take_trail(traced),
+            Ok(_) => {}
+            Err(JobError::Cancelled) => self.probed.problem = Some("Cancelled; probe the place again".to_owned()),
+            Err(error) => self.probed.problem = Some(error.to_string()),
         }
     }
 
-    /// Requests the trail and the answer that are missing. A running detection comes first: it leaves its trail.
-    pub(in crate::app) fn ask_for_probed(&mut self, engine: &Engine, dragging: bool) {
-        if let Some((side, place)) = self.probe.pointer.filter(|_| self.probe.follows) {
+    pub(super) fn take_probed(&mut self, ended: Ended<ProbeRequest>) {
+        let open = self.burst_of(self.probe.side).map(|burst| burst.id);
+        match ended.result {
+            Ok(probed) if Some(probed.request.traced.burst) == open => self.take_probe(probed),
+            Ok(_) => {}
+            Err(JobError::Cancelled) => self.probed.wanted_answer.forget(),
+            Err(error) => self.probed.problem = Some(error.to_string()),
+        }
+    }
+
+    pub(super) fn follow_pointer(&mut self) {
+        if let Some((side, place)) = self.probed.pointer.filter(|_| self.probe.follows) {
             self.set_question(side, ProbeQuestion::At { place, wanted: Subject::Best });
         }
-        if !self.probe.is_on() {
-            return;
-        }
-        let side = self.probe.side;
-        if !dragging && !self.slots[side].detecting.is_pending() && self.probe.problem.is_none() {
-            match self.untraced() {
-                Some(source) => self.probe.wanted_trail.want(engine, Some(source)),
-                None if self.slots[side].found.is_none() && self.wants_detection(side) => {
-                    self.start_detection(side, engine);
-                }
-                None => {}
-            }
-        }
-        let missing = self.probe.wanted().filter(|_| !self.probe.is_current());
-        self.probe.wanted_answer.want_missing(engine, missing);
+    }
+
+    pub(super) fn probe_wants_features(&self, side: Side) -> bool {
+        let (probe, slot) = (&self.probe, &self.slots[side]);
+        probe.is_on() && probe.side == side && slot.found.is_none() && self.probed.problem.is_none()
+    }
+
+    /// A running detection comes first: it leaves its trail.
+    pub(super) fn missing_trail(&self, dragging: bool) -> Option<DetectionSource> {
+        let waits = dragging || self.slots[self.probe.side].detecting.is_pending();
+        let is_asked = self.probe.is_on() && self.probed.problem.is_none();
+        self.untraced().filter(|_| is_asked && !waits)
+    }
+
+    pub(super) fn missing_probe(&self) -> Option<ProbeRequest> {
+        self.wanted_probe().filter(|_| !self.probe_is_current())
     }
 
     pub(in crate::app) fn follow_with_probe(&mut self) {
@@ -191,12 +183,6 @@ impl Model {
         if probe.follows {
             self.open_probe();
         }
-    }
-
-    pub(in crate::app) fn probe_is_settled(&self) -> bool {
-        let (probe, slot) = (&self.probe, &self.slots[self.probe.side]);
-        let can = slot.burst.is_some() && (slot.found.is_some() || self.wants_detection(probe.side));
-        !probe.is_on() || !can || probe.question.is_none() || probe.problem.is_some() || probe.is_current()
     }
 
     /// A place outside the picture only gives a note.
@@ -219,7 +205,7 @@ impl Model {
 
     /// A question about a feature has its own scale and slope.
     fn set_question(&mut self, side: Side, question: ProbeQuestion) {
-        self.probe.turn_to(side);
+        self.turn_probe_to(side);
         self.probe.question = Some(question);
         let has_scale = matches!(question, ProbeQuestion::At { wanted: Subject::Feature(_), .. });
         self.probe.near_sigma = if has_scale { None } else { self.sigma_in_view() };
@@ -246,7 +232,7 @@ impl Model {
         let is_of = |traced: &Traced| {
             traced.burst == burst.id && traced.cache.asked == found.asked && traced.cache.made_with() == found.params
         };
-        if self.probe.traced.as_ref().is_some_and(is_of) { None } else { self.found_source(side) }
+        if self.probed.traced.as_ref().is_some_and(is_of) { None } else { self.found_source(side) }
     }
 
     pub fn probe_place(&mut self, side: Side, place: [f32; 2]) {
@@ -268,7 +254,7 @@ impl Model {
         if self.workspace != Workspace::Pair {
             return self.selected_feature().and(self.selected).map(|index| (Side::A, index));
         }
-        let of_match = self.pair.matches.as_ref().zip(self.pair.selected).and_then(|(matches, index)| {
+        let of_match = self.pair.matches.as_ref().zip(self.selected_match).and_then(|(matches, index)| {
             let found = matches.row(index)?.found;
             Some(match self.active_side() {
                 Side::A => (Side::A, found.a),
@@ -293,27 +279,18 @@ impl Model {
 
     pub(in crate::app) fn clear_probe_of(&mut self, side: Side) {
         if self.probe.side == side {
-            self.probe.clear();
-        }
-    }
-
-    pub fn restore_probe(&mut self, side: Side, saved: Option<SavedProbe>) {
-        self.clear_probe_of(side);
-        if let Some(SavedProbe { place, is_open }) = saved {
-            let right = self.panels.right;
-            self.probe_place(side, place);
-            (self.probe.is_open, self.panels.right) = (is_open, right);
+            self.clear_probe();
         }
     }
 
     pub fn probe_is_stale(&self) -> bool {
         let asked = || self.asked_of(self.probe.side);
-        self.probe.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != asked())
+        self.probed.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != asked())
     }
 
     /// A sentence without a full stop: the price, or the time of the search; `None` for what cannot be made.
     pub fn price_text(&self, side: Side, change: &ParamChange) -> Option<String> {
-        let answer = self.probe.answer.as_ref().filter(|_| self.probe.side == side && !self.probe_is_stale());
+        let answer = self.probed.answer.as_ref().filter(|_| self.probe.side == side && !self.probe_is_stale());
         let known = answer.and_then(|answer| answer.prices.iter().find(|(of, _)| of == change));
         if let Some((_, price)) = known {
             return Some(capitalised(&price.sentence()));
@@ -376,7 +353,7 @@ mod tests {
     use crate::monitor::Monitor;
 
     fn answered(model: &Model) -> (Side, crate::requests::BurstId, [f32; 2]) {
-        let answer = model.probe.answer.as_ref().filter(|_| model.probe.is_current()).expect("answered");
+        let answer = model.probed.answer.as_ref().filter(|_| model.probe_is_current()).expect("answered");
         (model.probe.side, answer.request.traced.burst, answer.probe.pos_image)
     }
 
@@ -391,14 +368,14 @@ mod tests {
         pane.show(ViewKind::Dog);
         bench.model.probe_place(Side::A, place);
         bench.settle();
-        let scales = |model: &Model| model.probe.answer.as_ref().expect("answered").probe.response.scales.clone();
+        let scales = |model: &Model| model.probed.answer.as_ref().expect("answered").probe.response.scales.clone();
         let shown = scales(&bench.model).into_iter().find(|s| (s.octave, s.level) == (1, 2)).expect("searched");
         assert_eq!(bench.model.probe.near_sigma, Some(shown.sigma));
         let finest = scales(&bench.model)[0].sigma;
         bench.model.probe.near_sigma = Some(finest);
-        assert!(!bench.model.probe.is_current(), "another scale is another question");
+        assert!(!bench.model.probe_is_current(), "another scale is another question");
         bench.settle();
-        assert!(bench.model.probe.is_current());
+        assert!(bench.model.probe_is_current());
         let pane = bench.model.panes.of_mut(Side::A);
         (pane.cursor.slope, pane.cursor.kind) = (Slope::new(0.25, 0.0), ViewKind::Stack);
         bench.model.probe_place(Side::A, place);
@@ -421,7 +398,7 @@ mod tests {
         bench.settle();
         bench.model.ask_probe(Side::A, ProbeQuestion::Strongest);
         bench.settle();
-        let answer = bench.model.probe.answer.clone().expect("answered");
+        let answer = bench.model.probed.answer.clone().expect("answered");
         let fate = answer.probe.subject_fate().expect("a candidate").clone();
         assert!(!fate.is_kept(), "the gate rejects all");
         let change = fate.remedy.as_ref().expect("it has one").change.clone();
@@ -458,9 +435,9 @@ mod tests {
         bench.model.probe_place(Side::B, [20.0, 40.0]);
         bench.settle();
         bench.model.start_probe(None);
-        assert_eq!(bench.model.probe.place(), Some([20.0, 40.0]), "another burst was opened as A");
+        assert_eq!(bench.model.probed_place(), Some([20.0, 40.0]), "another burst was opened as A");
         bench.model.close_second();
-        assert!(!bench.model.probe.is_in_use());
+        assert!(!bench.model.has_probe());
         bench.settle();
     }
 
@@ -487,11 +464,11 @@ mod tests {
         let ids = Side::BOTH.map(|side| bench.model.burst_of(side).expect("open").id);
         for (side, place) in [(Side::B, [80.0, 30.0]), (Side::A, [110.0, 30.0]), (Side::B, [20.0, 40.0])] {
             bench.model.probe_place(side, place);
-            assert!(bench.model.probe.answer.is_none(), "what was said of the other burst is not shown");
+            assert!(bench.model.probed.answer.is_none(), "what was said of the other burst is not shown");
             bench.settle();
             assert_eq!(answered(&bench.model), (side, ids[side as usize], place));
             let model = &bench.model;
-            let answer = model.probe.answer.as_ref().expect("there");
+            let answer = model.probed.answer.as_ref().expect("there");
             let cache = &answer.request.traced.cache;
             assert_eq!(cache.detection().features, model.found_of(side).expect("found").detection.features);
             let options = ProbeOptions { in_view: answer.request.in_view, ..ProbeOptions::default() };
@@ -502,9 +479,9 @@ mod tests {
         assert_eq!(Side::BOTH.map(|side| bench.model.burst_of(side).expect("open").id), ids, "nothing was swapped");
         // This place is inside of A only.
         bench.model.probe_place(Side::B, [110.0, 30.0]);
-        assert_eq!((bench.model.probe.side, bench.model.probe.place()), (Side::B, Some([20.0, 40.0])));
+        assert_eq!((bench.model.probe.side, bench.model.probed_place()), (Side::B, Some([20.0, 40.0])));
         // In *One burst* only A is looked at, and B's probe waits.
         bench.model.open_workspace(Workspace::Inspect);
-        assert!(!bench.model.probe_is_here() && bench.model.probe.is_current());
+        assert!(!bench.model.probe_is_here() && bench.model.probe_is_current());
     }
 }

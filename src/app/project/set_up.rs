@@ -1,10 +1,8 @@
 //! Set-up of camera and scene: what the user typed, and slopes read as depths by it.
 
-use super::panels::Visibility;
-use super::workspace::Workspace;
-use super::{BottomTab, Model};
-use crate::app::view::{ColourBy, Known};
-use crate::detector::Feature;
+use super::Model;
+use crate::app::view::Known;
+use crate::detector::{DetectorParams, Feature, SearchParams, SlopeChoice};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 use serde::{Deserialize, Serialize};
@@ -28,17 +26,13 @@ impl SetUpState {
 }
 
 impl Model {
-    pub fn show_set_up(&mut self) {
-        self.workspace = Workspace::Inspect;
-        (self.bottom_tab, self.panels.bottom) = (BottomTab::Slopes, Visibility::Open);
-        self.set_up.is_open = true;
-    }
-
-    /// Reads slopes as depths, or no longer; colours that would show depths then show slopes.
-    pub fn read_depths(&mut self, reads_depths: bool) {
-        self.set_up.reads_depths = reads_depths;
-        if !reads_depths && self.colour_by == ColourBy::Depth {
-            self.colour_by = ColourBy::default();
+    pub fn apply_set_up(&mut self) {
+        let frames = self.slots.a.burst.as_ref().map_or(10, |open| open.burst.len());
+        let slopes = self.set_up.values.slopes(self.params.used_frames(frames).len(), &self.params);
+        if let Ok((slopes, options)) = slopes.map(|slopes| (slopes.grid, slopes.options())) {
+            let detector = DetectorParams { slopes, ..self.params.clone() };
+            self.set_search(SearchParams { detector, slopes: SlopeChoice::Given });
+            self.messages.note(format!("Set {options}"));
         }
     }
 }

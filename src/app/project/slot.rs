@@ -2,10 +2,11 @@
 //! was opened is never overwritten.
 
 use crate::app::pane::PaneId;
-use crate::app::project::against::Against;
+use crate::app::project::comparison::ComparisonResults;
 use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
 use crate::app::project::{Effect, Model};
 use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
@@ -13,7 +14,7 @@ use crate::detector::{
     Advice, Detection, DetectorParams, Feature, FrameRange, Method, SearchParams, Slope, SlopeFinding, SlopeGrid,
     explain, follows, shared_slopes,
 };
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes, judgement, slope_with_most_features};
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, JobId, OpenBurst, OpenRequest};
@@ -29,7 +30,7 @@ pub struct Slot {
     pub usable_params: DetectorParams,
     pub param_error: Option<Error>,
     pub found: Option<FoundFeatures>,
-    pub against: Against,
+    pub comparison: ComparisonResults,
     pub opening: Wanted<OpenRequest>,
     pub detecting: Wanted<DetectRequest>,
 }
@@ -137,24 +138,23 @@ impl Model {
         }
     }
 
-    pub(in crate::app) fn ask_for_features(&mut self, side: Side, engine: &Engine) {
-        if self.wants_detection(side) {
-            let request = self.detect_request(side);
-            self.slots[side].detecting.want(engine, request);
-        }
+    /// Features that are wanted by themselves, or by the probe, which begins with them.
+    pub(super) fn missing_features(&self, side: Side, dragging: bool) -> Option<DetectRequest> {
+        let follows = match side {
+            Side::A => !dragging || self.features_can_follow(side),
+            Side::B => !dragging && self.workspace == Workspace::Pair,
+        };
+        let is_time = self.auto_detect && follows || !dragging && self.probe_wants_features(side);
+        self.detect_request(side).filter(|_| is_time && self.wants_detection(side))
     }
 
-    pub(in crate::app) fn take_features(&mut self) {
-        for side in Side::BOTH {
-            for ended in self.slots[side].detecting.take() {
-                match ended.result {
-                    Ok(detected) => {
-                        self.messages.resolved(side.detection());
-                        self.take_detection(side, detected, ended.elapsed);
-                    }
-                    Err(error) => self.say_failed(side.detection(), &error),
-                }
+    pub(super) fn take_features(&mut self, side: Side, ended: Ended<DetectRequest>) {
+        match ended.result {
+            Ok(detected) => {
+                self.messages.resolved(side.detection());
+                self.take_detection(side, detected, ended.elapsed);
             }
+            Err(error) => self.say_failed(side.detection(), &error),
         }
     }
 
@@ -173,9 +173,10 @@ impl Model {
         self.forget_asked_pictures();
         (self.selected, self.hovered, self.playing) = (None, None, false);
         self.look.ranges.forget();
-        self.explained.forget();
-        self.pair.forget_matches();
-        self.compare.gold[0] = None;
+        (self.explained, self.document.selected_candidate) = Default::default();
+        self.forget_matches();
+        (self.compare.gold.a, self.document.gold.a) = (None, None);
+        self.begin_comparison(Side::A);
         self.start_panes(Side::A, |cursor| Cursor { kind: cursor.kind, frame: middle, ..Cursor::default() });
         self.check_params();
     }
@@ -219,17 +220,13 @@ impl Model {
         let auto = self.slopes.is_auto();
         self.slots.a.param_error =
             checked(self.slots.a.burst.as_ref(), self.document.params.clone(), auto, &mut self.slots.a.usable_params);
-        self.check_cursors();
-    }
-
-    pub fn check_pair(&mut self) {
         self.pair.param_error = self.matching.validate().err();
         if self.slots.b.burst.is_some() {
-            let (params, auto) = (self.params_of(Side::B), self.slopes.is_auto());
+            let params = self.params_of(Side::B);
             let b = &mut self.slots.b;
             b.param_error = checked(b.burst.as_ref(), params, auto, &mut b.usable_params);
-            self.check_cursors();
         }
+        self.check_cursors();
     }
 
     /// Brings cursors into the range of their bursts. Those that follow the one in focus may lie outside, so that they
@@ -325,7 +322,7 @@ impl Model {
         let found = FoundFeatures::new(detected, burst, elapsed);
         if side == Side::B {
             self.slots.b.found = Some(found);
-            self.check_pair();
+            self.check_params();
             self.go_to_first_slope(Side::B);
             return;
         }
@@ -419,7 +416,7 @@ impl Model {
 
     /// Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
-        let gold = self.compare.gold.iter().flatten();
+        let gold = self.compare.gold.both().into_iter().flatten();
         let bursts = self.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);
         let mut files: Vec<PathBuf> = bursts.flat_map(|open| open.source.files()).collect();
         for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
@@ -427,10 +424,9 @@ impl Model {
         }
         let calibration = [&self.calibration.bias, &self.calibration.flat];
         files.extend(calibration.into_iter().flatten().flat_map(|path| BurstSource::Paths(vec![path.clone()]).files()));
-        let others = self.slots.both().into_iter().filter_map(|slot| slot.against.file.as_ref());
-        files.extend(others.map(|file| file.path.clone()));
-        let trajectories = [&self.trajectories.compared.estimate, &self.trajectories.compared.truth];
-        files.extend(trajectories.into_iter().flatten().flat_map(|(path, _)| files_of_model(path)));
+        files.extend(self.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
+        let trajectories = [&self.trajectories.estimate, &self.trajectories.truth];
+        files.extend(trajectories.into_iter().flatten().flat_map(|path| files_of_model(path)));
         files
     }
 }

@@ -35,7 +35,6 @@ impl Bench {
         loop {
             effects.extend(self.model.take_answers(&self.engine));
             self.model.check_params();
-            self.model.check_pair();
             self.model.ask(&self.engine, false);
             if done(&self.model, &effects) {
                 return effects;
@@ -211,7 +210,8 @@ fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range(
     assert_eq!(slopes(&model), [0.0, 1.0, 2.0]);
     model.take_burst(open((40, 30), 3));
     assert_eq!(slopes(&model), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
-    model.show_slope(model.focus(), Slope::new(100.0, 0.0));
+    let focus = model.focus();
+    model.show_slope(focus, Slope::new(100.0, 0.0));
     model.check_params();
     let limit = cursor::slope_limit(&model.slots.a.usable_params.slopes);
     assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);

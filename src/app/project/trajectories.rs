@@ -1,9 +1,9 @@
 //! Estimated and true trajectory, as plain values.
 
-use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{Effect, Model};
 use crate::app::view::View;
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Engine, Wanted};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
 use serde::{Deserialize, Serialize};
@@ -19,13 +19,18 @@ pub enum Which {
     Truth,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SavedTrajectories {
+/// The comparison of trajectories as it is set.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Trajectories {
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub estimate: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<PathBuf>,
-    #[serde(default)]
+    pub study: PoseStudy,
     pub projection: Projection,
+    pub view: View,
+    pub selected: Option<usize>,
 }
 
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
@@ -52,56 +57,22 @@ pub struct PlaneScene {
 }
 
 #[derive(Debug, Default)]
-pub struct Trajectories {
+pub struct TrajectoryResults {
     pub compared: ComparedPoses,
-    pub study: PoseStudy,
-    pub projection: Projection,
-    pub view: View,
     pub hovered: Option<usize>,
-    pub selected: Option<usize>,
     pub reading: Wanted<PosesRequest>,
     scenes: OnceCell<[Arc<PlaneScene>; Projection::ALL.len()]>,
 }
 
-impl Trajectories {
-    pub fn request_with(&self, which: Which, path: PathBuf) -> PosesRequest {
-        let mut request = self.request();
-        let slot = if which == Which::Estimate { &mut request.estimate } else { &mut request.truth };
-        *slot = Some(TrajectorySource::Path(path));
-        request
-    }
-
-    pub fn request(&self) -> PosesRequest {
-        let source = |read: &Option<(PathBuf, Arc<Trajectory>)>| {
-            read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory))
-        };
+impl TrajectoryResults {
+    fn request(&self, study: PoseStudy) -> PosesRequest {
+        let source = |read: &Read| read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory));
         match self.reading.pending() {
-            Some(asked) => PosesRequest { study: self.study, ..asked.clone() },
-            None => PosesRequest {
-                estimate: source(&self.compared.estimate),
-                truth: source(&self.compared.truth),
-                study: self.study,
-            },
+            Some(asked) => PosesRequest { study, ..asked.clone() },
+            None => {
+                PosesRequest { estimate: source(&self.compared.estimate), truth: source(&self.compared.truth), study }
+            }
         }
-    }
-
-    /// Takes an answer of the engine; other trajectories than before reset pan and zoom.
-    pub fn take(&mut self, compared: ComparedPoses) {
-        let same = |a: &Option<(PathBuf, Arc<Trajectory>)>, b: &Option<(PathBuf, Arc<Trajectory>)>| match (a, b) {
-            (Some((_, a)), Some((_, b))) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        if !(same(&self.compared.estimate, &compared.estimate) && same(&self.compared.truth, &compared.truth)) {
-            self.view = View::fit();
-        }
-        self.compared = compared;
-        (self.scenes, self.hovered, self.selected) = (OnceCell::new(), None, None);
-    }
-
-    pub fn clear(&mut self) {
-        self.reading.forget();
-        self.take(ComparedPoses::default());
     }
 
     pub fn is_empty(&self) -> bool {
@@ -116,47 +87,78 @@ impl Trajectories {
         self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
     }
 
-    pub fn scene(&self) -> Arc<PlaneScene> {
+    pub fn scene(&self, projection: Projection) -> Arc<PlaneScene> {
         let made = || Projection::ALL.map(|projection| Arc::new(PlaneScene::of(&self.compared, projection)));
-        self.scenes.get_or_init(made)[self.projection as usize].clone()
+        self.scenes.get_or_init(made)[projection as usize].clone()
     }
 }
 
 impl Model {
     pub fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
-        let request = self.trajectories.request_with(which, path);
-        self.trajectories.reading.ask(engine, request);
+        let set = &mut self.document.trajectories;
+        let mut request = self.poses.request(set.study);
+        let (of_set, of_request) = match which {
+            Which::Estimate => (&mut set.estimate, &mut request.estimate),
+            Which::Truth => (&mut set.truth, &mut request.truth),
+        };
+        *of_request = Some(TrajectorySource::Path(path.clone()));
+        *of_set = Some(path);
+        self.poses.reading.ask(engine, request);
         self.workspace = Workspace::Trajectories;
     }
 
-    pub(in crate::app) fn compare_trajectories_again(&mut self, engine: &Engine) {
-        let request = self.trajectories.request();
-        self.trajectories.reading.ask(engine, request);
+    pub(in crate::app) fn set_pose_study(&mut self, study: PoseStudy, engine: &Engine) {
+        self.trajectories.study = study;
+        let request = self.poses.request(study);
+        self.poses.reading.ask(engine, request);
     }
 
-    pub(in crate::app) fn take_trajectories(&mut self) {
+    pub fn close_trajectories(&mut self) {
+        let Trajectories { study, projection, .. } = self.document.trajectories;
+        self.document.trajectories = Trajectories { study, projection, ..Trajectories::default() };
+        self.poses = TrajectoryResults::default();
+    }
+
+    /// Takes the answers. Other trajectories than before reset pan and zoom; where one cannot be read, those that are
+    /// open stay.
+    pub(super) fn take_trajectories(&mut self, ended: Ended<PosesRequest>) -> Vec<Effect> {
         const TITLE: &str = "Trajectories";
-        for ended in self.trajectories.reading.take() {
-            match ended.result {
-                Ok(compared) => {
-                    self.messages.resolved(TITLE);
-                    self.trajectories.take(compared);
+        let (set, before) = (&mut self.document.trajectories, &self.poses.compared);
+        match ended.result {
+            Ok(compared) => {
+                self.messages.resolved(TITLE);
+                let is_other = |before: &Read, now: &Read| match (before, now) {
+                    (Some((_, before)), Some((_, now))) => !Arc::ptr_eq(before, now),
+                    (before, now) => before.is_some() && now.is_none(),
+                };
+                if is_other(&before.estimate, &compared.estimate) || is_other(&before.truth, &compared.truth) {
+                    set.view = View::fit();
                 }
-                Err(error) => self.messages.error(TITLE, error.to_string()),
+                set.selected = None;
+                let reading = std::mem::take(&mut self.poses.reading);
+                self.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
+            }
+            Err(error) => {
+                let path = |read: &Read| read.as_ref().map(|(path, _)| path.clone());
+                (set.estimate, set.truth) = (path(&before.estimate), path(&before.truth));
+                self.messages.error(TITLE, error.to_string());
             }
         }
+        Vec::new()
     }
 
-    pub(in crate::app) fn restore_trajectories(&mut self, saved: Option<SavedTrajectories>, engine: &Engine) {
-        self.trajectories.clear();
-        if let Some(SavedTrajectories { estimate, truth, projection }) = saved {
-            self.trajectories.projection = projection;
-            let study = self.trajectories.study;
-            let (estimate, truth) = (estimate.map(TrajectorySource::Path), truth.map(TrajectorySource::Path));
-            self.trajectories.reading.ask(engine, PosesRequest { estimate, truth, study });
+    /// Reads the trajectories of the document.
+    pub(in crate::app) fn read_trajectories(&mut self, engine: &Engine) {
+        self.poses = TrajectoryResults::default();
+        let Trajectories { estimate, truth, study, .. } = self.document.trajectories.clone();
+        let [estimate, truth] = [estimate, truth].map(|path| path.map(TrajectorySource::Path));
+        if estimate.is_some() || truth.is_some() {
+            self.poses.reading.ask(engine, PosesRequest { estimate, truth, study });
         }
     }
 }
+
+type Read = Option<(PathBuf, Arc<Trajectory>)>;
 
 impl PlaneScene {
     /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones.

@@ -5,16 +5,12 @@ mod restoring;
 
 pub use restoring::Restoring;
 
-use super::document::{Document, Steps};
-use crate::app::project::against::{SavedAgainst, With};
-use crate::app::project::datasets::Dataset;
+use super::document::{Document, Steps, absolute};
+use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::pair::{SavedMatch, Side};
-use crate::app::project::probe::SavedProbe;
-use crate::app::project::trajectories::{SavedTrajectories, Trajectories};
+use crate::app::project::probe::Probe;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Model, SavedSelection};
-use crate::burst::OpenOptions;
-use crate::dataset::DatasetSource;
 use crate::export::case::read_session;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
@@ -22,7 +18,7 @@ use crate::requests::BurstSource;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const VERSION: u32 = 4;
 
@@ -40,37 +36,14 @@ pub struct Session {
     #[serde(default)]
     pub detected: bool,
     pub selection: Option<SavedSelection>,
-    pub probe: Option<SavedProbe>,
-    pub against: Option<SavedAgainst>,
-    pub gold: Option<BurstSource>,
-    #[serde(default)]
-    pub second: SecondBurst,
-    pub dataset: Option<SavedDataset>,
-    pub trajectories: Option<SavedTrajectories>,
-}
-
-/// Burst that is open as B, with what was asked about it. Panes of both bursts wait for it in the document while there
-/// is none.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SecondBurst {
-    pub burst: Option<BurstSource>,
-    pub gold: Option<BurstSource>,
-    pub probe: Option<SavedProbe>,
-    pub against: Option<SavedAgainst>,
-    pub selection: Option<SavedMatch>,
+    /// Burst that is open as B. Panes of both bursts wait for it in the document.
+    pub second: Option<BurstSource>,
+    pub selected_match: Option<SavedMatch>,
 }
 
 impl Session {
     pub fn of(model: &Model) -> Option<Self> {
         let burst = absolute(&model.slots.a.burst.as_ref()?.source);
-        let second = SecondBurst {
-            burst: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
-            gold: gold_source(model, Side::B),
-            probe: model.probe.saved(Side::B),
-            against: saved_against(model, Side::B),
-            selection: model.pair.saved_match(),
-        };
         Some(Self {
             version: VERSION,
             did: Steps::new(),
@@ -78,12 +51,8 @@ impl Session {
             document: sound(model),
             detected: model.slots.a.found.is_some(),
             selection: model.saved_selection(),
-            probe: model.probe.saved(Side::A),
-            against: saved_against(model, Side::A),
-            gold: gold_source(model, Side::A),
-            second,
-            dataset: model.datasets.open.as_ref().map(saved_dataset),
-            trajectories: saved_trajectories(&model.trajectories),
+            second: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
+            selected_match: model.saved_match(),
         })
     }
 
@@ -93,21 +62,15 @@ impl Session {
         if !matches!(workspace, Workspace::Inspect | Workspace::Methods | Workspace::Lab) {
             self.document.workspace = Workspace::Inspect;
         }
-        self.document.calibration = OpenOptions::default();
-        let against = self.against.map(|against| SavedAgainst {
-            with: against.with.filter(|with| *with != With::File),
-            file: None,
-            ..against
-        });
-        Self {
-            burst: BurstSource::Paths(Vec::new()),
-            against: against.filter(|against| *against != SavedAgainst::default()),
-            gold: None,
-            second: SecondBurst::default(),
-            dataset: None,
-            trajectories: None,
-            ..self
+        let document = &mut self.document;
+        (document.calibration, document.gold, document.dataset, document.trajectories) = Default::default();
+        if self.document.probe.side == Side::B {
+            self.document.probe = Probe::default();
         }
+        let comparisons = &mut self.document.comparisons;
+        comparisons.b = Comparison::default();
+        (comparisons.a.with, comparisons.a.file) = (comparisons.a.with.filter(|with| *with != Reference::File), None);
+        Self { burst: BurstSource::Paths(Vec::new()), second: None, selected_match: None, ..self }
     }
 
     pub fn in_case(path: &Path) -> Result<Option<Self>, String> {
@@ -153,20 +116,19 @@ impl Session {
         fn named<E: Display>(key: &str, checked: Result<(), E>) -> Result<(), String> {
             checked.map_err(|error| format!("{key}: {error}"))
         }
-        let pinned = |against: &Option<SavedAgainst>| against.as_ref().and_then(|against| against.pinned.clone());
-        let (second, document) = (&self.second, &self.document);
+        let document = &self.document;
         for (key, source) in [
             ("burst", Some(&self.burst)),
-            ("gold", self.gold.as_ref()),
-            ("second.burst", second.burst.as_ref()),
-            ("second.gold", second.gold.as_ref()),
+            ("second", self.second.as_ref()),
+            ("document.gold.a", document.gold.a.as_ref()),
+            ("document.gold.b", document.gold.b.as_ref()),
         ] {
             named(key, source.map_or(Ok(()), BurstSource::check))?;
         }
         for (key, search) in [
             ("document.params", Some(document.search())),
-            ("against.pinned", pinned(&self.against)),
-            ("second.against.pinned", pinned(&second.against)),
+            ("document.comparisons.a.pinned", document.comparisons.a.pinned.clone()),
+            ("document.comparisons.b.pinned", document.comparisons.b.pinned.clone()),
         ] {
             named(key, search.map_or(Ok(()), |search| search.validate()))?;
         }
@@ -183,37 +145,45 @@ impl Session {
         model.panes = self.document.panes.clone();
         model.reselect = self.selection;
         model.keep_methods_arranged();
-        model.restore_probe(Side::A, self.probe);
-        model.restore_against(Side::A, self.against.clone());
+        self.restore_probe(Side::A, model);
+        model.restore_comparison(Side::A, self.document.comparisons.a.clone());
         model.check_params();
     }
 
     /// The panes, and the colours of the window, stay.
     pub fn apply_without_burst(&self, model: &mut Model) {
-        let (panes, theme) = (std::mem::take(&mut model.panes), model.theme);
-        model.document = Document { panes, theme, selected: None, playing: false, ..self.document.clone() };
+        let Document { panes, theme, probe, comparisons, gold, .. } = std::mem::take(&mut model.document);
+        let (selected, selected_match, playing) = (None, None, false);
+        let kept = Document { panes, theme, probe, comparisons, gold, ..self.document.clone() };
+        model.document = Document { selected, selected_match, playing, ..kept };
+    }
+
+    fn restore_probe(&self, side: Side, model: &mut Model) {
+        model.clear_probe_of(side);
+        if self.document.probe.side == side {
+            model.clear_probe();
+            model.probe = self.document.probe;
+        }
     }
 
     /// Takes what waits for the second burst, which is open now, or closed for good.
     pub fn apply_second(&self, model: &mut Model) {
         model.panes = self.document.panes.clone();
-        if self.second.burst.is_none() {
+        if self.second.is_none() {
             model.panes.close_side(Side::B);
             model.panes.take_placed(Workspace::Pair, &self.document.panes);
         }
-        model.pair.reselect = self.second.selection;
-        model.restore_probe(Side::B, self.second.probe);
-        model.restore_against(Side::B, self.second.against.clone());
+        model.pair.reselect = self.selected_match;
+        self.restore_probe(Side::B, model);
+        model.restore_comparison(Side::B, self.document.comparisons.b.clone());
         model.check_params();
-        model.check_pair();
     }
 }
 
 /// The document with absolute paths; where what is typed makes no sense, the last that did: a session could not be
 /// opened again.
 fn sound(model: &Model) -> Document {
-    let mut document = model.document.clone();
-    document.calibration = absolute_calibration(&document.calibration);
+    let mut document = model.document.clone().with_absolute_paths();
     if document.search().validate().is_err() {
         document.params = model.slots.a.usable_params.clone();
     }
@@ -232,60 +202,4 @@ fn read_noting_unknown_keys<T: DeserializeOwned>(text: &str) -> Result<(T, Vec<S
     let mut unknown = Vec::new();
     let value = serde_ignored::deserialize(toml::Deserializer::parse(text)?, |path| unknown.push(path.to_string()))?;
     Ok((value, unknown))
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SavedDataset {
-    pub source: DatasetSource,
-    pub folder: Option<PathBuf>,
-    pub a: Option<usize>,
-    pub b: Option<usize>,
-}
-
-fn gold_source(model: &Model, side: Side) -> Option<BurstSource> {
-    model.compare.gold[side as usize].as_ref().map(|gold| absolute(&gold.source))
-}
-
-fn saved_against(model: &Model, side: Side) -> Option<SavedAgainst> {
-    let saved = model.saved_against(side)?;
-    Some(SavedAgainst { file: saved.file.as_deref().map(absolute_path), ..saved })
-}
-
-/// `source` with absolute paths, so that the session can be opened from any folder.
-pub fn absolute(source: &BurstSource) -> BurstSource {
-    match source {
-        BurstSource::Demo | BurstSource::DemoLater | BurstSource::Example(_) | BurstSource::Chart(_) => source.clone(),
-        BurstSource::DarkCopy { of, noise } => BurstSource::DarkCopy { of: Box::new(absolute(of)), noise: *noise },
-        BurstSource::Planted { of, study, seed } => {
-            BurstSource::Planted { of: Box::new(absolute(of)), study: study.clone(), seed: *seed }
-        }
-        BurstSource::Paths(paths) => BurstSource::Paths(paths.iter().map(|p| absolute_path(p)).collect()),
-    }
-}
-
-fn absolute_calibration(options: &OpenOptions) -> OpenOptions {
-    let absolute = |path: &Option<PathBuf>| path.as_deref().map(absolute_path);
-    OpenOptions { bias: absolute(&options.bias), flat: absolute(&options.flat), ..options.clone() }
-}
-
-fn absolute_path(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.into())
-}
-
-fn saved_trajectories(trajectories: &Trajectories) -> Option<SavedTrajectories> {
-    let compared = &trajectories.compared;
-    let path = |read: &Option<(PathBuf, _)>| read.as_ref().map(|(path, _)| absolute_path(path));
-    (!trajectories.is_empty()).then(|| SavedTrajectories {
-        estimate: path(&compared.estimate),
-        truth: path(&compared.truth),
-        projection: trajectories.projection,
-    })
-}
-
-fn saved_dataset(dataset: &Dataset) -> SavedDataset {
-    let mut source = dataset.source.clone();
-    source.paths.iter_mut().for_each(|p| *p = absolute_path(p));
-    let [a, b] = dataset.pair;
-    SavedDataset { source, folder: dataset.folder.as_deref().map(absolute_path), a, b }
 }

@@ -1,7 +1,8 @@
 //! Restoring of a session: its bursts are opened first, then everything else follows.
 
-use super::{SavedDataset, Session};
+use super::Session;
 use crate::app::project::Model;
+use crate::app::project::datasets::DatasetChoice;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
@@ -83,7 +84,7 @@ impl Restoring {
             Err(JobError::Cancelled) => model.messages.note("Opening cancelled"),
             Err(JobError::Several(_)) if session.is_none() => {
                 if let BurstSource::Paths(paths) = ended.request.source {
-                    model.open_dataset(DatasetSource::of_bursts(paths), engine);
+                    model.look_at_dataset(DatasetSource::of_bursts(paths), None, engine);
                 }
             }
             Err(error) => {
@@ -106,24 +107,23 @@ impl Restoring {
         model: &mut Model,
         engine: &Engine,
     ) -> Option<Effect> {
-        let closed = match session.dataset.clone() {
-            Some(SavedDataset { source, folder, a, b }) => {
-                model.datasets.restoring = Some([a, b]);
+        let closed = match session.document.dataset.clone() {
+            Some(DatasetChoice { source, folder, .. }) => {
                 model.look_at_dataset(source, folder, engine);
                 None
             }
             None => Some(model.close_dataset()),
         };
-        model.restore_trajectories(session.trajectories.clone(), engine);
+        model.read_trajectories(engine);
         if with_burst {
             if session.detected && model.needs_detection(Side::A) {
                 model.start_detection(Side::A, engine);
             }
-            if let Some(gold) = session.gold.clone() {
+            if let Some(gold) = session.document.gold.a.clone() {
                 model.open_gold(Side::A, gold, engine);
             }
         }
-        match session.second.burst.clone() {
+        match session.second.clone() {
             Some(source) => {
                 let id = model.open(Side::B, source, engine);
                 self.second = Some((id, Box::new(session)));
@@ -146,7 +146,7 @@ impl Restoring {
                 match session {
                     Some(session) => {
                         session.apply_second(model);
-                        if let Some(gold) = session.second.gold {
+                        if let Some(gold) = session.document.gold.b {
                             model.open_gold(Side::B, gold, engine);
                         }
                     }

@@ -9,7 +9,7 @@ use crate::app::panel;
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, progress_ui, section_ui};
 use crate::app::project::Model;
-use crate::app::project::compare::Contender;
+use crate::app::project::compare::MethodId;
 use crate::app::project::pair::Side;
 use crate::app::project::panes::Change;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
@@ -36,7 +36,7 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
         bottom_panel(ui, "compare bottom", 233.0, |ui| table_ui(ui, model, queue));
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-        if model.contenders().is_empty() {
+        if model.methods_shown().is_empty() {
             instead_ui(ui, "Choose methods in the table below");
             return;
         }
@@ -59,7 +59,7 @@ fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             let text = format!("{}: {}", method.label(), progress_text(&running));
             progress_ui(ui, &running, None, text);
             button_ui(ui, model, queue, ActionId::Cancel, None);
-        } else if Contender::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {
+        } else if MethodId::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));
         }
     });
@@ -83,7 +83,7 @@ fn layout_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn two_ui(ui: &mut Ui, model: &Model, over: Over, queue: &mut Queue) {
-    let contenders = model.contenders();
+    let methods_shown = model.methods_shown();
     for (id, name) in [(model.focus(), "Left"), (over.other(), "Right")] {
         let Some(before) = model.panes.get(id).and_then(|pane| pane.method) else { continue };
         let mut chosen = before;
@@ -91,7 +91,7 @@ fn two_ui(ui: &mut Ui, model: &Model, over: Over, queue: &mut Queue) {
             let label = label_ui(ui, name, 52.0);
             let list = egui::ComboBox::from_id_salt(("method", name)).selected_text(chosen.label());
             let list = list.width(ui.available_width() - 8.0).show_ui(ui, |ui| {
-                for method in &contenders {
+                for method in &methods_shown {
                     ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.help());
                 }
             });
@@ -108,7 +108,7 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.weak("Gold standard");
         for (side, id) in [(Side::A, ActionId::OpenGoldA), (Side::B, ActionId::OpenGoldB)] {
-            let is_there = model.compare.gold[side as usize].is_some();
+            let is_there = model.compare.gold[side].is_some();
             let mark = if is_there { " ✔" } else { "…" };
             button_ui(ui, model, queue, id, Some(&format!("{}{mark}", side.name())));
         }
@@ -118,7 +118,7 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
     let look = &model.match_look;
     let style = MatchLineStyle { opacity: look.opacity, selected: None, hovered: None, others_faint: false };
-    for method in Contender::ALL {
+    for method in MethodId::ALL {
         let Some(matches) = model.method_matches(method) else { continue };
         let views = MatchViews::of(model, drawn, Some(method));
         for canvases in views.canvases().iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
@@ -173,7 +173,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 }
             })
             .body(|mut body| {
-                for method in Contender::ALL {
+                for method in MethodId::ALL {
                     body.row(ROW_HEIGHT, |mut row| {
                         row.col(|ui| {
                             let usable = model.method_burst(method, Side::A).is_some();
@@ -195,7 +195,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     queue.set(&model.methods, look, Action::SetMethods);
 }
 
-fn cells(model: &Model, method: Contender) -> [String; COLUMNS.len()] {
+fn cells(model: &Model, method: MethodId) -> [String; COLUMNS.len()] {
     let found = |side| model.method_found(method, side);
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
     let count = |side| found(side).map(|f| f.detection.features.len().to_string());
@@ -227,13 +227,13 @@ pub struct MethodsTable(Vec<[String; COLUMNS.len() + 1]>);
 
 pub fn methods_table(model: &Model) -> MethodsTable {
     let names = std::array::from_fn(|column| column.checked_sub(1).map_or("Method", |at| COLUMNS[at].0).to_owned());
-    let row = |method: Contender| {
+    let row = |method: MethodId| {
         let mut cells = cells(model, method).into_iter();
         std::array::from_fn(
             |column| if column == 0 { method.label().to_owned() } else { cells.next().expect("a cell") },
         )
     };
-    MethodsTable([names].into_iter().chain(model.contenders().into_iter().map(row)).collect())
+    MethodsTable([names].into_iter().chain(model.methods_shown().into_iter().map(row)).collect())
 }
 
 impl MethodsTable {
@@ -270,7 +270,7 @@ mod tests {
 
     #[test]
     fn before_anything_is_found_all_cells_are_dashes() {
-        assert!(cells(&Model::default(), Contender::Sift).iter().all(|cell| cell == "–"));
+        assert!(cells(&Model::default(), MethodId::Sift).iter().all(|cell| cell == "–"));
         assert_eq!(median_snr(&[]), None);
         let table = MethodsTable(vec![std::array::from_fn(|column| format!("{column} & –"))]);
         assert!(table.csv().starts_with("\"0 & \",\"1 & \"") && table.csv().ends_with("\"\n"), "{}", table.csv());

@@ -12,10 +12,10 @@ use crate::app::workspace::{left_panel, right_panel, side_width};
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
 pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut CameraText, queue: &mut Queue) {
-    if model.datasets.open.is_none() {
+    let (Some(dataset), Some(set)) = (&model.datasets.open, &model.dataset) else {
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;
-    }
+    };
     if model.shows_left() {
         left_panel(ui, "matches left", side_width(model), |ui| {
             pairs_ui(ui, model, queue);
@@ -26,7 +26,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut
     let mut opened = None;
     if model.shows_right() {
         right_panel(ui, "matches right", 392.0, 280.0..=640.0, |ui| {
-            opened = model.datasets.open.as_ref().and_then(|dataset| pairs::pair_list_ui(ui, dataset, queue));
+            opened = pairs::pair_list_ui(ui, dataset, set, queue);
         });
     }
     let ground = ui.visuals().panel_fill;
@@ -34,9 +34,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut
         let header = Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(ui.visuals().panel_fill);
         header.show(ui, |ui| header_ui(ui, model));
         Frame::new().inner_margin(Margin::same(8)).show(ui, |ui| {
-            if let Some(dataset) = &model.datasets.open {
-                opened = pairs::matrix_ui(ui, dataset, queue).or(opened);
-            }
+            opened = pairs::matrix_ui(ui, dataset, set, queue).or(opened);
         });
     });
     if opened.is_some() {
@@ -58,7 +56,7 @@ fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Pairs", |ui| {
-        let mut choice = model.datasets.choice;
+        let mut choice = model.pairs;
         ui.radio_value(&mut choice.neighbours, false, "All pairs").on_hover_text("Each burst with every other one");
         ui.horizontal(|ui| {
             let help = "Each burst with the next few, for a camera path that does not return";
@@ -66,7 +64,7 @@ fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             let field = DragValue::new(&mut choice.overlap).range(1..=100_000).suffix(" bursts");
             ui.add_enabled(choice.neighbours, field).labelled_by(label.id);
         });
-        queue.set(&model.datasets.choice, choice, Action::SetPairChoice);
+        queue.set(&model.pairs, choice, Action::SetPairChoice);
         ui.add_space(4.0);
         if model.datasets.work.is_some() {
             working_ui(ui, &model.datasets);
@@ -94,8 +92,8 @@ fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Selected pair", |ui| {
-        let Some(dataset) = &model.datasets.open else { return };
-        match dataset.selected() {
+        let (Some(dataset), Some(set)) = (&model.datasets.open, &model.dataset) else { return };
+        match set.selected() {
             Some(pair) => {
                 ui.add(Label::new(pairs::pair_text(dataset, pair)).wrap());
             }

@@ -212,7 +212,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
             queue.point(&model.hovered, None, Pointed::Feature);
         }
         if over_rows != Some(BottomTab::Compared) {
-            queue.point(&model.slots.a.against.hovered, None, |row| Pointed::Row(Side::A, row));
+            queue.point(&model.slots.a.comparison.hovered, None, |row| Pointed::Row(Side::A, row));
         }
         queue.point(&model.explained.pointed, None, Pointed::Candidate);
     }
@@ -246,11 +246,11 @@ fn trajectories_workspace_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if model.shows_bottom() {
         bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
             ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
-                cameras::points_strip_ui(ui, &model.trajectories, queue);
+                cameras::points_strip_ui(ui, model, queue);
             });
             ui.separator();
-            cameras::camera_list_ui(ui, &model.trajectories, queue);
+            cameras::camera_list_ui(ui, model, queue);
         });
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, &model.trajectories, queue));
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, model, queue));
 }

@@ -9,8 +9,8 @@ use crate::inspect::ProbeCache;
 use crate::inspect::candidates::SurveyOptions;
 use crate::monitor::Monitor;
 use crate::requests::{
-    AgainstRequest, BurstSource, DetectRequest, Detected, ExplainQuestion, ExplainRequest, OpenBurst, PictureKind,
-    PictureRequest, Reference, TrailStore, ViewKind,
+    BurstSource, ComparisonRequest, DetectRequest, Detected, ExplainQuestion, ExplainRequest, OpenBurst, PictureKind,
+    PictureRequest, ReferenceSource, TrailStore, ViewKind,
 };
 use crate::synth::{Example, demo_burst};
 use std::sync::Arc;
@@ -116,8 +116,8 @@ fn nobody_who_asks_after_a_detection_searches_again() {
     answer(ExplainQuestion::Candidates(SurveyOptions::default()));
     let traced = answer_of(&engine, of.clone());
     assert!(Arc::ptr_eq(&traced.cache, &engine.stores.trails.get(&of).expect("kept")));
-    let truth = Reference::Truth { burst: burst.clone(), params: params.detector.clone() };
-    answer_of(&engine, AgainstRequest { detection: found.detection.clone(), with: truth });
+    let truth = ReferenceSource::Truth { burst: burst.clone(), params: params.detector.clone() };
+    answer_of(&engine, ComparisonRequest { detection: found.detection.clone(), with: truth });
     let motion = PictureKind::Map { map: ViewKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
     answer_of(&engine, PictureRequest::new(burst.clone(), motion, params.detector.clone()));
     assert_eq!(engine.stores.trails.repeated(), 0);

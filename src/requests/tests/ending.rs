@@ -7,9 +7,9 @@ use crate::inspect::ProbeCache;
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Progress};
 use crate::requests::{
-    AgainstRequest, BurstId, CoherenceRequest, CompareRequest, DetectRequest, DetectionSource, ExplainQuestion,
+    BurstId, CoherenceRequest, CompareRequest, ComparisonRequest, DetectRequest, DetectionSource, ExplainQuestion,
     ExplainRequest, JobError, MatchRequest, NothingKept, OpenBurst, OpenRequest, PictureKind, PictureRequest,
-    PosesRequest, ProbeQuestion, ProbeRequest, Reference, Request, Traced, TrailStore, Work,
+    PosesRequest, ProbeQuestion, ProbeRequest, ReferenceSource, Request, Traced, TrailStore, Work,
 };
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -31,7 +31,7 @@ fn what_was_cancelled_before_it_began_has_no_answer() {
     }
     let detect = DetectRequest { burst: open(), params: params().into() };
     let detection = detected().detection;
-    let earlier = Reference::Earlier { burst: open(), asked: params().into(), detection: None };
+    let earlier = ReferenceSource::Earlier { burst: open(), asked: params().into(), detection: None };
     let cache = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
     let stack = PictureKind::Stack { slope: Slope::default() };
     let ends = [
@@ -41,7 +41,7 @@ fn what_was_cancelled_before_it_began_has_no_answer() {
         end(PictureRequest::new(open(), stack, params())),
         end(probe(open().id, cache)),
         end(CoherenceRequest { of: source(), detection: detection.clone() }),
-        end(AgainstRequest { detection, with: earlier }),
+        end(ComparisonRequest { detection, with: earlier }),
         end(PosesRequest { estimate: None, truth: None, study: Default::default() }),
     ];
     assert!(ends.iter().all(|end| *end == Some(JobError::Cancelled)), "{ends:?}");
@@ -106,9 +106,9 @@ fn failures_say_what_is_wrong() {
         why(answer(MatchRequest { a: detection.clone(), b: detection.clone(), bursts: bursts(), params: wrong }))
             .contains("ratio")
     );
-    let against = |with| answer(AgainstRequest { detection: detection.clone(), with });
-    assert!(why(against(Reference::File { path: "gone.csv".into(), features: None })).contains("gone.csv"));
-    let unknown = Reference::Truth { burst: empty((32, 32), 3), params: params() };
+    let against = |with| answer(ComparisonRequest { detection: detection.clone(), with });
+    assert!(why(against(ReferenceSource::File { path: "gone.csv".into(), features: None })).contains("gone.csv"));
+    let unknown = ReferenceSource::Truth { burst: empty((32, 32), 3), params: params() };
     assert!(why(against(unknown)).contains("nothing is known"));
     let of = DetectionSource { burst: empty((32, 32), 3), ..source() };
     let cache = NothingKept.get_or_make(&of, &Monitor::default()).expect("valid");

@@ -6,8 +6,8 @@ use crate::inspect::ProbeCache;
 use crate::matching::MatchParams;
 use crate::monitor::Monitor;
 use crate::requests::{
-    AgainstRequest, MatchRequest, NothingKept, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest, Reference,
-    Traced, TrailStore, ViewKind,
+    ComparisonRequest, MatchRequest, NothingKept, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest,
+    ReferenceSource, Traced, TrailStore, ViewKind,
 };
 use std::sync::Arc;
 
@@ -96,16 +96,16 @@ fn features_found_anew_are_others_and_so_is_a_trail() {
 #[test]
 fn a_comparison_is_of_a_detection_with_one_reference() {
     let (detection, burst) = (detected().detection, open());
-    let with = |with| AgainstRequest { detection: detection.clone(), with };
-    let earlier = |burst, detection| with(Reference::Earlier { burst, asked: params().into(), detection });
-    let file = |path: &str| with(Reference::File { path: path.into(), features: None });
+    let with = |with| ComparisonRequest { detection: detection.clone(), with };
+    let earlier = |burst, detection| with(ReferenceSource::Earlier { burst, asked: params().into(), detection });
+    let file = |path: &str| with(ReferenceSource::File { path: path.into(), features: None });
     // A request with a kept earlier result equals one whose result has to be detected again.
     assert!(earlier(burst.clone(), None) == earlier(burst.clone(), Some(detection.clone())));
     assert!(earlier(burst.clone(), None) != earlier(empty((96, 72), 4), None));
     assert!(file("a.csv") == file("a.csv") && file("a.csv") != file("b.csv"));
-    let truth = |params| with(Reference::Truth { burst: burst.clone(), params });
+    let truth = |params| with(ReferenceSource::Truth { burst: burst.clone(), params });
     assert!(truth(params()) == truth(params()) && truth(params()) != truth(DetectorParams::default()));
     assert!(truth(params()) != file("a.csv"));
-    let of_other = AgainstRequest { detection: Arc::new((*detection).clone()), ..file("a.csv") };
+    let of_other = ComparisonRequest { detection: Arc::new((*detection).clone()), ..file("a.csv") };
     assert!(file("a.csv") != of_other);
 }

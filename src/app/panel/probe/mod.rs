@@ -50,7 +50,7 @@ pub fn probe_tab_ui(
     if !model.probe_is_here() {
         return false;
     }
-    if model.probe.is_in_use() {
+    if model.has_probe() {
         let mut is_open = model.probe.is_open;
         ui.horizontal(|ui| {
             ui.selectable_value(&mut is_open, false, other).on_hover_text(help);
@@ -70,10 +70,10 @@ fn probe_ui(ui: &mut Ui, model: &Model, panel: &mut ProbePanel, queue: &mut Queu
     mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
-    if let Some(problem) = &model.probe.problem {
+    if let Some(problem) = &model.probed.problem {
         warning_ui(ui, problem);
     }
-    let Some(answer) = &model.probe.answer else {
+    let Some(answer) = &model.probed.answer else {
         if model.probe.question.is_none() {
             ui.add_space(4.0);
             weak_ui(ui, HOW);
@@ -117,8 +117,8 @@ fn tools_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn busy_ui(ui: &mut Ui, model: &Model) {
-    let waits = model.probe.question.is_some() && model.probe.answer.is_none() && model.probe.problem.is_none();
-    match (model.probe.wanted_trail.running(), model.slots[model.probe.side].detecting.running()) {
+    let waits = model.probe.question.is_some() && model.probed.answer.is_none() && model.probed.problem.is_none();
+    match (model.probed.wanted_trail.running(), model.slots[model.probe.side].detecting.running()) {
         (Some(running), _) | (None, Some(running)) if model.probe.is_on() => {
             let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
             progress_ui(ui, &running, None, format!("Searching  {percent:.0} %"));
@@ -162,7 +162,7 @@ fn reasons_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
             weak_ui(ui, "It is shown under All, not under This slope.");
         }
     }
-    for &feature in &model.probe.as_dots {
+    for &feature in &model.probed.as_dots {
         let text =
             format!("Feature {} was found here, but is drawn as a dot: stronger ones take the room.", feature + 1);
         ui.add(Label::new(text).wrap()).on_hover_text("Zoom in, or select it, to see it in full");

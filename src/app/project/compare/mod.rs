@@ -3,15 +3,16 @@
 //! With a second burst open, each method also runs on that one, and its features of both are matched, so that matches
 //! can be compared too.
 
-pub use crate::app::project::method::Contender;
+pub use crate::app::project::method::MethodId;
 
 use crate::app::pane::MethodsPreset;
-use crate::app::project::Model;
 use crate::app::project::pair::Matches;
+use crate::app::project::part::{Part, Pass};
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{Effect, Model};
 use crate::detector::{Detection, DetectorParams};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{
     BurstId, BurstSource, CompareRequest, Compared, DetectRequest, Detected, JobError, MatchRequest, OpenBurst,
     OpenRequest, Running,
@@ -31,7 +32,7 @@ pub struct MethodFound {
 
 #[derive(Debug, Clone)]
 pub struct CompareJob {
-    pub method: Contender,
+    pub method: MethodId,
     /// Burst that is searched; matching uses both.
     pub side: Side,
     pub request: CompareRequest,
@@ -40,28 +41,23 @@ pub struct CompareJob {
 #[derive(Debug, Default)]
 pub struct Compare {
     /// Sharp images of A's and of B's view, each as a burst of one frame.
-    pub gold: [Option<OpenBurst>; 2],
+    pub gold: Sides<Option<OpenBurst>>,
     /// The request for the missing piece of work, one at a time, so that times can be compared.
     pub wanted: Wanted<CompareRequest>,
     asked: Option<CompareJob>,
     pub opening_gold: Sides<Wanted<OpenRequest>>,
-    arranged: Vec<Contender>,
-    found: HashMap<(Contender, Side), MethodFound>,
-    matches: HashMap<Contender, Matches>,
+    arranged: Vec<MethodId>,
+    found: HashMap<(MethodId, Side), MethodFound>,
+    matches: HashMap<MethodId, Matches>,
     failed: Vec<(CompareJob, String)>,
 }
 
 impl Compare {
-    /// May be of older parameters or bursts; [`Model::method_found`] answers only what is current.
-    fn found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
-        self.found.get(&(method, side))
-    }
-
-    pub fn running(&self) -> Option<(Contender, Running)> {
+    pub fn running(&self) -> Option<(MethodId, Running)> {
         Some((self.asked.as_ref()?.method, self.wanted.running()?))
     }
 
-    pub fn problem(&self, method: Contender) -> Option<&str> {
+    pub fn problem(&self, method: MethodId) -> Option<&str> {
         self.failed.iter().rev().find(|(job, _)| job.method == method).map(|(_, why)| why.as_str())
     }
 
@@ -69,12 +65,12 @@ impl Compare {
         self.found.values_mut()
     }
 
-    pub fn take_found(&mut self, method: Contender, side: Side, found: MethodFound) {
+    pub fn take_found(&mut self, method: MethodId, side: Side, found: MethodFound) {
         self.failed.retain(|(job, _)| job.method != method);
         self.found.insert((method, side), found);
     }
 
-    pub fn take_matches(&mut self, method: Contender, matches: Matches) {
+    pub fn take_matches(&mut self, method: MethodId, matches: Matches) {
         self.failed.retain(|(job, _)| job.method != method);
         self.matches.insert(method, matches);
     }
@@ -88,92 +84,98 @@ impl Compare {
     }
 }
 
+/// Work of the comparison, one request at a time.
+pub(super) struct Methods;
+
+impl Part for Methods {
+    fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want> {
+        vec![&model.compare.wanted]
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        let Model { compare, messages, .. } = &mut *pass.model;
+        for ended in compare.wanted.take() {
+            let Some(job) = compare.asked.take() else { continue };
+            match ended.result {
+                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
+                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
+                    compare.take_found(job.method, job.side, found);
+                }
+                Ok(Compared::Matched(matched)) => {
+                    compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
+                }
+                Err(error) => {
+                    if error != JobError::Cancelled {
+                        messages.error(job.method.label(), error.to_string());
+                    }
+                    compare.take_failure(job, error.to_string());
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let model = &mut *pass.model;
+        if model.workspace != Workspace::Methods || model.slots.a.burst.is_none() {
+            return;
+        }
+        model.share_what_is_found();
+        let opening = model.compare.opening_gold.both();
+        let is_busy = model.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
+        let job = model.next_compare_job().filter(|_| !pass.dragging && model.auto_detect && !is_busy);
+        if let Some(job) = job {
+            model.compare.wanted.ask(pass.engine, job.request.clone());
+            model.compare.asked = Some(job);
+        }
+    }
+
+    fn is_there(&self, model: &Model) -> bool {
+        model.workspace != Workspace::Methods || !model.auto_detect || model.next_compare_job().is_none()
+    }
+}
+
 impl Model {
     pub(in crate::app) fn open_gold(&mut self, side: Side, source: BurstSource, engine: &Engine) {
         let options = self.calibration.clone();
         self.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
     }
 
-    pub(in crate::app) fn take_compared(&mut self) {
-        for side in Side::BOTH {
-            for ended in self.compare.opening_gold[side].take() {
-                match ended.result {
-                    Ok(open) => {
-                        self.messages.resolved("Open gold standard");
-                        let said = open.describe();
-                        self.messages.note(format!("Opened as gold standard of {}: {said}", side.name()));
-                        self.compare.gold[side as usize] = Some(open);
-                    }
-                    Err(JobError::Cancelled) => {}
-                    Err(error) => self.messages.error("Open gold standard", error.to_string()),
-                }
-            }
+    pub(super) fn take_gold(&mut self, side: Side, ended: Ended<OpenRequest>) -> Vec<Effect> {
+        const TITLE: &str = "Open gold standard";
+        if let Some(open) = self.answer(ended, TITLE) {
+            self.messages.resolved(TITLE);
+            self.messages.note(format!("Opened as gold standard of {}: {}", side.name(), open.describe()));
+            self.compare.gold[side] = Some(open);
         }
-        for ended in self.compare.wanted.take() {
-            let Some(job) = self.compare.asked.take() else { continue };
-            match ended.result {
-                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
-                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
-                    self.compare.take_found(job.method, job.side, found);
-                }
-                Ok(Compared::Matched(matched)) => {
-                    self.compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
-                }
-                Err(error) => {
-                    if error != JobError::Cancelled {
-                        self.messages.error(job.method.label(), error.to_string());
-                    }
-                    self.compare.take_failure(job, error.to_string());
-                }
-            }
-        }
-    }
-
-    pub(in crate::app) fn ask_for_compared(&mut self, engine: &Engine, dragging: bool) {
-        if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
-            return;
-        }
-        self.share_what_is_found();
-        let is_busy =
-            self.compare.wanted.is_pending() || self.compare.opening_gold.both().iter().any(|w| w.is_pending());
-        if dragging || !self.auto_detect || is_busy {
-            return;
-        }
-        if let Some(job) = self.next_compare_job() {
-            self.compare.wanted.ask(engine, job.request.clone());
-            self.compare.asked = Some(job);
-        }
-    }
-
-    pub(in crate::app) fn comparison_of_methods_is_there(&self) -> bool {
-        self.workspace != Workspace::Methods || !self.auto_detect || self.next_compare_job().is_none()
+        self.document.gold[side] = self.compare.gold[side].as_ref().map(|open| open.source.clone());
+        Vec::new()
     }
 
     /// Burst that `method` searches on `side`: the open one, or the gold standard's image.
-    pub fn method_burst(&self, method: Contender, side: Side) -> Option<&OpenBurst> {
+    pub fn method_burst(&self, method: MethodId, side: Side) -> Option<&OpenBurst> {
         match method {
-            Contender::Gold => self.compare.gold[side as usize].as_ref(),
+            MethodId::Gold => self.compare.gold[side].as_ref(),
             _ => self.burst_of(side),
         }
     }
 
-    pub fn method_params(&self, method: Contender, side: Side) -> DetectorParams {
+    pub fn method_params(&self, method: MethodId, side: Side) -> DetectorParams {
         method.params(&self.params_of(side))
     }
 
-    pub fn method_found(&self, method: Contender, side: Side) -> Option<&MethodFound> {
+    pub fn method_found(&self, method: MethodId, side: Side) -> Option<&MethodFound> {
         let open = self.method_burst(method, side)?;
-        self.compare
-            .found(method, side)
-            .filter(|found| found.burst == open.id && found.params == self.method_params(method, side))
+        let found = self.compare.found.get(&(method, side));
+        found.filter(|found| found.burst == open.id && found.params == self.method_params(method, side))
     }
 
-    pub fn method_matches(&self, method: Contender) -> Option<&Matches> {
+    pub fn method_matches(&self, method: MethodId) -> Option<&Matches> {
         let wanted = self.wanted_method_matches(method)?;
         self.compare.matches.get(&method).filter(|matches| matches.request == wanted)
     }
 
-    fn wanted_method_matches(&self, method: Contender) -> Option<MatchRequest> {
+    fn wanted_method_matches(&self, method: MethodId) -> Option<MatchRequest> {
         let of = |side: Side| {
             let (found, burst) = (self.method_found(method, side)?, self.method_burst(method, side)?);
             Some((found.detection.clone(), (burst.clone(), found.params.clone())))
@@ -182,14 +184,14 @@ impl Model {
         Some(MatchRequest { a, b, bursts: [burst_a, burst_b], params: self.matching.clone() })
     }
 
-    pub fn contenders(&self) -> Vec<Contender> {
-        let usable = |method: &Contender| self.method_burst(*method, Side::A).is_some();
-        Contender::ALL.into_iter().filter(|m| self.methods.shows(*m)).filter(usable).collect()
+    pub fn methods_shown(&self) -> Vec<MethodId> {
+        let usable = |method: &MethodId| self.method_burst(*method, Side::A).is_some();
+        MethodId::ALL.into_iter().filter(|m| self.methods.shows(*m)).filter(usable).collect()
     }
 
     /// Features of A by each method that is shown, then those of B, then their matches.
     pub fn next_compare_job(&self) -> Option<CompareJob> {
-        let jobs = self.contenders().into_iter().flat_map(|method| {
+        let jobs = self.methods_shown().into_iter().flat_map(|method| {
             let detections = Side::BOTH.into_iter().filter_map(move |side| self.missing_detection(method, side));
             detections.chain(self.missing_matching(method)).collect::<Vec<_>>()
         });
@@ -199,7 +201,7 @@ impl Model {
         jobs.into_iter().next()
     }
 
-    fn missing_detection(&self, method: Contender, side: Side) -> Option<CompareJob> {
+    fn missing_detection(&self, method: MethodId, side: Side) -> Option<CompareJob> {
         let burst = self.method_burst(method, side)?.clone();
         let params = self.method_params(method, side);
         let usable = params.validate_for(burst.burst.len(), burst.burst.size()).is_ok();
@@ -210,7 +212,7 @@ impl Model {
         })
     }
 
-    fn missing_matching(&self, method: Contender) -> Option<CompareJob> {
+    fn missing_matching(&self, method: MethodId) -> Option<CompareJob> {
         let wanted = self.wanted_method_matches(method)?;
         (self.pair.param_error.is_none() && self.method_matches(method).is_none()).then_some(CompareJob {
             method,
@@ -226,7 +228,7 @@ impl Model {
 
     /// Takes over results of the other workspaces with equal parameters, so that they are not computed again.
     pub fn share_what_is_found(&mut self) {
-        for method in Contender::ALL.into_iter().filter(|m| *m != Contender::Gold) {
+        for method in MethodId::ALL.into_iter().filter(|m| *m != MethodId::Gold) {
             for side in Side::BOTH {
                 if self.method_found(method, side).is_some() {
                     continue;
@@ -246,22 +248,22 @@ impl Model {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CompareLook {
-    pub methods: Vec<Contender>,
+    pub methods: Vec<MethodId>,
     pub features: bool,
 }
 
 impl Default for CompareLook {
     fn default() -> Self {
-        Self { methods: Contender::ALL.to_vec(), features: true }
+        Self { methods: MethodId::ALL.to_vec(), features: true }
     }
 }
 
 impl CompareLook {
-    pub fn shows(&self, method: Contender) -> bool {
+    pub fn shows(&self, method: MethodId) -> bool {
         self.methods.contains(&method)
     }
 
-    pub fn show(&mut self, method: Contender, shown: bool) {
+    pub fn show(&mut self, method: MethodId, shown: bool) {
         self.methods.retain(|m| *m != method);
         if shown {
             self.methods.push(method);
@@ -285,7 +287,7 @@ impl Model {
         if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
             return;
         }
-        let now = self.contenders();
+        let now = self.methods_shown();
         if now == self.compare.arranged {
             return;
         }
@@ -305,11 +307,11 @@ impl Model {
     pub fn keep_methods_arranged(&mut self) {
         let shown = self.panes.shown_in(Workspace::Methods);
         let is_laid_out = shown.iter().filter_map(|id| self.panes.get(*id)).any(|pane| pane.method.is_some());
-        self.compare.arranged = if is_laid_out { self.contenders() } else { Vec::new() };
+        self.compare.arranged = if is_laid_out { self.methods_shown() } else { Vec::new() };
     }
 
     pub fn lay_out_methods(&mut self, preset: MethodsPreset) {
-        let (methods, both) = (self.contenders(), self.burst_of(Side::B).is_some());
+        let (methods, both) = (self.methods_shown(), self.burst_of(Side::B).is_some());
         self.panes.lay_out_methods(preset, &methods, both);
     }
 }

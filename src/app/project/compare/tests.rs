@@ -30,7 +30,7 @@ fn do_job(model: &mut Model, job: &CompareJob) {
     }
 }
 
-fn do_all(model: &mut Model) -> Vec<(Contender, Side)> {
+fn do_all(model: &mut Model) -> Vec<(MethodId, Side)> {
     let mut done = Vec::new();
     while let Some(job) = model.next_compare_job() {
         do_job(model, &job);
@@ -44,11 +44,11 @@ fn do_all(model: &mut Model) -> Vec<(Contender, Side)> {
 fn each_method_runs_once_on_a_then_on_b_and_is_matched() {
     let mut model = methods();
     let done = do_all(&mut model);
-    let on_a: Vec<Contender> = done.iter().filter(|(_, side)| *side == Side::A).map(|(method, _)| *method).collect();
-    assert_eq!(on_a, [Contender::Sift, Contender::Merge, Contender::Buff1d, Contender::Buff2d]);
+    let on_a: Vec<MethodId> = done.iter().filter(|(_, side)| *side == Side::A).map(|(method, _)| *method).collect();
+    assert_eq!(on_a, [MethodId::Sift, MethodId::Merge, MethodId::Buff1d, MethodId::Buff2d]);
     assert!(done[..4].iter().all(|(_, side)| *side == Side::A), "all of A first: {done:?}");
     assert_eq!(done.len(), 12, "on A, on B, and matched");
-    assert!(model.method_matches(Contender::Buff1d).is_some());
+    assert!(model.method_matches(MethodId::Buff1d).is_some());
     assert!(model.next_compare_job().is_none());
 }
 
@@ -61,23 +61,23 @@ fn a_changed_parameter_makes_what_was_found_old() {
     assert_eq!(again.len(), 4, "only the matches are made again: {again:?}");
     model.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9);
     let again = do_all(&mut model);
-    assert!(again.iter().any(|(method, _)| *method == Contender::Buff2d), "{again:?}");
+    assert!(again.iter().any(|(method, _)| *method == MethodId::Buff2d), "{again:?}");
     model.take_burst(open((64, 48), 5));
-    assert!(model.method_found(Contender::Sift, Side::A).is_none());
+    assert!(model.method_found(MethodId::Sift, Side::A).is_none());
 }
 
 #[test]
 fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
     let mut model = methods();
-    model.methods.show(Contender::Buff2d, false);
-    model.methods.show(Contender::Merge, false);
-    assert_eq!(model.contenders(), [Contender::Sift, Contender::Buff1d]);
-    model.compare.gold[0] = Some(open((64, 48), 1));
-    assert_eq!(model.contenders().last(), Some(&Contender::Gold));
+    model.methods.show(MethodId::Buff2d, false);
+    model.methods.show(MethodId::Merge, false);
+    assert_eq!(model.methods_shown(), [MethodId::Sift, MethodId::Buff1d]);
+    model.compare.gold.a = Some(open((64, 48), 1));
+    assert_eq!(model.methods_shown().last(), Some(&MethodId::Gold));
     let done = do_all(&mut model);
-    assert!(done.contains(&(Contender::Gold, Side::A)) && !done.contains(&(Contender::Gold, Side::B)));
+    assert!(done.contains(&(MethodId::Gold, Side::A)) && !done.contains(&(MethodId::Gold, Side::B)));
     model.take_burst(open((64, 48), 5));
-    assert_eq!(model.contenders(), [Contender::Sift, Contender::Buff1d], "it was of the other burst's view");
+    assert_eq!(model.methods_shown(), [MethodId::Sift, MethodId::Buff1d], "it was of the other burst's view");
 }
 
 #[test]
@@ -98,14 +98,14 @@ fn what_failed_is_not_tried_again_until_asked_or_changed() {
 fn what_other_rooms_found_is_shared() {
     let mut model = methods();
     model.share_what_is_found();
-    let shared = model.method_found(Contender::Buff1d, Side::A).expect("the window searches one line of slopes");
+    let shared = model.method_found(MethodId::Buff1d, Side::A).expect("the window searches one line of slopes");
     assert!(Arc::ptr_eq(&shared.detection, &model.found_of(Side::A).expect("found").detection));
-    assert!(model.method_found(Contender::Sift, Side::A).is_none());
+    assert!(model.method_found(MethodId::Sift, Side::A).is_none());
 }
 
 #[test]
 fn the_look_from_a_file_makes_sense() {
-    let methods = vec![Contender::Gold, Contender::Sift, Contender::Gold];
+    let methods = vec![MethodId::Gold, MethodId::Sift, MethodId::Gold];
     let look = CompareLook { methods, ..CompareLook::default() }.sanitised();
-    assert_eq!(look.methods, [Contender::Sift, Contender::Gold]);
+    assert_eq!(look.methods, [MethodId::Sift, MethodId::Gold]);
 }

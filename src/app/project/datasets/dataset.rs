@@ -1,6 +1,8 @@
 //! A dataset with the states of its bursts and the matches of its pairs.
 
-use super::pairs::{BurstPair, PairTable, pair_of};
+use super::DatasetChoice;
+use super::pairs::PairTable;
+use crate::app::project::side::Sides;
 use crate::burst::BurstFiles;
 use crate::dataset::{FinishedBurst, image_name};
 use crate::detector::SearchParams;
@@ -15,7 +17,6 @@ use std::sync::Arc;
 pub struct Dataset {
     pub opened: OpenDataset,
     pub states: Vec<BurstState>,
-    pub pair: [Option<usize>; 2],
     pub matches: PairTable,
 }
 
@@ -30,18 +31,21 @@ impl Deref for Dataset {
 impl Dataset {
     pub fn new(opened: OpenDataset) -> Self {
         let states = opened.finished.iter().map(|f| f.map_or(BurstState::Waiting, BurstState::Done)).collect();
-        Self { opened, states, pair: [None; 2], matches: PairTable::default() }
+        Self { opened, states, matches: PairTable::default() }
     }
 
-    /// The chosen pair stays; the matches stay if folder, parameters and options are unchanged.
+    /// The matches stay if folder, parameters and options are unchanged.
     pub fn look_again(&mut self, open: OpenDataset) {
-        let (pair, matches) = (self.pair, std::mem::take(&mut self.matches));
+        let matches = std::mem::take(&mut self.matches);
         let same_features = self.folder == open.folder && self.params == open.params && self.open == open.open;
         *self = Self::new(open);
-        self.pair = pair.map(|place| place.filter(|&p| p < self.bursts.len()));
         if same_features {
             self.matches = matches;
         }
+    }
+
+    pub fn choice(&self) -> DatasetChoice {
+        DatasetChoice { source: self.source.clone(), folder: self.folder.clone(), pair: Sides::default() }
     }
 
     pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
@@ -66,15 +70,6 @@ impl Dataset {
             && open.burst.name != *name
         {
             Arc::make_mut(&mut open.burst).name.clone_from(name);
-        }
-    }
-
-    /// Chooses the bursts A and B of a session, where these places exist.
-    pub fn restore_pair(&mut self, pair: [Option<usize>; 2]) {
-        for (side, place) in pair.into_iter().enumerate() {
-            if let Some(place) = place.filter(|p| self.pair[side] != Some(*p)) {
-                self.choose(side, place);
-            }
         }
     }
 
@@ -150,30 +145,11 @@ impl Dataset {
         }
     }
 
-    pub fn selected(&self) -> Option<BurstPair> {
-        let [a, b] = self.pair;
-        pair_of(a?, b?)
-    }
-
-    /// Makes the earlier burst of a pair A and the later one B.
-    pub fn select(&mut self, (a, b): BurstPair) {
-        self.pair = [Some(a), Some(b)];
-    }
-
     pub fn stop(&mut self) {
         for state in &mut self.states {
             if *state == BurstState::Running {
                 *state = BurstState::Waiting;
             }
-        }
-    }
-
-    /// A (`side` 0) or B (1); clears the choice if it is chosen already. A burst cannot be both.
-    pub fn choose(&mut self, side: usize, place: usize) {
-        let chosen = self.pair[side] == Some(place);
-        self.pair[side] = (!chosen && place < self.bursts.len()).then_some(place);
-        if self.pair[1 - side] == Some(place) {
-            self.pair[1 - side] = None;
         }
     }
 }
@@ -221,6 +197,7 @@ pub struct StateCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::project::side::Side;
     use crate::burst::OpenOptions;
     use crate::dataset::DatasetSource;
     use std::path::Path;
@@ -282,14 +259,15 @@ mod tests {
 
     #[test]
     fn a_and_b_are_two_bursts() {
-        let mut open = dataset(3);
-        open.choose(0, 1);
-        open.choose(1, 2);
-        assert_eq!(open.pair, [Some(1), Some(2)]);
-        open.choose(1, 1);
-        assert_eq!(open.pair, [None, Some(1)], "a burst is not both");
-        open.choose(1, 1);
-        open.choose(0, 9);
-        assert_eq!(open.pair, [None, None]);
+        let source = dataset(3).source.clone();
+        let mut set = DatasetChoice { source, folder: None, pair: Sides::default() };
+        set.choose(Side::A, 1);
+        set.choose(Side::B, 2);
+        assert_eq!((set.pair.a, set.pair.b, set.selected()), (Some(1), Some(2), Some((1, 2))));
+        set.choose(Side::B, 1);
+        assert_eq!((set.pair.a, set.pair.b), (None, Some(1)), "a burst is not both");
+        set.choose(Side::B, 1);
+        set.choose(Side::A, 9);
+        assert_eq!(set.within(9).pair, Sides::default());
     }
 }

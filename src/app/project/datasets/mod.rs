@@ -6,10 +6,14 @@ mod work;
 
 pub use dataset::{BurstState, Dataset, StateCounts};
 
+use crate::app::project::side::{Side, Sides};
+use crate::dataset::DatasetSource;
 use crate::engine::Wanted;
 use crate::matching::PairSelection;
 use crate::requests::DatasetRequest;
+use pairs::{BurstPair, pair_of};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
@@ -50,14 +54,49 @@ impl PairChoice {
     }
 }
 
+/// The dataset as it is set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DatasetChoice {
+    pub source: DatasetSource,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
+    /// Places of the bursts chosen as A and as B.
+    #[serde(default)]
+    pub pair: Sides<Option<usize>>,
+}
+
+impl DatasetChoice {
+    pub fn selected(&self) -> Option<BurstPair> {
+        pair_of(self.pair.a?, self.pair.b?)
+    }
+
+    /// Makes the earlier burst of a pair A and the later one B.
+    pub fn select(&mut self, (a, b): BurstPair) {
+        self.pair = Sides { a: Some(a), b: Some(b) };
+    }
+
+    /// Clears the choice if it is chosen already. A burst cannot be both.
+    pub fn choose(&mut self, side: Side, place: usize) {
+        let Self { pair, .. } = self;
+        pair[side] = (pair[side] != Some(place)).then_some(place);
+        pair[side.other()].take_if(|other| *other == place);
+    }
+
+    /// Without places that `count` bursts do not have.
+    pub fn within(mut self, count: usize) -> Self {
+        for side in Side::BOTH {
+            self.pair[side] = self.pair[side].filter(|place| *place < count);
+        }
+        self
+    }
+}
+
 #[derive(Debug, Default)]
 pub struct Datasets {
     pub open: Option<Dataset>,
     pub work: Option<Work>,
     pub wanted: Wanted<DatasetRequest>,
-    pub choice: PairChoice,
-    /// Places of A and B in the session to which the dataset being opened belongs, if it belongs to one.
-    pub restoring: Option<[Option<usize>; 2]>,
 }
 
 impl Datasets {

@@ -1,10 +1,10 @@
 //! Work on a dataset: the requests, and what their answers change.
 
 use super::pairs::BurstPair;
-use super::{Dataset, Datasets, Work};
+use super::{Dataset, DatasetChoice, Datasets, Work};
 use crate::app::project::Model;
 use crate::app::project::effect::Effect;
-use crate::app::project::side::Side;
+use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
 use crate::dataset::DatasetSource;
 use crate::engine::{Ended, Engine};
@@ -26,12 +26,8 @@ impl Datasets {
 }
 
 impl Model {
-    /// Opens a dataset in the background; the open one stays until then.
-    pub(in crate::app) fn open_dataset(&mut self, source: DatasetSource, engine: &Engine) {
-        self.look_at_dataset(source, None, engine);
-    }
-
-    /// `None` keeps the features beside the bursts. A single long sequence is first offered for cutting.
+    /// Opens a dataset in the background; the open one stays until then. Without a folder the features are kept beside
+    /// the bursts. A single long sequence is first offered for cutting.
     pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>, engine: &Engine) {
         let (params, open) = (self.asked(), self.calibration.clone());
         self.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);
@@ -57,7 +53,7 @@ impl Model {
     }
 
     pub(in crate::app) fn close_dataset(&mut self) -> Effect {
-        self.datasets = Datasets::default();
+        (self.datasets, self.document.dataset) = Default::default();
         Effect::ForgetThumbnails
     }
 
@@ -77,7 +73,7 @@ impl Model {
 
     pub(in crate::app) fn cut_open_burst(&mut self, length: usize, engine: &Engine) {
         if let Some(Effect::Cut { paths, .. }) = self.cut_of_open_burst() {
-            self.open_dataset(DatasetSource { paths, burst_length: Some(length), burst_step: None }, engine);
+            self.look_at_dataset(DatasetSource { paths, burst_length: Some(length), burst_step: None }, None, engine);
         }
     }
 
@@ -104,12 +100,12 @@ impl Model {
 
     pub(in crate::app) fn match_pairs(&mut self, engine: &Engine) {
         if let Some(dataset) = &self.datasets.open {
-            self.start_matching_pairs(self.datasets.choice.selection().pairs(dataset.bursts.len()), engine);
+            self.start_matching_pairs(self.pairs.selection().pairs(dataset.bursts.len()), engine);
         }
     }
 
     pub(in crate::app) fn match_selected(&mut self, engine: &Engine) {
-        if let Some(pair) = self.datasets.open.as_ref().and_then(Dataset::selected) {
+        if let Some(pair) = self.dataset.as_ref().and_then(DatasetChoice::selected) {
             self.start_matching_pairs(vec![pair], engine);
         }
     }
@@ -134,7 +130,7 @@ impl Model {
             params: self.asked(),
             open: self.calibration.clone(),
             matching: self.matching.clone(),
-            pairs: self.datasets.choice.selection(),
+            pairs: self.pairs.selection(),
         };
         let bursts = dataset.bursts.clone();
         self.messages.resolved(Work::Exporting.title());
@@ -142,8 +138,8 @@ impl Model {
     }
 
     pub(in crate::app) fn show_selected_pair(&mut self, engine: &Engine) {
-        let Some(dataset) = &self.datasets.open else { return };
-        let [Some(a), Some(b)] = dataset.pair else { return };
+        let (Some(dataset), Some(set)) = (&self.datasets.open, &self.dataset) else { return };
+        let Sides { a: Some(a), b: Some(b) } = set.pair else { return };
         let chosen = [(Side::A, a), (Side::B, b)].map(|(side, place)| {
             let is_open = dataset.place_of(self.burst_of(side)) == Some(place);
             (side, is_open, dataset.source_at(place))
@@ -189,11 +185,9 @@ impl Model {
     }
 
     pub(in crate::app) fn choose_open_burst(&mut self, side: Side) {
-        let shown = self.slots.a.burst.as_ref();
-        if let Some(dataset) = &mut self.datasets.open
-            && let Some(place) = dataset.place_of(shown)
-        {
-            dataset.choose(side as usize, place);
+        let place = self.datasets.open.as_ref().and_then(|dataset| dataset.place_of(self.slots.a.burst.as_ref()));
+        if let (Some(set), Some(place)) = (&mut self.document.dataset, place) {
+            set.choose(side, place);
         }
     }
 
@@ -206,8 +200,12 @@ impl Model {
         if let Some(dataset) = &mut self.datasets.open {
             dataset.stop();
         }
-        if answer.result.is_err() {
-            self.datasets.restoring = None;
+        if work == Some(Work::Opening) && answer.result.is_err() {
+            // A session may have named another one.
+            let open = self.datasets.open.as_ref();
+            let choice =
+                |d: &Dataset| self.document.dataset.take_if(|set| set.source == d.source).unwrap_or(d.choice());
+            self.document.dataset = open.map(choice);
         }
         let title = work.map_or("Dataset", Work::title);
         let mut effects = Vec::new();
@@ -245,7 +243,11 @@ impl Model {
             }
             _ => {}
         }
-        let restoring = self.datasets.restoring.take();
+        let set = self.document.dataset.take().filter(|set| set.source == open.source);
+        let is_set = set.is_some();
+        let (source, folder) = (open.source.clone(), open.folder.clone());
+        let choice = DatasetChoice { source, folder, pair: set.map(|set| set.pair).unwrap_or_default() };
+        self.document.dataset = Some(choice.within(open.bursts.len()));
         if let Some(error) = &open.folder_error {
             self.messages.error("Feature folder", error.clone());
         } else {
@@ -253,7 +255,6 @@ impl Model {
         }
         if let Some(dataset) = self.datasets.open.as_mut().filter(|_| same) {
             dataset.look_again(open);
-            dataset.restore_pair(restoring.unwrap_or_default());
             return Vec::new();
         }
         if let [first, rest @ ..] = &open.strays[..] {
@@ -261,8 +262,7 @@ impl Model {
             let stray = Error::stray(first);
             self.messages.error("Open dataset", format!("{stray}{more}"));
         }
-        let mut dataset = Dataset::new(open);
-        dataset.restore_pair(restoring.unwrap_or_default());
+        let dataset = Dataset::new(open);
         let (count, done) = (dataset.bursts.len(), dataset.counts().done);
         self.messages.note(format!(
             "Opened {}: {}, {done} of them done",
@@ -274,7 +274,7 @@ impl Model {
         self.datasets.open = Some(dataset);
         self.panels.filmstrip = true;
         // A session opens its own burst.
-        if shown.is_none() && restoring.is_none() {
+        if shown.is_none() && !is_set {
             self.open_burst_at(0, engine);
         }
         vec![recent, Effect::ForgetThumbnails]

@@ -3,9 +3,11 @@
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::inspect::unmatched::{Losses, Lost, Unmatched};
-use crate::requests::{FoundLosses, LossesRequest, Picture, PictureKind, PictureRequest, PicturesRequest};
+use crate::requests::{
+    FoundLosses, LossesRequest, MatchRequest, Picture, PictureKind, PictureRequest, PicturesRequest,
+};
 use std::sync::Arc;
 
 pub const CANDIDATES: usize = 5;
@@ -14,9 +16,7 @@ pub const PATCHES: usize = 3;
 #[derive(Debug, Default)]
 pub struct LostFeatures {
     pub found: Option<Arc<FoundLosses>>,
-    pub selected: Option<usize>,
     pub why: Option<Why>,
-    pub hidden: Vec<Lost>,
     pub pictures: Vec<Picture>,
     pub wanted: Wanted<LossesRequest>,
     pub wanted_pictures: Wanted<PicturesRequest>,
@@ -47,29 +47,25 @@ pub fn lost_label(lost: Lost) -> &'static str {
 }
 
 impl Model {
-    /// Takes the losses and the pictures. A request that failed is repeated with the next matches.
-    pub(in crate::app) fn take_losses(&mut self) {
-        let lost = &mut self.pair.lost;
-        let found = lost.wanted.take().into_iter().filter_map(|ended| ended.result.ok()).next_back();
-        lost.found = found.map(Arc::new).or_else(|| lost.found.take());
-        let pictures = lost.wanted_pictures.take().into_iter().filter_map(|ended| ended.result.ok()).next_back();
-        lost.pictures = pictures.unwrap_or_else(|| std::mem::take(&mut lost.pictures));
+    /// A request that failed is repeated with the next matches.
+    pub(in crate::app::project) fn missing_losses(&self) -> Option<LossesRequest> {
+        self.wanted_losses().filter(|_| self.workspace == Workspace::Pair && self.losses().is_none())
     }
 
-    pub(in crate::app) fn ask_for_losses(&mut self, engine: &Engine) {
-        if self.workspace != Workspace::Pair {
-            return;
-        }
-        let missing = self.wanted_losses().filter(|_| self.losses().is_none());
-        self.pair.lost.wanted.want_missing(engine, missing);
+    pub(in crate::app::project) fn take_losses(&mut self, ended: Ended<LossesRequest>) {
+        self.pair.lost.found = ended.result.ok().map(Arc::new).or_else(|| self.pair.lost.found.take());
         self.refresh_why();
+    }
+
+    pub(in crate::app::project) fn missing_candidate_pictures(&self) -> Option<PicturesRequest> {
         let pictures = self.wanted_candidate_pictures();
-        let is_there = |wanted: &[PictureRequest]| {
-            let shown = &self.pair.lost.pictures;
-            shown.iter().map(|picture| &picture.request).eq(wanted)
-        };
-        if !is_there(&pictures) {
-            self.pair.lost.wanted_pictures.want(engine, Some(PicturesRequest(pictures)));
+        let shown = self.pair.lost.pictures.iter().map(|picture| &picture.request);
+        (self.workspace == Workspace::Pair && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
+    }
+
+    pub(in crate::app::project) fn take_lost_pictures(&mut self, ended: Ended<PicturesRequest>) {
+        if let Ok(pictures) = ended.result {
+            self.pair.lost.pictures = pictures;
         }
     }
 
@@ -87,20 +83,24 @@ impl Model {
     pub fn asked_feature(&self) -> Option<usize> {
         let of_match = || {
             let matches = self.pair.matches.as_ref()?;
-            Some(matches.row(self.pair.selected?)?.found.a)
+            Some(matches.row(self.selected_match?)?.found.a)
         };
-        of_match().or(self.pair.lost.selected)
+        of_match().or(self.asked_about)
     }
 
     pub fn ask_feature(&mut self, index: Option<usize>) {
         let matches = self.pair.matches.as_ref();
         let its_match = index.and_then(|index| matches?.rows().find(|row| row.found.a == index).map(|row| row.index));
-        (self.pair.selected, self.pair.lost.selected) = (its_match, index);
+        (self.selected_match, self.asked_about) = (its_match, index);
     }
 
     pub fn refresh_why(&mut self) {
+        if self.workspace != Workspace::Pair {
+            return;
+        }
         if self.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
+            self.asked_about = None;
             let LostFeatures { wanted, wanted_pictures, .. } = std::mem::take(&mut self.pair.lost);
             self.pair.lost = LostFeatures { wanted, wanted_pictures, ..LostFeatures::default() };
         }
@@ -124,13 +124,13 @@ impl Model {
     /// from burst to burst. `None` where no geometry is known, and where the place lies outside B.
     pub fn expected_place(&self) -> Option<[f32; 2]> {
         let (why, found) = self.pair.lost.why.as_ref().zip(self.losses())?;
-        let own = MatchSides::of(found).a.features.get(why.feature)?;
+        let own = found.request.request.a.features.get(why.feature)?;
         nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
     }
 
     pub fn wanted_candidate_pictures(&self) -> Vec<PictureRequest> {
         let Some((why, found)) = self.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
-        let MatchSides { a, b } = MatchSides::of(found);
+        let MatchRequest { a, b, .. } = &found.request.request;
         let own = a.features.get(why.feature).map(|f| (Side::A, f.slope));
         let candidates = why.unmatched.candidates.iter().take(PATCHES);
         let others = candidates.filter_map(|c| b.features.get(c.feature).map(|f| (Side::B, f.slope)));
@@ -141,17 +141,6 @@ impl Model {
                 Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
             })
             .collect()
-    }
-}
-
-pub struct MatchSides<'a> {
-    pub a: &'a crate::detector::Detection,
-    pub b: &'a crate::detector::Detection,
-}
-
-impl<'a> MatchSides<'a> {
-    pub fn of(found: &'a FoundLosses) -> Self {
-        Self { a: &found.request.request.a, b: &found.request.request.b }
     }
 }
 

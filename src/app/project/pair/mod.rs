@@ -5,21 +5,19 @@ mod lost;
 mod matches;
 mod sides;
 
-pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
+pub use lost::{LostFeatures, PATCHES, lost_label};
 pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
 
 use crate::app::pane::{Content, Pane};
-use crate::app::project::against::With;
-use crate::app::project::asking::answers;
+use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::cursor::Cursor;
-use crate::app::project::filter::Order;
+use crate::app::project::filter::{Order, neighbour};
 use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
-use crate::engine::{Engine, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::error::Error;
-
 use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
 use serde::{Deserialize, Serialize};
 
@@ -40,7 +38,6 @@ pub struct PairState {
     pub matches: Option<Matches>,
     pub lost: LostFeatures,
     pub listed: Vec<usize>,
-    pub selected: Option<usize>,
     pub hovered: Option<usize>,
     /// Numbers of match lines that are drawn, and of those that could be, as last drawn.
     pub lines_drawn: (usize, usize),
@@ -51,40 +48,38 @@ pub struct PairState {
     listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
 
-impl PairState {
+impl Model {
     /// Index of the match in focus: the selected one, or while none is selected, the one under the pointer.
-    pub fn focus(&self) -> Option<usize> {
-        self.selected.or(self.hovered)
+    pub fn match_in_focus(&self) -> Option<usize> {
+        self.selected_match.or(self.pair.hovered)
     }
 
-    /// Those that are listed, or the selected one `alone`, even where its kind is hidden.
-    pub fn drawn(&self, alone: bool) -> Vec<usize> {
-        match self.selected {
-            Some(one) if alone => vec![one],
-            Some(one) if !self.listed.contains(&one) => self.listed.iter().copied().chain([one]).collect(),
-            _ => self.listed.clone(),
+    /// Those that are listed, or the selected one alone if that is set, even where its kind is hidden.
+    pub fn drawn_matches(&self) -> Vec<usize> {
+        let listed = &self.pair.listed;
+        match self.selected_match {
+            Some(one) if self.match_look.alone => vec![one],
+            Some(one) if !listed.contains(&one) => listed.iter().copied().chain([one]).collect(),
+            _ => listed.clone(),
         }
     }
 
     /// Takes newly made matches. The selection is kept where the same pair of features was matched again.
-    pub fn take_matches(&mut self, matches: Matches) {
-        let keep = self.reselect.take().or_else(|| self.saved_match());
-        self.matches = Some(matches);
-        self.hovered = None;
-        self.selected = keep.and_then(|saved| self.matches.as_ref()?.find_again(&saved));
+    fn take_made_matches(&mut self, matches: Matches) {
+        let keep = self.pair.reselect.take().or_else(|| self.saved_match());
+        self.selected_match = keep.and_then(|saved| matches.find_again(&saved));
+        (self.pair.matches, self.pair.hovered) = (Some(matches), None);
     }
 
-    pub fn forget_matches(&mut self) {
-        (self.matches, self.selected, self.hovered) = (None, None, None);
-        self.listed.clear();
+    pub(in crate::app) fn forget_matches(&mut self) {
+        (self.pair.matches, self.pair.hovered, self.selected_match) = (None, None, None);
+        self.pair.listed.clear();
     }
 
     pub fn saved_match(&self) -> Option<SavedMatch> {
-        Some(self.matches.as_ref()?.row(self.selected?)?.saved())
+        Some(self.pair.matches.as_ref()?.row(self.selected_match?)?.saved())
     }
-}
 
-impl Model {
     pub fn refresh_listed_matches(&mut self) {
         let Self { document, pair, .. } = self;
         let Some(matches) = &pair.matches else {
@@ -102,13 +97,12 @@ impl Model {
 
     pub fn select_neighbouring_match(&mut self, forward: bool) {
         self.refresh_listed_matches();
-        let pair = &mut self.pair;
-        pair.selected = crate::app::project::filter::neighbour(&pair.listed, pair.selected, forward);
+        self.selected_match = neighbour(&self.pair.listed, self.selected_match, forward);
     }
 
     /// Of two bursts, the features are drawn too, as the comparison is drawn in their place.
-    pub fn show_against(&mut self, side: Side, with: Option<With>) {
-        self.slots[side].against.show(with);
+    pub fn show_comparison(&mut self, side: Side, with: Option<Reference>) {
+        self.compare_with(side, with);
         if self.workspace == Workspace::Pair && with.is_some() {
             (self.match_look.features, self.pair_tab) = (true, PairTab::Compared);
         }
@@ -116,15 +110,17 @@ impl Model {
 
     pub fn swap_sides(&mut self) {
         self.slots.swap();
+        self.comparisons.swap();
         self.forget_requests();
         // What is probed stays with its burst, and so do the steps to undo.
-        (self.probe.side, self.probe.pointer) = (self.probe.side.other(), None);
+        (self.probe.side, self.probed.pointer) = (self.probe.side.other(), None);
         self.history.swap_sides();
         self.panes.swap_sides();
-        self.compare.gold.swap(0, 1);
+        self.compare.gold.swap();
+        self.document.gold.swap();
         // Where A alone was looked at, nothing of it is selected any more.
         (self.patch, self.selected, self.hovered, self.playing) = (None, None, None, false);
-        self.pair.forget_matches();
+        self.forget_matches();
         self.check_params();
         self.refresh_listed();
     }
@@ -159,11 +155,12 @@ impl Model {
 
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
-        let Slot { opening, against, .. } = std::mem::take(&mut self.slots.b);
-        self.slots.b = Slot { burst: Some(burst), opening, against, ..Slot::default() };
+        let Slot { opening, .. } = std::mem::take(&mut self.slots.b);
+        self.slots.b = Slot { burst: Some(burst), opening, ..Slot::default() };
+        self.begin_comparison(Side::B);
         self.clear_probe_of(Side::B);
-        self.pair.forget_matches();
-        self.compare.gold[1] = None;
+        self.forget_matches();
+        (self.compare.gold.b, self.document.gold.b) = (None, None);
         let Pane { cursor, view, .. } = *self.panes.of(Side::A);
         let linked = self.panes.of(Side::B).links.cursor;
         self.start_panes(Side::B, |_| {
@@ -175,7 +172,7 @@ impl Model {
         if pane.links.view {
             pane.view = view;
         }
-        self.check_pair();
+        self.check_params();
     }
 
     pub fn wanted_matches(&self) -> Option<MatchRequest> {
@@ -195,7 +192,7 @@ impl Model {
 
     pub fn patches_request(&self) -> Option<PicturesRequest> {
         let matches = self.pair.matches.as_ref()?;
-        let row = matches.row(self.pair.focus()?)?;
+        let row = matches.row(self.match_in_focus()?)?;
         let request = |side: Side, slope| {
             let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
             Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
@@ -203,65 +200,45 @@ impl Model {
         Some(PicturesRequest(vec![request(Side::A, row.a.slope)?, request(Side::B, row.b.slope)?]))
     }
 
-    fn missing_patches(&self) -> Option<PicturesRequest> {
+    fn shows_pair(&self) -> bool {
+        self.workspace == Workspace::Pair && self.slots.b.burst.is_some()
+    }
+
+    pub(super) fn missing_patches(&self) -> Option<PicturesRequest> {
         let there = || PicturesRequest(self.pair.patches.iter().map(|picture| picture.request.clone()).collect());
-        self.patches_request().filter(|wanted| there() != *wanted)
+        self.patches_request().filter(|wanted| self.shows_pair() && there() != *wanted)
     }
 
-    fn wants_matching(&self) -> bool {
-        self.needs_matches() && !self.wanted_matches().is_some_and(|wanted| self.pair.matching.has_failed(&wanted))
-    }
-
-    pub(in crate::app) fn take_matches(&mut self) {
-        for ended in self.pair.matching.take() {
-            match ended.result {
-                Ok(matched) => {
-                    self.messages.resolved("Matching");
-                    self.pair.take_matches(Matches::new(matched, ended.elapsed));
-                    self.refresh_listed_matches();
-                }
-                Err(error) => self.say_failed("Matching", &error),
-            }
-        }
-        let patches = answers(&mut self.pair.wanted_patches, "Patches", &mut self.messages).pop();
-        self.pair.patches = patches.unwrap_or_else(|| std::mem::take(&mut self.pair.patches));
-    }
-
-    pub(in crate::app) fn ask_for_pair(&mut self, engine: &Engine, dragging: bool) {
-        if self.workspace != Workspace::Pair || self.slots.b.burst.is_none() {
-            return;
-        }
-        let patches = self.missing_patches();
-        self.pair.wanted_patches.want_missing(engine, patches);
-        if dragging {
-            return;
-        }
-        if self.auto_detect {
-            self.ask_for_features(Side::B, engine);
-        }
-        // While features are still being found, matches would be out of date at once.
+    /// While features are still being found, matches would be out of date at once.
+    pub(super) fn missing_matches(&self, dragging: bool) -> Option<MatchRequest> {
         let detecting = self.slots.both().into_iter().any(|slot| slot.detecting.is_pending());
-        if !detecting && self.wants_matching() {
-            let wanted = self.wanted_matches();
-            self.pair.matching.want(engine, wanted);
+        self.wanted_matches().filter(|_| self.shows_pair() && !dragging && !detecting && self.needs_matches())
+    }
+
+    pub(super) fn take_matches(&mut self, ended: Ended<MatchRequest>) {
+        match ended.result {
+            Ok(matched) => {
+                self.messages.resolved("Matching");
+                self.take_made_matches(Matches::new(matched, ended.elapsed));
+                self.refresh_listed_matches();
+            }
+            Err(error) => self.say_failed("Matching", &error),
         }
     }
 
-    pub(in crate::app) fn pair_is_settled(&self) -> bool {
-        if self.workspace != Workspace::Pair || self.slots.both().into_iter().any(|slot| slot.burst.is_none()) {
-            return true;
-        }
-        let patches = self.missing_patches().is_none_or(|missing| self.pair.wanted_patches.has_failed(&missing));
-        patches && !(self.auto_detect && self.wants_detection(Side::B)) && !self.wants_matching()
+    pub(super) fn take_patches(&mut self, ended: Ended<PicturesRequest>) {
+        let before = std::mem::take(&mut self.pair.patches);
+        self.pair.patches = self.answer(ended, "Patches").unwrap_or(before);
     }
 
     pub(in crate::app) fn close_second(&mut self) {
         self.slots.b = Slot::default();
+        self.comparisons.b = Comparison::default();
         self.clear_probe_of(Side::B);
         self.panes.close_side(Side::B);
-        self.compare.gold[1] = None;
+        (self.compare.gold.b, self.document.gold.b) = (None, None);
         self.compare.opening_gold.b.forget();
-        self.pair.forget_matches();
+        self.forget_matches();
         self.pair.matching.forget();
         self.pair.wanted_patches.forget();
         self.pair.patches.clear();
@@ -272,7 +249,7 @@ impl Model {
             let slot = &mut self.slots[side];
             slot.opening.forget();
             slot.detecting.forget();
-            slot.against.wanted.forget();
+            slot.comparison.wanted.forget();
         }
         self.pair.matching.forget();
         self.compare.wanted.cancel();

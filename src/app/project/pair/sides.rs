@@ -1,5 +1,6 @@
 //! The panes of A and of B: the active cursor, and the properties that the panes share.
 
+use crate::app::document::Document;
 use crate::app::pane::{Link, PaneId, PaneLinks};
 use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
@@ -8,11 +9,31 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::requests::Picture;
 
-impl Model {
-    /// Side whose slope and scale the cursor sets now.
-    pub fn active_side(&self) -> Side {
-        let both = self.workspace == Workspace::Pair && self.slots.b.burst.is_some();
-        if both { self.focused().side } else { Side::A }
+impl Document {
+    pub fn bring_cursors_together(&mut self) {
+        let (cursor, side) = (*self.cursor(), self.focused().side.other());
+        let own = PaneId::of(side);
+        let others = self.panes.shown_of(side, None);
+        let alone = others.len() < 2;
+        for id in others.into_iter().filter(|id| *id != own).chain([own]) {
+            if let Some(pane) = self.panes.get_mut(id) {
+                let kind = if alone { cursor.kind } else { pane.cursor.kind };
+                (pane.cursor, pane.slope_chosen) = (Cursor { kind, ..cursor }, true);
+            }
+        }
+    }
+
+    /// Cursors of two bursts that are linked are brought together.
+    pub fn toggle_link(&mut self, link: Link) {
+        let on = !self.panes.all_share(link);
+        if self.workspace == Workspace::Pair {
+            self.link_pair(link, on);
+        } else {
+            self.panes.shown().into_iter().for_each(|id| self.set_link(id, link, on));
+        }
+        if on && link == Link::Cursor && self.workspace == Workspace::Pair {
+            self.bring_cursors_together();
+        }
     }
 
     pub fn cursor_of(&self, side: Side) -> &Cursor {
@@ -25,10 +46,6 @@ impl Model {
         let shown = self.panes.shown_in(Workspace::Pair);
         let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
         if shown.contains(&own) { own } else { shown.into_iter().find(is_on).unwrap_or(own) }
-    }
-
-    pub fn picture_of(&self, side: Side) -> Option<&Picture> {
-        self.picture_in(self.pane_for(side))
     }
 
     pub fn ranges_of_side(&self, side: Side) -> &Ranges {
@@ -51,19 +68,6 @@ impl Model {
         }
     }
 
-    /// Cursors of two bursts that are linked are brought together.
-    pub fn toggle_link(&mut self, link: Link) {
-        let on = !self.panes.all_share(link);
-        if self.workspace == Workspace::Pair {
-            self.link_pair(link, on);
-        } else {
-            self.panes.shown().into_iter().for_each(|id| self.set_link(id, link, on));
-        }
-        if on && link == Link::Cursor && self.workspace == Workspace::Pair {
-            self.bring_cursors_together();
-        }
-    }
-
     pub fn focus_other_side(&mut self) {
         let side = self.focused().side.other();
         if let Some(id) = self.panes.shown_of(side, self.focused().method).first() {
@@ -76,25 +80,22 @@ impl Model {
             self.link_pair(link, links.has(link));
         }
     }
+}
 
-    pub fn bring_cursors_together(&mut self) {
-        let (cursor, side) = (*self.cursor(), self.focused().side.other());
-        let own = PaneId::of(side);
-        let others = self.panes.shown_of(side, None);
-        let alone = others.len() < 2;
-        for id in others.into_iter().filter(|id| *id != own).chain([own]) {
-            if let Some(pane) = self.panes.get_mut(id) {
-                let kind = if alone { cursor.kind } else { pane.cursor.kind };
-                (pane.cursor, pane.slope_chosen) = (Cursor { kind, ..cursor }, true);
-            }
-        }
-        self.check_params();
-        self.check_pair();
+impl Model {
+    /// Side whose slope and scale the cursor sets now.
+    pub fn active_side(&self) -> Side {
+        let both = self.workspace == Workspace::Pair && self.slots.b.burst.is_some();
+        if both { self.focused().side } else { Side::A }
+    }
+
+    pub fn picture_of(&self, side: Side) -> Option<&Picture> {
+        self.picture_in(self.pane_for(side))
     }
 
     pub(in crate::app) fn go_to_match(&mut self) {
         let Some(matches) = self.pair.matches.clone() else { return };
-        let Some(row) = self.pair.selected.and_then(|index| matches.row(index)) else { return };
+        let Some(row) = self.selected_match.and_then(|index| matches.row(index)) else { return };
         let sigma = row.a.sigma.max(row.b.sigma).max(1.0);
         // Of each burst the pane in focus, or its first; those that are linked to it come along.
         let panes = &mut self.panes;

@@ -50,7 +50,7 @@ fn a_second_burst_has_the_parameters_as_far_as_it_can_use_them() {
     model.take_second_burst(open((64, 48), 3));
     assert_eq!(model.params_of(Side::B).frames, None);
     model.take_second_burst(open((64, 48), 1));
-    model.check_pair();
+    model.check_params();
     assert_eq!(model.params_of(Side::B).method, Method::Sift);
     assert_eq!(model.slots.b.param_error, None, "a single sharp image can be B");
     assert_eq!(model.params_of(Side::A).method, Method::Buff);
@@ -60,7 +60,7 @@ fn a_second_burst_has_the_parameters_as_far_as_it_can_use_them() {
 fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
     let mut model = pair();
     assert!(model.needs_matches());
-    model.pair.take_matches(matched(&model));
+    model.take_made_matches(matched(&model));
     model.refresh_listed_matches();
     assert!(!model.needs_matches());
     assert_eq!((model.pair.listed.len(), model.stale_matches()), (4, None));
@@ -68,11 +68,11 @@ fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
     assert!(model.needs_matches());
     assert!(model.stale_matches().is_some_and(|why| why.contains("matching")));
     model.matching.ratio = 2.0;
-    model.check_pair();
+    model.check_params();
     assert!(!model.needs_matches(), "parameters that make no sense are not tried");
     assert_eq!(model.pair.param_error.as_ref().map(|e| e.subject.as_str()), Some("ratio"));
     model.matching = MatchParams::default();
-    model.check_pair();
+    model.check_params();
     model.params.edge_threshold *= 2.0;
     assert!(model.stale_matches().is_some_and(|why| why.contains("detector")));
     model.take_burst(open((64, 48), 5));
@@ -82,13 +82,13 @@ fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
 #[test]
 fn the_same_match_stays_selected_when_it_is_made_again() {
     let mut model = pair();
-    model.pair.take_matches(matched(&model));
-    model.pair.selected = Some(2);
-    let place = model.pair.saved_match().expect("selected");
+    model.take_made_matches(matched(&model));
+    model.selected_match = Some(2);
+    let place = model.saved_match().expect("selected");
     model.matching.geometry = crate::matching::Geometry::None;
-    model.pair.take_matches(matched(&model));
-    assert_eq!(model.pair.selected, Some(2));
-    assert_eq!(model.pair.saved_match(), Some(place));
+    model.take_made_matches(matched(&model));
+    assert_eq!(model.selected_match, Some(2));
+    assert_eq!(model.saved_match(), Some(place));
     let moved = SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
     assert_eq!(model.pair.matches.as_ref().and_then(|m| m.find_again(&moved)), None);
 }
@@ -96,7 +96,7 @@ fn the_same_match_stays_selected_when_it_is_made_again() {
 #[test]
 fn sides_are_swapped_with_everything_that_is_theirs() {
     let mut model = pair();
-    model.pair.take_matches(matched(&model));
+    model.take_made_matches(matched(&model));
     let ids = [Side::A, Side::B].map(|side| model.burst_of(side).expect("open").id);
     let found = model.found_of(Side::B).expect("found").detection.clone();
     model.swap_sides();

@@ -6,14 +6,14 @@ use crate::app::canvas::overlay::LineKind;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{number_row_ui, section_ui, warning_ui, weak_ui};
 use crate::app::project::Model;
-use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side, lost_label};
+use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side, lost_label};
 use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
 use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
 use crate::inspect::words::sentence;
 use crate::matching::TwoViewModel;
-use crate::requests::{FoundLosses, PictureKind};
+use crate::requests::{FoundLosses, MatchRequest, PictureKind};
 use egui::{Color32, Grid, Label, RichText, Ui};
 
 pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], queue: &mut Queue) {
@@ -24,11 +24,11 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], q
             ui.weak("There are no matches yet.");
             return;
         };
-        let Some(row) = model.pair.focus().and_then(|index| matches.row(index)) else {
+        let Some(row) = model.match_in_focus().and_then(|index| matches.row(index)) else {
             ui.weak("Point at a line or a row of the table; click to keep it.");
             return;
         };
-        verdict_ui(ui, &row, model.pair.selected.is_none());
+        verdict_ui(ui, &row, model.selected_match.is_none());
         if let Some(stale) = model.stale_matches() {
             ui.label(RichText::new(stale).color(crate::app::style::warning(ui)));
         }
@@ -161,23 +161,23 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
             weak_ui(ui, "Click a feature of A, a match, or a row of the unmatched features.");
             return;
         };
-        let sides = MatchSides::of(found);
+        let sides = &found.request.request;
         let Some(own) = sides.a.features.get(why.feature) else { return };
         let unmatched = &why.unmatched;
         let title = format!("Feature {} of A: {}", why.feature + 1, state_words(unmatched.lost));
         ui.label(RichText::new(title).strong());
         ui.add(Label::new(sentence(&unmatched.sentence)).wrap());
-        for line in notes(own, unmatched, &sides) {
+        for line in notes(own, unmatched, sides) {
             warning_ui(ui, line);
         }
         ui.add_space(4.0);
-        candidate_patches_ui(ui, model, own, unmatched, &sides, textures);
+        candidate_patches_ui(ui, model, own, unmatched, sides, textures);
         candidates_ui(ui, unmatched, found);
         weak_ui(ui, expected_words(unmatched, found));
         if !unmatched.expected.is_empty() {
             button_ui(ui, model, queue, ActionId::ProbeExpected, None);
         }
-        if model.pair.selected.is_none() {
+        if model.selected_match.is_none() {
             button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
         }
     });
@@ -191,7 +191,7 @@ fn state_words(lost: Lost) -> String {
     }
 }
 
-fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchSides<'_>) -> Vec<String> {
+fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) -> Vec<String> {
     let mut notes = Vec::new();
     let best = unmatched.candidates.first();
     if let Some(second) = unmatched.candidates.get(1).filter(|second| second.is_same_blob) {
@@ -214,7 +214,7 @@ fn candidate_patches_ui(
     model: &Model,
     own: &Feature,
     unmatched: &Unmatched,
-    sides: &MatchSides<'_>,
+    sides: &MatchRequest,
     textures: &mut [PatchTexture; PATCHES + 1],
 ) {
     let width = ((ui.available_width() - 3.0 * 6.0) / (PATCHES + 1) as f32).clamp(40.0, 90.0);

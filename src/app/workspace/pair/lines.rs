@@ -9,8 +9,8 @@ use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
-use crate::app::project::method::Contender;
-use crate::app::project::pair::{MatchRow, MatchSides, Matches, PATCHES, Side};
+use crate::app::project::method::MethodId;
+use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side};
 use crate::app::view::signed_slope;
 use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
@@ -29,8 +29,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
         return pointer.map(|_| None);
     };
     let look = model.match_look;
-    let rows: Vec<MatchRow<'_>> =
-        model.pair.drawn(model.match_look.alone).into_iter().filter_map(|index| matches.row(index)).collect();
+    let rows: Vec<MatchRow<'_>> = model.drawn_matches().into_iter().filter_map(|index| matches.row(index)).collect();
     let lines: Vec<(Canvases, Vec<MatchLine>)> = views
         .canvases()
         .into_iter()
@@ -43,17 +42,21 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     let pointed = pointer.and_then(|(_, pos)| at(pos));
     let dragged = views.views.iter().any(|view| view.output.response.dragged());
     let hovered = if pointer.is_some() { pointed } else { model.pair.hovered };
-    let focus = model.pair.selected.or(hovered);
+    let focus = model.selected_match.or(hovered);
     if look.geometry
         && let Some(row) = focus.and_then(|index| matches.row(index))
     {
         locus_ui(model, matches, &row, &views);
     }
-    let style =
-        MatchLineStyle { opacity: look.opacity, selected: model.pair.selected, hovered, others_faint: focus.is_some() };
-    let always = |index| [model.pair.selected, hovered].contains(&Some(index));
+    let style = MatchLineStyle {
+        opacity: look.opacity,
+        selected: model.selected_match,
+        hovered,
+        others_faint: focus.is_some(),
+    };
+    let always = |index| [model.selected_match, hovered].contains(&Some(index));
     // An unmatched feature that is asked about stands alone.
-    let lines: Vec<_> = if model.pair.lost.selected.is_some() { Vec::new() } else { lines };
+    let lines: Vec<_> = if model.asked_about.is_some() { Vec::new() } else { lines };
     let mut numbers = (0, 0);
     for (canvases, lines) in &lines {
         let flags = overlay::drawn_lines(lines, &canvases.panes[0], always);
@@ -185,7 +188,7 @@ pub struct MatchViews<'a> {
 }
 
 impl<'a> MatchViews<'a> {
-    pub fn of(model: &Model, drawn: &'a [(PaneId, Drawn)], method: Option<Contender>) -> Self {
+    pub fn of(model: &Model, drawn: &'a [(PaneId, Drawn)], method: Option<MethodId>) -> Self {
         let places: Vec<_> = drawn.iter().map(|(_, drawn)| (drawn.shown, drawn.output.response.rect)).collect();
         let JoinedPanes { sides, pairs } = joined_panes(model, &places, method);
         let mut of_drawn: Vec<(usize, Side)> =
@@ -254,10 +257,10 @@ pub struct Canvases {
 fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
     let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
     // A selected match draws its own circles.
-    if model.pair.selected.is_some() {
+    if model.selected_match.is_some() {
         return;
     }
-    let sides = MatchSides::of(found);
+    let sides = &found.request.request;
     let Some(own) = sides.a.features.get(why.feature) else { return };
     let mark = |f: &Feature, colour: Color32, dashed: bool| ComparedMark {
         pos_image: pos2(f.u, f.v),

@@ -79,7 +79,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
                 drawn.output.pointer_ui.is_some() && model.panes.get(*id).is_some_and(|pane| pane.side == side)
             };
             if !(drawn.iter().any(is_over) || (over_list && model.active_side() == side)) {
-                queue.point(&model.slots[side].against.hovered, None, |row| Pointed::Row(side, row));
+                queue.point(&model.slots[side].comparison.hovered, None, |row| Pointed::Row(side, row));
             }
         }
     });

@@ -32,7 +32,7 @@ impl SortedColumn for MatchColumn {
 pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> {
     let pair = &model.pair;
     let matches = pair.matches.as_ref()?;
-    let listed = Listed { items: &pair.listed, selected: pair.selected, hovered: pair.hovered };
+    let listed = Listed { items: &pair.listed, selected: model.selected_match, hovered: pair.hovered };
     let text = |column: MatchColumn, index: usize| matches.row(index).map_or_else(String::new, |row| column.text(&row));
     let mut chosen = None;
     let menu = |ui: &mut Ui, index: usize| {
@@ -44,7 +44,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
     let order = (&MatchColumn::ALL[..], model.match_order);
     let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Match {}", index + 1), menu);
     queue.set(&model.match_order, pointed.order, Action::SetMatchOrder);
-    queue.set(&pair.selected, chosen.or(pointed.selected), Action::SelectMatch);
+    queue.set(&model.selected_match, chosen.or(pointed.selected), Action::SelectMatch);
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
@@ -53,7 +53,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
 
 pub fn switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
-        let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
+        let is_compared = model.comparisons.both().into_iter().any(|set| set.with.is_some());
         let mut tab = model.pair_tab;
         ui.selectable_value(&mut tab, PairTab::Matches, "Matches");
         ui.selectable_value(&mut tab, PairTab::Unmatched, "Unmatched features of A")
@@ -74,7 +74,7 @@ pub fn switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.label(RichText::new("Lost to").small().weak());
         for lost in Lost::ALL.into_iter().filter(|lost| *lost != Lost::Not) {
             let text = format!("{} {}", lost_label(lost), model.pair.lost.count(lost));
-            let mut on = !model.pair.lost.hidden.contains(&lost);
+            let mut on = !model.hidden_losses.contains(&lost);
             let spacing = ui.spacing();
             let mark = spacing.icon_width + spacing.icon_spacing;
             make_room(ui, mark + text_width(ui, &text));
@@ -104,7 +104,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.weak("There are no matches yet.");
         return;
     };
-    let hidden = &model.pair.lost.hidden;
+    let hidden = &model.hidden_losses;
     let listed: Vec<usize> = (0..found.lost.len())
         .filter(|&index| found.lost[index] != Lost::Not && !hidden.contains(&found.lost[index]))
         .collect();

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 #[derive(Debug, Clone)]
-pub enum Reference {
+pub enum ReferenceSource {
     Earlier {
         burst: OpenBurst,
         asked: SearchParams,
@@ -31,12 +31,12 @@ pub enum Reference {
 }
 
 #[derive(Debug, Clone)]
-pub struct AgainstRequest {
+pub struct ComparisonRequest {
     pub detection: Arc<Detection>,
-    pub with: Reference,
+    pub with: ReferenceSource,
 }
 
-impl PartialEq for Reference {
+impl PartialEq for ReferenceSource {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Earlier { burst: a, asked: p, .. }, Self::Earlier { burst: b, asked: q, .. }) => (a, p) == (b, q),
@@ -47,21 +47,21 @@ impl PartialEq for Reference {
     }
 }
 
-impl PartialEq for AgainstRequest {
+impl PartialEq for ComparisonRequest {
     fn eq(&self, other: &Self) -> bool {
         self.with == other.with && Arc::ptr_eq(&self.detection, &other.detection)
     }
 }
 
-impl Request for AgainstRequest {
+impl Request for ComparisonRequest {
     type Answer = ComparedWith;
     type Told = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedWith, JobError> {
         let (trails, monitor) = (work.kept.trails, work.monitor);
         let spots: Vec<Spot> = self.detection.features.iter().map(Spot::from).collect();
-        let against = match &self.with {
-            Reference::Earlier { burst, asked, detection } => {
+        let differences = match &self.with {
+            ReferenceSource::Earlier { burst, asked, detection } => {
                 let earlier = match (detection, trails.asked(burst, asked)) {
                     (Some(earlier), _) => earlier.clone(),
                     (None, Some(kept)) => Arc::new(kept.detection().clone()),
@@ -70,7 +70,7 @@ impl Request for AgainstRequest {
                 let before: Vec<Spot> = earlier.features.iter().map(Spot::from).collect();
                 changes_since(before, &spots, OthersSource::Earlier(earlier))
             }
-            Reference::File { path, features } => {
+            ReferenceSource::File { path, features } => {
                 let read = match features {
                     Some(features) => features.clone(),
                     None => Arc::new(read_features(path)?),
@@ -78,22 +78,22 @@ impl Request for AgainstRequest {
                 monitor.check()?;
                 changes_since(read.iter().map(Spot::from).collect(), &spots, OthersSource::File(read))
             }
-            Reference::Truth { burst, params } => {
+            ReferenceSource::Truth { burst, params } => {
                 let truth = burst.truth(monitor)?;
                 let truth =
                     truth.ok_or_else(|| JobError::Failed("nothing is known of what is really there".to_owned()))?;
                 let cache = trails.get_or_make_for(burst, params, monitor)?;
                 let against = against_truth(&cache, &truth, monitor)?;
-                Against::Truth { against: Box::new(against), truth: Arc::new(truth) }
+                Differences::Truth { against: Box::new(against), truth: Arc::new(truth) }
             }
         };
         monitor.check()?;
-        Ok(ComparedWith { request: self, against })
+        Ok(ComparedWith { request: self, differences })
     }
 }
 
 #[derive(Debug, Clone)]
-pub enum Against {
+pub enum Differences {
     Changes { changes: Changes, before: Arc<Vec<Spot>>, source: OthersSource },
     Truth { against: Box<AgainstTruth>, truth: Arc<Truth> },
 }
@@ -104,28 +104,12 @@ pub enum OthersSource {
     File(Arc<Vec<ForeignFeature>>),
 }
 
-impl Against {
-    pub fn found_again(&self) -> Option<&Arc<Detection>> {
-        match self {
-            Self::Changes { source: OthersSource::Earlier(detection), .. } => Some(detection),
-            _ => None,
-        }
-    }
-
-    pub fn read(&self) -> Option<&Arc<Vec<ForeignFeature>>> {
-        match self {
-            Self::Changes { source: OthersSource::File(read), .. } => Some(read),
-            _ => None,
-        }
-    }
-}
-
 #[derive(Debug, Clone)]
 pub struct ComparedWith {
-    pub request: AgainstRequest,
-    pub against: Against,
+    pub request: ComparisonRequest,
+    pub differences: Differences,
 }
 
-fn changes_since(before: Vec<Spot>, after: &[Spot], source: OthersSource) -> Against {
-    Against::Changes { changes: compare(&before, after), before: Arc::new(before), source }
+fn changes_since(before: Vec<Spot>, after: &[Spot], source: OthersSource) -> Differences {
+    Differences::Changes { changes: compare(&before, after), before: Arc::new(before), source }
 }

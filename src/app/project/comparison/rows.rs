@@ -1,12 +1,12 @@
 //! Rows of a comparison: one for each feature of ours or theirs, with its kind.
 
-use super::With;
+use super::Reference;
 use crate::detector::{Detection, Feature, Sample, Slope};
 use crate::inspect::changes::{Changes, Spot};
 use crate::inspect::probe::Wanted;
 use crate::inspect::truth::AgainstTruth;
 use crate::inspect::words::slope_text;
-use crate::requests::{Against, ProbeQuestion};
+use crate::requests::{Differences, ProbeQuestion};
 use crate::synth::Truth;
 use serde::{Deserialize, Serialize};
 
@@ -28,27 +28,27 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub fn of(with: With) -> &'static [Self] {
+    pub fn of(with: Reference) -> &'static [Self] {
         match with {
-            With::Pinned | With::File => &[Self::Theirs, Self::Ours, Self::Moved, Self::Same],
-            With::Truth => &[Self::Theirs, Self::WrongMotion, Self::Ours, Self::Repeated, Self::Same],
+            Reference::Pinned | Reference::File => &[Self::Theirs, Self::Ours, Self::Moved, Self::Same],
+            Reference::Truth => &[Self::Theirs, Self::WrongMotion, Self::Ours, Self::Repeated, Self::Same],
         }
     }
 
-    pub fn label(self, with: With) -> &'static str {
+    pub fn label(self, with: Reference) -> &'static str {
         match (with, self) {
-            (With::Pinned, Self::Theirs) => "Lost",
-            (With::Pinned, Self::Ours) => "Gained",
-            (With::File, Self::Theirs) => "Only theirs",
-            (With::File, Self::Ours) => "Only ours",
-            (With::Truth, Self::Theirs) => "Missed",
-            (With::Truth, Self::Ours) => "Elsewhere",
+            (Reference::Pinned, Self::Theirs) => "Lost",
+            (Reference::Pinned, Self::Ours) => "Gained",
+            (Reference::File, Self::Theirs) => "Only theirs",
+            (Reference::File, Self::Ours) => "Only ours",
+            (Reference::Truth, Self::Theirs) => "Missed",
+            (Reference::Truth, Self::Ours) => "Elsewhere",
             (_, Self::Moved) => "Moved",
             (_, Self::WrongMotion) => "Wrong motion",
             (_, Self::Repeated) => "Repeated",
-            (With::Pinned, Self::Same) => "As before",
-            (With::File, Self::Same) => "Both",
-            (With::Truth, Self::Same) => "Found",
+            (Reference::Pinned, Self::Same) => "As before",
+            (Reference::File, Self::Same) => "Both",
+            (Reference::Truth, Self::Same) => "Found",
         }
     }
 }
@@ -79,21 +79,21 @@ impl Row {
     }
 }
 
-pub(super) fn of(with: With, detection: &Detection, against: &Against) -> (Vec<Row>, String) {
+pub(super) fn of(with: Reference, detection: &Detection, differences: &Differences) -> (Vec<Row>, String) {
     let features = &detection.features;
-    let (mut rows, summary) = match against {
-        Against::Changes { changes, before, .. } => {
+    let (mut rows, summary) = match differences {
+        Differences::Changes { changes, before, .. } => {
             let summary = match with {
-                With::File => {
+                Reference::File => {
                     let (moved, both) = (changes.moved().count(), changes.same.len());
                     let (theirs, ours) = (changes.lost.len(), changes.gained.len());
                     format!("{both} in both ({moved} of them moved), {theirs} only theirs, {ours} only ours")
                 }
-                With::Pinned | With::Truth => changes.summary(),
+                Reference::Pinned | Reference::Truth => changes.summary(),
             };
             (rows_of_changes(with, changes, before, features), summary)
         }
-        Against::Truth { against, truth } => (rows_of_truth(against, truth, features), against.summary()),
+        Differences::Truth { against, truth } => (rows_of_truth(against, truth, features), against.summary()),
     };
     rows.sort_by_key(|row| row.kind);
     (rows, summary)
@@ -107,9 +107,9 @@ fn ours(kind: Kind, index: usize, f: &Feature) -> Row {
     Row { kind, feature: Some(index), ..theirs([f.u, f.v], f.sigma, Some(f.slope), String::new()) }
 }
 
-fn rows_of_changes(with: With, changes: &Changes, before: &[Spot], features: &[Feature]) -> Vec<Row> {
+fn rows_of_changes(with: Reference, changes: &Changes, before: &[Spot], features: &[Feature]) -> Vec<Row> {
     // Pinned features are our own.
-    let whose = if with == With::File { "of theirs" } else { "of the pinned result" };
+    let whose = if with == Reference::File { "of theirs" } else { "of the pinned result" };
     let lost = changes.lost.iter().map(|&index| {
         let spot = &before[index];
         theirs(spot.pos_image, spot.sigma, spot.slope, format!("number {} {whose}", index + 1))
@@ -173,14 +173,14 @@ mod tests {
         before[0].pos_image[0] += 0.8;
         before.push(Spot { pos_image: [-500.0, -500.0], ..after[0] });
         let changes = compare(&before, &after);
-        let rows = rows_of_changes(With::Pinned, &changes, &before, &detection.features);
+        let rows = rows_of_changes(Reference::Pinned, &changes, &before, &detection.features);
         assert!(rows.iter().any(|row| row.note.ends_with("of the pinned result")), "what is lost was our own");
         assert_eq!(rows.len(), changes.lost.len() + changes.gained.len() + changes.same.len());
         let moved = rows.iter().find(|row| row.kind == Kind::Moved).expect("one was moved");
         assert!(moved.from_image.is_some() && moved.note.starts_with("by 0.80 px"), "{moved:?}");
         let answered =
-            Against::Changes { changes, before: Arc::new(before), source: OthersSource::File(Arc::default()) };
-        let (sorted, summary) = of(With::File, &detection, &answered);
+            Differences::Changes { changes, before: Arc::new(before), source: OthersSource::File(Arc::default()) };
+        let (sorted, summary) = of(Reference::File, &detection, &answered);
         assert!(sorted.is_sorted_by_key(|row| row.kind));
         assert!(summary.contains("1 only theirs") && summary.contains("1 only ours"), "{summary}");
     }
