@@ -116,7 +116,10 @@ fn set(action: Action, model: &mut Model) {
         A::SetMatchLook(look) => model.match_look = look,
         A::SetPairLinks(links) => model.set_pair_links(links),
         A::SetMatchOrder(order) => model.match_order = order,
-        A::SetPairTab(tab) => model.pair_tab = tab,
+        A::SetPairTab(tab) => {
+            model.panels.bottom = Visibility::from(!model.shows_bottom() || model.pair_tab != tab);
+            model.pair_tab = tab;
+        }
         A::SelectMatch(index) => (model.pair.selected, model.pair.lost.selected) = (index, None),
         A::AskFeature(index) => model.ask_feature(index),
         A::ShowLost(lost, shown) => {

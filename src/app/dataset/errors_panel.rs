@@ -116,9 +116,9 @@ fn reconstruction_ui(ui: &mut Ui, model: &Model) {
         ("Keypoints an image", "Features of a burst", of_matches(1, |m| m.keypoints_per_image)),
         ("Putative an image", by_descriptors, of_matches(1, |m| m.putative_per_image)),
         ("Inliers an image", inliers, of_matches(1, |m| m.inliers_per_image)),
-        ("Match ratio", "Putative matches with all others over keypoints", of_matches(3, |m| m.match_ratio)),
-        ("Match score", "Inliers with all others over keypoints", of_matches(3, |m| m.match_score)),
-        ("Precision", "Inliers over putative matches", precision),
+        ("Putative a keypoint", "Putative matches with all others over keypoints", of_matches(3, |m| m.match_ratio)),
+        ("Inliers a keypoint", "Inliers with all others over keypoints", of_matches(3, |m| m.match_score)),
+        ("Inlier ratio", "Inliers over putative matches", precision),
     ]
     .map(|(name, help, value)| {
         (name, format!("{help}; of the dataset that is open, once its pairs are matched"), value)

@@ -42,7 +42,7 @@ pub fn links_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<F
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .flat_map(|(method, matches)| {
-                let rows = matches.rows().filter(|row| model.match_look.shows(row.inlier)).map(|row| row.index);
+                let rows = matches.rows().filter(|row| model.match_look.shows_row(row)).map(|row| row.index);
                 links(model, widgets, panes, Some(method), matches, &rows.collect::<Vec<_>>())
             })
             .collect(),

@@ -14,13 +14,14 @@ impl Model {
         let against: [&dyn Want; 2] = slots.both().map(|slot| &slot.against.wanted as _);
         let gold: [&dyn Want; 2] = compare.opening_gold.both().map(|gold| gold as _);
         let coherences: [&dyn Want; 2] = coherence.wanted.both().map(|wanted| wanted as _);
-        let others: [&dyn Want; 16] = [
+        let others: [&dyn Want; 17] = [
             &self.wanted_patch,
             &self.figures,
             &pair.matching,
             &pair.wanted_patches,
             &pair.lost.wanted,
             &pair.lost.wanted_pictures,
+            &pair.lost.pricing,
             &compare.wanted,
             &explained.asked_slopes,
             &explained.asked_candidates,

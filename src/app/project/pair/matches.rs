@@ -5,6 +5,7 @@ use crate::app::project::pair::Side;
 use crate::app::view::{fixed, number, signed};
 use crate::detector::{Detection, Feature};
 use crate::matching::align::Measured;
+use crate::matching::aligned::NARROW;
 use crate::matching::{Match, MatchResult, TwoViewModel};
 use crate::requests::{MatchRequest, Matched};
 use serde::{Deserialize, Serialize};
@@ -106,12 +107,34 @@ impl Matches {
         Some(MatchRow { index, found, a, b, inlier, error_px, aligned })
     }
 
+    /// Largest error of an inlier, pixels.
+    pub fn max_error_px(&self) -> f32 {
+        let part = if self.result.alignment.is_some() { NARROW } else { 1.0 };
+        part * self.request.params.max_error_px
+    }
+
+    /// Limit that the match `row` passes, which makes it an outlier; `None` for an inlier, and where no geometry is
+    /// known.
+    pub fn passed_limit(&self, row: &MatchRow<'_>) -> Option<String> {
+        let error = row.error_px.filter(|_| row.inlier == Some(false))?;
+        let limit = self.max_error_px();
+        let residual = row.aligned.map_or(0.0, |aligned| aligned.residual_px as f32);
+        Some(match &self.result.alignment {
+            _ if error > limit => format!("Error {error:.2} px, at most {limit:.2} px is allowed"),
+            Some(alignment) if !alignment.was_inlier[row.index] => {
+                "Too far from the geometry before the alignment".into()
+            }
+            _ if residual > limit => format!("Contradiction {residual:.2} px, at most {limit:.2} px is allowed"),
+            _ => "The picture of its place is not found in B".into(),
+        })
+    }
+
     pub fn rows(&self) -> impl Iterator<Item = MatchRow<'_>> {
         (0..self.len()).filter_map(|index| self.row(index))
     }
 
     pub fn listed(&self, look: &MatchLook, order: Order<MatchColumn>) -> Vec<usize> {
-        let mut rows: Vec<MatchRow<'_>> = self.rows().filter(|row| look.shows(row.inlier)).collect();
+        let mut rows: Vec<MatchRow<'_>> = self.rows().filter(|row| look.shows_row(row)).collect();
         rows.sort_by(|a, b| {
             let by = order.column.value(a).total_cmp(&order.column.value(b));
             let by = if order.descending { by.reverse() } else { by };
@@ -131,6 +154,12 @@ impl Matches {
 }
 
 impl MatchRow<'_> {
+    /// Difference of the motions in A and in B, px/frame.
+    pub fn motion_apart(&self) -> f32 {
+        let ((a, _), (b, _)) = (self.a.motion(), self.b.motion());
+        (a.u - b.u).hypot(a.v - b.v)
+    }
+
     pub fn saved(&self) -> SavedMatch {
         SavedMatch { a: [self.a.u, self.a.v], b: [self.b.u, self.b.v] }
     }
@@ -149,6 +178,7 @@ pub enum MatchColumn {
     SigmaB,
     SlopeA,
     SlopeB,
+    Motion,
     Distance,
     Ratio,
     Error,
@@ -156,9 +186,9 @@ pub enum MatchColumn {
 }
 
 impl MatchColumn {
-    pub const ALL: [Self; 13] = {
+    pub const ALL: [Self; 14] = {
         use MatchColumn::*;
-        [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Distance, Ratio, Error, Inlier]
+        [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Motion, Distance, Ratio, Error, Inlier]
     };
 
     fn words(self) -> [&'static str; 2] {
@@ -172,6 +202,7 @@ impl MatchColumn {
             Self::SigmaB => ["σ B", "Scale σ in B, in pixels"],
             Self::SlopeA => ["Slope A", "Apparent motion in A to the right, in pixels per frame"],
             Self::SlopeB => ["Slope B", "Apparent motion in B to the right, in pixels per frame"],
+            Self::Motion => ["Motions", "Difference of the motions in A and in B, in pixels per frame"],
             Self::Distance => ["Distance", "Euclidean distance of the two descriptors"],
             Self::Ratio => ["Ratio", "Distance to the nearest descriptor over that to the second nearest"],
             Self::Error => ["Error", "Distance of the match from the geometry that most matches agree on, in pixels"],
@@ -199,6 +230,7 @@ impl MatchColumn {
             Self::SigmaB => row.b.sigma,
             Self::SlopeA => row.a.slope.u,
             Self::SlopeB => row.b.slope.u,
+            Self::Motion => row.motion_apart(),
             Self::Distance => row.found.distance,
             Self::Ratio => row.found.ratio,
             Self::Error => row.error_px.unwrap_or(f32::INFINITY),
@@ -217,6 +249,7 @@ impl MatchColumn {
             Self::SigmaB => format!("{:.2}", row.b.sigma),
             Self::SlopeA => signed(row.a.slope.u, 2),
             Self::SlopeB => signed(row.b.slope.u, 2),
+            Self::Motion => format!("{:.2}", row.motion_apart()),
             Self::Distance => format!("{:.1}", row.found.distance),
             Self::Ratio => format!("{:.3}", row.found.ratio),
             Self::Error => row.error_px.map_or_else(|| "–".to_owned(), |e| number(e, 3)),
@@ -230,6 +263,19 @@ impl MatchColumn {
     }
 }
 
+/// Way in which matches are drawn over the pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MatchesAs {
+    /// Lines from picture to picture.
+    #[default]
+    Lines,
+    /// In A, from the place in A to that in B.
+    Vectors,
+    /// Lines that end near the pointer.
+    Near,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MatchLook {
@@ -241,11 +287,26 @@ pub struct MatchLook {
     pub alone: bool,
     pub features: bool,
     pub geometry: bool,
+    pub drawn_as: MatchesAs,
+    /// Whether lines have the colour of the difference of the motions.
+    pub by_motion: bool,
+    /// Largest difference of the motions of the matches that are shown, px/frame.
+    pub max_motion: Option<f32>,
 }
 
 impl Default for MatchLook {
     fn default() -> Self {
-        Self { inliers: true, outliers: true, opacity: 0.7, alone: true, features: false, geometry: true }
+        Self {
+            inliers: true,
+            outliers: true,
+            opacity: 0.7,
+            alone: true,
+            features: false,
+            geometry: true,
+            drawn_as: MatchesAs::Lines,
+            by_motion: false,
+            max_motion: None,
+        }
     }
 }
 
@@ -254,14 +315,20 @@ impl MatchLook {
         if inlier == Some(false) { self.outliers } else { self.inliers }
     }
 
+    pub fn shows_row(&self, row: &MatchRow<'_>) -> bool {
+        self.shows(row.inlier) && self.max_motion.is_none_or(|max| row.motion_apart() <= max)
+    }
+
     pub(crate) fn listing(&self) -> Self {
-        Self { inliers: self.inliers, outliers: self.outliers, ..Self::default() }
+        let Self { inliers, outliers, max_motion, .. } = *self;
+        Self { inliers, outliers, max_motion, ..Self::default() }
     }
 
     /// Copy with an opacity of 0.05 … 1, or the default if it is not finite: a file may contain any value.
     #[must_use]
     pub fn sanitised(self) -> Self {
+        let max_motion = self.max_motion.filter(|max| *max >= 0.0);
         let opacity = if self.opacity.is_finite() { self.opacity.clamp(0.05, 1.0) } else { Self::default().opacity };
-        Self { opacity, ..self }
+        Self { opacity, max_motion, ..self }
     }
 }

@@ -6,7 +6,7 @@ mod matches;
 mod sides;
 
 pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
-pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
+pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, MatchesAs, SavedMatch};
 
 use crate::app::pane::{Content, Pane};
 use crate::app::project::against::With;
@@ -33,6 +33,9 @@ pub enum PairTab {
     Unmatched,
     Compared,
 }
+
+/// Width over height from which on two pictures are larger one above the other.
+const STACKED: f32 = 1.6;
 
 #[derive(Debug, Default)]
 pub struct PairState {
@@ -64,6 +67,12 @@ impl PairState {
             Some(one) if !self.listed.contains(&one) => self.listed.iter().copied().chain([one]).collect(),
             _ => self.listed.clone(),
         }
+    }
+
+    /// Largest difference of the motions of a listed match, px/frame.
+    pub fn largest_motion(&self) -> f32 {
+        let rows = self.matches.iter().flat_map(|matches| self.listed.iter().filter_map(|&index| matches.row(index)));
+        rows.map(|row| row.motion_apart()).fold(0.0, f32::max)
     }
 
     /// Takes newly made matches. The selection is kept where the same pair of features was matched again.
@@ -165,6 +174,8 @@ impl Model {
         self.pair.forget_matches();
         self.compare.gold[1] = None;
         let Pane { cursor, view, .. } = *self.panes.of(Side::A);
+        let sizes = Side::BOTH.map(|side| self.burst_of(side).map_or((1, 1), |open| open.burst.size()));
+        self.panes.place_by_shape(sizes.into_iter().all(|(width, height)| width as f32 > STACKED * height as f32));
         let linked = self.panes.of(Side::B).links.cursor;
         self.start_panes(Side::B, |_| {
             if linked { cursor } else { Cursor { frame: middle, kind: cursor.kind, ..Cursor::default() } }
