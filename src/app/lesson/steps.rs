@@ -113,6 +113,7 @@ pub(super) fn seen(model: &Model) -> Holds<'_> {
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
         selected_match: model.pair.selected.is_some(),
         reads_depths: model.set_up.reads_depths,
+        detects: model.auto_detect,
     }
 }
 

@@ -2,16 +2,17 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
 use crate::app::parts;
 use crate::app::project::{Model, Panels};
 use crate::app::style;
 use crate::detector::params::{Param, doc};
-use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeChoice};
-use crate::inspect::words::capitalised;
+use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAxis, SlopeChoice, SlopeFinding, SlopeVerdict};
+use crate::inspect::words::{capitalised, number};
 use crate::teach::Part;
-use egui::{Align, Layout, RichText, Ui};
+use egui::{Align, Layout, Rect, RichText, Ui};
 
 /// Parameters that are always shown; all others are *Advanced*.
 const BASIC: [Param<DetectorParams>; 6] =
@@ -63,13 +64,33 @@ fn row_ui(
 ) {
     let finding = model.slots.a.found.as_ref().and_then(|found| found.finding.as_ref());
     let (p, choice) = (&mut search.detector, &mut search.slopes);
+    let top = ui.next_widget_position();
     ui.add_enabled_ui((record.in_use)(p), |ui| {
         if *record == doc::SLOPES {
-            slopes_ui(ui, table, choice, finding.map(|finding| capitalised(&finding.summary())).as_deref());
+            slopes_ui(ui, table, choice, finding.map(found_words).as_deref());
         } else {
             table.row(ui, record, p);
         }
     });
+    if [doc::SLOPES_U, doc::SLOPES_V].contains(record) {
+        mark_fields(ui, Rect::from_min_max(top, ui.min_rect().right_bottom()), *record == doc::SLOPES_U);
+    }
+}
+
+/// Slopes that were found, in words; reasons why none were, as commands say them.
+fn found_words(finding: &SlopeFinding) -> String {
+    if finding.verdict != SlopeVerdict::Found || !finding.warnings.is_empty() {
+        return capitalised(&finding.summary());
+    }
+    let axis = |name: &str, axis: &SlopeAxis| {
+        let [min, max] = [axis.min, axis.max].map(|end| number(end, 3));
+        (axis.count > 1).then(|| format!("{name} {min} to {max} in {} slopes", axis.count))
+    };
+    let grid = &finding.grid;
+    let axes: Vec<String> = [axis("u", &grid.u), axis("v", &grid.v)].into_iter().flatten().collect();
+    let turned =
+        if grid.direction_deg == 0.0 { String::new() } else { format!(", turned by {}°", grid.direction_deg) };
+    format!("Found: {}{turned}; {:.0} % of the motion seen lies there", axes.join(", "), 100.0 * finding.confidence)
 }
 
 fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
@@ -90,11 +111,19 @@ fn advanced_ui(
         table.error.is_some_and(|error| error.subject == record.name)
             || parts::is_wanted(ui.ctx(), Part::parameter(record))
     };
-    let is_open = model.panels.advanced || advanced().any(is_needed);
+    // Without an animation: a part that a lesson points at is in its place at once.
+    if fold_ui(ui, model, advanced().any(is_needed), changed, queue) {
+        advanced().for_each(|record| row_ui(ui, model, search, table, record));
+    }
+}
+
+/// Draws the fold of the advanced parameters, of which `changed` are not at their defaults; returns whether it is open.
+pub fn fold_ui(ui: &mut Ui, model: &Model, is_needed: bool, changed: usize, queue: &mut Queue) -> bool {
+    let is_open = model.panels.advanced || is_needed;
     let toggled = ui.horizontal(|ui| {
         let (_, icon) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::click());
         egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
-        let title = ui.selectable_label(false, "Advanced").on_hover_text("All other parameters of the detector");
+        let title = ui.selectable_label(false, "Advanced").on_hover_text("All other parameters");
         if changed > 0 {
             let text = format!("{changed} not the default");
             ui.label(RichText::new(text).small().color(style::warning(ui)))
@@ -105,10 +134,7 @@ fn advanced_ui(
     if toggled.inner {
         queue.push(Action::SetPanels(Panels { advanced: !is_open, ..model.panels }));
     }
-    // Without an animation: a part that a lesson points at is in its place at once.
-    if is_open {
-        advanced().for_each(|record| row_ui(ui, model, search, table, record));
-    }
+    is_open
 }
 
 fn slopes_ui(

@@ -82,6 +82,8 @@ impl Model {
         self.take_trajectories();
         for event in self.datasets.wanted.take_told() {
             self.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(&event));
+            // Counts that were said before are old.
+            self.messages.forget_note();
         }
         for ended in self.datasets.wanted.take() {
             effects.extend(self.take_dataset_answer(ended, engine));

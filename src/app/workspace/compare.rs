@@ -12,7 +12,7 @@ use crate::app::project::Model;
 use crate::app::project::compare::Contender;
 use crate::app::project::pair::Side;
 use crate::app::project::panes::Change;
-use crate::app::workspace::pair::lines::{LINES_IN_A_CELL, MatchViews, line_of, painter_over};
+use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
 use egui::{Align, Align2, CentralPanel, Frame, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
@@ -130,7 +130,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
         for canvases in views.canvases(false).iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
             let rows = matches.rows().filter(|row| look.shows_row(row));
             let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts, None)).collect();
-            let flags = drawn_lines(&lines, &canvases.panes[0], LINES_IN_A_CELL, |_| false);
+            let flags = drawn_lines(&lines, &canvases.panes[0], false, |_| false);
             let lines: Vec<MatchLine> =
                 lines.into_iter().zip(flags).filter(|(_, flag)| *flag).map(|(line, _)| line).collect();
             draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &lines, &style);

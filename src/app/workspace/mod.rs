@@ -114,8 +114,12 @@ fn right_panel(
     Panel::right(id).frame(side_frame(ui)).default_size(width).size_range(widths).show(ui, add_contents);
 }
 
+/// Content of a side panel. One that is wider than the panel does not widen it: pictures stay where they are.
 fn scroll_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, add_contents);
+    let rect = ui.available_rect_before_wrap();
+    let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(rect));
+    ScrollArea::vertical().auto_shrink(false).show(&mut inner, add_contents);
+    ui.advance_cursor_after_rect(rect);
 }
 
 /// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window, whatever its

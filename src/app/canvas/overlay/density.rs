@@ -61,11 +61,13 @@ pub fn drawn(
     out
 }
 
-/// A flag for each line: `in_a_cell` are drawn for each part of A's picture, inliers first, and those that are `always`.
-pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, in_a_cell: u16, always: impl Fn(usize) -> bool) -> Vec<bool> {
+/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`. Lines
+/// from picture to picture take more room than vectors.
+pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, are_vectors: bool, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
-    let mut cells = cells(t.scale(), view_image);
+    let (in_a_cell, scale) = if are_vectors { (3, t.scale()) } else { (1, 0.5 * t.scale()) };
+    let mut cells = cells(scale, view_image);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
         for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == LineKind::Inlier) == is_inlier) {

@@ -11,7 +11,7 @@ use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
 use crate::app::project::method::Contender;
 use crate::app::project::pair::{MatchRow, MatchSides, Matches, MatchesAs, PATCHES, Side};
-use crate::app::view::{ColourBy, signed_slope};
+use crate::app::view::signed_slope;
 use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
@@ -20,13 +20,9 @@ use std::sync::Arc;
 pub(super) const CANDIDATE_COLOURS: [Color32; PATCHES] =
     [Color32::from_rgb(0xff, 0xd2, 0x4a), Color32::from_rgb(0xff, 0x8a, 0x3d), Color32::from_rgb(0xff, 0x6b, 0xb5)];
 
-/// Numbers of lines and of vectors that are drawn for a part of the picture.
-pub(in crate::app::workspace) const LINES_IN_A_CELL: u16 = 1;
-const VECTORS_IN_A_CELL: u16 = 3;
-
-/// Colours of the difference of motions, from 0 to `max`, px/frame.
-pub(super) fn motion_colours(max: f32) -> overlay::ColourScale {
-    overlay::ColourScale::with_range(ColourBy::Coherence, 0.0, max)
+/// Colour of a difference of motions that is this part of the largest one: also colour-blind people see the ends apart.
+pub(super) fn motion_colour(part: f32) -> Color32 {
+    overlay::LineKind::Inlier.colour().lerp_to_gamma(Color32::from_rgb(230, 60, 170), part.clamp(0.0, 1.0))
 }
 
 /// Draws the matches over the drawn panes of A and B and lets the pointer choose among them. Returns the hovered match;
@@ -39,14 +35,14 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     };
     let look = model.match_look;
     let are_vectors = look.drawn_as == MatchesAs::Vectors;
-    let colours = look.by_motion.then(|| motion_colours(model.pair.largest_motion()));
+    let largest = look.by_motion.then(|| model.pair.largest_motion().max(f32::MIN_POSITIVE));
     let rows: Vec<MatchRow<'_>> =
         model.pair.drawn(model.match_look.alone).into_iter().filter_map(|index| matches.row(index)).collect();
     let lines: Vec<(Canvases, Vec<MatchLine>)> = views
         .canvases(are_vectors)
         .into_iter()
         .map(|canvases| {
-            let lines = rows.iter().map(|row| line_of(row, canvases.shifts, colours.as_ref()));
+            let lines = rows.iter().map(|row| line_of(row, canvases.shifts, largest));
             let is_on = |line: &MatchLine| match look.drawn_as {
                 MatchesAs::Near => {
                     let near = pointer.is_some_and(|(_, pos)| line.is_near(&canvases.panes, pos));
@@ -70,13 +66,12 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     }
     let (opacity, selected, others_faint) = (look.opacity, model.pair.selected, focus.is_some());
     let style = MatchLineStyle { opacity, selected, hovered, others_faint, are_vectors };
-    let in_a_cell = if are_vectors { VECTORS_IN_A_CELL } else { LINES_IN_A_CELL };
     let always = |index| [model.pair.selected, hovered].contains(&Some(index));
     // An unmatched feature that is asked about stands alone.
     let lines: Vec<_> = if model.pair.lost.selected.is_some() { Vec::new() } else { lines };
     let mut numbers = (0, 0);
     for (canvases, lines) in &lines {
-        let flags = overlay::drawn_lines(lines, &canvases.panes[0], in_a_cell, always);
+        let flags = overlay::drawn_lines(lines, &canvases.panes[0], are_vectors, always);
         let drawn: Vec<MatchLine> =
             lines.iter().zip(&flags).filter(|(_, flag)| **flag).map(|(line, _)| *line).collect();
         overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &drawn, &style);
@@ -116,12 +111,9 @@ fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<us
     overlay::feature_at(&placed, None, view.output.ui_from_image, pos)
 }
 
-/// `shifts` are frames after mid-burst; without `colours` of the difference of motions the line has that of its kind.
-pub(in crate::app::workspace) fn line_of(
-    row: &MatchRow<'_>,
-    shifts: [f32; 2],
-    colours: Option<&overlay::ColourScale>,
-) -> MatchLine {
+/// `shifts` are frames after mid-burst. The line has the colour of its kind, or of the difference of the motions beside
+/// the `largest` one.
+pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2], largest: Option<f32>) -> MatchLine {
     let kind = overlay::LineKind::of(row.inlier);
     let place = |f: &Feature, dt: f32| {
         let f = at_time(f, dt);
@@ -132,7 +124,7 @@ pub(in crate::app::workspace) fn line_of(
         a: place(row.a, shifts[0]),
         b: place(row.b, shifts[1]),
         kind,
-        colour: colours.map_or(kind.colour(), |colours| colours.along(row.motion_apart())),
+        colour: largest.map_or(kind.colour(), |largest| motion_colour(row.motion_apart() / largest)),
     }
 }
 

@@ -37,10 +37,10 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
     if model.shows_left() && !match_is_left {
         left_panel(ui, "pair left", side_width(model), |ui| {
             sides_ui(ui, model, queue);
+            switches_ui(ui, model, queue);
             panel::cursor::cursor_ui(ui, model, queue);
             parameters::parameters_ui(ui, model, &mut pair.camera_text, queue);
             panel::parameters::parameters_ui(ui, model, queue);
-            switches_ui(ui, model, queue);
         });
     }
     if model.shows_right() {
@@ -213,10 +213,9 @@ fn motion_ui(ui: &mut Ui, look: &mut MatchLook, largest: f32) {
         let tip = "Colour the lines by the difference of the motions in A and B";
         ui.checkbox(&mut look.by_motion, "Colour by motions").on_hover_text(tip);
         if look.by_motion {
-            let colours = lines::motion_colours(largest);
             let (rect, _) = ui.allocate_exact_size(vec2(48.0, 10.0), Sense::hover());
             for x in 0..48 {
-                let colour = colours.along(largest * x as f32 / 47.0);
+                let colour = lines::motion_colour(x as f32 / 47.0);
                 ui.painter().vline(rect.left() + x as f32 + 0.5, rect.y_range(), Stroke::new(1.0, colour));
             }
             ui.weak(format!("0 … {largest:.1} px/frame"));
