@@ -25,7 +25,9 @@ mod tests;
 
 pub use against::{Against, AgainstRequest, ComparedWith, OthersSource, Reference};
 pub use coherence::{CoherenceRequest, Coherences};
-pub use dataset::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest};
+pub use dataset::{
+    Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest, next_commands,
+};
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
 pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest};

@@ -47,7 +47,10 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     window.click("Reset Slopes");
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window)), (SlopeChoice::AUTO, found));
-    // A range edited by hand counts as given.
+    // A range edited by hand is given. Those that are found have no fields.
+    assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slopes v").is_none());
+    window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
+    window.settle();
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window).v.count), (SlopeChoice::Given, 3));

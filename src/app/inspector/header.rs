@@ -168,7 +168,8 @@ fn buttons_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mut Qu
     let menu =
         icon_button_ui(ui, Icon::Menu, &format!("Menu of pane{of}"), "What this pane shows and shares; layouts", true);
     egui::Popup::menu(&menu).show(|ui| pane_menu_ui(ui, model, id, queue));
-    if width < ROOM_FOR_SPLITS {
+    // Keys and menu split a single pane.
+    if width < ROOM_FOR_SPLITS || !many {
         return;
     }
     let room = model.panes.shown().len() < MAX_PANES;

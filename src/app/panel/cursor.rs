@@ -110,7 +110,6 @@ fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 4.0;
         let play = if model.playing { "⏸ Pause" } else { "▶ Play" };
         button_ui(ui, model, queue, ActionId::Play, Some(play));
-        button_ui(ui, model, queue, ActionId::BusiestSlope, Some("Most features"));
     });
 }
 

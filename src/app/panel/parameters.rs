@@ -1,6 +1,6 @@
 //! Parameters of the detector: slopes, gate and number of features, and folded below them all others.
 
-use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::actions::{ActionId, Queue, button_ui, enabled};
 use crate::app::document::Action;
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
@@ -15,8 +15,7 @@ use crate::teach::Part;
 use egui::{Align, Layout, Rect, RichText, Ui};
 
 /// Parameters that are always shown; all others are *Advanced*.
-const BASIC: [Param<DetectorParams>; 6] =
-    [doc::METHOD, doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE, doc::MAX_FEATURES];
+const BASIC: [Param<DetectorParams>; 4] = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE];
 
 pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Detector", |ui| {
@@ -25,9 +24,11 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             button_ui(ui, model, queue, ActionId::Preset1d, Some("BuFF 1D"));
             button_ui(ui, model, queue, ActionId::Preset2d, Some("BuFF 2D"));
             button_ui(ui, model, queue, ActionId::PresetSift, Some("SIFT"));
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
-            });
+            if enabled(ActionId::ResetParams, model) {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
+                });
+            }
         });
         ui.add_space(4.0);
         let error = model.slots.a.param_error.as_ref();
@@ -44,7 +45,12 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let table = rows::ParamTable { error, defaults, frame_count: model.frame_count(), note };
         let before = SearchParams { detector: model.params.clone(), slopes: model.slopes };
         let mut search = before.clone();
-        for record in BASIC {
+        let is_found = |record: &Param<DetectorParams>| {
+            let has_fields = [doc::SLOPES_U, doc::SLOPES_V].contains(record);
+            has_fields && model.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
+        };
+        // Slopes that are found stand above in words.
+        for record in BASIC.into_iter().filter(|record| !is_found(record)).collect::<Vec<_>>() {
             row_ui(ui, model, &mut search, &table, &record);
         }
         advanced_ui(ui, model, &mut search, &table, queue);

@@ -10,6 +10,7 @@ use crate::engine::Wanted;
 use crate::matching::PairSelection;
 use crate::requests::DatasetRequest;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
@@ -58,6 +59,8 @@ pub struct Datasets {
     pub choice: PairChoice,
     /// Places of A and B in the session to which the dataset being opened belongs, if it belongs to one.
     pub restoring: Option<[Option<usize>; 2]>,
+    /// Folder of the last export, until another dataset is opened.
+    pub exported: Option<PathBuf>,
 }
 
 impl Datasets {
