@@ -5,6 +5,7 @@ use burstscope::app::Startup;
 use burstscope::app::pane::PaneId;
 use burstscope::app::project::pair::{MatchesAs, Side};
 use burstscope::app::project::workspace::Workspace;
+use burstscope::detector::{DetectorParams, SlopeGrid};
 use burstscope::requests::BurstSource;
 use egui::accesskit::Role;
 use egui::{Key, Rect};
@@ -89,7 +90,10 @@ fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
 
 #[test]
 fn the_fields_of_the_slopes_stay_while_they_are_used() {
-    let mut window = Start { size: [1280.0, 1000.0], ..Start::default() }.open();
+    let mut start = Start { size: [1280.0, 1000.0], ..Start::default() };
+    start.startup.params =
+        DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3), ..Default::default() }.into();
+    let mut window = start.open();
     let gate = |window: &Window| rect(window, Role::ComboBox, "Noise gate").top();
     let set = |window: &mut Window, label: &str, count: f64| {
         let field = window.harness.get_all_by_role_and_label(Role::SpinButton, label).nth(2).unwrap();
@@ -101,15 +105,17 @@ fn the_fields_of_the_slopes_stay_while_they_are_used() {
         window.settle();
     };
     let before = gate(&window);
-    // From a line to a plane, and to a single slope: each has other pictures above the fields.
-    for (label, count) in [("Slopes v", 3.0), ("Slopes u", 1.0), ("Slopes v", 1.0), ("Slopes u", 5.0)] {
+    let plane = |window: &Window| window.harness.query_by_role_and_label(Role::Canvas, "Slope plane").is_some();
+    assert!(plane(&window));
+    // From a plane to a line, and to a single slope: each has other pictures above the fields.
+    for (label, count) in [("Slopes v", 1.0), ("Slopes u", 1.0), ("Slopes u", 7.0)] {
         set(&mut window, label, count);
         assert_eq!(gate(&window), before, "{label} {count}");
     }
-    set(&mut window, "Slopes v", 3.0);
+    assert!(plane(&window));
     window.harness.remove_cursor();
     window.settle();
-    assert!(window.harness.query_by_role_and_label(Role::Canvas, "Slope plane").is_some(), "it comes afterwards");
+    assert!(!plane(&window), "it goes afterwards");
 }
 
 #[test]

@@ -81,7 +81,7 @@ fn links(
                 panels: [panel(a), panel(b)],
                 ends_image: ends.map(|feature| [feature.u, feature.v]),
                 color: [colour.r(), colour.g(), colour.b()],
-                opacity: model.match_look.opacity,
+                opacity: crate::app::project::pair::OPACITY,
                 weight: if method.is_none() && model.pair.selected == Some(row.index) { 2.0 } else { 0.8 },
                 dashed: kind.is_dashed(),
             });

@@ -1,6 +1,6 @@
-//! Card of the first start, over the demo: what this is, and the three ways to go on. Once dismissed it never returns.
+//! Card of the first start, over the demo: what this is, and the ways to go on. Once dismissed it never returns.
 
-use crate::app::actions::{ActionId, Queue};
+use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::lesson::{Chosen, Lessons};
 use crate::app::project::Model;
@@ -39,9 +39,6 @@ pub fn card_ui(ctx: &Context, model: &Model, lessons: &Lessons, rect_ui: Rect, q
                 if ui.add_enabled(first.is_some(), Button::new(text).fill(style::ACCENT)).clicked() {
                     chosen = first.cloned();
                     panels.welcome = false;
-                }
-                if ui.button("Open a burst…").clicked() {
-                    queue.push(ActionId::OpenFolder);
                 }
                 panels.welcome &= !ui.button("Explore").clicked();
             });

@@ -160,50 +160,7 @@ fn slopes_ui(
             }
         },
     );
-    // The text's place stays free without it, so that the fields below do not move under the pointer.
-    let height_id = egui::Id::unique("height of the found slopes");
-    let found_label = |text: &str| egui::Label::new(RichText::new(text).small().weak()).wrap();
-    match (finding.filter(|_| choice.is_auto()), ui.data(|data| data.get_temp::<f32>(height_id))) {
-        (Some(text), _) => {
-            let height = ui.add(found_label(text)).rect.height();
-            ui.data_mut(|data| data.insert_temp(height_id, height));
-        }
-        (None, Some(height)) => {
-            let (place, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), height), egui::Sense::hover());
-            if !choice.is_auto() {
-                ui.put(place, found_label("As given in the fields below"));
-            }
-        }
-        (None, None) => {}
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_fields_stay_in_place_when_slopes_are_given_instead_of_found() {
-        let ctx = egui::Context::default();
-        let height = |mut choice: SlopeChoice, finding: Option<&str>| {
-            let mut height = 0.0;
-            let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
-                let table =
-                    rows::ParamTable { error: None, defaults: DetectorParams::default(), frame_count: 5, note: None };
-                let drawn = ui.vertical(|ui| {
-                    ui.set_width(240.0);
-                    slopes_ui(ui, &table, &mut choice, finding);
-                });
-                height = drawn.response.rect.height();
-            });
-            output.textures_delta.clear();
-            height
-        };
-        let text = "Found in 12 steps: a text that is so long that it needs more than one line of the panel";
-        let never_found = height(SlopeChoice::Given, None);
-        let found = height(SlopeChoice::AUTO, Some(text));
-        assert!(found > never_found + 15.0, "{found} against {never_found}");
-        assert_eq!(height(SlopeChoice::Given, Some(text)), found);
-        assert_eq!(height(SlopeChoice::AUTO, None), found, "while they are searched again");
+    if let Some(text) = finding.filter(|_| choice.is_auto()) {
+        ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
     }
 }

@@ -6,7 +6,7 @@ mod matches;
 mod sides;
 
 pub use lost::{LostFeatures, MatchSides, PATCHES, lost_label};
-pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, MatchesAs, SavedMatch};
+pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, MatchesAs, OPACITY, SavedMatch};
 
 use crate::app::pane::{Content, Pane};
 use crate::app::project::against::With;

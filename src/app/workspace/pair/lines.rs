@@ -10,7 +10,7 @@ use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
 use crate::app::project::method::Contender;
-use crate::app::project::pair::{MatchRow, MatchSides, Matches, MatchesAs, PATCHES, Side};
+use crate::app::project::pair::{MatchRow, MatchSides, Matches, MatchesAs, OPACITY, PATCHES, Side};
 use crate::app::view::signed_slope;
 use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
@@ -64,7 +64,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     {
         locus_ui(model, matches, &row, &views);
     }
-    let (opacity, selected, others_faint) = (look.opacity, model.pair.selected, focus.is_some());
+    let (opacity, selected, others_faint) = (OPACITY, model.pair.selected, focus.is_some());
     let style = MatchLineStyle { opacity, selected, hovered, others_faint, are_vectors };
     let always = |index| [model.pair.selected, hovered].contains(&Some(index));
     // An unmatched feature that is asked about stands alone.

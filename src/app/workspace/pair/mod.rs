@@ -13,7 +13,7 @@ use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::pane::PaneId;
 use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
-use crate::app::panel::widgets::{hint, label_ui, name_field, section_ui};
+use crate::app::panel::widgets::{label_ui, name_field, section_ui};
 use crate::app::parts::mark;
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchLook, MatchesAs, PATCHES, PairTab, Side};
@@ -169,12 +169,6 @@ pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             let tip = "Matches that do not agree with the geometry of the two views  (U)";
             kind_ui(ui, &mut look.outliers, LineKind::Outlier, "Outliers", outliers, tip);
         }
-        ui.horizontal(|ui| {
-            let label = label_ui(ui, "Opacity", 52.0);
-            ui.spacing_mut().slider_width = (ui.available_width() - 16.0).max(40.0);
-            let slider = egui::Slider::new(&mut look.opacity, 0.05..=1.0).show_value(false);
-            hint(ui.add(slider).labelled_by(label.id), "How strongly the lines are drawn");
-        });
         ui.horizontal_wrapped(|ui| {
             let ways = [
                 (MatchesAs::Lines, "Lines", "From picture to picture, the strongest of each part; zoom in for more"),
