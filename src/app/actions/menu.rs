@@ -168,8 +168,8 @@ impl Palette {
         });
         self.open = run.is_none() && !modal.should_close();
         match run {
-            Some(Found::Action(id)) => queue.push(id),
-            Some(Found::Parameter(name, value)) => set_or_show(name, value.as_deref(), model, queue),
+            Some(Entry::Action(id)) => queue.push(id),
+            Some(Entry::Parameter(name, value)) => set_or_show(name, value.as_deref(), model, queue),
             None => {}
         }
     }
@@ -185,10 +185,10 @@ fn with_value(name: &str, value: &str, model: &Model) -> Option<SearchParams> {
     search.with_texts([(*parameter(name), value)]).ok()
 }
 
-fn is_possible(found: &Found, model: &Model) -> bool {
+fn is_possible(found: &Entry, model: &Model) -> bool {
     match found {
-        Found::Action(id) => enabled(*id, model),
-        Found::Parameter(name, value) => value.as_ref().is_none_or(|value| with_value(name, value, model).is_some()),
+        Entry::Action(id) => enabled(*id, model),
+        Entry::Parameter(name, value) => value.as_ref().is_none_or(|value| with_value(name, value, model).is_some()),
     }
 }
 
@@ -200,18 +200,18 @@ fn set_or_show(name: &str, value: Option<&str>, model: &Model, queue: &mut Queue
     }
 }
 
-fn palette_row_ui(ui: &mut egui::Ui, model: &Model, found: &Found, chosen: bool) -> egui::Response {
+fn palette_row_ui(ui: &mut egui::Ui, model: &Model, found: &Entry, chosen: bool) -> egui::Response {
     let weak = ui.visuals().weak_text_color();
     let is_possible = is_possible(found, model);
     let (group, text, right, help) = match found {
-        Found::Action(id) => {
+        Entry::Action(id) => {
             let action = id.action();
             let on = if checked(*id, model) == Some(true) { " ✔" } else { "" };
             let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
             let right = if is_possible { keys } else { why_not(action, model).to_owned() };
             (action.menu.label(), format!("{}{on}", action.label), right, action.help.to_owned())
         }
-        Found::Parameter(name, value) => {
+        Entry::Parameter(name, value) => {
             let record = parameter(name);
             let right = match value {
                 Some(_) if !is_possible => "not a value of it".to_owned(),
@@ -230,7 +230,7 @@ fn palette_row_ui(ui: &mut egui::Ui, model: &Model, found: &Found, chosen: bool)
 
 /// An entry of the palette.
 #[derive(Debug, Clone, PartialEq)]
-enum Found {
+enum Entry {
     Action(ActionId),
     /// A parameter of the detector by its name, with the value that was typed after it.
     Parameter(&'static str, Option<String>),
@@ -238,14 +238,14 @@ enum Found {
 
 /// Actions and parameters whose names or help have the words of `text`, the best first; what is possible now before what
 /// is not. A number at the end is a value.
-fn found_by(text: &str, model: &Model) -> Vec<Found> {
+fn found_by(text: &str, model: &Model) -> Vec<Entry> {
     let text = text.trim().to_lowercase();
     let actions = ACTIONS.iter().filter(|action| action.id != ActionId::Palette);
     if text.is_empty() {
         let mut possible: Vec<&ActionRow> = actions.filter(|action| enabled(action.id, model)).collect();
         // In the order of the menus, after the most frequent action.
         possible.sort_by_key(|action| action.id != ActionId::Detect);
-        return possible.into_iter().map(|action| Found::Action(action.id)).collect();
+        return possible.into_iter().map(|action| Entry::Action(action.id)).collect();
     }
     let (name, value) = match text.rsplit_once(' ') {
         Some((name, value)) if value.replace('−', "-").parse::<f64>().is_ok() => {
@@ -255,13 +255,13 @@ fn found_by(text: &str, model: &Model) -> Vec<Found> {
     };
     let actions = actions.filter_map(|action| {
         let rank = rank(&text, action.label, action.help)?;
-        Some((rank + u8::from(!enabled(action.id, model)) * 8, Found::Action(action.id)))
+        Some((rank + u8::from(!enabled(action.id, model)) * 8, Entry::Action(action.id)))
     });
     let parameters = doc::ALL.iter().filter_map(|record| {
         let rank = rank(name, record.label, record.name)?;
-        Some((rank, Found::Parameter(record.name, value.clone())))
+        Some((rank, Entry::Parameter(record.name, value.clone())))
     });
-    let mut found: Vec<(u8, Found)> = actions.chain(parameters).collect();
+    let mut found: Vec<(u8, Entry)> = actions.chain(parameters).collect();
     found.sort_by_key(|(rank, _)| *rank);
     found.into_iter().map(|(_, found)| found).collect()
 }
@@ -394,22 +394,22 @@ mod tests {
         let first = |text: &str, model: &Model| found_by(text, model).first().cloned();
         use ActionId as A;
         for (text, id) in [("open dem", A::OpenDemo), ("light", A::ThemeLight), ("keyb", A::Shortcuts)] {
-            assert_eq!(first(text, &model), Some(Found::Action(id)), "{text}");
+            assert_eq!(first(text, &model), Some(Entry::Action(id)), "{text}");
         }
         assert_eq!((first("opth", &model), first("qqqq", &model)), (None, None), "letters that are not together");
-        assert_eq!(first("first oct", &model), Some(Found::Parameter("first-octave", None)));
-        let set = Found::Parameter("first-octave", Some("-1".to_owned()));
+        assert_eq!(first("first oct", &model), Some(Entry::Parameter("first-octave", None)));
+        let set = Entry::Parameter("first-octave", Some("-1".to_owned()));
         assert_eq!(first("first octave -1", &model), Some(set.clone()));
         assert!(is_possible(&set, &model));
         let mut queue = Queue::default();
         set_or_show("first-octave", Some("-1"), &model, &mut queue);
         let Some(Action::SetSearch(search)) = queue.into_iter().next() else { panic!("it is set") };
         assert_eq!(search.detector.first_octave, -1);
-        let wrong = Found::Parameter("first-octave", Some("99".to_owned()));
+        let wrong = Entry::Parameter("first-octave", Some("99".to_owned()));
         assert!(found_by("first octave 99", &model).contains(&wrong) && !is_possible(&wrong, &model));
         // What is not possible now is there, after what is, with the reason.
         let swap = found_by("swap a and b", &model);
-        assert_eq!(swap, [Found::Action(A::SwapSides)]);
+        assert_eq!(swap, [Entry::Action(A::SwapSides)]);
         assert!(!is_possible(&swap[0], &model));
         assert_eq!(why_not(A::SwapSides.action(), &model), "open a burst first");
         model.take_burst(crate::app::project::tests::open((64, 48), 5));

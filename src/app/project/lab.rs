@@ -170,7 +170,9 @@ impl Model {
                 self.messages.forget_note();
                 let studies = &mut self.studies;
                 // Of another study the curves stay beside the new ones.
-                if studies.current.as_ref().is_some_and(|last| last.is_whole && last.study != study) {
+                let is_kept = |last: &LabResult| studies.kept.iter().any(|kept| kept.result.study == last.study);
+                let is_another = |last: &LabResult| last.is_whole && last.study != study && !is_kept(last);
+                if studies.current.as_ref().is_some_and(is_another) {
                     studies.keep_current();
                 }
                 (studies.problem, studies.current, studies.shown) = (None, None, None);
