@@ -4,7 +4,7 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
-use crate::app::panel::widgets::progress_text;
+use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchColumn, Matches, PairTab, Side, lost_label};
 use crate::app::view::{fixed, signed_slope};
@@ -53,7 +53,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
 
 /// Draws the tabs, of which the open one closes the panel and any other opens it, and the numbers of the pair.
 pub fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    ui.horizontal(|ui| {
+    let row = |ui: &mut Ui| {
         (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
         let is_compared = model.slots.both().into_iter().any(|slot| slot.against.with.is_some());
         let tabs = [
@@ -75,7 +75,13 @@ pub fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         }
         ui.separator();
         numbers_ui(ui, model);
-    });
+    };
+    // Only above the table is there room for a second line: the pictures stay where they are.
+    if model.shows_bottom() {
+        ui.horizontal_wrapped(row)
+    } else {
+        ui.horizontal(row)
+    };
 }
 
 /// Draws the steps at which features of A were lost, each with its count and its switch.
@@ -164,6 +170,9 @@ fn numbers_ui(ui: &mut Ui, model: &Model) {
     for (name, help, value) in rows(&matches.result.counts) {
         let text = format!("{name} {value}");
         let (name, value) = (RichText::new(name).small().weak(), RichText::new(value).strong().monospace());
+        if model.shows_bottom() {
+            make_room(ui, text_width(ui, name.clone()) + NAME_GAP + text_width(ui, value.clone()));
+        }
         let response = ui
             .horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = NAME_GAP;
