@@ -30,7 +30,12 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
     assert_eq!((model.slopes, finding.verdict), (SlopeChoice::AUTO, SlopeVerdict::Found));
     assert_eq!((grid(&window), found.params.slopes), (finding.grid, finding.grid));
     assert!(finding.grid.is_plane() && model.stale().is_none());
-    assert!(window.shows(&format!("Found: u {}", finding.grid.u)));
+    let (u, v) = (finding.grid.u, finding.grid.v);
+    let number = |x| burstscope::inspect::words::number(x, 3);
+    let text = |name, axis: burstscope::detector::SlopeAxis| {
+        format!("{name} {} to {} in {} slopes", number(axis.min), number(axis.max), axis.count)
+    };
+    assert!(window.shows(&format!("Found: {}, {}", text("u", u), text("v", v))));
     // The sliders range over the found slopes.
     assert!(slope_limit(&model.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
     assert_eq!(model.slots.a.usable_params.slopes, finding.grid);
