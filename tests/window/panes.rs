@@ -356,6 +356,8 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     let mut window = start.open();
     assert!(window.app().model.found_of(Side::B).is_some());
     window.snapshot("two_bursts_narrow");
+    window.click("Unmatched");
+    window.settle();
     // Between the two panels on the sides.
     let left = rect_of(&window, Role::Slider, "Slope v").right();
     let right = window.harness.get_by_label("Selected match").rect().left();
