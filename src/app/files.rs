@@ -22,7 +22,7 @@ use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
-use crate::export::case::{Case, Enclosed, write_case};
+use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
@@ -255,6 +255,9 @@ fn case_work(model: &Model) -> Result<Work, String> {
     let search = model.asked();
     let session = Session::of(model).map(|session| session.for_case().to_toml());
     Ok(Box::new(move |path| {
+        if path.extension().is_none_or(|ending| ending != CASE_EXTENSION) {
+            return Err(format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display()));
+        }
         let (case, burst) =
             Case::of(&open.burst, &search, (place, None), &note, &Monitor::default()).map_err(|e| e.to_string())?;
         let truth = open.truth(&Monitor::default()).map_err(|e| e.to_string())?;

@@ -122,7 +122,9 @@ impl Overlays {
         if super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.datasets) {
             queue.push(Action::DetectAllAnyway);
         }
-        crate::app::panel::status::messages_ui(ctx, &model.messages, queue);
+        let has_filmstrip = model.datasets.open.is_some() && model.panels.filmstrip;
+        let below = if has_filmstrip { super::dataset::filmstrip::HEIGHT } else { 0.0 };
+        crate::app::panel::status::messages_ui(ctx, &model.messages, below, queue);
         effects
     }
 

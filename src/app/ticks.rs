@@ -9,12 +9,24 @@ const ROOMY: f64 = 4.0;
 /// Distance below which the toolkit leaves out labels, in the same unit.
 const TIGHT: f64 = 2.6;
 
+/// Distances of the ticks of a horizontal axis, whose labels are wider than high.
+const WIDE: [f64; 2] = [10.0, 7.6];
+
 /// Ticks of a vertical axis, for [`egui_plot::Plot::y_grid_spacer`]: multiples of 1, 2 or 5 times a power of ten.
 pub fn of_height(input: GridInput) -> Vec<GridMark> {
+    ticks(input, [ROOMY, TIGHT])
+}
+
+/// Ticks of a horizontal axis, for [`egui_plot::Plot::x_grid_spacer`].
+pub fn of_width(input: GridInput) -> Vec<GridMark> {
+    ticks(input, WIDE)
+}
+
+fn ticks(input: GridInput, distances: [f64; 2]) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let count = |step: f64| (high / step).floor() - (low / step).ceil() + 1.0;
     // In a low plot labels may be closer, so that there are two.
-    let steps = [ROOMY, TIGHT].map(|distance| round_up(distance * input.base_step_size));
+    let steps = distances.map(|distance| round_up(distance * input.base_step_size));
     let step = steps.into_iter().find(|step| count(*step) >= 2.0).unwrap_or(steps[1]);
     let first = (low / step).ceil();
     (0..count(step) as u32).map(|k| GridMark { value: (first + f64::from(k)) * step, step_size: step }).collect()
@@ -31,7 +43,7 @@ mod tests {
     use super::*;
 
     /// Ticks of an axis from `low` to `high` that is `height` points long.
-    fn ticks(low: f64, high: f64, height: f64) -> Vec<f64> {
+    fn of_axis(low: f64, high: f64, height: f64) -> Vec<f64> {
         let base_step_size = 8.0 * (high - low) / height;
         of_height(GridInput { bounds: (low, high), base_step_size }).iter().map(|mark| mark.value).collect()
     }
@@ -39,12 +51,12 @@ mod tests {
     #[test]
     fn every_axis_has_at_least_two_round_ticks() {
         let close = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-        assert!(close(&ticks(-0.05, 0.66, 120.0), &[0.0, 0.2, 0.4, 0.6]), "{:?}", ticks(-0.05, 0.66, 120.0));
-        assert!(close(&ticks(0.0, 8.4, 90.0), &[0.0, 5.0]));
+        assert!(close(&of_axis(-0.05, 0.66, 120.0), &[0.0, 0.2, 0.4, 0.6]), "{:?}", of_axis(-0.05, 0.66, 120.0));
+        assert!(close(&of_axis(0.0, 8.4, 90.0), &[0.0, 5.0]));
         for height in [110.0, 150.0, 400.0] {
             for scale in [1e-6, 0.013, 0.7, 3.0, 4000.0] {
                 for (low, high) in [(0.0, 1.0), (-0.3, 0.9), (0.21, 0.83), (-1.0, -0.2)] {
-                    let found = ticks(low * scale, high * scale, height);
+                    let found = of_axis(low * scale, high * scale, height);
                     assert!(found.len() >= 2 && found.len() as f64 <= height / 20.0, "{found:?} {scale} {height}");
                     // Multiples of a step are rounded.
                     let slack = 1e-9 * scale;
@@ -52,6 +64,8 @@ mod tests {
                 }
             }
         }
-        assert!(ticks(0.0, f64::NAN, 100.0).is_empty());
+        assert!(of_axis(0.0, f64::NAN, 100.0).is_empty());
+        let wide = of_width(GridInput { bounds: (0.0, 1.9), base_step_size: 8.0 * 1.9 / 230.0 });
+        assert!(wide.len() >= 2, "{wide:?}");
     }
 }

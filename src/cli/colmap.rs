@@ -15,6 +15,7 @@ use crate::dataset::{
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{DetectorParams, NoiseGate, SearchParams};
 use crate::matching::{CameraModel, MatchParams, PairSelection};
+use crate::requests::next_commands;
 use clap::{Arg, Args};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -98,8 +99,9 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     };
     let report = export_colmap(&mut store, &bursts, &job, &mut on, &console.monitor)?;
     said?;
-    let next = next_commands(&args.out);
-    console.say(&summary(&report, &next))?;
+    let [make, map, python] = next_commands(&args.out);
+    let next = [make, map];
+    console.say(&format!("{}or:\n  {python}\n", summary(&report, &next)))?;
     let (params, matching, report, failures) = (&job.features.detector, &job.matching, &report, &failures[..]);
     console.say_document("colmap", &ColmapDocument { params, matching, report, gathered, failures, next })?;
     if failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
@@ -123,23 +125,6 @@ fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
     });
     let strange = report.strange_folders.iter();
     left.chain(strange.map(|folder| format!("--gather {}: it holds none of these bursts", folder.display()))).collect()
-}
-
-fn next_commands(out: &Path) -> [String; 2] {
-    let at = |name: &str| {
-        let path = out.join(name).display().to_string();
-        let plain = |c: char| c.is_alphanumeric() || "/\\._-:".contains(c);
-        if path.chars().all(plain) { path } else { format!("'{path}'") }
-    };
-    [
-        format!("mkdir -p {}", at("sparse")),
-        format!(
-            "colmap mapper --database_path {} --image_path {} --output_path {}",
-            at("database.db"),
-            at("images"),
-            at("sparse")
-        ),
-    ]
 }
 
 fn summary(report: &ColmapReport, next: &[String]) -> String {

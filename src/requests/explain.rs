@@ -101,7 +101,7 @@ impl Request for LossesRequest {
 pub struct FoundLosses {
     pub request: LossesRequest,
     pub lost: Vec<Lost>,
-    pub counts: [(Lost, usize); 5],
+    pub counts: [(Lost, usize); 6],
     pub nearest: Arc<NearestOfBoth>,
 }
 

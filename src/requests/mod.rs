@@ -25,7 +25,9 @@ mod tests;
 
 pub use coherence::{CoherenceRequest, Coherences};
 pub use comparison::{ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
-pub use dataset::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest};
+pub use dataset::{
+    Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest, next_commands,
+};
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
 pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest};

@@ -35,6 +35,8 @@ pub struct Goal {
     pub inliers: Option<Between>,
     pub selected_match: Option<bool>,
     pub reads_depths: Option<bool>,
+    /// Whether features are found by themselves, as *Auto* says.
+    pub detects: Option<bool>,
 }
 
 /// Place and tolerance: `[u, v, radius]`, pixels at mid-burst.
@@ -114,6 +116,7 @@ pub struct Situation<'a> {
     pub inliers: Option<usize>,
     pub selected_match: bool,
     pub reads_depths: bool,
+    pub detects: bool,
 }
 
 impl Goal {
@@ -149,6 +152,7 @@ impl Goal {
             && counted(self.inliers, now.inliers)
             && self.selected_match.is_none_or(|wanted| wanted == now.selected_match)
             && self.reads_depths.is_none_or(|wanted| wanted == now.reads_depths)
+            && self.detects.is_none_or(|wanted| wanted == now.detects)
     }
 
     fn params_are_met(&self, now: &Situation<'_>) -> bool {
@@ -218,6 +222,7 @@ mod tests {
             inliers: None,
             selected_match: false,
             reads_depths: false,
+            detects: true,
         };
         change(&mut now);
         goal(text).is_met(&now)
@@ -253,6 +258,7 @@ mod tests {
             ("inliers = [0, 9]", false),
             ("selected_match = true", false),
             ("reads_depths = true", false),
+            ("detects = true", true),
         ] {
             assert_eq!(is_met(text, |_| {}), met, "{text}");
         }

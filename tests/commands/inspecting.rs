@@ -30,7 +30,7 @@ fn probe_says_what_became_of_a_place() {
     }
     assert_eq!(found["probe"]["shares"]["frames"].as_array().map(Vec::len), Some(10));
     assert_eq!(found["probe"]["judged"]["verdict"], "real", "the moon is no ghost");
-    assert!(text.contains("likely real: the frames respond alike (coherence "), "{text}");
+    assert!(text.contains("likely a real blob: the frames respond alike (coherence "), "{text}");
     let rows = found["probe"]["response"]["snr"].as_array().expect("a map");
     assert_eq!(rows.len(), found["probe"]["response"]["scales"].as_array().map_or(0, Vec::len));
 }

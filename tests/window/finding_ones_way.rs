@@ -70,11 +70,11 @@ fn light_and_dark_are_actions() {
 #[test]
 fn panels_can_be_hidden_and_shown() {
     let mut window = Start::without_auto_detect().open();
-    assert!(window.shows("Reset all"));
+    assert!(window.shows("Noise gate"));
     window.ctrl(Key::B);
-    assert!(!window.shows("Reset all"));
+    assert!(!window.shows("Noise gate"));
     window.ctrl(Key::B);
-    assert!(window.shows("Reset all"));
+    assert!(window.shows("Noise gate"));
 }
 
 #[test]

@@ -125,6 +125,10 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     window.snapshot("lab_kept_curves");
     window.click("Remove");
     assert!(window.app().model.studies.kept.is_empty());
+    // A finished study is kept by itself when another one begins.
+    window.app_mut().model.lab.snrs_text = "0.9".to_owned();
+    run(&mut window);
+    assert_eq!((window.app().model.studies.kept.len(), window.app().model.lab_results().len()), (1, 2));
 }
 
 #[test]

@@ -128,6 +128,10 @@ fn fulfil(window: &mut Window, goal: &Goal) {
         Some(other) => panic!("no lesson asks for {other:?}"),
         None => {}
     }
+    if goal.detects == Some(true) {
+        window.harness.get_by_role_and_label(Role::CheckBox, "Auto").click();
+        window.harness.run_steps(2);
+    }
 }
 
 fn probe(window: &mut Window, near: Near) {

@@ -48,5 +48,6 @@ mod recovering;
 mod recovery;
 mod scrubbing;
 mod slopes;
+mod steady;
 mod steps_back;
 mod trajectories;

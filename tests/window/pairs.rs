@@ -55,7 +55,7 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
         format!("Inliers {}", counts.inliers.unwrap()),
         format!("Match ratio {:.3}", counts.match_ratio()),
         format!("Match score {:.3}", counts.match_score().unwrap()),
-        format!("Precision {:.3}", counts.precision().unwrap()),
+        format!("Inlier ratio {:.3}", counts.precision().unwrap()),
     ] {
         assert!(window.shows(&text), "{text}");
     }

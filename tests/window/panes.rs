@@ -66,7 +66,7 @@ fn every_kind_of_picture_is_what_the_library_makes() {
 fn panes_are_split_by_buttons_and_keys_and_closed() {
     let mut window = open();
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "Picture").is_some());
-    window.click("Split right");
+    window.key(Key::S);
     window.settle();
     assert_eq!(shown(&window).len(), 2);
     let new = window.app().model.panes.focus();
@@ -356,6 +356,8 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     let mut window = start.open();
     assert!(window.app().model.found_of(Side::B).is_some());
     window.snapshot("two_bursts_narrow");
+    window.click("Unmatched");
+    window.settle();
     // Between the two panels on the sides.
     let left = rect_of(&window, Role::Slider, "Slope v").right();
     let right = window.harness.get_by_label("Selected match").rect().left();
@@ -365,7 +367,7 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
         // The numbers' line contains the name alone too, and the name with its value.
         rects.max_by(|a, b| a.width().total_cmp(&b.width())).unwrap_or_else(|| panic!("{name} is missing"))
     };
-    let numbers = ["Keypoints", "Putative", "Inliers", "Match ratio", "Match score", "Precision"];
+    let numbers = ["Keypoints", "Putative", "Inliers", "Match ratio", "Match score", "Inlier ratio"];
     let lost = ["no keypoint", "ratio test", "mutual check", "geometry"];
     let rects: Vec<Rect> = numbers
         .map(|name| wide(Role::Label, name))

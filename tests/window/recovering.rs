@@ -48,6 +48,11 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     assert_eq!(model.slots.a.burst.as_ref().expect("open").burst.frames, burst.frames);
     assert_eq!((model.params.slopes, model.slopes), (params.slopes, SlopeChoice::Given));
     assert_eq!(model.probed_place(), Some([120.0, 90.0]));
+    // Another ending is refused, as the file could not be opened again.
+    window.dialogs.will_choose(home.path().join("again.png"));
+    window.run_action("save case");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    assert!(window.shows("name the file .burstcase") && !home.path().join("again.png").exists());
     // Saved again, it is the same case.
     let again = home.path().join("again.burstcase");
     window.dialogs.will_choose(&again);

@@ -30,7 +30,12 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
     assert_eq!((model.slopes, finding.verdict), (SlopeChoice::AUTO, SlopeVerdict::Found));
     assert_eq!((grid(&window), found.params.slopes), (finding.grid, finding.grid));
     assert!(finding.grid.is_plane() && model.stale().is_none());
-    assert!(window.shows(&format!("Found: u {}", finding.grid.u)));
+    let (u, v) = (finding.grid.u, finding.grid.v);
+    let number = |x| burstscope::inspect::words::number(x, 3);
+    let text = |name, axis: burstscope::detector::SlopeAxis| {
+        format!("{name} {} to {} in {} slopes", number(axis.min), number(axis.max), axis.count)
+    };
+    assert!(window.shows(&format!("Found: {}, {}", text("u", u), text("v", v))));
     // The sliders range over the found slopes.
     assert!(slope_limit(&model.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
     assert_eq!(model.slots.a.usable_params.slopes, finding.grid);
@@ -47,7 +52,10 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     window.click("Reset Slopes");
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window)), (SlopeChoice::AUTO, found));
-    // A range edited by hand counts as given.
+    // A range edited by hand is given. Those that are found have no fields.
+    assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slopes v").is_none());
+    window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
+    window.settle();
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
     assert_eq!((window.app().model.slopes, grid(&window).v.count), (SlopeChoice::Given, 3));

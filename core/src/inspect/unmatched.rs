@@ -24,11 +24,14 @@ pub enum Lost {
     MutualCheck,
     /// The match does not fit the geometry.
     Geometry,
+    /// The descriptors match, but another feature lies where the motion puts it.
+    Motion,
 }
 
 impl Lost {
     /// All steps, in order.
-    pub const ALL: [Self; 5] = [Self::Not, Self::NoKeypoint, Self::RatioTest, Self::MutualCheck, Self::Geometry];
+    pub const ALL: [Self; 6] =
+        [Self::Not, Self::NoKeypoint, Self::RatioTest, Self::MutualCheck, Self::Geometry, Self::Motion];
 }
 
 /// A feature of B that may match one of A.
@@ -53,6 +56,8 @@ pub struct Rivalry {
 pub struct Unmatched {
     /// Step at which it was lost.
     pub lost: Lost,
+    /// Ratio that the ratio test compares, the larger of both directions with the mutual check; 0 without candidates.
+    pub ratio: f32,
     /// Nearest features of B, nearest first.
     pub candidates: Vec<Rivalry>,
     /// The feature of A that B's nearest would choose instead, where the mutual check failed.
@@ -156,13 +161,18 @@ impl<'a> Losses<'a> {
         if pair.params.mutual && back.index != index {
             return Lost::MutualCheck;
         }
-        let ratio = if pair.params.mutual { nearest.ratio().max(back.ratio()) } else { nearest.ratio() };
         // One that passes was matched by its descriptor, and its match gave way to another one along the geometry.
-        if ratio <= pair.params.ratio { Lost::Geometry } else { Lost::RatioTest }
+        if self.ratio(index) <= pair.params.ratio { Lost::Motion } else { Lost::RatioTest }
+    }
+
+    fn ratio(&self, index: usize) -> f32 {
+        let Some(nearest) = self.nearest.of_a.get(index) else { return 0.0 };
+        let back = self.nearest.of_b[nearest.index].ratio();
+        if self.pair.params.mutual { nearest.ratio().max(back) } else { nearest.ratio() }
     }
 
     /// The numbers of features of A lost at each step, in the order of [`Lost::ALL`].
-    pub fn counts(&self, monitor: &Monitor) -> Result<[(Lost, usize); 5], Cancelled> {
+    pub fn counts(&self, monitor: &Monitor) -> Result<[(Lost, usize); 6], Cancelled> {
         let mut counts = Lost::ALL.map(|lost| (lost, 0));
         for index in 0..self.pair.a.features.len() {
             if index % 256 == 0 {
@@ -212,7 +222,7 @@ impl<'a> Losses<'a> {
         };
         let place = pair.result.prediction.as_ref().and_then(|prediction| prediction.in_b[index].as_ref());
         let predicted = place.zip(model).map(|(place, model)| place.outline(model)).unwrap_or_default();
-        Unmatched { lost, candidates, preferred, expected, predicted, there, sentence }
+        Unmatched { lost, ratio: self.ratio(index), candidates, preferred, expected, predicted, there, sentence }
     }
 }
 
@@ -301,7 +311,7 @@ fn sentence(
             "mutual check: its nearest, {nearest}, is nearer to {} of this picture{where_it_is}",
             preferred.map_or_else(|| "another".to_owned(), rank_name)
         ),
-        Lost::Geometry => match own_match {
+        Lost::Geometry | Lost::Motion => match own_match {
             Some(matched) => {
                 let error = pair.model().map_or_else(String::new, |model| {
                     let error = model.error_px(place(&pair.a.features[index]), place(&pair.b.features[matched.b]));
@@ -314,9 +324,9 @@ fn sentence(
                 let other = pair.result.matches.iter().find(|m| m.b == best.feature);
                 match other {
                     Some(m) => {
-                        format!("geometry: its match, {nearest}, goes with {} where its motion is", rank_name(m.a))
+                        format!("motion: its match, {nearest}, goes with {} where its motion is", rank_name(m.a))
                     }
-                    None => format!("geometry: its match, {nearest}, lies elsewhere than its motion puts it"),
+                    None => format!("motion: its match, {nearest}, lies elsewhere than its motion puts it"),
                 }
             }
         },

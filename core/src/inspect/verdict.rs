@@ -42,7 +42,7 @@ impl Verdict {
     /// Verdict as a clause.
     pub fn clause(self) -> &'static str {
         match self {
-            Self::Real => "likely real",
+            Self::Real => "likely a real blob",
             Self::Ghost => "likely a ghost",
             Self::Alias => "likely an alias",
             Self::Duplicate => "likely a duplicate",

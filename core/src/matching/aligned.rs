@@ -20,7 +20,7 @@ use rayon::prelude::*;
 const WIDE: f32 = 2.0;
 /// Max error after it, as a part of [`MatchParams::max_error_px`]; also the largest contradiction between a match and the
 /// solved places.
-const NARROW: f32 = 0.35;
+pub const NARROW: f32 = 0.35;
 /// Fewest matches that a pair keeps.
 const FEWEST_KEPT: usize = 30;
 /// Least share of its inliers that a pair keeps: wrong pairs keep less.

@@ -61,6 +61,10 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
             model.panels.bottom = Visibility::from(!model.shows_bottom() || model.bottom_tab != tab);
             model.bottom_tab = tab;
         }
+        A::SetPairTab(tab) => {
+            model.panels.bottom = Visibility::from(!model.shows_bottom() || model.pair_tab != tab);
+            model.pair_tab = tab;
+        }
         A::UseFrames(count) => model.use_frames(count),
         A::ApplyChanges(side, changes) => model.apply_advice(side, &changes),
         A::ApplySetUp => model.apply_set_up(),
@@ -118,7 +122,6 @@ fn set(action: Action, document: &mut Document) {
         A::SetMatchLook(look) => document.match_look = look,
         A::SetPairLinks(links) => document.set_pair_links(links),
         A::SetMatchOrder(order) => document.match_order = order,
-        A::SetPairTab(tab) => document.pair_tab = tab,
         A::SelectMatch(index) => (document.selected_match, document.asked_about) = (index, None),
         A::ShowLost(lost, shown) => {
             show(&mut document.hidden_losses, lost, shown);

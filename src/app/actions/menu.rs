@@ -2,11 +2,13 @@
 
 use super::{ACTIONS, ActionId, ActionRow, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::document::Action;
-use crate::app::project::Model;
 use crate::app::project::side::Side;
+use crate::app::project::{Model, Panels};
 use crate::app::settings::Settings;
 use crate::app::words::explained;
 use crate::dataset::DatasetSource;
+use crate::detector::params::{Param, doc};
+use crate::detector::{DetectorParams, SearchParams};
 use crate::requests::BurstSource;
 use egui::{Key, Modifiers, RichText};
 use std::path::PathBuf;
@@ -130,7 +132,8 @@ impl Palette {
             .anchor(egui::Align2::CENTER_TOP, egui::vec2(0.0, 72.0));
         let modal = egui::Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
             ui.set_width(440.0);
-            let edit = egui::TextEdit::singleline(&mut self.text).hint_text("Type part of an action's name");
+            let hint = "Part of the name of an action or parameter, such as first octave -1";
+            let edit = egui::TextEdit::singleline(&mut self.text).hint_text(hint);
             let edit = ui.add(edit.desired_width(f32::INFINITY));
             crate::app::panel::widgets::name_field(&edit, "Find an action", &self.text);
             if edit.changed() {
@@ -142,82 +145,152 @@ impl Palette {
             let last = found.len().saturating_sub(1);
             let steps = isize::from(down) - isize::from(up);
             self.chosen = self.chosen.min(last).saturating_add_signed(steps).min(last);
-            run = enter.then(|| found.get(self.chosen).copied()).flatten();
+            run = enter.then(|| found.get(self.chosen)).flatten().filter(|found| is_possible(found, model)).cloned();
             ui.add_space(4.0);
             // The height of the present list, not that of the previous one.
             let row = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
             let height = (row * found.len().max(1) as f32).min(PALETTE_HEIGHT);
             let list = egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height);
             list.auto_shrink([false, true]).show(ui, |ui| {
-                for (place, action) in found.iter().enumerate() {
-                    let response = palette_row_ui(ui, model, action, place == self.chosen);
+                for (place, entry) in found.iter().enumerate() {
+                    let response = palette_row_ui(ui, model, entry, place == self.chosen);
                     if place == self.chosen && (up || down) {
                         response.scroll_to_me(None);
                     }
                     if response.clicked() {
-                        run = Some(action);
+                        run = Some(entry.clone());
                     }
                 }
                 if found.is_empty() {
-                    ui.weak("No action matches.");
+                    ui.weak("No action and no parameter has these words.");
                 }
             });
         });
-        run.into_iter().for_each(|action| queue.push(action.id));
         self.open = run.is_none() && !modal.should_close();
+        match run {
+            Some(Entry::Action(id)) => queue.push(id),
+            Some(Entry::Parameter(name, value)) => set_or_show(name, value.as_deref(), model, queue),
+            None => {}
+        }
     }
 }
 
-fn palette_row_ui(ui: &mut egui::Ui, model: &Model, action: &ActionRow, chosen: bool) -> egui::Response {
-    let on = if checked(action.id, model) == Some(true) { " ✔" } else { "" };
+fn parameter(name: &str) -> &'static Param<DetectorParams> {
+    doc::ALL.iter().find(|record| record.name == name).expect("the palette found it")
+}
+
+/// The search with a parameter set, as an option of a command sets it.
+fn with_value(name: &str, value: &str, model: &Model) -> Option<SearchParams> {
+    let search = SearchParams { detector: model.params.clone(), slopes: model.slopes };
+    search.with_texts([(*parameter(name), value)]).ok()
+}
+
+fn is_possible(found: &Entry, model: &Model) -> bool {
+    match found {
+        Entry::Action(id) => enabled(*id, model),
+        Entry::Parameter(name, value) => value.as_ref().is_none_or(|value| with_value(name, value, model).is_some()),
+    }
+}
+
+/// Sets the parameter, or without a value opens the panel that shows it.
+fn set_or_show(name: &str, value: Option<&str>, model: &Model, queue: &mut Queue) {
+    match value.and_then(|value| with_value(name, value, model)) {
+        Some(search) => queue.push(Action::SetSearch(Box::new(search))),
+        None => queue.push(Action::SetPanels(Panels { left: true.into(), advanced: true, ..model.panels })),
+    }
+}
+
+fn palette_row_ui(ui: &mut egui::Ui, model: &Model, found: &Entry, chosen: bool) -> egui::Response {
     let weak = ui.visuals().weak_text_color();
-    let menu = RichText::new(format!("{} ›", action.menu.label())).color(weak);
-    let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
-    let button = egui::Button::selectable(chosen, (menu, format!("{}{on}", action.label)))
+    let is_possible = is_possible(found, model);
+    let (group, text, right, help) = match found {
+        Entry::Action(id) => {
+            let action = id.action();
+            let on = if checked(*id, model) == Some(true) { " ✔" } else { "" };
+            let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
+            let right = if is_possible { keys } else { why_not(action, model).to_owned() };
+            (action.menu.label(), format!("{}{on}", action.label), right, action.help.to_owned())
+        }
+        Entry::Parameter(name, value) => {
+            let record = parameter(name);
+            let right = match value {
+                Some(_) if !is_possible => "not a value of it".to_owned(),
+                Some(value) => format!("set to {value}"),
+                None => record.text(&model.params),
+            };
+            ("Detector", record.label.to_owned(), right, record.help())
+        }
+    };
+    let group = RichText::new(format!("{group} ›")).color(weak);
+    let button = egui::Button::selectable(chosen, (group, text))
         .min_size(egui::vec2(ui.available_width(), 0.0))
-        .right_text(RichText::new(keys).color(weak));
-    ui.add(button).on_hover_text(action.help)
+        .right_text(RichText::new(right).color(weak));
+    ui.add_enabled(is_possible, button).on_hover_text(help.clone()).on_disabled_hover_text(help)
 }
 
-/// Enabled actions whose label and help have the words of `text`, or if none has, whose label has its letters in their
-/// order; the best match first.
-fn found_by(text: &str, model: &Model) -> Vec<&'static ActionRow> {
-    let mut possible: Vec<&ActionRow> =
-        ACTIONS.iter().filter(|a| enabled(a.id, model) && a.id != ActionId::Palette).collect();
-    if text.trim().is_empty() {
+/// An entry of the palette.
+#[derive(Debug, Clone, PartialEq)]
+enum Entry {
+    Action(ActionId),
+    /// A parameter of the detector by its name, with the value that was typed after it.
+    Parameter(&'static str, Option<String>),
+}
+
+/// Actions and parameters whose names or help have the words of `text`, the best first; what is possible now before what
+/// is not. A number at the end is a value.
+fn found_by(text: &str, model: &Model) -> Vec<Entry> {
+    let text = text.trim().to_lowercase();
+    let actions = ACTIONS.iter().filter(|action| action.id != ActionId::Palette);
+    if text.is_empty() {
+        let mut possible: Vec<&ActionRow> = actions.filter(|action| enabled(action.id, model)).collect();
         // In the order of the menus, after the most frequent action.
-        possible.sort_by_key(|a| a.id != ActionId::Detect);
-        return possible;
+        possible.sort_by_key(|action| action.id != ActionId::Detect);
+        return possible.into_iter().map(|action| Entry::Action(action.id)).collect();
     }
-    let has_words = |text_of: &str| {
-        let text_of = text_of.to_lowercase();
-        text.split_whitespace().all(|word| text_of.contains(&word.to_lowercase()))
+    let (name, value) = match text.rsplit_once(' ') {
+        Some((name, value)) if value.replace('−', "-").parse::<f64>().is_ok() => {
+            (name, Some(value.replace('−', "-")))
+        }
+        _ => (&*text, None),
     };
-    let by_words = |action: &&ActionRow| match score(text, action.label) {
-        Some(score) if has_words(action.label) => Some(score),
-        _ => has_words(&format!("{} {}", action.label, action.help)).then_some(-1000),
-    };
-    let mut scored: Vec<(i32, &ActionRow)> =
-        possible.iter().filter_map(|action| Some((by_words(action)?, *action))).collect();
-    if scored.is_empty() {
-        scored = possible.iter().filter_map(|action| Some((score(text, action.label)?, *action))).collect();
-    }
-    scored.sort_by_key(|(score, _)| -score);
-    scored.into_iter().map(|(_, action)| action).collect()
+    let actions = actions.filter_map(|action| {
+        let rank = rank(&text, action.label, action.help)?;
+        Some((rank + u8::from(!enabled(action.id, model)) * 8, Entry::Action(action.id)))
+    });
+    let parameters = doc::ALL.iter().filter_map(|record| {
+        let rank = rank(name, record.label, record.name)?;
+        Some((rank, Entry::Parameter(record.name, value.clone())))
+    });
+    let mut found: Vec<(u8, Entry)> = actions.chain(parameters).collect();
+    found.sort_by_key(|(rank, _)| *rank);
+    found.into_iter().map(|(_, found)| found).collect()
 }
 
-/// Score of the letters of `wanted` in `label`, in their order; those in a row and at beginnings count more.
-fn score(wanted: &str, label: &str) -> Option<i32> {
-    let label: Vec<char> = label.to_lowercase().chars().collect();
-    let (mut at, mut total, mut last) = (0, 0, None);
-    for letter in wanted.to_lowercase().chars().filter(|c| !c.is_whitespace()) {
-        let found = (at..label.len()).find(|&i| label[i] == letter)?;
-        let begins_word = found == 0 || !label[found - 1].is_alphanumeric();
-        let in_a_row = last.is_some_and(|l: usize| l + 1 == found);
-        total += 1 + 4 * i32::from(begins_word) + 6 * i32::from(in_a_row) - (found - at).min(8) as i32 / 2;
-        (last, at) = (Some(found), found + 1);
+/// How well the words of `wanted` fit: 0 where `label` begins with them, up to 3 where `help` has some of them; `None`
+/// where one is in neither.
+fn rank(wanted: &str, label: &str, help: &str) -> Option<u8> {
+    let (label, help) = (label.to_lowercase(), help.to_lowercase());
+    let has = |text: &str| wanted.split_whitespace().all(|word| text.contains(word));
+    let at_word =
+        || label.split_whitespace().any(|word| word.starts_with(wanted.split_whitespace().next().unwrap_or("")));
+    match () {
+        () if label.starts_with(wanted) => Some(0),
+        () if has(&label) => Some(2 - u8::from(at_word())),
+        () => has(&format!("{label} {help}")).then_some(3),
     }
-    Some(total * 4 - label.len() as i32 / 4)
+}
+
+/// Reason why an action that is not enabled is not possible now.
+fn why_not(action: &ActionRow, model: &Model) -> &'static str {
+    match action.menu {
+        Menu::Dataset => "open a dataset first",
+        _ if model.slots.a.burst.is_none() => "open a burst first",
+        Menu::Pair if model.slots.b.burst.is_none() => "open a second burst first",
+        Menu::Pair => "in Two bursts",
+        Menu::Detect if action.group == 4 => "in the Lab, after a study",
+        Menu::Panes => "in One burst, or with several panes",
+        _ => "nothing there for it now",
+    }
 }
 
 /// Minimum width of a window with [`SHEET_COLUMNS`] columns, in points; narrower ones have half as many.
@@ -316,10 +389,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_of_names_find_their_action() {
-        let texts = ["open dem", "light", "keyb", "opth", "qqqq"];
-        let found = texts.map(|text| found_by(text, &Model::default()).first().map(|action| action.id));
+    fn words_find_actions_and_parameters_and_nothing_else() {
+        let mut model = Model::default();
+        let first = |text: &str, model: &Model| found_by(text, model).first().cloned();
         use ActionId as A;
-        assert_eq!(found, [Some(A::OpenDemo), Some(A::ThemeLight), Some(A::Shortcuts), Some(A::OpenPath), None]);
+        for (text, id) in [("open dem", A::OpenDemo), ("light", A::ThemeLight), ("keyb", A::Shortcuts)] {
+            assert_eq!(first(text, &model), Some(Entry::Action(id)), "{text}");
+        }
+        assert_eq!((first("opth", &model), first("qqqq", &model)), (None, None), "letters that are not together");
+        assert_eq!(first("first oct", &model), Some(Entry::Parameter("first-octave", None)));
+        let set = Entry::Parameter("first-octave", Some("-1".to_owned()));
+        assert_eq!(first("first octave -1", &model), Some(set.clone()));
+        assert!(is_possible(&set, &model));
+        let mut queue = Queue::default();
+        set_or_show("first-octave", Some("-1"), &model, &mut queue);
+        let Some(Action::SetSearch(search)) = queue.into_iter().next() else { panic!("it is set") };
+        assert_eq!(search.detector.first_octave, -1);
+        let wrong = Entry::Parameter("first-octave", Some("99".to_owned()));
+        assert!(found_by("first octave 99", &model).contains(&wrong) && !is_possible(&wrong, &model));
+        // What is not possible now is there, after what is, with the reason.
+        let swap = found_by("swap a and b", &model);
+        assert_eq!(swap, [Entry::Action(A::SwapSides)]);
+        assert!(!is_possible(&swap[0], &model));
+        assert_eq!(why_not(A::SwapSides.action(), &model), "open a burst first");
+        model.take_burst(crate::app::project::tests::open((64, 48), 5));
+        assert_eq!(why_not(A::SwapSides.action(), &model), "open a second burst first");
     }
 }

@@ -109,23 +109,20 @@ fn reconstruction_ui(ui: &mut Ui, model: &Model) {
     };
     let precision = matched.as_ref().and_then(|m| m.precision).map(|p| format!("{p:.3}"));
     let points = |text: fn(&ModelSummary) -> String| summary.as_ref().map(text);
-    let images = [("Registered images", "Images whose camera was found, of all images", registered)];
     let by_descriptors = "Matches of a burst with all others by descriptors alone";
     let inliers = "Matches of a burst with all others that a common geometry explains";
     let matches = [
         ("Keypoints an image", "Features of a burst", of_matches(1, |m| m.keypoints_per_image)),
         ("Putative an image", by_descriptors, of_matches(1, |m| m.putative_per_image)),
         ("Inliers an image", inliers, of_matches(1, |m| m.inliers_per_image)),
-        ("Match ratio", "Putative matches with all others over keypoints", of_matches(3, |m| m.match_ratio)),
-        ("Match score", "Inliers with all others over keypoints", of_matches(3, |m| m.match_score)),
-        ("Precision", "Inliers over putative matches", precision),
-    ]
-    .map(|(name, help, value)| {
-        (name, format!("{help}; of the dataset that is open, once its pairs are matched"), value)
-    });
+        ("Putative a keypoint", "Putative matches with all others over keypoints", of_matches(3, |m| m.match_ratio)),
+        ("Inliers a keypoint", "Inliers with all others over keypoints", of_matches(3, |m| m.match_score)),
+        ("Inlier ratio", "Inliers over putative matches", precision),
+    ];
     let seen = "Points that an image sees, mean over the registered images";
     let distance = "Mean distance of a point's projections from its keypoints";
     let model = [
+        ("Registered images", "Images whose camera was found, of all images", registered),
         ("3D points", "Points of the sparse model", points(|s| s.points.to_string())),
         ("3D points an image", seen, points(|s| format!("{:.1}", s.points_per_image))),
         (
@@ -135,12 +132,23 @@ fn reconstruction_ui(ui: &mut Ui, model: &Model) {
         ),
         ("Reprojection error", distance, points(|s| format!("{:.3} px", s.mean_reprojection_error_px))),
     ];
-    let whole = |(name, help, value): (_, &str, _)| (name, help.to_owned(), value);
-    Grid::new("reconstruction").num_columns(2).striped(true).min_col_width(130.0).show(ui, |ui| {
-        for (name, help, value) in images.map(whole).into_iter().chain(matches).chain(model.map(whole)) {
-            ui.label(RichText::new(name).weak()).on_hover_text(help);
-            ui.label(RichText::new(value.unwrap_or_else(|| "–".to_owned())).monospace());
-            ui.end_row();
-        }
-    });
+    // The model may have been made from other features than those of the dataset that is open.
+    let parts = [
+        ("Opened model", "Sparse model that was opened", &model[..]),
+        (
+            "Matches of the open dataset",
+            "Once its pairs are matched; a model of other features has others",
+            &matches[..],
+        ),
+    ];
+    for (title, about, rows) in parts {
+        ui.label(RichText::new(title).strong()).on_hover_text(about);
+        Grid::new(title).num_columns(2).striped(true).min_col_width(130.0).show(ui, |ui| {
+            for (name, help, value) in rows {
+                ui.label(RichText::new(*name).weak()).on_hover_text(*help);
+                ui.label(RichText::new(value.as_deref().unwrap_or("–")).monospace());
+                ui.end_row();
+            }
+        });
+    }
 }

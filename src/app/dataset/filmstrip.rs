@@ -7,6 +7,7 @@ use crate::app::panel::widgets::{middle_elided, named, paint, progress_text};
 use crate::app::project::Model;
 use crate::app::project::datasets::{BurstState, Dataset, Datasets};
 use crate::app::project::side::Side;
+use crate::app::project::workspace::Workspace;
 use crate::app::style;
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::BurstPicture;
@@ -100,6 +101,9 @@ fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     } else {
         button_ui(ui, model, queue, ActionId::DetectAll, None);
         notice_ui(ui, model, dataset, queue);
+    }
+    if !dataset.matches.is_empty() && model.workspace != Workspace::Matches {
+        button_ui(ui, model, queue, ActionId::WorkspaceMatches, None);
     }
     if model.dataset.as_ref().is_some_and(|set| set.selected().is_some()) {
         button_ui(ui, model, queue, ActionId::ShowPair, Some("A | B"));

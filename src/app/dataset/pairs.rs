@@ -127,7 +127,7 @@ pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
         (Some(inliers), None) => format!("{inliers} inliers"),
     };
     format!(
-        "{names}\n{} putative matches, {inliers}\nmatch ratio {:.3}, match score {}, precision {}",
+        "{names}\n{} putative matches, {inliers}\nmatch ratio {:.3}, match score {}, inlier ratio {}",
         counts.putative,
         counts.match_ratio(),
         share(counts.match_score()),

@@ -21,7 +21,7 @@ use crate::app::project::Model;
 use crate::app::project::compare::MethodId;
 use crate::app::project::figure::{FigureAmount, FigureChoice, FigureFormat, ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::project::look::RangeClass;
-use crate::app::project::pair::{MatchRow, Matches};
+use crate::app::project::pair::{MatchRow, Matches, OPACITY};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature};
@@ -56,7 +56,7 @@ fn links_of(
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .map(|(method, matches)| {
-                let rows = matches.rows().filter(|row| model.match_look.shows(row.inlier)).map(|row| row.index);
+                let rows = matches.rows().filter(|row| model.match_look.shows_row(row)).map(|row| row.index);
                 (Some(method), matches, chosen(matches, rows.collect()))
             })
             .collect(),
@@ -115,7 +115,7 @@ fn links_between(
                 panels: [panel(a), panel(b)],
                 ends_image: ends.map(|feature| [feature.u, feature.v]),
                 color: rgb(kind.colour()),
-                opacity: model.match_look.opacity,
+                opacity: OPACITY,
                 weight: if method.is_none() && model.selected_match == Some(row.index) { 2.0 } else { 0.8 },
                 dashed: kind.is_dashed(),
             });

@@ -143,7 +143,9 @@ fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, from_the_right: bool, queue:
     }
     for link in links {
         let on = model.panes.get(id).is_some_and(|pane| pane.links.has(link));
-        let button = Button::selectable(on, RichText::new(link.letter()).small()).min_size(vec2(16.0, 16.0));
+        let button =
+            Button::selectable(on, RichText::new(if from_the_right { link.word() } else { link.letter() }).small())
+                .min_size(vec2(16.0, 16.0));
         ui.spacing_mut().button_padding = vec2(3.0, 0.0);
         let response = ui.add(button).on_hover_text(format!("{}: {}", link.label(), link.help()));
         let name = format!("{} of pane {number}", link.label());
@@ -166,7 +168,8 @@ fn buttons_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mut Qu
     let menu =
         icon_button_ui(ui, Icon::Menu, &format!("Menu of pane{of}"), "What this pane shows and shares; layouts", true);
     egui::Popup::menu(&menu).show(|ui| pane_menu_ui(ui, model, id, queue));
-    if width < ROOM_FOR_SPLITS {
+    // Keys and menu split a single pane.
+    if width < ROOM_FOR_SPLITS || !many {
         return;
     }
     let room = model.panes.shown().len() < MAX_PANES;

@@ -250,7 +250,10 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
         ui.heading("Lessons");
         ui.weak("Each takes a few minutes and runs in this window. What is open now comes back afterwards.");
         ui.add_space(8.0);
-        ScrollArea::vertical().max_height(480.0).min_scrolled_height(300.0).show(ui, |ui| {
+        // Of one height in all passes, so that no row moves under the pointer.
+        let height = (ctx.content_rect().height() - 200.0).clamp(120.0, 480.0);
+        let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+        area.auto_shrink([false, false]).show(ui, |ui| {
             chosen = rows_ui(ui, lessons);
         });
         ui.add_space(8.0);

@@ -90,7 +90,8 @@ pub(super) fn snr_ui(
             snr.signal, snr.noise
         ));
     } else {
-        ui.weak("SNR: show a frame or the motion stack to measure it");
+        let is_coming = !model.picture_is_current();
+        ui.weak(if is_coming { "Measuring…" } else { "SNR: show a frame or the motion stack to measure it" });
     }
     plot_ui(ui, model.frame_count(), trace, now.map(|(frames, _)| frames));
     let rect = egui::Rect::from_min_max(top, egui::pos2(ui.max_rect().right(), ui.min_rect().bottom()));

@@ -130,6 +130,7 @@ pub(super) fn seen(model: &Model) -> Situation<'_> {
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
         selected_match: model.selected_match.is_some(),
         reads_depths: model.set_up.reads_depths,
+        detects: model.auto_detect,
     }
 }
 

@@ -24,13 +24,17 @@ impl Link {
         }
     }
 
-    pub fn letter(self) -> &'static str {
+    pub fn word(self) -> &'static str {
         match self {
-            Self::View => "V",
-            Self::Display => "D",
-            Self::Cursor => "C",
-            Self::Place => "P",
+            Self::View => "View",
+            Self::Display => "Display",
+            Self::Cursor => "Cursor",
+            Self::Place => "Place",
         }
+    }
+
+    pub fn letter(self) -> &'static str {
+        &self.word()[..1]
     }
 
     pub fn help(self) -> &'static str {

@@ -48,6 +48,10 @@ impl Arrangement {
     pub(super) fn sides() -> Self {
         Self::rows(&[Side::BOTH.map(PaneId::of).to_vec()])
     }
+
+    fn stacked_sides() -> Self {
+        Self::rows(&Side::BOTH.map(|side| vec![PaneId::of(side)]))
+    }
 }
 
 /// Index of `workspace` in [`PLACES`]; workspaces without panes of their own have that of *Inspect*.
@@ -109,6 +113,14 @@ impl Panes {
         panes.iter_mut().for_each(|ids| ids.sort_unstable());
         if panes[0] == panes[1] {
             self.here_mut().arrangement = arrangement;
+        }
+    }
+
+    /// Places A and B one above the other or side by side, unless panes were added or moved.
+    pub fn place_by_shape(&mut self, stacked: bool) {
+        let arrangement = &mut self.placed[place_of(Workspace::Pair)].arrangement;
+        if [Arrangement::sides(), Arrangement::stacked_sides()].contains(arrangement) {
+            *arrangement = if stacked { Arrangement::stacked_sides() } else { Arrangement::sides() };
         }
     }
 

@@ -10,20 +10,60 @@ use crate::app::project::cursor::{level_range, octave_range, slope_limit};
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeChoice};
-use egui::{CursorIcon, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{CursorIcon, Id, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 pub fn cursor_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Cursor", |ui| {
         frame_row(ui, model, queue);
         slope_rows(ui, model, queue);
         buttons_ui(ui, model, queue);
-        if model.cursor_params().slopes.is_plane() {
+        if shown(ui, model) == Below::Plane {
             slope_pad_ui(ui, model, queue);
         }
         if model.cursor().kind.about().of_scale {
             scale_rows(ui, model, queue);
         }
     });
+}
+
+/// Picture of the searched slopes below the sliders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Below {
+    Nothing,
+    /// Of the second axis, or of the first one.
+    Strip(bool),
+    Plane,
+}
+
+const BELOW: &str = "picture of the searched slopes";
+const FIELDS: &str = "fields of the searched slopes";
+
+/// Notes where the fields of the searched slopes are: those of the `first` axis, and below them those of the second.
+pub(super) fn mark_fields(ui: &Ui, rect_ui: Rect, first: bool) {
+    let id = Id::unique(FIELDS);
+    ui.data_mut(|data| {
+        let above = data.get_temp::<Rect>(id).filter(|_| !first);
+        data.insert_temp(id, above.map_or(rect_ui, |above| above.union(rect_ui)));
+    });
+}
+
+/// Picture that is shown. While the pointer is over the fields of the slopes, or one of them is typed in, it stays, so
+/// that they do not move.
+fn shown(ui: &Ui, model: &Model) -> Below {
+    let grid = model.cursor_params().slopes;
+    let now = match (grid.u.count > 1, grid.v.count > 1) {
+        (true, true) => Below::Plane,
+        _ if grid.direction_deg != 0.0 => Below::Nothing,
+        (false, false) => Below::Nothing,
+        (_, second) => Below::Strip(second),
+    };
+    let fields: Option<Rect> = ui.data(|data| data.get_temp(Id::unique(FIELDS)));
+    let is_over = ui.input(|i| i.pointer.latest_pos()).zip(fields).is_some_and(|(pos, rect)| rect.contains(pos));
+    let is_used = is_over || ui.ctx().memory(|memory| memory.focused()).is_some();
+    let last = ui.data(|data| data.get_temp(Id::unique(BELOW)));
+    let shown = last.filter(|_| is_used).unwrap_or(now);
+    ui.data_mut(|data| data.insert_temp(Id::unique(BELOW), shown));
+    shown
 }
 
 fn frame_row(ui: &mut Ui, model: &Model, queue: &mut Queue) {
@@ -57,7 +97,10 @@ fn slope_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         );
         let row = CursorRow { label, help, range: -limit..=limit, marks: &marks, whole: false };
         row.ui(ui, component);
-        strip_ui(ui, model, label == "Slope v", queue);
+        let second = label == "Slope v";
+        if shown(ui, model) == Below::Strip(second) {
+            strip_ui(ui, model, second, queue);
+        }
     }
     queue.set(&before, slope, |slope| Action::SetSlope(model.focus(), slope));
 }
@@ -67,7 +110,6 @@ fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 4.0;
         let play = if model.playing { "⏸ Pause" } else { "▶ Play" };
         button_ui(ui, model, queue, ActionId::Play, Some(play));
-        button_ui(ui, model, queue, ActionId::BusiestSlope, Some("Most features"));
     });
 }
 
@@ -137,15 +179,10 @@ const HEIGHT: f32 = 30.0;
 /// Maximum distance of the pointer from an end of the range, points.
 const REACH: f32 = 5.0;
 
-/// Draws the strip below the slider of the first (`second` false) or second axis, if only that axis is searched: a
-/// plane of slopes has its own picture.
+/// Draws the strip below the slider of the first (`second` false) or second axis.
 pub fn strip_ui(ui: &mut Ui, model: &Model, second: bool, queue: &mut Queue) {
     let grid = model.cursor_params().slopes;
     let axis = if second { grid.v } else { grid.u };
-    let other = if second { grid.u } else { grid.v };
-    if axis.count < 2 || other.count > 1 || grid.direction_deg != 0.0 {
-        return;
-    }
     let (track, width) = slider_track(ui);
     let (row, _) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::hover());
     let rect = Rect::from_x_y_ranges(track, row.y_range());

@@ -1,14 +1,13 @@
-//! Card of the first start, over the demo: what this is, and the three ways to go on. Once dismissed it never returns.
+//! Card of the first start, over the demo: what this is, and the ways to go on. Once dismissed it never returns.
 
-use crate::app::actions::{ActionId, Queue};
+use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::lesson::{Chosen, Lessons};
-use crate::app::panel::widgets::named;
 use crate::app::project::Model;
 use crate::app::project::workspace::Workspace;
 use crate::app::style;
 use crate::requests::BurstSource;
-use egui::{Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Rect, RichText, Stroke, vec2};
+use egui::{Align2, Area, Button, Color32, Context, Frame, Id, Rect, RichText, Stroke, vec2};
 
 /// Width of the card, in points.
 const WIDTH: f32 = 336.0;
@@ -31,14 +30,7 @@ pub fn card_ui(ctx: &Context, model: &Model, lessons: &Lessons, rect_ui: Rect, q
         let frame = Frame::popup(ui.style()).stroke(Stroke::new(1.0, style::ACCENT)).inner_margin(14).corner_radius(8);
         frame.show(ui, |ui| {
             ui.set_width(WIDTH);
-            ui.horizontal(|ui| {
-                ui.label(RichText::new("A street at night: ten dark frames").size(15.0).strong());
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let close = ui.add(Button::new("✖").frame(false));
-                    named(&close, egui::Role::Button, "Dismiss the card");
-                    panels.welcome &= !close.clicked();
-                });
-            });
+            ui.label(RichText::new("A street at night: ten dark frames").size(15.0).strong());
             ui.label("Drag Slope u: each depth comes out at its own slope.");
             ui.add_space(6.0);
             ui.horizontal(|ui| {
@@ -47,9 +39,6 @@ pub fn card_ui(ctx: &Context, model: &Model, lessons: &Lessons, rect_ui: Rect, q
                 if ui.add_enabled(first.is_some(), Button::new(text).fill(style::ACCENT)).clicked() {
                     chosen = first.cloned();
                     panels.welcome = false;
-                }
-                if ui.button("Open a burst…").clicked() {
-                    queue.push(ActionId::OpenFolder);
                 }
                 panels.welcome &= !ui.button("Explore").clicked();
             });

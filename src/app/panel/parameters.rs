@@ -1,21 +1,21 @@
 //! Parameters of the detector: slopes, gate and number of features, and folded below them all others.
 
-use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::actions::{ActionId, Queue, button_ui, enabled};
 use crate::app::document::Action;
+use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
 use crate::app::parts;
 use crate::app::project::{Model, Panels};
 use crate::app::style;
 use crate::detector::params::{Param, doc};
-use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeChoice};
-use crate::inspect::words::capitalised;
+use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAxis, SlopeChoice, SlopeFinding, SlopeVerdict};
+use crate::inspect::words::{capitalised, number};
 use crate::teach::Part;
-use egui::{Align, Layout, RichText, Ui};
+use egui::{Align, Layout, Rect, RichText, Ui};
 
 /// Parameters that are always shown; all others are *Advanced*.
-const BASIC: [Param<DetectorParams>; 6] =
-    [doc::METHOD, doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE, doc::MAX_FEATURES];
+const BASIC: [Param<DetectorParams>; 4] = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE];
 
 pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Detector", |ui| {
@@ -24,9 +24,11 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             button_ui(ui, model, queue, ActionId::Preset1d, Some("BuFF 1D"));
             button_ui(ui, model, queue, ActionId::Preset2d, Some("BuFF 2D"));
             button_ui(ui, model, queue, ActionId::PresetSift, Some("SIFT"));
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
-            });
+            if enabled(ActionId::ResetParams, model) {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));
+                });
+            }
         });
         ui.add_space(4.0);
         let error = model.slots.a.param_error.as_ref();
@@ -43,7 +45,12 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let table = rows::ParamTable { error, defaults, frame_count: model.frame_count(), note };
         let before = SearchParams { detector: model.params.clone(), slopes: model.slopes };
         let mut search = before.clone();
-        for record in BASIC {
+        let is_found = |record: &Param<DetectorParams>| {
+            let has_fields = [doc::SLOPES_U, doc::SLOPES_V].contains(record);
+            has_fields && model.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
+        };
+        // Slopes that are found stand above in words.
+        for record in BASIC.into_iter().filter(|record| !is_found(record)).collect::<Vec<_>>() {
             row_ui(ui, model, &mut search, &table, &record);
         }
         advanced_ui(ui, model, &mut search, &table, queue);
@@ -63,13 +70,33 @@ fn row_ui(
 ) {
     let finding = model.slots.a.found.as_ref().and_then(|found| found.finding.as_ref());
     let (p, choice) = (&mut search.detector, &mut search.slopes);
+    let top = ui.next_widget_position();
     ui.add_enabled_ui((record.in_use)(p), |ui| {
         if *record == doc::SLOPES {
-            slopes_ui(ui, table, choice, finding.map(|finding| capitalised(&finding.summary())).as_deref());
+            slopes_ui(ui, table, choice, finding.map(found_words).as_deref());
         } else {
             table.row(ui, record, p);
         }
     });
+    if [doc::SLOPES_U, doc::SLOPES_V].contains(record) {
+        mark_fields(ui, Rect::from_min_max(top, ui.min_rect().right_bottom()), *record == doc::SLOPES_U);
+    }
+}
+
+/// Slopes that were found, in words; reasons why none were, as commands say them.
+fn found_words(finding: &SlopeFinding) -> String {
+    if finding.verdict != SlopeVerdict::Found || !finding.warnings.is_empty() {
+        return capitalised(&finding.summary());
+    }
+    let axis = |name: &str, axis: &SlopeAxis| {
+        let [min, max] = [axis.min, axis.max].map(|end| number(end, 3));
+        (axis.count > 1).then(|| format!("{name} {min} to {max} in {} slopes", axis.count))
+    };
+    let grid = &finding.grid;
+    let axes: Vec<String> = [axis("u", &grid.u), axis("v", &grid.v)].into_iter().flatten().collect();
+    let turned =
+        if grid.direction_deg == 0.0 { String::new() } else { format!(", turned by {}°", grid.direction_deg) };
+    format!("Found: {}{turned}; {:.0} % of the motion seen lies there", axes.join(", "), 100.0 * finding.confidence)
 }
 
 fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
@@ -90,11 +117,19 @@ fn advanced_ui(
         table.error.is_some_and(|error| error.subject == record.name)
             || parts::is_wanted(ui.ctx(), Part::parameter(record))
     };
-    let is_open = model.panels.advanced || advanced().any(is_needed);
+    // Without an animation: a part that a lesson points at is in its place at once.
+    if fold_ui(ui, model, advanced().any(is_needed), changed, queue) {
+        advanced().for_each(|record| row_ui(ui, model, search, table, record));
+    }
+}
+
+/// Draws the fold of the advanced parameters, of which `changed` are not at their defaults; returns whether it is open.
+pub fn fold_ui(ui: &mut Ui, model: &Model, is_needed: bool, changed: usize, queue: &mut Queue) -> bool {
+    let is_open = model.panels.advanced || is_needed;
     let toggled = ui.horizontal(|ui| {
         let (_, icon) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::click());
         egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
-        let title = ui.selectable_label(false, "Advanced").on_hover_text("All other parameters of the detector");
+        let title = ui.selectable_label(false, "Advanced").on_hover_text("All other parameters");
         if changed > 0 {
             let text = format!("{changed} not the default");
             ui.label(RichText::new(text).small().color(style::warning(ui)))
@@ -105,10 +140,7 @@ fn advanced_ui(
     if toggled.inner {
         queue.push(Action::SetPanels(Panels { advanced: !is_open, ..model.panels }));
     }
-    // Without an animation: a part that a lesson points at is in its place at once.
-    if is_open {
-        advanced().for_each(|record| row_ui(ui, model, search, table, record));
-    }
+    is_open
 }
 
 fn slopes_ui(
@@ -128,50 +160,7 @@ fn slopes_ui(
             }
         },
     );
-    // The text's place stays free without it, so that the fields below do not move under the pointer.
-    let height_id = egui::Id::unique("height of the found slopes");
-    let found_label = |text: &str| egui::Label::new(RichText::new(text).small().weak()).wrap();
-    match (finding.filter(|_| choice.is_auto()), ui.data(|data| data.get_temp::<f32>(height_id))) {
-        (Some(text), _) => {
-            let height = ui.add(found_label(text)).rect.height();
-            ui.data_mut(|data| data.insert_temp(height_id, height));
-        }
-        (None, Some(height)) => {
-            let (place, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), height), egui::Sense::hover());
-            if !choice.is_auto() {
-                ui.put(place, found_label("As given in the fields below"));
-            }
-        }
-        (None, None) => {}
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_fields_stay_in_place_when_slopes_are_given_instead_of_found() {
-        let ctx = egui::Context::default();
-        let height = |mut choice: SlopeChoice, finding: Option<&str>| {
-            let mut height = 0.0;
-            let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
-                let table =
-                    rows::ParamTable { error: None, defaults: DetectorParams::default(), frame_count: 5, note: None };
-                let drawn = ui.vertical(|ui| {
-                    ui.set_width(240.0);
-                    slopes_ui(ui, &table, &mut choice, finding);
-                });
-                height = drawn.response.rect.height();
-            });
-            output.textures_delta.clear();
-            height
-        };
-        let text = "Found in 12 steps: a text that is so long that it needs more than one line of the panel";
-        let never_found = height(SlopeChoice::Given, None);
-        let found = height(SlopeChoice::AUTO, Some(text));
-        assert!(found > never_found + 15.0, "{found} against {never_found}");
-        assert_eq!(height(SlopeChoice::Given, Some(text)), found);
-        assert_eq!(height(SlopeChoice::AUTO, None), found, "while they are searched again");
+    if let Some(text) = finding.filter(|_| choice.is_auto()) {
+        ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
     }
 }

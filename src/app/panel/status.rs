@@ -103,8 +103,9 @@ fn burst_text(model: &Model) -> String {
     format!("{which}{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
 }
 
-pub fn messages_ui(ctx: &egui::Context, messages: &Messages, queue: &mut Queue) {
-    Area::new(Id::unique("messages")).anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -36.0)).show(ctx, |ui| {
+/// Draws the errors above all that stands below the pictures, `below` points high.
+pub fn messages_ui(ctx: &egui::Context, messages: &Messages, below: f32, queue: &mut Queue) {
+    Area::new(Id::unique("messages")).anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -36.0 - below)).show(ctx, |ui| {
         for message in messages.errors() {
             let colour = ui.visuals().error_fg_color;
             Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour)).show(ui, |ui| {

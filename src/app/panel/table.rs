@@ -5,7 +5,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::copy_ui;
-use crate::app::panel::widgets::{instead_ui, label_ui, named};
+use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::project::Model;
 use crate::app::project::filter::{Filter, Interval, Order};
 use crate::app::project::side::Side;
@@ -231,7 +231,9 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         return;
     }
     let text = if listed == total { format!("{total}") } else { format!("{listed} of {total}") };
-    ui.label(text).on_hover_text("Features that pass the filter");
+    // As wide as it gets, so that the filter's popup stays where it is.
+    let width = text_width(ui, format!("{total} of {total}"));
+    label_ui(ui, text, width).on_hover_text("Features that pass the filter");
     let title = if model.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
     // It stays open, so that several of its switches can be set.
     let config = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);

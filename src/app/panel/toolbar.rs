@@ -10,7 +10,7 @@ use crate::app::project::workspace::Workspace;
 use crate::inspect::words::counted;
 use crate::requests::Running;
 use crate::teach::Part;
-use egui::{Align, Button, Color32, Layout, Rect, RichText, Sense, Stroke, StrokeKind, Ui, vec2};
+use egui::{Align, Button, Color32, Layout, RichText, Ui};
 
 /// Minimum room for the button that finds actions, in points.
 const ROOM_FOR_FIND: f32 = 280.0;
@@ -32,11 +32,6 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                     queue.push(ActionId::Palette);
                 }
             }
-            button_ui(ui, model, queue, ActionId::Shortcuts, Some("?"));
-            ui.separator();
-            panel_switch_ui(ui, model, queue, ActionId::ToggleRight, |part| part.set_left(part.right() - 4.0));
-            panel_switch_ui(ui, model, queue, ActionId::ToggleBottom, |part| part.set_top(part.bottom() - 3.0));
-            panel_switch_ui(ui, model, queue, ActionId::ToggleLeft, |part| part.set_right(part.left() + 4.0));
         });
     });
 }
@@ -118,30 +113,6 @@ fn pair_found_ui(ui: &mut Ui, model: &Model) {
         text += &format!(", {} {noun}{}", matches.len(), in_time(matches.elapsed));
     }
     ui.weak(text);
-}
-
-/// Draws a small picture of the window with the panel marked in it, to which `cut` reduces the whole; a click shows or
-/// hides the panel.
-fn panel_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, cut: fn(&mut Rect)) {
-    let action = id.action();
-    let on = checked(id, model).unwrap_or(false);
-    let (rect, response) = ui.allocate_exact_size(vec2(24.0, 20.0), Sense::click());
-    let name = action.label;
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, name));
-    if response.hovered() {
-        ui.painter().rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
-    }
-    let colour = if on { ui.visuals().text_color() } else { ui.visuals().weak_text_color() };
-    let frame = Rect::from_center_size(rect.center(), vec2(16.0, 12.0));
-    ui.painter().rect_stroke(frame, 2.0, Stroke::new(1.0, colour), StrokeKind::Inside);
-    let mut part = frame.shrink(2.0);
-    cut(&mut part);
-    if on {
-        ui.painter().rect_filled(part, 0.0, colour);
-    }
-    if response.on_hover_text(tooltip(ui.ctx(), action)).clicked() {
-        queue.push(id);
-    }
 }
 
 #[cfg(test)]

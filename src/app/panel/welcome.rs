@@ -10,19 +10,6 @@ use crate::app::project::side::Side;
 use crate::app::settings::Settings;
 use egui::{Align2, Color32, Rect, RichText, ScrollArea, Ui, vec2};
 
-const EXAMPLES: [ActionId; 8] = [
-    ActionId::OpenDepths,
-    ActionId::OpenCrossing,
-    ActionId::OpenStreet,
-    ActionId::OpenStreetLater,
-    ActionId::OpenAliasing,
-    ActionId::OpenLowContrast,
-    ActionId::OpenTripod,
-    ActionId::OpenHotPixels,
-];
-/// Width of the examples in one line, points.
-const EXAMPLES_WIDTH: f32 = 500.0;
-
 pub fn welcome_ui(ui: &mut Ui, model: &Model, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {
     let mut chosen = None;
     let above = (ui.available_height() * 0.10).max(16.0);
@@ -74,20 +61,6 @@ pub fn welcome_ui(ui: &mut Ui, model: &Model, remembered: &Settings, lessons: &L
                 chosen = Some(lesson.clone());
             }
         }
-        ui.add_space(14.0);
-        ui.label(RichText::new("Examples").strong());
-        ui.horizontal_wrapped(|ui| {
-            // Centred as everything else, as far as that can be computed before drawing.
-            ui.add_space((0.5 * (ui.available_width() - EXAMPLES_WIDTH)).max(0.0));
-            for id in EXAMPLES {
-                let action = id.action();
-                let link = ui.link(action.label.trim_start_matches("Example: ")).on_hover_text(action.help);
-                named(&link, egui::Role::Link, action.label);
-                if link.clicked() {
-                    queue.push(id);
-                }
-            }
-        });
     };
     // A small window scrolls.
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| ui.vertical_centered(page));

@@ -56,6 +56,7 @@ const PARTS: &[&dyn Part] = &[
     one!(true, |m| m.coherence.wanted.a, |m, _| m.missing_coherence(Side::A), |m, ended| m.take_coherences(ended)),
     one!(true, |m| m.coherence.wanted.b, |m, _| m.missing_coherence(Side::B), |m, ended| m.take_coherences(ended)),
     one!(false, |m| m.pair.lost.wanted, |m, _| m.missing_losses(), |m, ended| m.take_losses(ended)),
+    one!(false, |m| m.pair.lost.pricing, |m, _| m.missing_price(), |m, ended| m.take_price(ended)),
     one!(false, |m| m.pair.lost.wanted_pictures, |m, _| m.missing_candidate_pictures(), |m, ended| m.take_lost_pictures(ended)),
     one!(false, |m| m.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| m.take_chart(ended)),
     asked!(|m| m.studies.wanted, |m, ended, _| m.take_study(ended)),
@@ -89,6 +90,8 @@ impl Model {
         self.take_part_of_study();
         for event in self.datasets.wanted.take_told() {
             self.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(&event));
+            // Counts that were said before are old.
+            self.messages.forget_note();
         }
         let mut pass = Pass { model: self, engine, dragging: false };
         PARTS.iter().flat_map(|part| part.take(&mut pass)).collect()

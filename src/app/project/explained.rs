@@ -245,9 +245,9 @@ mod tests {
         let at = |moves| Feature { moves, ..Feature::default() };
         let judged = |verdict| Judged { verdict, coherence: None, why: "because".to_owned() };
         let words = |moves, verdict| verdict_words(Some(&at(moves)), &judged(verdict));
-        assert_eq!(words(Moves::WithSurroundings, Verdict::Real), "Likely real: because.");
-        assert_eq!(words(Moves::ByItself, Verdict::Real), "Likely real, moves by itself: because.");
-        assert_eq!(words(Moves::Edge, Verdict::Real), "Likely real, motion not defined (edge): because.");
+        assert_eq!(words(Moves::WithSurroundings, Verdict::Real), "Likely a real blob: because.");
+        assert_eq!(words(Moves::ByItself, Verdict::Real), "Likely a real blob, moves by itself: because.");
+        assert_eq!(words(Moves::Edge, Verdict::Real), "Likely a real blob, motion not defined (edge): because.");
         assert_eq!(words(Moves::Ghost, Verdict::Ghost), "Likely a ghost: because.");
     }
 }

@@ -167,7 +167,14 @@ impl Model {
             Ok(study) => {
                 let open = self.slots.a.burst.clone();
                 (self.lab.selected, self.lab.selected_thing) = (None, None);
+                self.messages.forget_note();
                 let studies = &mut self.studies;
+                // Of another study the curves stay beside the new ones.
+                let is_kept = |last: &LabResult| studies.kept.iter().any(|kept| kept.result.study == last.study);
+                let is_another = |last: &LabResult| last.is_whole && last.study != study && !is_kept(last);
+                if studies.current.as_ref().is_some_and(is_another) {
+                    studies.keep_current();
+                }
                 (studies.problem, studies.current, studies.shown) = (None, None, None);
                 studies.wanted.ask(engine, StudyRequest { study, open });
             }

@@ -9,6 +9,9 @@ pub const MIN_WIDTH_WITH_LEFT: f32 = 1100.0;
 
 const MIN_WIDTH_WITH_BOTH: f32 = 900.0;
 
+/// Width with room for two pictures of 450 points between both side panels.
+const MIN_WIDTH_WITH_PAIR: f32 = 1500.0;
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Visibility {
@@ -44,7 +47,7 @@ pub struct Panels {
     pub left: Visibility,
     /// Display, selection and probe; by itself with a selection or a probe.
     pub right: Visibility,
-    /// Table, tally and measurements; by itself in workspaces other than *One burst*.
+    /// Table, tally and measurements; by itself in workspaces other than *One burst* and *Two bursts*.
     pub bottom: Visibility,
     pub filmstrip: bool,
     pub advanced: bool,
@@ -73,6 +76,14 @@ impl Model {
             && !(has_pictures && self.shows_right() && !is_wide(MIN_WIDTH_WITH_BOTH))
     }
 
+    /// Whether a match or a probe of two bursts takes the place of the panel on the left, so that no picture moves or
+    /// becomes narrow.
+    pub fn match_is_left(&self) -> bool {
+        let is_auto = [self.panels.left, self.panels.right] == [Visibility::Auto; 2];
+        let widths = MIN_WIDTH_WITH_LEFT..MIN_WIDTH_WITH_PAIR;
+        self.workspace == Workspace::Pair && is_auto && widths.contains(&self.window_width_points) && self.shows_right()
+    }
+
     pub fn folds_left(&self) -> bool {
         self.panels.left != Visibility::Closed && !self.shows_left()
     }
@@ -80,14 +91,17 @@ impl Model {
     pub fn shows_right(&self) -> bool {
         self.panels.right.or(match self.workspace {
             Workspace::Inspect => self.selected.is_some() || self.probe.is_open,
-            Workspace::Pair => self.selected_match.is_some() || self.asked_feature().is_some() || self.probe.is_open,
+            Workspace::Pair => {
+                let is_asked = self.asked_feature().is_some() || self.probe.is_open;
+                is_asked || self.window_width_points >= MIN_WIDTH_WITH_PAIR
+            }
             Workspace::Methods => false,
             Workspace::Matches | Workspace::Trajectories | Workspace::Lab => true,
         })
     }
 
     pub fn shows_bottom(&self) -> bool {
-        self.panels.bottom.or(self.workspace != Workspace::Inspect)
+        self.panels.bottom.or(!matches!(self.workspace, Workspace::Inspect | Workspace::Pair))
     }
 
     pub fn open_left(&mut self) {

@@ -10,7 +10,7 @@ use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, progress_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::compare::MethodId;
-use crate::app::project::pair::Side;
+use crate::app::project::pair::{OPACITY, Side};
 use crate::app::project::panes::Change;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
@@ -117,14 +117,20 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
     let look = &model.match_look;
-    let style = MatchLineStyle { opacity: look.opacity, selected: None, hovered: None, others_faint: false };
+    let style = MatchLineStyle {
+        opacity: OPACITY,
+        selected: None,
+        hovered: None,
+        others_faint: false,
+        ..MatchLineStyle::default()
+    };
     for method in MethodId::ALL {
         let Some(matches) = model.method_matches(method) else { continue };
         let views = MatchViews::of(model, drawn, Some(method));
-        for canvases in views.canvases().iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
-            let rows = matches.rows().filter(|row| look.shows(row.inlier));
-            let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts)).collect();
-            let flags = drawn_lines(&lines, &canvases.panes[0], |_| false);
+        for canvases in views.canvases(false).iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
+            let rows = matches.rows().filter(|row| look.shows_row(row));
+            let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts, None)).collect();
+            let flags = drawn_lines(&lines, &canvases.panes[0], false, |_| false);
             let lines: Vec<MatchLine> =
                 lines.into_iter().zip(flags).filter(|(_, flag)| *flag).map(|(line, _)| line).collect();
             draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &lines, &style);
@@ -148,7 +154,7 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Inliers", "Putative matches that agree with the geometry of the two views"),
     ("Match ratio", "Putative matches over keypoints, mean of A and B"),
     ("Match score", "Inliers over keypoints, mean of A and B"),
-    ("Precision", "Inliers over putative matches"),
+    ("Inlier ratio", "Inliers over putative matches"),
     ("Time", "Wall-clock time of the detection in A"),
 ];
 

@@ -9,6 +9,7 @@ use crate::app::project::Model;
 use crate::app::style;
 use crate::app::workspace::pair::parameters::{self, CameraText};
 use crate::app::workspace::{left_panel, right_panel, side_width};
+use crate::requests::next_commands;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
 pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut CameraText, queue: &mut Queue) {
@@ -20,6 +21,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut
         left_panel(ui, "matches left", side_width(model), |ui| {
             pairs_ui(ui, model, queue);
             selected_ui(ui, model, queue);
+            next_ui(ui, model, queue);
             parameters::dataset_parameters_ui(ui, model, camera_text, queue);
         });
     }
@@ -87,6 +89,23 @@ fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
             }
         }
+    });
+}
+
+/// Draws the next step after the matches: the export, and once that is done the commands that reconstruct.
+fn next_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    section_ui(ui, "Next", |ui| {
+        button_ui(ui, model, queue, ActionId::ExportDatabase, None);
+        let Some(folder) = &model.datasets.exported else { return };
+        let [make, map, python] = next_commands(folder);
+        ui.add_space(4.0);
+        let lines = [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)];
+        for (name, line) in lines {
+            if ui.button(format!("Copy the line for {name}")).on_hover_text(&line).clicked() {
+                ui.copy_text(line);
+            }
+        }
+        button_ui(ui, model, queue, ActionId::OpenEstimate, None);
     });
 }
 

@@ -92,12 +92,15 @@ const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
 
 const PICTURES_HEIGHT: f32 = 320.0;
 
+/// Widths of the panel on the left, points.
+const LEFT_WIDTHS: std::ops::RangeInclusive<f32> = 250.0..=420.0;
+
 fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
 fn left_panel(ui: &mut Ui, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
-    let panel = Panel::left(id).frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0);
+    let panel = Panel::left(id).frame(side_frame(ui)).default_size(width).size_range(LEFT_WIDTHS);
     panel.show(ui, |ui| scroll_ui(ui, add_contents));
 }
 
@@ -111,8 +114,12 @@ fn right_panel(
     Panel::right(id).frame(side_frame(ui)).default_size(width).size_range(widths).show(ui, add_contents);
 }
 
+/// Content of a side panel. One that is wider than the panel does not widen it: pictures stay where they are.
 fn scroll_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, add_contents);
+    let rect = ui.available_rect_before_wrap();
+    let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(rect));
+    ScrollArea::vertical().auto_shrink(false).show(&mut inner, add_contents);
+    ui.advance_cursor_after_rect(rect);
 }
 
 /// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window, whatever its
@@ -163,7 +170,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let width = side_width(model);
     folded_ui(ui, model, queue);
     if model.shows_left() {
-        Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(250.0..=420.0).show(ui, |ui| {
+        Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(LEFT_WIDTHS).show(ui, |ui| {
             // The verdict stays in sight, and nothing above moves when it changes.
             let below = Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO });
             Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {

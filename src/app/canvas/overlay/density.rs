@@ -13,8 +13,6 @@ use egui::{Rect, pos2};
 /// Number of features in a cell of which anything is drawn.
 const SEEN_IN_A_CELL: u16 = 14;
 
-const LINES_IN_A_CELL: u16 = 3;
-
 fn cells(points_per_pixel: f32, view_image: Rect) -> Cells {
     Cells::new(points_per_pixel, [view_image.min.into(), view_image.max.into()])
 }
@@ -63,15 +61,17 @@ pub fn drawn(
     out
 }
 
-/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`.
-pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, always: impl Fn(usize) -> bool) -> Vec<bool> {
+/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`. Lines
+/// from picture to picture take more room than vectors.
+pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, are_vectors: bool, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
-    let mut cells = cells(t.scale(), view_image);
+    let (in_a_cell, scale) = if are_vectors { (3, t.scale()) } else { (1, 0.5 * t.scale()) };
+    let mut cells = cells(scale, view_image);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
         for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == LineKind::Inlier) == is_inlier) {
-            *flag = cells.add(line.a.into()).is_some_and(|before| before < LINES_IN_A_CELL) || always(line.index);
+            *flag = cells.add(line.a.into()).is_some_and(|before| before < in_a_cell) || always(line.index);
         }
     }
     flags

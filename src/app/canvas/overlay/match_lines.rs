@@ -55,6 +55,7 @@ pub struct MatchLine {
     pub a: Pos2,
     pub b: Pos2,
     pub kind: LineKind,
+    pub colour: Color32,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -63,16 +64,19 @@ pub struct Pane {
     pub rect_ui: Rect,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct MatchLineStyle {
     pub opacity: f32,
     pub selected: Option<usize>,
     pub hovered: Option<usize>,
     pub others_faint: bool,
+    /// Whether only the ends in A are marked.
+    pub are_vectors: bool,
 }
 
 const END_TOLERANCE_POINTS: f32 = 7.0;
 const LINE_TOLERANCE_POINTS: f32 = 4.0;
+const NEAR_POINTS: f32 = 60.0;
 const WIDTH: f32 = 1.3;
 /// Length of a dash and of the gap after it, in points.
 const DASH: (f32, f32) = (6.0, 4.5);
@@ -85,6 +89,11 @@ impl MatchLine {
         };
         [end(&panes[0], self.a), end(&panes[1], self.b)]
     }
+
+    /// Whether an end that is seen lies near `pos_ui`.
+    pub fn is_near(&self, panes: &[Pane; 2], pos_ui: Pos2) -> bool {
+        self.ends(panes).iter().any(|(end, seen)| *seen && end.distance(pos_ui) <= NEAR_POINTS)
+    }
 }
 
 /// Draws `lines` from pane to pane. The painter must cover both panes.
@@ -95,20 +104,26 @@ pub fn draw_match_lines(painter: &Painter, panes: &[Pane; 2], lines: &[MatchLine
     // Outliers lie below: there may be many, and they matter less.
     for kind in [LineKind::Outlier, LineKind::Unverified, LineKind::Inlier] {
         for line in lines.iter().filter(|line| line.kind == kind && !lifted(line)) {
-            draw_one(&mut strokes, panes, line, WIDTH, line.kind.colour().gamma_multiply(opacity));
+            draw_one(&mut strokes, panes, line, style, WIDTH, line.colour.gamma_multiply(opacity));
         }
     }
     for line in lines.iter().filter(|line| lifted(line)) {
         let wide = if style.selected == Some(line.index) { 2.6 } else { 2.0 };
-        for (extra, colour) in [(3.6, Color32::from_black_alpha(170)), (1.6, Color32::WHITE), (0.0, line.kind.colour())]
-        {
-            draw_one(&mut strokes, panes, line, wide + extra, colour);
+        for (extra, colour) in [(3.6, Color32::from_black_alpha(170)), (1.6, Color32::WHITE), (0.0, line.colour)] {
+            draw_one(&mut strokes, panes, line, style, wide + extra, colour);
         }
     }
     strokes.paint(painter);
 }
 
-fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, width: f32, colour: Color32) {
+fn draw_one(
+    strokes: &mut Strokes,
+    panes: &[Pane; 2],
+    line: &MatchLine,
+    style: &MatchLineStyle,
+    width: f32,
+    colour: Color32,
+) {
     let [(from, from_seen), (to, to_seen)] = line.ends(panes);
     if from_seen && to_seen {
         if line.kind.is_dashed() {
@@ -117,7 +132,7 @@ fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, width: f
             strokes.line(from, to, width, colour);
         }
     }
-    for (end, seen) in [(from, from_seen), (to, to_seen)] {
+    for (end, seen) in [(from, from_seen), (to, to_seen && !style.are_vectors)] {
         if seen {
             strokes.circle(end, 3.0, width, colour, false);
         }
@@ -165,7 +180,7 @@ mod tests {
     }
 
     fn line(index: usize, a: (f32, f32), b: (f32, f32), kind: LineKind) -> MatchLine {
-        MatchLine { index, a: a.into(), b: b.into(), kind }
+        MatchLine { index, a: a.into(), b: b.into(), kind, colour: kind.colour() }
     }
 
     #[test]

@@ -110,6 +110,9 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
     strokes.paint(&output.painter);
 }
 
+/// Longest arrow, points.
+const MAX_ARROW_POINTS: f32 = 60.0;
+
 #[derive(Clone, Copy)]
 struct Line {
     width: f32,
@@ -120,7 +123,11 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
     let centre = t.pos(pos2(feature.u, feature.v));
     let radius = (feature.circle_radius_px() * t.scale()).max(MIN_RADIUS_POINTS);
     if style.motion {
-        let [first, last] = motion_over(feature, style.frames).map(|place| t.pos(place.into()));
+        let mut ends = motion_over(feature, style.frames).map(|place| t.pos(place.into()));
+        // Over a long burst only the part around its middle, so that arrows do not cover the picture.
+        let part = MAX_ARROW_POINTS / ends[0].distance(ends[1]).max(MAX_ARROW_POINTS);
+        ends.iter_mut().for_each(|end| *end = centre + part * (*end - centre));
+        let [first, last] = ends;
         if first.distance(last) > 3.0 {
             strokes.arrow(first, last, 0.8 * line.width, line.colour.gamma_multiply(0.85));
         }

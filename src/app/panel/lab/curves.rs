@@ -182,6 +182,7 @@ fn plot_ui(
         .show_y(false)
         .include_y(0.0)
         .include_x(0.0)
+        .x_grid_spacer(crate::app::ticks::of_width)
         .x_axis_label(plot.x_label)
         .y_axis_label(plot.y_label.as_str())
         .label_formatter(|_| None);

@@ -8,8 +8,8 @@ use crate::app::canvas::number;
 use crate::app::document::Action;
 use crate::app::panel::status::advice_ui;
 use crate::app::panel::widgets::{named, warning_ui, weak_ui, with_whole_numbers};
+use crate::app::project::Model;
 use crate::app::project::side::Side;
-use crate::app::project::{BottomTab, Model};
 use crate::app::style;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
@@ -159,10 +159,6 @@ pub fn verdict_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             Some(advice) if !has_advice => piece_ui(ui, model, "Apply slopes", advice, queue),
             // Without features it comes second; the tab has it.
             Some(_) => {}
-        }
-        let details = Button::new(RichText::new("Slopes…").small().weak()).frame(false);
-        if ui.add(details).on_hover_text("Features and evidence at each slope, and all advice").clicked() {
-            queue.push(Action::OpenTab(BottomTab::Slopes));
         }
     });
 }

@@ -97,6 +97,8 @@ pub struct Datasets {
     pub open: Option<Dataset>,
     pub work: Option<Work>,
     pub wanted: Wanted<DatasetRequest>,
+    /// Folder of the last export, until another dataset is opened.
+    pub exported: Option<PathBuf>,
 }
 
 impl Datasets {

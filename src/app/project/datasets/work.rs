@@ -271,7 +271,7 @@ impl Model {
         ));
         let recent = Effect::RecentDataset(dataset.source.clone());
         let shown = dataset.place_of(self.slots.a.burst.as_ref());
-        self.datasets.open = Some(dataset);
+        (self.datasets.open, self.datasets.exported) = (Some(dataset), None);
         self.panels.filmstrip = true;
         // A session opens its own burst.
         if shown.is_none() && !is_set {
@@ -308,8 +308,9 @@ impl Model {
         let report = &done.report;
         let verified = report.pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)).count();
         self.messages.resolved(Work::Exporting.title());
+        self.datasets.exported = report.database.parent().map(Into::into);
         self.messages.note(format!(
-            "Wrote {}: {}, {}, {verified} of them verified",
+            "Wrote {}: {}, {}, {verified} of them verified; Matches has the next step",
             report.database.display(),
             counted(report.images.len(), "image"),
             counted(report.pairs.len(), "pair"),

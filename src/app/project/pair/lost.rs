@@ -1,17 +1,24 @@
 //! Losses on the way to a match: the step at which each feature of A was lost, and the details of one feature.
 
 use crate::app::project::Model;
-use crate::app::project::pair::Side;
+use crate::app::project::pair::{MatchRow, Matches, Side};
 use crate::app::project::workspace::Workspace;
+use crate::detector::Feature;
 use crate::engine::{Ended, Wanted};
 use crate::inspect::unmatched::{Losses, Lost, Unmatched};
+use crate::inspect::words::counted;
+use crate::matching::MatchParams;
 use crate::requests::{
-    FoundLosses, LossesRequest, MatchRequest, Picture, PictureKind, PictureRequest, PicturesRequest,
+    FoundLosses, LossesRequest, MatchRequest, Matched, Picture, PictureKind, PictureRequest, PicturesRequest,
 };
+use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::Duration;
 
 pub const CANDIDATES: usize = 5;
 pub const PATCHES: usize = 3;
+/// Largest factor by which a remedy raises the max error.
+const MOST_FACTOR: f32 = 8.0;
 
 #[derive(Debug, Default)]
 pub struct LostFeatures {
@@ -20,6 +27,11 @@ pub struct LostFeatures {
     pub pictures: Vec<Picture>,
     pub wanted: Wanted<LossesRequest>,
     pub wanted_pictures: Wanted<PicturesRequest>,
+    /// Matches with the parameters of the remedy.
+    pub priced: Option<Matched>,
+    pub pricing: Wanted<MatchRequest>,
+    /// For each feature of A the first one of its keypoint that has no match, if it is another one or has a match.
+    folded: Vec<Option<usize>>,
 }
 
 #[derive(Debug, Clone)]
@@ -31,8 +43,41 @@ pub struct Why {
 
 impl LostFeatures {
     pub fn count(&self, lost: Lost) -> usize {
-        let counts = self.found.as_ref().map(|found| found.counts);
-        counts.into_iter().flatten().find(|(at, _)| *at == lost).map_or(0, |(_, count)| count)
+        let all = self.found.iter().flat_map(|found| found.lost.iter().enumerate());
+        all.filter(|(index, at)| **at == lost && !self.is_folded(*index)).count()
+    }
+
+    /// Whether another orientation of the keypoint of `index` stands for it.
+    pub fn is_folded(&self, index: usize) -> bool {
+        self.twin(index).is_some()
+    }
+
+    /// Feature that stands for `index`, as another orientation of its keypoint.
+    pub fn twin(&self, index: usize) -> Option<usize> {
+        self.folded.get(index).copied().flatten()
+    }
+
+    /// Number of features for which `index` stands.
+    pub fn others(&self, index: usize) -> usize {
+        self.folded.iter().filter(|folded| **folded == Some(index)).count()
+    }
+
+    fn fold(&mut self) {
+        let Some(found) = &self.found else { return };
+        let features = &found.request.request.a.features;
+        let has_match = |index: usize| matches!(found.lost[index], Lost::Not | Lost::Geometry);
+        let mut first: HashMap<[u32; 3], usize> = HashMap::new();
+        // Those with a match come first, and are never folded: each match counts.
+        for matched in [true, false] {
+            for (index, f) in features.iter().enumerate().filter(|(index, _)| has_match(*index) == matched) {
+                first.entry([f.u, f.v, f.sigma].map(f32::to_bits)).or_insert(index);
+            }
+        }
+        let stands = |(index, f): (usize, &Feature)| {
+            let first = first[&[f.u, f.v, f.sigma].map(f32::to_bits)];
+            (first != index && !has_match(index)).then_some(first)
+        };
+        self.folded = features.iter().enumerate().map(stands).collect();
     }
 }
 
@@ -43,6 +88,7 @@ pub fn lost_label(lost: Lost) -> &'static str {
         Lost::RatioTest => "ratio test",
         Lost::MutualCheck => "mutual check",
         Lost::Geometry => "geometry",
+        Lost::Motion => "motion",
     }
 }
 
@@ -53,8 +99,15 @@ impl Model {
     }
 
     pub(in crate::app::project) fn take_losses(&mut self, ended: Ended<LossesRequest>) {
-        self.pair.lost.found = ended.result.ok().map(Arc::new).or_else(|| self.pair.lost.found.take());
+        if let Ok(found) = ended.result {
+            self.pair.lost.found = Some(Arc::new(found));
+            self.pair.lost.fold();
+        }
         self.refresh_why();
+    }
+
+    pub(in crate::app::project) fn take_price(&mut self, ended: Ended<MatchRequest>) {
+        self.pair.lost.priced = ended.result.ok().or_else(|| self.pair.lost.priced.take());
     }
 
     pub(in crate::app::project) fn missing_candidate_pictures(&self) -> Option<PicturesRequest> {
@@ -67,6 +120,58 @@ impl Model {
         if let Ok(pictures) = ended.result {
             self.pair.lost.pictures = pictures;
         }
+    }
+
+    /// Parameters with which the feature that is asked about may match: those of the step at which it was lost.
+    pub fn remedy(&self) -> Option<MatchParams> {
+        let why = self.pair.lost.why.as_ref()?;
+        let matches = self.pair.matches.as_ref()?;
+        let params = &matches.request.params;
+        let changed = match why.unmatched.lost {
+            Lost::RatioTest => MatchParams { ratio: (100.0 * why.unmatched.ratio).ceil() / 100.0, ..params.clone() },
+            Lost::MutualCheck => MatchParams { mutual: false, ..params.clone() },
+            Lost::Geometry => {
+                let error = matches.rows().find(|row| row.found.a == why.feature)?.error_px?;
+                let factor = error / matches.max_error_px();
+                let max_error_px = (10.0 * factor * params.max_error_px).ceil() / 10.0;
+                if !(1.0..MOST_FACTOR).contains(&factor) {
+                    return None;
+                }
+                MatchParams { max_error_px, ..params.clone() }
+            }
+            Lost::Not | Lost::NoKeypoint | Lost::Motion => return None,
+        };
+        (changed != *params && changed.ratio <= 1.0).then_some(changed)
+    }
+
+    pub(in crate::app::project) fn missing_price(&self) -> Option<MatchRequest> {
+        if self.workspace != Workspace::Pair {
+            return None;
+        }
+        let wanted = MatchRequest { params: self.remedy()?, ..self.pair.matches.as_ref()?.request.clone() };
+        let is_there = self.pair.lost.priced.as_ref().is_some_and(|priced| priced.request == wanted);
+        (!is_there && !self.pair.lost.pricing.has_failed(&wanted)).then_some(wanted)
+    }
+
+    /// Effect of the remedy: "matches it and 23 others"; `None` until it was tried.
+    pub fn price_of_remedy(&self, params: &MatchParams) -> Option<String> {
+        let (priced, matches) = (self.pair.lost.priced.as_ref()?, self.pair.matches.as_ref()?);
+        let (why, then) = (self.pair.lost.why.as_ref()?, Matches::new(priced.clone(), Duration::ZERO));
+        if priced.request.params != *params || !then.is_of(Side::A, matches.detection(Side::A)) {
+            return None;
+        }
+        let is_inlier = |row: &MatchRow<'_>| row.inlier != Some(false);
+        let own = then.rows().find(|row| row.found.a == why.feature);
+        if !own.as_ref().is_some_and(is_inlier) {
+            let as_what = if own.is_some() { "makes it an outlier" } else { "does not match it" };
+            return Some(as_what.to_owned());
+        }
+        let inliers = |of: &Matches| of.rows().filter(is_inlier).count();
+        let (now, before) = (inliers(&then), inliers(matches));
+        Some(match now.checked_sub(before + 1) {
+            Some(others) => format!("matches it and {}", counted(others, "other")),
+            None => format!("matches it, and loses {}", counted(before + 1 - now, "other")),
+        })
     }
 
     pub fn wanted_losses(&self) -> Option<LossesRequest> {
@@ -101,8 +206,8 @@ impl Model {
         if self.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
             self.asked_about = None;
-            let LostFeatures { wanted, wanted_pictures, .. } = std::mem::take(&mut self.pair.lost);
-            self.pair.lost = LostFeatures { wanted, wanted_pictures, ..LostFeatures::default() };
+            let LostFeatures { wanted, wanted_pictures, pricing, .. } = std::mem::take(&mut self.pair.lost);
+            self.pair.lost = LostFeatures { wanted, wanted_pictures, pricing, ..LostFeatures::default() };
         }
         let asked = self.asked_feature();
         let why = match (asked, self.losses()) {

@@ -3,8 +3,10 @@
 use crate::app::project::filter::Order;
 use crate::app::project::pair::Side;
 use crate::app::view::{fixed, number, signed};
+use crate::detector::quantity::Form;
 use crate::detector::{Detection, Feature};
 use crate::matching::align::Measured;
+use crate::matching::aligned::NARROW;
 use crate::matching::{Match, MatchResult, TwoViewModel};
 use crate::requests::{MatchRequest, Matched};
 use serde::{Deserialize, Serialize};
@@ -106,12 +108,34 @@ impl Matches {
         Some(MatchRow { index, found, a, b, inlier, error_px, aligned })
     }
 
+    /// Largest error of an inlier, pixels.
+    pub fn max_error_px(&self) -> f32 {
+        let part = if self.result.alignment.is_some() { NARROW } else { 1.0 };
+        part * self.request.params.max_error_px
+    }
+
+    /// Limit that the match `row` passes, which makes it an outlier; `None` for an inlier, and where no geometry is
+    /// known.
+    pub fn passed_limit(&self, row: &MatchRow<'_>) -> Option<String> {
+        let error = row.error_px.filter(|_| row.inlier == Some(false))?;
+        let limit = self.max_error_px();
+        let residual = row.aligned.map_or(0.0, |aligned| aligned.residual_px as f32);
+        Some(match &self.result.alignment {
+            _ if error > limit => format!("Error {error:.2} px, at most {limit:.2} px is allowed"),
+            Some(alignment) if !alignment.was_inlier[row.index] => {
+                "Too far from the geometry before the alignment".into()
+            }
+            _ if residual > limit => format!("Contradiction {residual:.2} px, at most {limit:.2} px is allowed"),
+            _ => "The picture of its place is not found in B".into(),
+        })
+    }
+
     pub fn rows(&self) -> impl Iterator<Item = MatchRow<'_>> {
         (0..self.len()).filter_map(|index| self.row(index))
     }
 
     pub fn listed(&self, look: &MatchLook, order: Order<MatchColumn>) -> Vec<usize> {
-        let mut rows: Vec<MatchRow<'_>> = self.rows().filter(|row| look.shows(row.inlier)).collect();
+        let mut rows: Vec<MatchRow<'_>> = self.rows().filter(|row| look.shows_row(row)).collect();
         rows.sort_by(|a, b| {
             let by = order.column.value(a).total_cmp(&order.column.value(b));
             let by = if order.descending { by.reverse() } else { by };
@@ -131,6 +155,20 @@ impl Matches {
 }
 
 impl MatchRow<'_> {
+    fn error_or_infinity(&self) -> f32 {
+        self.error_px.unwrap_or(f32::INFINITY)
+    }
+
+    fn inlier_rank(&self) -> f32 {
+        self.inlier.map_or(2.0, |inlier| f32::from(u8::from(!inlier)))
+    }
+
+    /// Difference of the motions in A and in B, px/frame.
+    pub fn motion_apart(&self) -> f32 {
+        let ((a, _), (b, _)) = (self.a.motion(), self.b.motion());
+        (a.u - b.u).hypot(a.v - b.v)
+    }
+
     pub fn saved(&self) -> SavedMatch {
         SavedMatch { a: [self.a.u, self.a.v], b: [self.b.u, self.b.v] }
     }
@@ -149,6 +187,7 @@ pub enum MatchColumn {
     SigmaB,
     SlopeA,
     SlopeB,
+    Motion,
     Distance,
     Ratio,
     Error,
@@ -156,78 +195,70 @@ pub enum MatchColumn {
 }
 
 impl MatchColumn {
-    pub const ALL: [Self; 13] = {
+    pub const ALL: [Self; 14] = {
         use MatchColumn::*;
-        [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Distance, Ratio, Error, Inlier]
+        [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Motion, Distance, Ratio, Error, Inlier]
     };
 
-    fn words(self) -> [&'static str; 2] {
+    fn record(self) -> (&'static str, &'static str, fn(&MatchRow<'_>) -> f32, Form) {
+        let (px, slope) = (Form::Fixed(2), Form::Signed(2));
         match self {
-            Self::Number => ["#", "Number of the match, in the order of A's features: the strongest first"],
-            Self::UA => ["u A", "Column in A at mid-burst, in pixels; the centre of the first pixel is 0"],
-            Self::VA => ["v A", "Row in A at mid-burst, in pixels; the centre of the first pixel is 0"],
-            Self::UB => ["u B", "Column in B at mid-burst, in pixels; the centre of the first pixel is 0"],
-            Self::VB => ["v B", "Row in B at mid-burst, in pixels; the centre of the first pixel is 0"],
-            Self::SigmaA => ["σ A", "Scale σ in A, in pixels"],
-            Self::SigmaB => ["σ B", "Scale σ in B, in pixels"],
-            Self::SlopeA => ["Slope A", "Apparent motion in A to the right, in pixels per frame"],
-            Self::SlopeB => ["Slope B", "Apparent motion in B to the right, in pixels per frame"],
-            Self::Distance => ["Distance", "Euclidean distance of the two descriptors"],
-            Self::Ratio => ["Ratio", "Distance to the nearest descriptor over that to the second nearest"],
-            Self::Error => ["Error", "Distance of the match from the geometry that most matches agree on, in pixels"],
-            Self::Inlier => ["Inlier", "Whether the match agrees with that geometry"],
+            Self::Number => ("#", "Number, in the order of A's features", |row| row.index as f32 + 1.0, Form::Whole),
+            Self::UA => ("u A", "Column in A at mid-burst; the first pixel's centre is 0", |row| row.a.u, px),
+            Self::VA => ("v A", "Row in A at mid-burst; the first pixel's centre is 0", |row| row.a.v, px),
+            Self::UB => ("u B", "Column in B at mid-burst; the first pixel's centre is 0", |row| row.b.u, px),
+            Self::VB => ("v B", "Row in B at mid-burst; the first pixel's centre is 0", |row| row.b.v, px),
+            Self::SigmaA => ("σ A", "Scale σ in A, pixels", |row| row.a.sigma, px),
+            Self::SigmaB => ("σ B", "Scale σ in B, pixels", |row| row.b.sigma, px),
+            Self::SlopeA => ("Slope A", "Apparent motion in A to the right, px/frame", |row| row.a.slope.u, slope),
+            Self::SlopeB => ("Slope B", "Apparent motion in B to the right, px/frame", |row| row.b.slope.u, slope),
+            Self::Motion => ("Motions", "Difference of the motions in A and B, px/frame", |row| row.motion_apart(), px),
+            Self::Distance => ("Distance", "Distance of the descriptors", |row| row.found.distance, Form::Fixed(1)),
+            Self::Ratio => ("Ratio", "Distance over that to the second nearest", |row| row.found.ratio, Form::Fixed(3)),
+            Self::Error => {
+                ("Error", "Distance from the geometry, pixels", |row| row.error_or_infinity(), Form::Digits(3))
+            }
+            Self::Inlier => ("Inlier", "Whether it agrees with the geometry", |row| row.inlier_rank(), Form::Whole),
         }
     }
 
     pub fn heading(self) -> &'static str {
-        self.words()[0]
+        self.record().0
     }
 
     pub fn help(self) -> &'static str {
-        self.words()[1]
+        self.record().1
     }
 
     /// The value by which the column sorts; rows without one come last.
     pub fn value(self, row: &MatchRow<'_>) -> f32 {
-        match self {
-            Self::Number => row.index as f32,
-            Self::UA => row.a.u,
-            Self::VA => row.a.v,
-            Self::UB => row.b.u,
-            Self::VB => row.b.v,
-            Self::SigmaA => row.a.sigma,
-            Self::SigmaB => row.b.sigma,
-            Self::SlopeA => row.a.slope.u,
-            Self::SlopeB => row.b.slope.u,
-            Self::Distance => row.found.distance,
-            Self::Ratio => row.found.ratio,
-            Self::Error => row.error_px.unwrap_or(f32::INFINITY),
-            Self::Inlier => row.inlier.map_or(2.0, |inlier| f32::from(u8::from(!inlier))),
-        }
+        self.record().2(row)
     }
 
     pub fn text(self, row: &MatchRow<'_>) -> String {
-        match self {
-            Self::Number => (row.index + 1).to_string(),
-            Self::UA => fixed(row.a.u, 2),
-            Self::VA => fixed(row.a.v, 2),
-            Self::UB => fixed(row.b.u, 2),
-            Self::VB => fixed(row.b.v, 2),
-            Self::SigmaA => format!("{:.2}", row.a.sigma),
-            Self::SigmaB => format!("{:.2}", row.b.sigma),
-            Self::SlopeA => signed(row.a.slope.u, 2),
-            Self::SlopeB => signed(row.b.slope.u, 2),
-            Self::Distance => format!("{:.1}", row.found.distance),
-            Self::Ratio => format!("{:.3}", row.found.ratio),
-            Self::Error => row.error_px.map_or_else(|| "–".to_owned(), |e| number(e, 3)),
-            Self::Inlier => match row.inlier {
-                Some(true) => "yes",
-                Some(false) => "no",
-                None => "–",
-            }
-            .to_owned(),
+        let x = self.value(row);
+        match (self, self.record().3) {
+            (Self::Inlier, _) => row.inlier.map_or("–", |inlier| if inlier { "yes" } else { "no" }).to_owned(),
+            (Self::Error, _) if row.error_px.is_none() => "–".to_owned(),
+            (_, Form::Fixed(decimals)) => fixed(x, decimals),
+            (_, Form::Signed(decimals)) => signed(x, decimals),
+            (_, Form::Digits(digits)) => number(x, digits),
+            _ => format!("{x:.0}"),
         }
     }
+}
+
+/// Way in which matches are drawn over the pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MatchesAs {
+    /// Lines from picture to picture.
+    #[default]
+    Lines,
+    /// In A, from the place in A to that in B.
+    Vectors,
+    /// Lines that end near the pointer.
+    Near,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -236,16 +267,28 @@ pub struct MatchLook {
     /// Whether the matches that agree with the geometry are shown; also those that were not verified.
     pub inliers: bool,
     pub outliers: bool,
-    /// Opacity of lines, 0 … 1.
-    pub opacity: f32,
     pub alone: bool,
     pub features: bool,
     pub geometry: bool,
+    pub drawn_as: MatchesAs,
+    /// Whether lines have the colour of the difference of the motions.
+    pub by_motion: bool,
+    /// Largest difference of the motions of the matches that are shown, px/frame.
+    pub max_motion: Option<f32>,
 }
 
 impl Default for MatchLook {
     fn default() -> Self {
-        Self { inliers: true, outliers: true, opacity: 0.7, alone: true, features: false, geometry: true }
+        Self {
+            inliers: true,
+            outliers: true,
+            alone: true,
+            features: false,
+            geometry: true,
+            drawn_as: MatchesAs::Lines,
+            by_motion: false,
+            max_motion: None,
+        }
     }
 }
 
@@ -254,14 +297,21 @@ impl MatchLook {
         if inlier == Some(false) { self.outliers } else { self.inliers }
     }
 
-    pub(crate) fn listing(&self) -> Self {
-        Self { inliers: self.inliers, outliers: self.outliers, ..Self::default() }
+    pub fn shows_row(&self, row: &MatchRow<'_>) -> bool {
+        self.shows(row.inlier) && self.max_motion.is_none_or(|max| row.motion_apart() <= max)
     }
 
-    /// Copy with an opacity of 0.05 … 1, or the default if it is not finite: a file may contain any value.
+    pub(crate) fn listing(&self) -> Self {
+        let Self { inliers, outliers, max_motion, .. } = *self;
+        Self { inliers, outliers, max_motion, ..Self::default() }
+    }
+
+    /// Copy whose limit is a number or none: a file may contain any value.
     #[must_use]
     pub fn sanitised(self) -> Self {
-        let opacity = if self.opacity.is_finite() { self.opacity.clamp(0.05, 1.0) } else { Self::default().opacity };
-        Self { opacity, ..self }
+        Self { max_motion: self.max_motion.filter(|max| *max >= 0.0), ..self }
     }
 }
+
+/// Opacity of the lines of matches, 0 … 1.
+pub const OPACITY: f32 = 0.7;

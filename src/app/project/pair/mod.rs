@@ -6,7 +6,7 @@ mod matches;
 mod sides;
 
 pub use lost::{LostFeatures, PATCHES, lost_label};
-pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, SavedMatch};
+pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, MatchesAs, OPACITY, SavedMatch};
 
 use crate::app::pane::{Content, Pane};
 use crate::app::project::comparison::{Comparison, Reference};
@@ -31,6 +31,9 @@ pub enum PairTab {
     Unmatched,
     Compared,
 }
+
+/// Width over height from which on two pictures are larger one above the other.
+const STACKED: f32 = 1.6;
 
 #[derive(Debug, Default)]
 pub struct PairState {
@@ -62,6 +65,13 @@ impl Model {
             Some(one) if !listed.contains(&one) => listed.iter().copied().chain([one]).collect(),
             _ => listed.clone(),
         }
+    }
+
+    /// Largest difference of the motions of a listed match, px/frame.
+    pub fn largest_motion(&self) -> f32 {
+        let pair = &self.pair;
+        let rows = pair.matches.iter().flat_map(|matches| pair.listed.iter().filter_map(|&index| matches.row(index)));
+        rows.map(|row| row.motion_apart()).fold(0.0, f32::max)
     }
 
     /// Takes newly made matches. The selection is kept where the same pair of features was matched again.
@@ -162,6 +172,8 @@ impl Model {
         self.forget_matches();
         (self.compare.gold.b, self.document.gold.b) = (None, None);
         let Pane { cursor, view, .. } = *self.panes.of(Side::A);
+        let sizes = Side::BOTH.map(|side| self.burst_of(side).map_or((1, 1), |open| open.burst.size()));
+        self.panes.place_by_shape(sizes.into_iter().all(|(width, height)| width as f32 > STACKED * height as f32));
         let linked = self.panes.of(Side::B).links.cursor;
         self.start_panes(Side::B, |_| {
             if linked { cursor } else { Cursor { frame: middle, kind: cursor.kind, ..Cursor::default() } }

@@ -3,8 +3,9 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::LineKind;
+use crate::app::document::Action;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
-use crate::app::panel::widgets::{number_row_ui, section_ui, warning_ui, weak_ui};
+use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
 use crate::app::project::Model;
 use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side, lost_label};
 use crate::app::view::{fixed, signed, signed_slope};
@@ -29,6 +30,9 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], q
             return;
         };
         verdict_ui(ui, &row, model.selected_match.is_none());
+        if let Some(limit) = matches.passed_limit(&row) {
+            weak_ui(ui, limit);
+        }
         if let Some(stale) = model.stale_matches() {
             ui.label(RichText::new(stale).color(crate::app::style::warning(ui)));
         }
@@ -170,16 +174,45 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         for line in notes(own, unmatched, sides) {
             warning_ui(ui, line);
         }
+        if let Some(twin) = model.pair.lost.twin(why.feature) {
+            let is_matched = found.lost[twin] == Lost::Not;
+            let fate = if is_matched { ", which is matched" } else { "" };
+            weak_ui(ui, format!("Another orientation of feature {}{fate}.", twin + 1));
+        }
         ui.add_space(4.0);
         candidate_patches_ui(ui, model, own, unmatched, sides, textures);
         candidates_ui(ui, unmatched, found);
         weak_ui(ui, expected_words(unmatched, found));
+        remedy_ui(ui, model, queue);
         if !unmatched.expected.is_empty() {
             button_ui(ui, model, queue, ActionId::ProbeExpected, None);
         }
         if model.selected_match.is_none() {
             button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
         }
+    });
+}
+
+/// Draws the change of the parameters that would match the feature, with what else it changes.
+fn remedy_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let Some(params) = model.remedy() else { return };
+    let change = if params.ratio != model.matching.ratio {
+        format!("Ratio test {:.2}", params.ratio)
+    } else if params.mutual != model.matching.mutual {
+        "Without the mutual check".to_owned()
+    } else {
+        format!("Max error {:.1} px", params.max_error_px)
+    };
+    let price = model.price_of_remedy(&params);
+    ui.horizontal_wrapped(|ui| {
+        if price.as_ref().is_some_and(|price| price.starts_with("matches")) {
+            let response = ui.button("Apply").on_hover_text("Match again so; Undo reverts it");
+            named(&response, egui::Role::Button, format!("Apply {change}"));
+            if response.clicked() {
+                queue.push(Action::SetMatching(Box::new(params)));
+            }
+        }
+        ui.add(Label::new(format!("{change}: {}", price.as_deref().unwrap_or("trying it…"))).wrap());
     });
 }
 
@@ -203,7 +236,8 @@ fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) -> Vec<Stri
     if let Some(other) = best.and_then(|best| sides.b.features.get(best.feature)) {
         let apart = (own.slope.u - other.slope.u).hypot(own.slope.v - other.slope.v);
         if apart > SLOPES_APART {
-            notes.push(format!("The slopes of the two differ by {apart:.2} px/frame."));
+            let nearest = unmatched.candidates[0].feature + 1;
+            notes.push(format!("The slope of the nearest, #{nearest}, differs by {apart:.2} px/frame."));
         }
     }
     notes

@@ -10,7 +10,7 @@ use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
 use crate::app::project::method::MethodId;
-use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side};
+use crate::app::project::pair::{MatchRow, Matches, MatchesAs, OPACITY, PATCHES, Side};
 use crate::app::view::signed_slope;
 use crate::detector::Feature;
 use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
@@ -19,6 +19,11 @@ use std::sync::Arc;
 /// Colours of candidates in B, from the nearest descriptor on.
 pub(super) const CANDIDATE_COLOURS: [Color32; PATCHES] =
     [Color32::from_rgb(0xff, 0xd2, 0x4a), Color32::from_rgb(0xff, 0x8a, 0x3d), Color32::from_rgb(0xff, 0x6b, 0xb5)];
+
+/// Colour of a difference of motions that is this part of the largest one: also colour-blind people see the ends apart.
+pub(super) fn motion_colour(part: f32) -> Color32 {
+    overlay::LineKind::Inlier.colour().lerp_to_gamma(Color32::from_rgb(230, 60, 170), part.clamp(0.0, 1.0))
+}
 
 /// Draws the matches over the drawn panes of A and B and lets the pointer choose among them. Returns the hovered match;
 /// the outer `None` while the pointer is over no picture.
@@ -29,12 +34,22 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
         return pointer.map(|_| None);
     };
     let look = model.match_look;
+    let are_vectors = look.drawn_as == MatchesAs::Vectors;
+    let largest = look.by_motion.then(|| model.largest_motion().max(f32::MIN_POSITIVE));
     let rows: Vec<MatchRow<'_>> = model.drawn_matches().into_iter().filter_map(|index| matches.row(index)).collect();
     let lines: Vec<(Canvases, Vec<MatchLine>)> = views
-        .canvases()
+        .canvases(are_vectors)
         .into_iter()
         .map(|canvases| {
-            let lines = rows.iter().map(|row| line_of(row, canvases.shifts)).collect();
+            let lines = rows.iter().map(|row| line_of(row, canvases.shifts, largest));
+            let is_on = |line: &MatchLine| match look.drawn_as {
+                MatchesAs::Near => {
+                    let near = pointer.is_some_and(|(_, pos)| line.is_near(&canvases.panes, pos));
+                    near || [model.selected_match, model.pair.hovered].contains(&Some(line.index))
+                }
+                MatchesAs::Lines | MatchesAs::Vectors => true,
+            };
+            let lines = lines.filter(is_on).collect();
             (canvases, lines)
         })
         .collect();
@@ -48,18 +63,14 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     {
         locus_ui(model, matches, &row, &views);
     }
-    let style = MatchLineStyle {
-        opacity: look.opacity,
-        selected: model.selected_match,
-        hovered,
-        others_faint: focus.is_some(),
-    };
+    let (opacity, selected, others_faint) = (OPACITY, model.selected_match, focus.is_some());
+    let style = MatchLineStyle { opacity, selected, hovered, others_faint, are_vectors };
     let always = |index| [model.selected_match, hovered].contains(&Some(index));
     // An unmatched feature that is asked about stands alone.
     let lines: Vec<_> = if model.asked_about.is_some() { Vec::new() } else { lines };
     let mut numbers = (0, 0);
     for (canvases, lines) in &lines {
-        let flags = overlay::drawn_lines(lines, &canvases.panes[0], always);
+        let flags = overlay::drawn_lines(lines, &canvases.panes[0], are_vectors, always);
         let drawn: Vec<MatchLine> =
             lines.iter().zip(&flags).filter(|(_, flag)| **flag).map(|(line, _)| *line).collect();
         overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &drawn, &style);
@@ -84,7 +95,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     }
     unmatched_marks_ui(model, &views);
     if let Some(row) = pointed.filter(|_| !dragged).and_then(|index| matches.row(index)) {
-        match_tip_ui(ui, &row);
+        match_tip_ui(ui, &row, matches.passed_limit(&row));
     }
     pointer.map(|_| pointed)
 }
@@ -99,8 +110,10 @@ fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<us
     overlay::feature_at(&placed, None, view.output.ui_from_image, pos)
 }
 
-/// `shifts` are frames after mid-burst.
-pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -> MatchLine {
+/// `shifts` are frames after mid-burst. The line has the colour of its kind, or of the difference of the motions beside
+/// the `largest` one.
+pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2], largest: Option<f32>) -> MatchLine {
+    let kind = overlay::LineKind::of(row.inlier);
     let place = |f: &Feature, dt: f32| {
         let f = at_time(f, dt);
         pos2(f.u, f.v)
@@ -109,7 +122,8 @@ pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2]) -
         index: row.index,
         a: place(row.a, shifts[0]),
         b: place(row.b, shifts[1]),
-        kind: overlay::LineKind::of(row.inlier),
+        kind,
+        colour: largest.map_or(kind.colour(), |largest| motion_colour(row.motion_apart() / largest)),
     }
 }
 
@@ -153,7 +167,7 @@ fn points_ui(output: &CanvasOutput, places: &[[f64; 2]]) -> Vec<Pos2> {
     places.iter().map(|place| output.ui_from_image.pos(pos2(place[0] as f32, place[1] as f32))).collect()
 }
 
-fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>) {
+fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
     let verdict = match row.inlier {
         Some(true) => "  inlier",
         Some(false) => "  outlier",
@@ -161,12 +175,13 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>) {
     };
     let error = row.error_px.map_or_else(String::new, |e| format!("  error {} px", crate::app::canvas::number(e, 3)));
     let text = format!(
-        "Match {}{verdict}\ndistance {:.1}  ratio {:.3}{error}\nslopes ({}) and ({}) px/frame",
+        "Match {}{verdict}\ndistance {:.1}  ratio {:.3}{error}\nslopes ({}) and ({}) px/frame{}",
         row.index + 1,
         row.found.distance,
         row.found.ratio,
         signed_slope(row.a.slope, 2),
-        signed_slope(row.b.slope, 2)
+        signed_slope(row.b.slope, 2),
+        passed_limit.map_or_else(String::new, |limit| format!("\n{limit}"))
     );
     tip_ui(ui, "match tip", |ui| {
         ui.label(RichText::new(text).monospace());
@@ -217,13 +232,22 @@ impl<'a> MatchViews<'a> {
         self.views.iter().enumerate().find_map(|(place, view)| Some((place, view.output.pointer_ui?)))
     }
 
-    /// Canvases of each pair, A's first. A pane without a partner is paired with an empty rectangle, so that the ends
+    /// Canvases of each pair, A's first; for vectors each of A with itself. A pane without a partner is paired with an empty rectangle, so that the ends
     /// of its matches are marked. The pair under the pointer comes last.
-    pub fn canvases(&self) -> Vec<Canvases> {
+    pub fn canvases(&self, are_vectors: bool) -> Vec<Canvases> {
         let pane = |place: usize| {
             let output = self.views[place].output;
             Pane { ui_from_image: output.ui_from_image, rect_ui: output.response.rect }
         };
+        if are_vectors {
+            let of_a = (0..self.views.len()).filter(|place| self.views[*place].side == Side::A);
+            let with_itself = |place: usize| Canvases {
+                panes: [pane(place); 2],
+                shifts: [self.views[place].shift; 2],
+                places: [Some(place), None],
+            };
+            return of_a.map(with_itself).collect();
+        }
         let nothing = |place: usize| Pane { rect_ui: Rect::NOTHING, ..pane(place) };
         let paired = self.pairs.iter().map(|&(a, b)| Canvases {
             panes: [pane(a), pane(b)],

@@ -13,13 +13,15 @@ use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::pane::PaneId;
 use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
-use crate::app::panel::widgets::{hint, label_ui, section_ui};
+use crate::app::panel::widgets::{label_ui, name_field, section_ui};
 use crate::app::parts::mark;
 use crate::app::project::Model;
-use crate::app::project::pair::{PATCHES, PairTab, Side};
-use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
+use crate::app::project::pair::{MatchLook, MatchesAs, PATCHES, PairTab, Side};
+use crate::app::workspace::{
+    LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
+};
 use crate::teach::Part;
-use egui::{CentralPanel, Color32, Frame, Sense, Stroke, Ui, vec2};
+use egui::{CentralPanel, Color32, DragValue, Frame, Margin, Panel, Sense, Stroke, Ui, vec2};
 
 #[derive(Default)]
 pub struct PairPanels {
@@ -31,38 +33,61 @@ pub struct PairPanels {
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let WorkspaceParts { model, widgets, pair, probe, queue, .. } = parts;
     folded_ui(ui, model, queue);
-    if model.shows_left() {
+    let match_is_left = model.match_is_left();
+    if model.shows_left() && !match_is_left {
         left_panel(ui, "pair left", side_width(model), |ui| {
             sides_ui(ui, model, queue);
+            switches_ui(ui, model, queue);
             panel::cursor::cursor_ui(ui, model, queue);
             parameters::parameters_ui(ui, model, &mut pair.camera_text, queue);
             panel::parameters::parameters_ui(ui, model, queue);
         });
     }
     if model.shows_right() {
-        right_panel(ui, "pair right", side_width(model), 250.0..=460.0, |ui| {
+        let match_ui = |ui: &mut Ui| {
+            if match_is_left
+                && ui.button("⏴ Parameters").on_hover_text("Close the match and the probe  (Esc)").clicked()
+            {
+                queue.push(ActionId::ClearSelection);
+                queue.push(Action::OpenProbe(false));
+            }
             let other = ("Match and display", "The selected match, and how matches and pictures are drawn");
             if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
                 return;
             }
             scroll_ui(ui, |ui| {
-                switches_ui(ui, model, queue);
                 detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
                 detail::why_ui(ui, model, &mut pair.candidate_textures, queue);
+                if !model.shows_left() || match_is_left {
+                    switches_ui(ui, model, queue);
+                }
                 panel::display::ranges_ui(ui, model, widgets, queue);
             });
-        });
+        };
+        let width = side_width(model);
+        if match_is_left {
+            // The panel of the parameters, whose width is kept.
+            let panel = Panel::left("pair left").frame(side_frame(ui)).default_size(width);
+            panel.size_range(LEFT_WIDTHS).show(ui, match_ui);
+        } else {
+            right_panel(ui, "pair right", width, 250.0..=460.0, match_ui);
+        }
     }
     let (mut in_table, mut over_list) = (None, false);
-    if model.shows_bottom() {
+    if !model.shows_bottom() {
+        let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 2));
+        Panel::bottom("pair tabs").frame(frame).show(ui, |ui| table::tabs_ui(ui, model, queue));
+    } else {
         let is_over = bottom_panel(ui, "pair bottom", 300.0, |ui| {
             mark(ui, Part::Below, ui.max_rect());
-            table::numbers_ui(ui, model);
+            table::tabs_ui(ui, model, queue);
             ui.separator();
-            table::switch_ui(ui, model, queue);
             match model.pair_tab {
                 PairTab::Matches => in_table = table::table_ui(ui, model, queue),
-                PairTab::Unmatched => table::lost_table_ui(ui, model, queue),
+                PairTab::Unmatched => {
+                    table::steps_ui(ui, model, queue);
+                    table::lost_table_ui(ui, model, queue);
+                }
                 PairTab::Compared => panel::against::against_ui(ui, model, widgets, queue),
             }
         });
@@ -144,12 +169,17 @@ pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             let tip = "Matches that do not agree with the geometry of the two views  (U)";
             kind_ui(ui, &mut look.outliers, LineKind::Outlier, "Outliers", outliers, tip);
         }
-        ui.horizontal(|ui| {
-            let label = label_ui(ui, "Opacity", 52.0);
-            ui.spacing_mut().slider_width = (ui.available_width() - 16.0).max(40.0);
-            let slider = egui::Slider::new(&mut look.opacity, 0.05..=1.0).show_value(false);
-            hint(ui.add(slider).labelled_by(label.id), "How strongly the lines are drawn");
+        ui.horizontal_wrapped(|ui| {
+            let ways = [
+                (MatchesAs::Lines, "Lines", "From picture to picture, the strongest of each part; zoom in for more"),
+                (MatchesAs::Vectors, "Vectors", "In A, from the place in A to that in B"),
+                (MatchesAs::Near, "Near pointer", "Only lines that end near the pointer"),
+            ];
+            for (way, label, tip) in ways {
+                ui.radio_value(&mut look.drawn_as, way, label).on_hover_text(tip);
+            }
         });
+        motion_ui(ui, look, model.largest_motion());
         let boxes = [
             (&mut look.alone, "Selected alone", "Draw the selected match alone, without the others  (X)"),
             (&mut look.geometry, "Epipolar lines", "Lines of the other picture on which the partners must lie  (E)"),
@@ -159,6 +189,31 @@ pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             ui.checkbox(on, label).on_hover_text(tip);
         }
         queue.set(&model.match_look, changed, Action::SetMatchLook);
+    });
+}
+
+/// Draws the filter by the difference of the motions, and the switch of its colours with their range.
+fn motion_ui(ui: &mut Ui, look: &mut MatchLook, largest: f32) {
+    ui.horizontal(|ui| {
+        let mut is_on = look.max_motion.is_some();
+        let tip = "Show only matches whose motions in A and B differ by at most this, px/frame";
+        ui.checkbox(&mut is_on, "Motions within").on_hover_text(tip);
+        let mut max = look.max_motion.unwrap_or(0.5);
+        let field = DragValue::new(&mut max).range(0.0..=100.0).speed(0.01).suffix(" px/frame");
+        name_field(&ui.add_enabled(is_on, field), "Motions within", &max.to_string());
+        look.max_motion = is_on.then_some(max);
+    });
+    ui.horizontal(|ui| {
+        let tip = "Colour the lines by the difference of the motions in A and B";
+        ui.checkbox(&mut look.by_motion, "Colour by motions").on_hover_text(tip);
+        if look.by_motion {
+            let (rect, _) = ui.allocate_exact_size(vec2(48.0, 10.0), Sense::hover());
+            for x in 0..48 {
+                let colour = lines::motion_colour(x as f32 / 47.0);
+                ui.painter().vline(rect.left() + x as f32 + 0.5, rect.y_range(), Stroke::new(1.0, colour));
+            }
+            ui.weak(format!("0 … {largest:.1} px/frame"));
+        }
     });
 }
 

@@ -3,13 +3,21 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
 use crate::app::panel::parameter_rows::{self as rows, ParamTable};
+use crate::app::panel::parameters::fold_ui;
 use crate::app::panel::widgets::{name_field, section_ui};
+use crate::app::parts;
 use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::dataset::CameraChoice;
+use crate::detector::params::Param;
 use crate::matching::params::doc;
-use crate::matching::{Camera, CameraModel, MatchParams};
+use crate::matching::{Camera, CameraModel, Geometry, MatchParams};
+use crate::teach::Part;
 use egui::{Align, Layout, RichText, Ui};
+
+/// Parameters that are folded.
+const ADVANCED: [Param<MatchParams>; 5] =
+    [doc::MIN_INLIERS, doc::CONFIDENCE, doc::MAX_ITERATIONS, doc::SEED, doc::CAMERA];
 
 #[derive(Debug, Clone, Default)]
 pub struct CameraText {
@@ -69,7 +77,16 @@ fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut 
     let mut params = model.matching.clone();
     let p = &mut params;
     let table = ParamTable { error, defaults: MatchParams::default(), frame_count: 0, note: None };
-    for record in &doc::ALL {
+    let is_advanced = |record: &&Param<MatchParams>| ADVANCED.contains(record);
+    let is_needed = |record: &&Param<MatchParams>| {
+        let has_error = error.is_some_and(|error| error.subject == record.name);
+        has_error
+            || parts::is_wanted(ui.ctx(), Part::parameter(record))
+            || (**record == doc::CAMERA && p.camera.is_some())
+    };
+    let needed = ADVANCED.iter().any(|record| is_needed(&record)) || p.geometry == Geometry::Essential;
+    let changed = ADVANCED.iter().filter(|record| record.text(p) != record.text(&table.defaults)).count();
+    let mut row = |ui: &mut Ui, record: &Param<MatchParams>| {
         ui.add_enabled_ui((record.in_use)(p), |ui| {
             if *record == doc::CAMERA {
                 camera_ui(ui, &table, p, camera, size);
@@ -77,6 +94,10 @@ fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut 
                 table.row(ui, record, p);
             }
         });
+    };
+    doc::ALL.iter().filter(|record| !is_advanced(record)).for_each(|record| row(ui, record));
+    if fold_ui(ui, model, needed, changed, queue) {
+        ADVANCED.iter().for_each(|record| row(ui, record));
     }
     queue.set(&model.matching, params, |params| Action::SetMatching(Box::new(params)));
 }

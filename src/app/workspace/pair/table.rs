@@ -17,7 +17,7 @@ impl SortedColumn for MatchColumn {
         let term = match self {
             Self::Number | Self::UA | Self::VA | Self::UB | Self::VB => None,
             Self::SigmaA | Self::SigmaB => Some("scale"),
-            Self::SlopeA | Self::SlopeB => Some("slope"),
+            Self::SlopeA | Self::SlopeB | Self::Motion => Some("slope"),
             Self::Distance => Some("descriptor"),
             Self::Ratio => Some("ratio-test"),
             Self::Error => Some("epipolar-line"),
@@ -51,19 +51,42 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
     pointed.hovered
 }
 
-pub fn switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    ui.horizontal_wrapped(|ui| {
+/// Draws the tabs, of which the open one closes the panel and any other opens it, and the numbers of the pair.
+pub fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let row = |ui: &mut Ui| {
+        (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
         let is_compared = model.comparisons.both().into_iter().any(|set| set.with.is_some());
-        let mut tab = model.pair_tab;
-        ui.selectable_value(&mut tab, PairTab::Matches, "Matches");
-        ui.selectable_value(&mut tab, PairTab::Unmatched, "Unmatched features of A")
-            .on_hover_text("Features of A that are not inliers, and the step at which each was lost");
-        if is_compared || tab == PairTab::Compared {
-            ui.selectable_value(&mut tab, PairTab::Compared, "Compared features")
-                .on_hover_text("Features of the burst in focus, compared with others");
+        let tabs = [
+            (PairTab::Matches, "Matches", "A row for each match"),
+            (
+                PairTab::Unmatched,
+                "Unmatched",
+                "Features of A that are not inliers, and the step at which each was lost",
+            ),
+            (PairTab::Compared, "Compared", "Features of the burst in focus, compared with others"),
+        ];
+        for (tab, name, help) in tabs {
+            let is_open = model.pair_tab == tab && model.shows_bottom();
+            if (tab != PairTab::Compared || is_compared || is_open)
+                && ui.selectable_label(is_open, name).on_hover_text(help).clicked()
+            {
+                queue.push(Action::SetPairTab(tab));
+            }
         }
-        queue.set(&model.pair_tab, tab, Action::SetPairTab);
         ui.separator();
+        numbers_ui(ui, model);
+    };
+    // Only above the table is there room for a second line: the pictures stay where they are.
+    if model.shows_bottom() {
+        ui.horizontal_wrapped(row)
+    } else {
+        ui.horizontal(row)
+    };
+}
+
+/// Draws the steps at which features of A were lost, each with its count and its switch.
+pub fn steps_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    ui.horizontal_wrapped(|ui| {
         if let Some(running) = &model.pair.lost.wanted.running() {
             ui.weak(progress_text(running));
             return;
@@ -75,9 +98,6 @@ pub fn switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         for lost in Lost::ALL.into_iter().filter(|lost| *lost != Lost::Not) {
             let text = format!("{} {}", lost_label(lost), model.pair.lost.count(lost));
             let mut on = !model.hidden_losses.contains(&lost);
-            let spacing = ui.spacing();
-            let mark = spacing.icon_width + spacing.icon_spacing;
-            make_room(ui, mark + text_width(ui, &text));
             if ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed() {
                 queue.push(Action::ShowLost(lost, on));
             }
@@ -92,6 +112,7 @@ fn help(lost: Lost) -> &'static str {
         Lost::RatioTest => "The second nearest descriptor is almost as near as the nearest",
         Lost::MutualCheck => "The nearest in B is nearer to another feature of A",
         Lost::Geometry => "Matched, but the match does not fit the geometry",
+        Lost::Motion => "The descriptors match, but another feature lies where the motion puts it",
     }
 }
 
@@ -107,13 +128,17 @@ pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let hidden = &model.hidden_losses;
     let listed: Vec<usize> = (0..found.lost.len())
         .filter(|&index| found.lost[index] != Lost::Not && !hidden.contains(&found.lost[index]))
+        .filter(|&index| !model.pair.lost.is_folded(index))
         .collect();
     let mut clicked = None;
     let listed = Listed { items: &listed, selected: model.asked_feature(), hovered: None };
     let text = |column: usize, index: usize| {
         let f = &found.request.request.a.features[index];
         match column {
-            0 => format!("{}", index + 1),
+            0 => match model.pair.lost.others(index) {
+                0 => format!("{}", index + 1),
+                more => format!("{} +{more}", index + 1),
+            },
             1 => lost_label(found.lost[index]).to_owned(),
             2 => fixed(f.u, 1),
             3 => fixed(f.v, 1),
@@ -136,36 +161,37 @@ pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 const NAME_GAP: f32 = 4.0;
 
-pub fn numbers_ui(ui: &mut Ui, model: &Model) {
-    ui.horizontal_wrapped(|ui| {
-        let Some(matches) = &model.pair.matches else {
-            ui.add(Label::new(RichText::new(missing(model)).weak()).truncate());
-            return;
-        };
-        ui.spacing_mut().item_spacing.x = 10.0;
-        for (name, help, value) in rows(&matches.result.counts) {
-            let text = format!("{name} {value}");
-            let (name, value) = (RichText::new(name).small().weak(), RichText::new(value).strong().monospace());
+fn numbers_ui(ui: &mut Ui, model: &Model) {
+    let Some(matches) = &model.pair.matches else {
+        ui.add(Label::new(RichText::new(missing(model)).weak()).truncate());
+        return;
+    };
+    ui.spacing_mut().item_spacing.x = 10.0;
+    for (name, help, value) in rows(&matches.result.counts) {
+        let text = format!("{name} {value}");
+        let (name, value) = (RichText::new(name).small().weak(), RichText::new(value).strong().monospace());
+        if model.shows_bottom() {
             make_room(ui, text_width(ui, name.clone()) + NAME_GAP + text_width(ui, value.clone()));
-            let response = ui
-                .horizontal(|ui| {
-                    ui.spacing_mut().item_spacing.x = NAME_GAP;
-                    ui.add(Label::new(name).selectable(false));
-                    ui.add(Label::new(value));
-                })
-                .response;
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
-            response.on_hover_text(help);
         }
-        let (drawn, lines) = model.pair.lines_drawn;
-        if drawn < lines {
-            let tip = "A few lines for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line";
-            ui.weak(format!("{drawn} of {lines} lines drawn")).on_hover_text(tip);
-        }
-        if let Some(problem) = model.stale_matches().map(str::to_owned).or_else(|| without_geometry(matches)) {
-            ui.add(Label::new(RichText::new(problem).color(crate::app::style::warning(ui))).truncate());
-        }
-    });
+        let response = ui
+            .horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = NAME_GAP;
+                ui.add(Label::new(name).selectable(false));
+                ui.add(Label::new(value));
+            })
+            .response;
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
+        response.on_hover_text(help);
+    }
+    if let Some(problem) = model.stale_matches().map(str::to_owned).or_else(|| without_geometry(matches)) {
+        ui.add(Label::new(RichText::new(problem).color(crate::app::style::warning(ui))).truncate());
+        return;
+    }
+    let (drawn, lines) = model.pair.lines_drawn;
+    if drawn < lines {
+        let tip = "A few for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line";
+        ui.add(Label::new(RichText::new(format!("{drawn} of {lines} drawn")).weak()).truncate()).on_hover_text(tip);
+    }
 }
 
 fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
@@ -181,7 +207,7 @@ fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
         ),
         ("Match ratio", "Putative matches over keypoints, mean of A and B", share(counts.match_ratio())),
         ("Match score", "Inliers over keypoints, mean of A and B", counts.match_score().map_or_else(none, share)),
-        ("Precision", "Inliers over putative matches", counts.precision().map_or_else(none, share)),
+        ("Inlier ratio", "Inliers over putative matches", counts.precision().map_or_else(none, share)),
     ]
 }
 

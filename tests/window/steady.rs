@@ -1,0 +1,163 @@
+//! Nothing moves under the pointer: places of the window before and after what a user does there.
+
+use crate::support::{Start, Window, given};
+use burstscope::app::Startup;
+use burstscope::app::pane::PaneId;
+use burstscope::app::project::pair::{MatchesAs, Side};
+use burstscope::app::project::workspace::Workspace;
+use burstscope::detector::{DetectorParams, SlopeGrid};
+use burstscope::requests::BurstSource;
+use egui::accesskit::Role;
+use egui::{Key, Rect};
+use egui_kittest::kittest::Queryable;
+
+fn rect(window: &Window, role: Role, label: &str) -> Rect {
+    window.harness.get_all_by_role_and_label(role, label).next().expect("drawn").rect()
+}
+
+/// Two bursts as at the first start, at `size` points.
+fn pair(size: [f32; 2], bursts: [BurstSource; 2]) -> Window {
+    let [source, second] = bursts;
+    let startup = Startup { source: Some(source), second: Some(second), params: given().params, ..Startup::default() };
+    let mut window = Start { size, startup, ..Start::default() }.open();
+    window.app_mut().model.workspace = Workspace::Pair;
+    window.settle();
+    window
+}
+
+fn demos(size: [f32; 2]) -> Window {
+    pair(size, [BurstSource::Demo, BurstSource::DemoLater])
+}
+
+fn panes(window: &Window) -> [Rect; 2] {
+    Side::BOTH.map(|side| window.app().widgets.rect_ui(PaneId::of(side)).expect("drawn"))
+}
+
+#[test]
+fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
+    for size in [[1280.0, 800.0], [1920.0, 1080.0]] {
+        let mut window = demos(size);
+        let before = panes(&window);
+        assert!(before.iter().all(|pane| pane.width() >= 450.0), "{size:?}: {before:?}");
+        window.key(Key::Home);
+        window.settle();
+        assert!(window.shows("Selected match") && window.shows("Epipolar error"));
+        assert_eq!(panes(&window), before, "{size:?}: a match is selected");
+        let place = window.app().ui_from_image_of(Side::B, egui::pos2(200.0, 150.0)).unwrap();
+        window.shift_click_at(place);
+        window.settle();
+        assert!(window.app().model.probe.is_open && window.shows("Candidates here"));
+        assert_eq!(panes(&window), before, "{size:?}: the probe is open");
+        window.key(Key::Escape);
+        window.run_action("Clear probe");
+        window.settle();
+        assert!(window.shows("Ratio test"));
+        assert_eq!(panes(&window), before, "{size:?}: the parameters are back");
+    }
+}
+
+#[test]
+fn wide_bursts_stand_one_above_the_other() {
+    let home = tempfile::tempdir().unwrap();
+    let path = crate::support::noisy_stack(home.path(), 5, 60, 150);
+    let burst = || BurstSource::Paths(vec![path.clone()]);
+    let [a, b] = panes(&pair([1280.0, 800.0], [burst(), burst()]));
+    assert!(a.bottom() <= b.top() && a.width() > 900.0, "{a:?} {b:?}");
+}
+
+#[test]
+fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
+    let mut window = demos([1280.0, 800.0]);
+    let drawn = |window: &Window| window.app().model.pair.lines_drawn;
+    let (lines, all) = drawn(&window);
+    assert!((10..70).contains(&lines) && all > 3 * lines, "{lines} of {all}");
+    window.harness.get_by_role_and_label(Role::RadioButton, "Vectors").click();
+    window.settle();
+    let (vectors, of) = drawn(&window);
+    assert_eq!((window.app().model.match_look.drawn_as, of), (MatchesAs::Vectors, all));
+    assert!(vectors > lines, "short ones take less room: {vectors}");
+    window.harness.get_by_role_and_label(Role::RadioButton, "Near pointer").click();
+    window.settle();
+    assert_eq!(drawn(&window).1, 0, "the pointer is elsewhere");
+    let row = window.app().model.pair.matches.as_ref().unwrap().row(3).unwrap();
+    let end = egui::pos2(row.a.u, row.a.v);
+    let end = window.app().ui_from_image_of(Side::A, end).unwrap();
+    window.harness.hover_at(end);
+    window.harness.run_steps(3);
+    let near = drawn(&window).1;
+    assert!(near > 0 && near < all / 3, "{near}");
+}
+
+#[test]
+fn the_fields_of_the_slopes_stay_while_they_are_used() {
+    let mut start = Start { size: [1280.0, 1000.0], ..Start::default() };
+    start.startup.params =
+        DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3), ..Default::default() }.into();
+    let mut window = start.open();
+    let gate = |window: &Window| rect(window, Role::ComboBox, "Noise gate").top();
+    let set = |window: &mut Window, label: &str, count: f64| {
+        let field = window.harness.get_all_by_role_and_label(Role::SpinButton, label).nth(2).unwrap();
+        let pos = field.rect().center();
+        window.harness.hover_at(pos);
+        window.harness.run_steps(1);
+        let field = window.harness.get_all_by_role_and_label(Role::SpinButton, label).nth(2).unwrap();
+        field.set_value_accesskit(count);
+        window.settle();
+    };
+    let before = gate(&window);
+    let plane = |window: &Window| window.harness.query_by_role_and_label(Role::Canvas, "Slope plane").is_some();
+    assert!(plane(&window));
+    // From a plane to a line, and to a single slope: each has other pictures above the fields.
+    for (label, count) in [("Slopes v", 1.0), ("Slopes u", 1.0), ("Slopes u", 7.0)] {
+        set(&mut window, label, count);
+        assert_eq!(gate(&window), before, "{label} {count}");
+    }
+    assert!(plane(&window));
+    window.harness.remove_cursor();
+    window.settle();
+    assert!(!plane(&window), "it goes afterwards");
+}
+
+#[test]
+fn the_filter_stays_under_the_pointer_when_it_hides_features() {
+    let mut window = Start { size: [1280.0, 900.0], ..Start::default() }.open();
+    window.click("Filter");
+    window.harness.run_steps(3);
+    let before = rect(&window, Role::CheckBox, "Hide features at the slope limit");
+    let total = window.app().model.listed.len();
+    window.app_mut().model.filter.hide_slope_limit = true;
+    window.settle();
+    assert!(window.app().model.listed.len() < total);
+    assert_eq!(rect(&window, Role::CheckBox, "Hide features at the slope limit"), before);
+}
+
+#[test]
+fn the_list_of_lessons_opens_at_its_place() {
+    for size in [[1280.0, 800.0], [960.0, 640.0]] {
+        let mut window = Start { size, ..Start::without_auto_detect() }.open();
+        window.harness.key_press(Key::F1);
+        let first = |window: &Window| {
+            let mut rows = window.harness.query_all_by_label_contains("Lesson: ");
+            rows.next().map(|row| row.rect())
+        };
+        // In its first pass it is measured, and not shown.
+        window.harness.run_steps(2);
+        let opened = first(&window).expect("listed");
+        window.harness.hover_at(opened.center());
+        window.harness.run_steps(5);
+        assert_eq!(first(&window), Some(opened), "{size:?}");
+    }
+}
+
+#[test]
+fn the_panel_on_the_right_keeps_its_width() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    let picture = |window: &Window| rect(window, Role::Canvas, "Picture");
+    let before = picture(&window);
+    window.key(Key::Home);
+    window.settle();
+    assert_eq!(picture(&window), before, "a feature is selected");
+    window.run_action("Why this feature?");
+    window.settle();
+    assert_eq!(picture(&window), before, "it is probed");
+}
