@@ -114,8 +114,9 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
         ("features as npz", "f.npz"),
         ("32-bit tiff", "p.tiff"),
         ("picture as png", "p.png"),
-        ("figure as svg", "p.svg"),
-        ("figure as png", "figure.png"),
+        ("figure as before", "p.svg"),
+        ("figure as before", "figure.png"),
+        ("figure as before", "figure.pdf"),
         ("save parameters", "params.toml"),
         ("save session", "session.toml"),
     ];
@@ -143,7 +144,7 @@ fn what_was_matched_and_measured_is_whole_too() {
     let of_lab = [("export curves as csv", "c.csv"), ("export curves as svg", "c.svg")];
     begin(&mut window, folder.path(), &of_lab);
     window.ctrl(egui::Key::Num2);
-    let of_pair = [("export matches as csv", "m.csv"), ("export match picture as png", "m.png")];
+    let of_pair = [("export matches as csv", "m.csv"), ("figure as before", "m.png")];
     begin(&mut window, folder.path(), &of_pair);
     window.ctrl(egui::Key::Num1);
     let pane = window.app().model.focus();

@@ -198,7 +198,7 @@ fn features_pictures_and_figures_are_exported() {
         ("features as npz", "f.npz"),
         ("32-bit tiff", "p.tiff"),
         ("picture as png", "p.png"),
-        ("figure as svg", "p.svg"),
+        ("figure as before", "p.svg"),
     ];
     for (action, name) in exports {
         window.dialogs.will_choose(folder.path().join(name));
@@ -233,19 +233,21 @@ fn figures_show_what_the_panes_show() {
     window.run_action("zoom in");
     window.run_action("zoom in");
     window.settle();
-    window.run_action("figure options");
-    window.harness.get_by_role_and_label(Role::SpinButton, "Scale").set_value_accesskit(3.0);
+    window.run_action("export figure…");
+    window.click("Pixels");
+    window.harness.run_steps(2);
+    window.harness.get_by_role_and_label(Role::SpinButton, "Width").set_value_accesskit(3.0);
     window.harness.get_by_role_and_label(Role::CheckBox, "Colour bar").click();
     window.harness.run_steps(2);
     window.dialogs.will_choose(&svg);
-    window.click("Export SVG…");
+    window.click("Export…");
     window.settle();
     let text = std::fs::read_to_string(&svg).unwrap();
     assert_eq!(text.matches("<image").count(), 2);
     assert_eq!(text.matches("<circle").count(), 2 * listed, "the filter holds in both pictures");
-    assert!(text.contains("(a)  Frame 5") && text.contains("(b)  Motion stack") && !text.contains("of full scale"));
+    assert!(text.contains("(a) Frame 5") && text.contains("(b) Motion stack") && !text.contains("of full scale"));
     window.dialogs.will_choose(&png);
-    window.run_action("export figure as png");
+    window.run_action("figure as before");
     window.settle();
     let image = image::open(&png).unwrap().to_rgb8();
     let model = &window.app().model;

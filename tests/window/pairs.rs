@@ -287,7 +287,7 @@ fn a_second_burst_that_cannot_be_opened_is_named_and_the_pair_stays() {
 fn matches_are_exported_as_a_table_and_as_a_picture() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = pair();
-    for (action, name) in [("matches as csv", "m.csv"), ("match picture", "m.png")] {
+    for (action, name) in [("matches as csv", "m.csv"), ("figure as before", "m.png")] {
         window.dialogs.will_choose(folder.path().join(name));
         window.run_action(action);
         window.settle();
@@ -296,9 +296,18 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     let counts = window.app().model.pair.matches.as_ref().unwrap().result.counts;
     let csv = std::fs::read_to_string(folder.path().join("m.csv")).unwrap();
     assert_eq!(csv.lines().count(), counts.putative + 1);
-    let gap = burstscope::export::PICTURE_GAP_PX as u32;
-    let picture = image::open(folder.path().join("m.png")).unwrap();
-    assert_eq!((picture.width(), picture.height()), (480 + gap + 480, 360));
+    // 181 mm at 300 pixels an inch.
+    assert_eq!(image::open(folder.path().join("m.png")).unwrap().width(), 2138);
+    let svg = folder.path().join("m.svg");
+    window.dialogs.will_choose(&svg);
+    window.run_action("figure as before");
+    window.settle();
+    let text = std::fs::read_to_string(&svg).unwrap();
+    let inliers = counts.inliers.unwrap();
+    assert!(
+        text.contains(&format!(">{inliers} inliers<")) && text.contains(">(a) A: ") && text.contains("pt\""),
+        "{inliers}"
+    );
 }
 
 /// Panes on the screen.

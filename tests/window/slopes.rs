@@ -137,7 +137,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let path = folder.path().join("coherence.svg");
     window.app_mut().model.figure.legend = true;
     window.dialogs.will_choose(&path);
-    window.run_action("figure as svg");
+    window.run_action("figure as before");
     window.settle();
     let svg = std::fs::read_to_string(&path).unwrap();
     let colours: std::collections::BTreeSet<&str> = svg
