@@ -9,8 +9,8 @@ use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, mem
 use crate::error::{Error, ErrorKind};
 use crate::export::film::write_film;
 use crate::export::{
-    Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureOptions, FigurePanel, FigureWidth, IN_A_CELL,
-    LegendEntry, curve_height, draw_curve, lay_out,
+    Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth,
+    IN_A_CELL, LegendEntry, curve_height, draw_curve, lay_out,
 };
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
@@ -264,7 +264,7 @@ impl Film {
         let picture = |(index, plane): (usize, &Plane)| -> Result<RgbaImage, Error> {
             monitor.check()?;
             let panel = self.panel(&prepared.steps[index], Some((plane, &prepared.display)));
-            let mut drawing = lay_out(&[vec![panel]], &[], &self.options());
+            let mut drawing = lay_out(&[vec![panel]], &FigureMatches::default(), &self.options());
             drawing.size = prepared.sheet;
             if self.place().is_some() {
                 drawing.size[1] -= curve_height(FONT_PX);
@@ -276,7 +276,8 @@ impl Film {
     }
 
     fn sheet(&self) -> [f32; 2] {
-        let size = |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &[], &self.options()).size;
+        let size =
+            |step: &FilmStep| lay_out(&[vec![self.panel(step, None)]], &FigureMatches::default(), &self.options()).size;
         let largest = self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let curve = if self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
         [largest[0].ceil(), (largest[1] + curve).ceil()]

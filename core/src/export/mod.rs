@@ -36,9 +36,9 @@ pub use csv::{
 };
 pub use density::{Cells, IN_A_CELL};
 pub use figure::{
-    Colour, ColourBar, DASH, Drawing, FAN_OPACITY, FigureCurve, FigureLink, FigureMark, FigureOptions, FigurePanel,
-    FigureRect, FigureShape, FigureStroke, FigureUnit, FigureWidth, LegendEntry, LegendMark, curve_height, draw_curve,
-    draw_links, fan, lay_out, motion_over, round_length, sigma_over, write_drawing_svg,
+    Colour, ColourBar, DASH, Drawing, FAN_OPACITY, FigureCurve, FigureLink, FigureMark, FigureMatches, FigureOptions,
+    FigurePanel, FigureRect, FigureShape, FigureStroke, FigureUnit, FigureWidth, LegendEntry, LegendMark, curve_height,
+    draw_curve, fan, lay_out, motion_over, round_length, sigma_over, write_drawing_svg,
 };
 pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};
 pub use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};

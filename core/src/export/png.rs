@@ -62,7 +62,7 @@ impl<'a> Picture<'a> {
         are_grey.then(|| pixels().map(|pixel| pixel[0]).collect())
     }
 
-    /// The same pixels in as few bytes each as show all of them: grey, colours, or colours and alpha.
+    /// Pixels in as few bytes each as show all of them: grey, colours, or colours and alpha.
     fn reduced(&self) -> (ColorType, Cow<'_, [u8]>) {
         match self.greys() {
             Some(greys) => (ColorType::Grayscale, greys.into()),

@@ -5,9 +5,9 @@ use burstscope_core::detector::{
 };
 use burstscope_core::error::ErrorKind;
 use burstscope_core::export::{
-    ColourBar, ExportFormat, FigureMark, FigureOptions, FigurePanel, FigureWidth, LegendEntry, Picture, feature_header,
-    lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz, write_png,
-    write_tiff,
+    ColourBar, ExportFormat, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, LegendEntry, Picture,
+    feature_header, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz,
+    write_png, write_tiff,
 };
 use burstscope_core::{Burst, Plane};
 use ndarray::Array2;
@@ -296,7 +296,8 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     let title = Some("Slope < 3 & \"noise\" \u{7} é".into());
     let width = FigureWidth::PxPerPx(2.0);
     let options = FigureOptions { width, stroke_width: 1.0, ..FigureOptions::default() };
-    let drawing = lay_out(&[vec![FigurePanel { title, legend, ..panel(&pixels) }]], &[], &options);
+    let drawing =
+        lay_out(&[vec![FigurePanel { title, legend, ..panel(&pixels) }]], &FigureMatches::default(), &options);
     write_drawing_svg(&path, &drawing).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
@@ -355,7 +356,11 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     assert_eq!(texts, ["Slope < 3 & \"noise\" \u{fffd} é", "λ = (2, −1) px/frame", "a & b"]);
 
     // Without features there are no marks.
-    let plain = lay_out(&[vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }]], &[], &FigureOptions::default());
+    let plain = lay_out(
+        &[vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }]],
+        &FigureMatches::default(),
+        &FigureOptions::default(),
+    );
     write_drawing_svg(&path, &plain).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
@@ -372,7 +377,7 @@ fn several_panels_have_letters_bars_and_lengths() {
     let width = FigureWidth::PxPerPx(4.0);
     let options = FigureOptions { letters: true, scale_bar: true, width, ..FigureOptions::default() };
     let first = FigurePanel { bar, title: Some("Frame 3".into()), ..panel(&pixels) };
-    let drawing = lay_out(&[vec![first, panel(&pixels)], vec![panel(&pixels)]], &[], &options);
+    let drawing = lay_out(&[vec![first, panel(&pixels)], vec![panel(&pixels)]], &FigureMatches::default(), &options);
     write_drawing_svg(&path, &drawing).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
@@ -431,7 +436,7 @@ proptest! {
             legend,
             ..panel(&[])
         };
-        write_drawing_svg(&path, &lay_out(&[vec![one]], &[], &options)).expect("written");
+        write_drawing_svg(&path, &lay_out(&[vec![one]], &FigureMatches::default(), &options)).expect("written");
         let text = fs::read_to_string(&path).expect("read");
         prop_assert!(roxmltree::Document::parse(&text).is_ok());
         prop_assert!(!text.contains("NaN") || title.contains("NaN"));

@@ -26,8 +26,8 @@ use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature};
 use crate::export::{
-    ColourBar, Drawing, FigureLink, FigureMark, FigurePanel, FigureWidth, LegendEntry, LegendMark, draw_links, lay_out,
-    motion_over,
+    ColourBar, Drawing, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth, LegendEntry, LegendMark,
+    lay_out, motion_over,
 };
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
@@ -35,63 +35,52 @@ use crate::requests::{Picture, slope_legend};
 use egui::{DragValue, Ui};
 use std::sync::Arc;
 
-/// Matches that are drawn, each with the lines of the panes that it joins, and the legend of all.
-fn links_of(
-    model: &Model,
-    widgets: &PaneWidgets,
-    panes: &[PaneId],
-    amount: FigureAmount,
-) -> (Vec<FigureLink>, Vec<LegendEntry>) {
-    let chosen = |matches: &Matches, drawn: Vec<usize>| {
-        let mut rows: Vec<MatchRow<'_>> = drawn.into_iter().filter_map(|index| matches.row(index)).collect();
-        rows.sort_by(|a, b| a.found.distance.total_cmp(&b.found.distance).then(a.index.cmp(&b.index)));
-        amount.of(rows).into_iter().map(|row| row.index).collect::<Vec<_>>()
-    };
-    let of_each: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.workspace {
-        Workspace::Pair => {
-            let drawn = |matches| chosen(matches, model.drawn_matches());
-            model.pair.matches.iter().map(|matches| (None, matches, drawn(matches))).collect()
-        }
+/// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
+fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
+    let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.workspace {
+        Workspace::Pair => model.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect(),
         Workspace::Methods => MethodId::ALL
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .map(|(method, matches)| {
                 let rows = matches.rows().filter(|row| model.match_look.shows_row(row)).map(|row| row.index);
-                (Some(method), matches, chosen(matches, rows.collect()))
+                (Some(method), matches, rows.collect())
             })
             .collect(),
         _ => Vec::new(),
     };
     let mut links = Vec::new();
-    let (mut counts, mut is_counted) = ([0; 3], false);
-    for (method, matches, drawn) in of_each {
-        let drawn_links = links_between(model, widgets, panes, method, matches, &drawn);
-        if drawn_links.is_empty() {
-            continue;
-        }
-        links.extend(drawn_links);
-        // Of several methods each title has the count.
-        is_counted = method.is_none();
-        for row in drawn.iter().filter_map(|index| matches.row(*index)) {
-            counts[LineKind::of(row.inlier) as usize] += 1;
-        }
+    let (mut all, mut drawn) = ([0; LineKind::ALL.len()], [0; LineKind::ALL.len()]);
+    for (method, matches, shown) in shown {
+        let mut rows: Vec<MatchRow<'_>> = shown.into_iter().filter_map(|index| matches.row(index)).collect();
+        rows.sort_by(|a, b| a.found.distance.total_cmp(&b.found.distance).then(a.index.cmp(&b.index)));
+        rows.iter().for_each(|row| all[LineKind::of(row.inlier) as usize] += 1);
+        let rows = choice.matches.of(rows);
+        rows.iter().for_each(|row| drawn[LineKind::of(row.inlier) as usize] += 1);
+        links.extend(links_between(model, widgets, panes, (method, matches), &rows));
     }
     let entry = |kind: LineKind| {
-        let count = counts[kind as usize];
-        let label = if is_counted { format!("{count} {}", kind.label()) } else { kind.label().to_owned() };
+        let (drawn, all, name) = (drawn[kind as usize], all[kind as usize], kind.label());
+        let label = match model.workspace {
+            // The title of each method has its count.
+            Workspace::Methods => name.to_owned(),
+            _ if drawn < all => format!("{drawn} of {all} {name}"),
+            _ => format!("{all} {name}"),
+        };
         let mark = if kind.is_dashed() { LegendMark::Dashes } else { LegendMark::Line };
-        (count > 0).then_some(LegendEntry { mark, color: rgb(kind.colour()), label })
+        (drawn > 0).then_some(LegendEntry { mark, color: rgb(kind.colour()), label })
     };
-    (links, LineKind::ALL.into_iter().filter_map(entry).collect())
+    let has_legend = choice.legend && !links.is_empty();
+    let legend = LineKind::ALL.into_iter().filter(|_| has_legend).filter_map(entry).collect();
+    FigureMatches { links, legend }
 }
 
 fn links_between(
     model: &Model,
     widgets: &PaneWidgets,
     panes: &[PaneId],
-    method: Option<MethodId>,
-    matches: &Matches,
-    drawn: &[usize],
+    (method, matches): (Option<MethodId>, &Matches),
+    rows: &[MatchRow<'_>],
 ) -> Vec<FigureLink> {
     // Panes hidden behind a tab have no neighbours.
     let places: Vec<_> = panes
@@ -108,7 +97,7 @@ fn links_between(
     for (a, b) in joined_panes(model, &places, method).pairs {
         let (a, b) = (places[a].0, places[b].0);
         let shifts = [shift(a, Side::A), shift(b, Side::B)];
-        for row in drawn.iter().filter_map(|index| matches.row(*index)) {
+        for row in rows {
             let kind = LineKind::of(row.inlier);
             let ends = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])];
             links.push(FigureLink {
@@ -152,11 +141,7 @@ fn drawing_of_panes(
     if rows.iter().all(Vec::is_empty) {
         return Err("there is no picture; open a burst first".to_owned());
     }
-    let (links, legend) = links_of(model, widgets, &panes, choice.matches);
-    let legend = if choice.legend { legend } else { Vec::new() };
-    let mut drawing = lay_out(&rows, &legend, &choice.options());
-    draw_links(&mut drawing, &rows, &links, choice.stroke_width);
-    Ok(drawing)
+    Ok(lay_out(&rows, &matches_of(model, widgets, &panes, choice), &choice.options()))
 }
 
 fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {

@@ -14,9 +14,9 @@ use std::collections::HashMap;
 const MAX_SIDE_PX: f32 = 20_000.0;
 
 /// Pixels in an inch of a figure whose unit is the point: what printers ask of pictures.
-pub const PIXELS_PER_INCH: f32 = 300.0;
+const PIXELS_PER_INCH: f32 = 300.0;
 
-/// Draws one pixel for each figure pixel, [`PIXELS_PER_INCH`] on paper. Fails when the figure is too large.
+/// Draws one pixel for each figure pixel, or 300 an inch on paper. Fails when the figure is too large.
 pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     let pixels_per_unit = if drawing.unit == FigureUnit::Point { PIXELS_PER_INCH / 72.0 } else { 1.0 };
     let [width, height] = drawing.size.map(|side| (side * pixels_per_unit - 1e-3).ceil());

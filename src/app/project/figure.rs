@@ -114,7 +114,7 @@ impl FigureChoice {
         }
     }
 
-    /// The same figure with another width, its letters and lines in the new unit.
+    /// Choice with another width, its letters and lines in the new unit.
     #[must_use]
     pub fn with_width(self, width: FigureWidth) -> Self {
         if width.unit() == self.width.unit() {

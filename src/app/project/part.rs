@@ -26,7 +26,7 @@ pub(super) trait Part {
 pub(super) struct One<R: Request> {
     pub wanted: fn(&Model) -> &Wanted<R>,
     pub wanted_mut: fn(&mut Model) -> &mut Wanted<R>,
-    /// What is missing now, with and without a drag.
+    /// Request for what is missing now, with and without a drag.
     pub missing: fn(&Model, bool) -> Option<R>,
     /// Whether a request ends when nothing is missing any more.
     pub ends: bool,

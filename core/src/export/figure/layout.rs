@@ -2,8 +2,9 @@
 
 use super::{
     ColourBar, Drawing, FAN_OPACITY, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke,
-    FigureWidth, LegendEntry, LegendMark, POINTS_PER_MM, fan,
+    FigureWidth, LegendEntry, LegendMark, POINTS_PER_MM, fan, pictures,
 };
+use crate::export::figure::links::{FigureMatches, lines_of};
 
 /// Gap between panels, in heights of letters.
 const GAP: f32 = 0.8;
@@ -12,11 +13,12 @@ const LINE: f32 = 1.25;
 /// Room that a title has above a narrower picture, in heights of letters; not in a figure of a given width.
 const LEAST_ROOM: f32 = 20.0;
 
-/// Lays out panels on a sheet, row by row, with `legend` below all; rows with the same number of panels share their
-/// columns. Bars that all panels share, and legends, stand once, above `legend`.
+/// Lays out panels on a sheet, row by row, with the matches between them; rows with the same number of panels share
+/// their columns. Bars and legends that all panels share stand once, above the legend of the matches. Image pixels are
+/// equally large in all panels, so that one scale bar, over the first, is for all.
 ///
 /// Marks with invalid numbers (not finite, or beyond 10⁹) are left out.
-pub fn lay_out(rows: &[Vec<FigurePanel>], legend: &[LegendEntry], options: &FigureOptions) -> Drawing {
+pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &FigureOptions) -> Drawing {
     let within = |value: f32, min: f32, max: f32| if value.is_nan() { min } else { value.clamp(min, max) };
     let font = within(options.font_size, 1.0, 1000.0);
     let gap = GAP * font;
@@ -40,14 +42,14 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], legend: &[LegendEntry], options: &Figu
         }
     };
     let style = Style { scale, stroke: within(options.stroke_width, 0.0, 1000.0), font, paper };
-    let shared = Shared::of(&panels, options.scale_bar);
+    let shared = Shared::of(&panels);
     let title = |place: usize, panel: &FigurePanel| {
         style.title(panel, (options.letters && panels.len() > 1).then(|| letter(place)))
     };
     // With titles and legends, but on paper, where pictures alone fill the width.
     let widths = of_rows(&|place, panel| match paper {
         Some(_) => width_px(panel) * scale,
-        None => style.panel(panel, (&title(place, panel), 0), &shared.of_panel(place), [0.0; 2], &mut Vec::new())[0],
+        None => style.panel(panel, (&title(place, panel), 0), &shared, [0.0; 2], &mut Vec::new())[0],
     });
     let mut shapes = Vec::new();
     let (mut width, mut top, mut first) = (paper.unwrap_or(0.0), 0f32, 0);
@@ -56,8 +58,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], legend: &[LegendEntry], options: &Figu
         let lines = titles.iter().map(Vec::len).max().unwrap_or(0);
         let (mut left, mut height) = (0f32, 0f32);
         for (column, (panel, in_column)) in row.iter().zip(columns_of(&widths, row.len())).enumerate() {
-            let own = shared.of_panel(first + column);
-            let size = style.panel(panel, (&titles[column], lines), &own, [left, top], &mut shapes);
+            let size = style.panel(panel, (&titles[column], lines), &shared, [left, top], &mut shapes);
             left += in_column + gap;
             height = height.max(size[1]);
         }
@@ -65,12 +66,19 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], legend: &[LegendEntry], options: &Figu
         width = width.max(left - gap);
         top += height + gap;
     }
+    let placed: Vec<(FigureRect, &FigurePanel)> = pictures(&shapes).zip(panels.iter().copied()).collect();
+    shapes.extend(lines_of(&placed, &matches.links, style.stroke));
+    if let Some(&(rect, _)) = placed.first().filter(|_| options.scale_bar) {
+        let mut bar = Vec::new();
+        style.scale_bar(rect, &mut bar);
+        shapes.push(FigureShape::Clipped { rect, shapes: bar });
+    }
     let mut bottom = top - gap;
     if let Some(bar) = shared.bar {
         style.colour_bar(bar, [0.0, bottom], width, &mut shapes);
         bottom += BAR_HEIGHT * font;
     }
-    for entries in [shared.legend, legend] {
+    for entries in [shared.legend, &matches.legend] {
         let (legend_width, legend_height) = style.legend(entries, [0.0, bottom], width, &mut shapes);
         (width, bottom) = (width.max(legend_width), bottom + legend_height);
     }
@@ -95,38 +103,16 @@ fn columns_of(widths: &[Vec<f32>], count: usize) -> Vec<f32> {
 struct Shared<'a> {
     bar: Option<&'a ColourBar>,
     legend: &'a [LegendEntry],
-    /// Whether the panels have a bar of known length: the first alone where all have the same scale.
-    scale_bars: Option<bool>,
-}
-
-/// Parts that a panel has for itself.
-struct Own {
-    bar: bool,
-    legend: bool,
-    scale_bar: bool,
 }
 
 impl<'a> Shared<'a> {
-    fn of(panels: &[&'a FigurePanel], scale_bar: bool) -> Self {
+    fn of(panels: &[&'a FigurePanel]) -> Self {
         let bars: Vec<&ColourBar> = panels.iter().filter_map(|panel| panel.bar.as_ref()).collect();
         let legends: Vec<&[LegendEntry]> =
             panels.iter().map(|panel| &panel.legend[..]).filter(|legend| !legend.is_empty()).collect();
         let all_alike = bars.len() > 1 && bars.iter().all(|bar| *bar == bars[0]);
         let told_alike = legends.len() > 1 && legends.iter().all(|legend| *legend == legends[0]);
-        let scales_alike = panels.iter().all(|panel| panel.image_px_per_px == panels[0].image_px_per_px);
-        Self {
-            bar: all_alike.then(|| bars[0]),
-            legend: if told_alike { legends[0] } else { &[] },
-            scale_bars: scale_bar.then_some(!scales_alike),
-        }
-    }
-
-    fn of_panel(&self, place: usize) -> Own {
-        Own {
-            bar: self.bar.is_none(),
-            legend: self.legend.is_empty(),
-            scale_bar: self.scale_bars.is_some_and(|of_all| of_all || place == 0),
-        }
+        Self { bar: all_alike.then(|| bars[0]), legend: if told_alike { legends[0] } else { &[] } }
     }
 }
 
@@ -172,7 +158,9 @@ impl Style {
         let least = if self.paper.is_some() { 0.0 } else { LEAST_ROOM * self.font };
         let room = (width_px(panel) * self.scale).max(least);
         let mut lines: Vec<String> = Vec::new();
-        for word in letter.iter().map(String::as_str).chain(panel.title.iter().flat_map(|title| title.split(' '))) {
+        // The two numbers of a slope stay together.
+        let title = panel.title.as_ref().map(|title| title.replace(", ", ",\u{a0}"));
+        for word in letter.iter().map(String::as_str).chain(title.iter().flat_map(|title| title.split(' '))) {
             match lines.last_mut() {
                 Some(line) if self.text_width(line) + self.text_width(word) <= room => {
                     line.push(' ');
@@ -189,7 +177,7 @@ impl Style {
         &self,
         panel: &FigurePanel,
         (title, lines): (&[String], usize),
-        own: &Own,
+        shared: &Shared<'_>,
         corner: [f32; 2],
         out: &mut Vec<FigureShape>,
     ) -> [f32; 2] {
@@ -208,18 +196,15 @@ impl Style {
         let mut over = Vec::new();
         panel.marks.iter().for_each(|mark| self.fan(panel, mark, rect, &mut over));
         panel.marks.iter().for_each(|mark| self.mark(panel, mark, rect, &mut over));
-        if own.scale_bar {
-            self.scale_bar(rect, &mut over);
-        }
         if !over.is_empty() {
             out.push(FigureShape::Clipped { rect, shapes: over });
         }
         let mut bottom = top + size[1];
-        if let Some(bar) = panel.bar.as_ref().filter(|_| own.bar) {
+        if let Some(bar) = panel.bar.as_ref().filter(|_| shared.bar.is_none()) {
             width = width.max(self.colour_bar(bar, [corner[0], bottom], size[0], out));
             bottom += BAR_HEIGHT * font;
         }
-        let legend = if own.legend { &panel.legend[..] } else { &[] };
+        let legend = if shared.legend.is_empty() { &panel.legend[..] } else { &[] };
         let (legend_width, legend_height) = self.legend(legend, [corner[0], bottom], size[0], out);
         [width.max(legend_width), bottom + legend_height - corner[1]]
     }
@@ -376,8 +361,12 @@ pub(super) mod tests {
         titled.bar = Some(ColourBar { colors: vec![[1; 3]; 9], low: "0".into(), high: "0.1 of full scale".into() });
         let rows = [vec![panel((20, 60)), titled.clone()], vec![titled, panel((10, 10))]];
         let width = FigureWidth::PxPerPx(2.0);
-        let drawing = lay_out(&rows, &[], &FigureOptions { letters: true, width, ..FigureOptions::default() });
-        let rects: Vec<FigureRect> = drawing.pictures().collect();
+        let drawing = lay_out(
+            &rows,
+            &FigureMatches::default(),
+            &FigureOptions { letters: true, width, ..FigureOptions::default() },
+        );
+        let rects: Vec<FigureRect> = pictures(&drawing.shapes).collect();
         assert_eq!(rects.len(), 4);
         assert_eq!((rects[0].min[0], rects[1].min[0]), (rects[2].min[0], rects[3].min[0]), "columns are not in line");
         for (i, a) in rects.iter().enumerate() {
@@ -398,15 +387,16 @@ pub(super) mod tests {
         let title = Some("A: DSC_0001 · Motion stack · slope (2.40, 0.00) px/frame".to_owned());
         let one = FigurePanel { title, bar: Some(bar), ..panel((1152, 771)) };
         let entry = |mark, label: &str| LegendEntry { mark, color: [1; 3], label: label.to_owned() };
-        let legend = [entry(LegendMark::Line, "456 inliers"), entry(LegendMark::Dashes, "88 outliers")];
+        let legend = vec![entry(LegendMark::Line, "456 inliers"), entry(LegendMark::Dashes, "88 outliers")];
+        let matches = FigureMatches { links: Vec::new(), legend };
         for (mm, font_size) in [(88.0, 6.0), (181.0, 8.0)] {
             let width = FigureWidth::Millimetres(mm);
             let options =
                 FigureOptions { width, font_size, letters: true, scale_bar: true, ..FigureOptions::default() };
-            let drawing = lay_out(&[vec![one.clone(), one.clone()]], &legend, &options);
+            let drawing = lay_out(&[vec![one.clone(), one.clone()]], &matches, &options);
             assert!((drawing.size[0] - mm * 72.0 / 25.4).abs() < 0.01, "{:?}", drawing.size);
             assert_eq!(drawing.unit, FigureUnit::Point);
-            let rects: Vec<FigureRect> = drawing.pictures().collect();
+            let rects: Vec<FigureRect> = pictures(&drawing.shapes).collect();
             assert_eq!(rects[0].min[1], rects[1].min[1], "pictures of a row are level");
             let right = rects[1].min[0] + rects[1].size[0];
             assert!((right - drawing.size[0]).abs() < 0.01, "they fill the width");

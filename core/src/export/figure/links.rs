@@ -1,6 +1,6 @@
 //! Lines from a place of one panel to a place of another: matches.
 
-use super::{Colour, Drawing, FigurePanel, FigureRect, FigureShape, FigureStroke};
+use super::{Colour, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry};
 
 /// Radius of the ring at an end, as a multiple of the stroke's width.
 const RING: f32 = 2.0;
@@ -22,15 +22,25 @@ pub struct FigureLink {
     pub dashed: bool,
 }
 
-/// Draws lines between the panels of a drawing that was laid out from `rows`. As in the window, a line is drawn where
-/// both its ends are visible; a single visible end is a small ring.
-///
-/// Links to missing panels, and those with invalid numbers, are left out.
-pub fn draw_links(drawing: &mut Drawing, rows: &[Vec<FigurePanel>], links: &[FigureLink], stroke_width: f32) {
-    let panels: Vec<(FigureRect, &FigurePanel)> = drawing.pictures().zip(rows.iter().flatten()).collect();
+/// Matches of a figure: the lines between its panels, and what these mean.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FigureMatches {
+    /// The lines. Those to missing panels, and those with invalid numbers, are left out.
+    pub links: Vec<FigureLink>,
+    /// Entries below all panels.
+    pub legend: Vec<LegendEntry>,
+}
+
+/// Lines between panels whose pictures lie in these rectangles. As in the window, a line is drawn where both its ends
+/// are visible; a single visible end is a small ring.
+pub(super) fn lines_of(
+    panels: &[(FigureRect, &FigurePanel)],
+    links: &[FigureLink],
+    stroke_width: f32,
+) -> Vec<FigureShape> {
     let mut shapes = Vec::new();
     for link in links {
-        let width = stroke_width.clamp(0.0, 1000.0) * link.weight;
+        let width = stroke_width * link.weight;
         let stroke = FigureStroke { width, color: link.color, opacity: link.opacity.clamp(0.0, 1.0) };
         let ends = [0, 1].map(|i| {
             let (rect, panel) = panels.get(link.panels[i])?;
@@ -43,7 +53,7 @@ pub fn draw_links(drawing: &mut Drawing, rows: &[Vec<FigurePanel>], links: &[Fig
         let ring = |centre| FigureShape::Circle { centre, radius, stroke, dashed: false };
         shapes.extend(ends.into_iter().flatten().map(ring));
     }
-    drawing.shapes.extend(shapes);
+    shapes
 }
 
 /// The position on the sheet of a place of a panel; `None` if it is outside the panel's picture.
@@ -57,32 +67,33 @@ fn seen(rect: &FigureRect, panel: &FigurePanel, at_image: [f32; 2]) -> Option<[f
 #[cfg(test)]
 mod tests {
     use super::super::layout::tests::panel;
-    use super::super::{FigureOptions, FigureWidth, lay_out};
+    use super::super::{FigureOptions, FigureWidth, lay_out, pictures};
     use super::*;
 
     #[test]
     fn lines_go_from_place_to_place_and_what_is_out_of_sight_is_left_out() {
         let rows = vec![vec![FigurePanel { origin_image: [9.5, -0.5], ..panel((20, 10)) }; 2]];
         let options = FigureOptions { width: FigureWidth::PxPerPx(2.0), ..FigureOptions::default() };
-        let mut drawing = lay_out(&rows, &[], &options);
-        let before = drawing.shapes.len();
         let (panels, ends_image) = ([0, 1], [[9.5, -0.5], [29.5, 9.5]]);
         let link = FigureLink { panels, ends_image, color: [1; 3], opacity: 1.0, weight: 1.0, dashed: false };
-        draw_links(&mut drawing, &rows, &[link], 1.5);
-        let rects: Vec<FigureRect> = drawing.pictures().collect();
-        let [FigureShape::Line { points, .. }, FigureShape::Circle { .. }, FigureShape::Circle { .. }] =
-            &drawing.shapes[before..]
+        let drawn = |links: &[FigureLink]| {
+            let matches = FigureMatches { links: links.to_vec(), legend: Vec::new() };
+            let (plain, with) =
+                (lay_out(&rows, &FigureMatches::default(), &options), lay_out(&rows, &matches, &options));
+            let rects: Vec<FigureRect> = pictures(&with.shapes).collect();
+            (rects, with.shapes[plain.shapes.len()..].to_vec())
+        };
+        let (rects, shapes) = drawn(&[link]);
+        let [FigureShape::Line { points, .. }, FigureShape::Circle { .. }, FigureShape::Circle { .. }] = &shapes[..]
         else {
-            panic!("a line and its ends: {:?}", &drawing.shapes[before..]);
+            panic!("a line and its ends: {shapes:?}");
         };
         let corner = [rects[1].min[0] + rects[1].size[0], rects[1].min[1] + rects[1].size[1]];
         assert_eq!(points.as_slice(), [rects[0].min, corner]);
         let kinds = |links: &[FigureLink]| {
-            let mut drawing = lay_out(&rows, &[], &options);
-            draw_links(&mut drawing, &rows, links, 1.5);
-            let added = &drawing.shapes[before..];
-            let lines = added.iter().filter(|shape| matches!(shape, FigureShape::Line { .. })).count();
-            (lines, added.len() - lines)
+            let (_, shapes) = drawn(links);
+            let lines = shapes.iter().filter(|shape| matches!(shape, FigureShape::Line { .. })).count();
+            (lines, shapes.len() - lines)
         };
         assert_eq!(kinds(&[FigureLink { ends_image: [[9.5, -0.5], [5.0, 5.0]], ..link }]), (0, 1), "one end is seen");
         assert_eq!(kinds(&[FigureLink { ends_image: [[f32::NAN, 0.0], [1e20, 5.0]], ..link }]), (0, 0));

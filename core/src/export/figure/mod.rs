@@ -2,7 +2,7 @@
 //!
 //! [`lay_out`] puts one or several [`FigurePanel`]s on a sheet of paper, which gives a [`Drawing`]: shapes with
 //! positions in its [unit](FigureUnit). [`write_drawing_svg`] writes it as vectors; a caller with fonts can make pixels
-//! or a PDF of it. Matches between panels are [`FigureLink`]s, which [`draw_links`] adds. A feature is a circle (of the
+//! or a PDF of it. Matches between panels are [`FigureMatches`]. A feature is a circle (of the
 //! radius at which it is drawn in the window), a tick in the direction of its orientation, and an arrow along its
 //! motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
 //!
@@ -18,7 +18,7 @@ mod svg;
 pub use curve::{FigureCurve, curve_height, draw_curve};
 pub use fan::{FAN_OPACITY, fan};
 pub use layout::{lay_out, round_length};
-pub use links::{FigureLink, draw_links};
+pub use links::{FigureLink, FigureMatches};
 pub use svg::write_drawing_svg;
 
 use crate::detector::Feature;
@@ -213,7 +213,7 @@ pub struct FigureOptions {
     pub font_size: f32,
     /// Whether panels have letters (a), (b), …; default false.
     pub letters: bool,
-    /// Whether pictures have a bar of known length in their corner, one where all have the same scale; default false.
+    /// Whether the first picture has a bar of known length in its corner; default false.
     pub scale_bar: bool,
 }
 
@@ -331,11 +331,10 @@ pub struct Drawing {
     pub title: String,
 }
 
-impl Drawing {
-    fn pictures(&self) -> impl Iterator<Item = FigureRect> {
-        self.shapes.iter().filter_map(|shape| match shape {
-            FigureShape::Picture { rect, .. } => Some(*rect),
-            _ => None,
-        })
-    }
+/// Places of the pictures among these shapes.
+fn pictures(shapes: &[FigureShape]) -> impl Iterator<Item = FigureRect> {
+    shapes.iter().filter_map(|shape| match shape {
+        FigureShape::Picture { rect, .. } => Some(*rect),
+        _ => None,
+    })
 }
