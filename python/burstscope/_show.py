@@ -75,7 +75,7 @@ def hand_over(folder: Path, burst: Burst, detection: Detection | None) -> Path:
     ]
     if detection is not None:
         features = detection.save(folder / "features.csv")
-        lines += ["[against]", 'with = "file"', f"file = {_word(str(features))}"]
+        lines += ["[document.comparisons.a]", 'with = "file"', f"file = {_word(str(features))}"]
         params = detection.params.splitlines()
         # A new window finds the slopes of each burst.
         found = any(line.startswith("slopes = ") for line in params)

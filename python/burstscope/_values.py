@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 if TYPE_CHECKING:
-    import pandas
-
     from burstscope._burstscope import RawBurst
 
 Given = list[tuple[str, str]]
@@ -22,7 +20,7 @@ Kind = TypeVar("Kind")
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def data_frame(table: Mapping[str, Any]) -> pandas.DataFrame:
+def data_frame(table: Mapping[str, Any]) -> Any:
     """The columns as a table of pandas, which is imported only here."""
     try:
         import pandas
