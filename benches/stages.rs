@@ -103,7 +103,7 @@ fn widened(c: &mut Criterion) {
         let earlier = [Arc::new(ProbeCache::new(&burst, &params(from), &quiet).expect("valid parameters"))];
         for (kind, earlier) in [("new", &[][..]), ("going on", &earlier[..])] {
             group.bench_function(BenchmarkId::new(name, kind), |b| {
-                b.iter(|| ProbeCache::after(earlier, &burst, &params(to), &quiet));
+                b.iter(|| ProbeCache::after(earlier, &burst, &params(to), &|_| {}, &quiet));
             });
         }
     }

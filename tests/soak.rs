@@ -112,10 +112,10 @@ fn find_all(engine: &Engine, bursts: &Bursts, keeping: &Keeping) -> Soak {
     detecting.ask(engine, DatasetRequest::Detect { bursts: bursts.clone(), keeping: keeping.clone() });
     let mut found = 0;
     let ended = wait_for(|| {
-        thumbnails.take_told();
+        thumbnails.take_partial();
         thumbnails.take();
         let ended = detecting.take().into_iter().next();
-        for event in detecting.take_told() {
+        for event in detecting.take_partial() {
             match event {
                 DatasetEvent::Done { finished, .. } => {
                     found += finished.features;

@@ -27,10 +27,10 @@ const RUNNING_FOLDER: &str = "running";
 const MAX_LOSSES: usize = 3;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
-type Kept = Rc<RefCell<Option<BurstscopeApp>>>;
+type SharedWindow = Rc<RefCell<Option<BurstscopeApp>>>;
 
 /// The kept window, as the toolkit draws it, and whether the window itself is at work.
-struct Shown(Kept, Rc<Cell<bool>>);
+struct Shown(SharedWindow, Rc<Cell<bool>>);
 
 impl Shown {
     fn with(&self, work: impl FnOnce(&mut BurstscopeApp)) {
@@ -59,7 +59,7 @@ impl eframe::App for Shown {
 pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     let running = eframe::storage_dir(APP_ID).map(|folder| folder.join(RUNNING_FOLDER));
     startup.kept = running.map(|folder| KeptIn { folder, every: SAVED_EVERY });
-    let window = Kept::default();
+    let window = SharedWindow::default();
     let mut startup = Some(startup);
     let mut context = None;
     let mut losses: Vec<Instant> = Vec::new();
@@ -81,7 +81,7 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
 }
 
 fn draw_until_closed(
-    window: &Kept,
+    window: &SharedWindow,
     startup: &mut Option<Startup>,
     context: &mut Option<egui::Context>,
 ) -> anyhow::Result<()> {

@@ -1,12 +1,12 @@
 //! Settings that the window remembers from one start to the next.
 
 use super::actions::ActionId;
-use super::document::{Action, Queue};
+use super::document::{Action, Document, Queue};
 use super::lesson::Progress;
 use crate::app::pane::PaneLinks;
+use crate::app::project::Panels;
 use crate::app::project::figure::FigureChoice;
 use crate::app::project::pair::MatchLook;
-use crate::app::project::{Model, Panels};
 use crate::dataset::DatasetSource;
 use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
@@ -89,10 +89,10 @@ impl Settings {
         actions
     }
 
-    pub fn take_from(&mut self, model: &Model) {
-        (self.theme, self.panels, self.auto_detect) = (model.theme, model.panels, model.auto_detect);
-        (self.links, self.match_look) = (model.pair_links(), model.match_look);
-        self.figure = model.figure;
+    pub fn take_from(&mut self, document: &Document) {
+        (self.theme, self.panels, self.auto_detect) = (document.theme, document.panels, document.auto_detect);
+        (self.links, self.match_look) = (document.pair_links(), document.match_look);
+        self.figure = document.figure;
     }
 }
 

@@ -17,7 +17,7 @@ use super::panel::probe::{PlaneTexture, ProbePanel};
 use super::panel::selection::SelectionState;
 use super::project::effect::Purpose;
 use super::project::side::Side;
-use super::project::{Effect, Model};
+use super::project::{Effect, Model, Project};
 use super::recovery::Recovery;
 use super::session::Restoring;
 use super::settings::Settings;
@@ -251,7 +251,7 @@ impl BurstscopeApp {
     }
 
     fn forget_closed_panes(&mut self) {
-        let Model { document, pictures, .. } = &mut self.model;
+        let Project { document, pictures, .. } = &mut self.model.project;
         self.widgets.retain(|id| document.panes.get(id).is_some());
         pictures.retain(|id, _| document.panes.get(*id).is_some());
     }
@@ -264,7 +264,9 @@ impl BurstscopeApp {
         if self.model.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
         }
-        if let Some(rest) = recovery.keep(self.lessons.project_of_user(&self.model), &self.journal, &self.engine) {
+        if let Some(rest) =
+            recovery.keep(self.lessons.project_of_user(&self.model.project), &self.journal, &self.engine)
+        {
             ctx.request_repaint_after(rest);
         }
     }
@@ -272,7 +274,8 @@ impl BurstscopeApp {
     /// Saves the session at once: another window goes on with it, and if that fails it is offered later.
     pub(super) fn keep_session_now(&mut self) {
         let Some(recovery) = &self.recovery else { return };
-        if let Err((title, error)) = recovery.keep_now(self.lessons.project_of_user(&self.model), &self.journal) {
+        if let Err((title, error)) = recovery.keep_now(self.lessons.project_of_user(&self.model.project), &self.journal)
+        {
             self.model.messages.error(title, error);
         }
     }
@@ -464,7 +467,7 @@ impl eframe::App for BurstscopeApp {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         // Settings made by a lesson are not stored.
-        self.settings.take_from(self.lessons.project_of_user(&self.model));
+        self.settings.take_from(self.lessons.project_of_user(&self.model.project));
         (self.settings.theme, self.settings.lessons) = (self.model.theme, self.lessons.progress.clone());
         self.settings.store(storage);
     }

@@ -72,7 +72,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     for (index, input) in inputs.into_iter().enumerate() {
         let name = input.name.clone();
         console.begin(if count > 1 { format!("[{}/{count}] {name}: ", index + 1) } else { format!("{name}: ") });
-        match detect_burst(input, &options, (&job, &folder), &console) {
+        match detect_burst(input, &options, &job, &folder, &console) {
             Ok((burst, ..)) => report.bursts.push(burst),
             // If the folder was removed during the run, the remaining bursts are not searched.
             Err(_) if folder.check().is_err() => break,
@@ -97,7 +97,8 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
 pub(super) fn detect_burst(
     input: Input,
     options: &OpenOptions,
-    (job, folder): (&DetectJob<'_>, &FolderLock),
+    job: &DetectJob<'_>,
+    folder: &FolderLock,
     console: &Console,
 ) -> Result<(BurstReport, Burst, Detection), Failure> {
     let (name, paths) = (input.name.clone(), input.path_texts());

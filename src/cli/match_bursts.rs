@@ -77,7 +77,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let mut found: Vec<(BurstReport, Burst, Detection)> = Vec::with_capacity(2);
     for (index, input) in inputs.into_iter().enumerate() {
         console.begin(format!("[{}/2] {}: ", index + 1, input.name));
-        found.push(detect_burst(input, &options, (&job, &folder), &console)?);
+        found.push(detect_burst(input, &options, &job, &folder, &console)?);
     }
     console.begin("matches: ".to_owned());
     let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };

@@ -120,7 +120,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.take_answers_for().into_iter().map(|(_, answer)| answer)
     }
 
-    pub(super) fn take_told(&self) -> Vec<P> {
+    pub(super) fn take_partial(&self) -> Vec<P> {
         std::mem::take(&mut self.shared.news().partial).into_iter().map(|(_, told)| told).collect()
     }
 }

@@ -3,7 +3,7 @@
 use super::Engine;
 use super::cache::PictureCache;
 use super::trails::Trails;
-use crate::requests::{Kept, Picture, PictureRequest, PictureStore};
+use crate::requests::{Caches, Picture, PictureRequest, PictureStore};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 #[derive(Debug, Clone)]
@@ -18,8 +18,8 @@ impl Stores {
         Self { pictures, trails: Trails::default() }
     }
 
-    pub(super) fn kept(&self) -> Kept<'_> {
-        Kept { trails: &self.trails, pictures: &self.pictures }
+    pub(super) fn caches(&self) -> Caches<'_> {
+        Caches { trails: &self.trails, pictures: &self.pictures }
     }
 }
 

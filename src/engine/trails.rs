@@ -20,7 +20,7 @@ pub(super) struct Trails {
 #[derive(Debug, Default)]
 struct State {
     /// Least recently used first.
-    kept: Vec<Kept>,
+    kept: Vec<StoredTrail>,
     /// Keys of the trails that are being made, so that none is made twice.
     making: Vec<Key>,
     repeated: usize,
@@ -33,7 +33,7 @@ struct Key {
 }
 
 #[derive(Debug)]
-struct Kept {
+struct StoredTrail {
     key: Key,
     /// The burst, which shares its frames with the open one.
     open: OpenBurst,
@@ -68,7 +68,7 @@ impl Trails {
 
     pub(super) fn held(&self) -> (usize, usize) {
         let state = self.lock();
-        (state.kept.len(), state.kept.iter().map(Kept::bytes).sum())
+        (state.kept.len(), state.kept.iter().map(StoredTrail::bytes).sum())
     }
 
     fn judged(
@@ -88,7 +88,8 @@ impl Trails {
     /// Waits if another thread is making it. A new trail stays at least until the next one is made: most ask again.
     fn find_or_make(
         &self,
-        (open, key): (&OpenBurst, &Key),
+        open: &OpenBurst,
+        key: &Key,
         monitor: &Monitor,
         find: impl Fn() -> Option<Arc<ProbeCache>>,
         make: impl FnOnce() -> Result<ProbeCache, JobError>,
@@ -110,7 +111,7 @@ impl Trails {
         self.lock().repeated += 1;
         self.make_room();
         let cache = Arc::new(make()?);
-        let kept = Kept { key: key.clone(), open: open.clone(), cache: cache.clone() };
+        let kept = StoredTrail { key: key.clone(), open: open.clone(), cache: cache.clone() };
         self.lock().keep(kept, self.budget_bytes());
         drop(making);
         Ok(cache)
@@ -120,7 +121,7 @@ impl Trails {
 impl TrailStore for Trails {
     fn put(&self, open: &OpenBurst, cache: &Arc<ProbeCache>) {
         let key = Key { burst: open.id, params: cache.made_with() };
-        let kept = Kept { key, open: open.clone(), cache: cache.clone() };
+        let kept = StoredTrail { key, open: open.clone(), cache: cache.clone() };
         if kept.bytes() <= self.budget_bytes() {
             self.lock().keep(kept, self.budget_bytes());
         }
@@ -135,7 +136,7 @@ impl TrailStore for Trails {
     }
 
     fn of_burst(&self, open: &OpenBurst) -> Vec<Arc<ProbeCache>> {
-        let is_of_burst = |kept: &&Kept| kept.key.burst == open.id;
+        let is_of_burst = |kept: &&StoredTrail| kept.key.burst == open.id;
         self.lock().kept.iter().rev().filter(is_of_burst).map(|kept| kept.cache.clone()).collect()
     }
 
@@ -172,7 +173,7 @@ impl TrailStore for Trails {
     ) -> Result<Arc<ProbeCache>, JobError> {
         let key = Key { burst: burst.id, params: params.clone() };
         let kept = || self.lock().used(|kept| kept.key == key);
-        self.find_or_make((burst, &key), monitor, kept, || trail_of(burst, params, monitor))
+        self.find_or_make(burst, &key, monitor, kept, || trail_of(burst, params, monitor))
     }
 
     fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError> {
@@ -181,12 +182,12 @@ impl TrailStore for Trails {
             Some(judged) if judged.made_with() == source.params => Ok(judged),
             _ => source.trail(monitor),
         };
-        self.find_or_make((&source.burst, &key), monitor, || self.get(source), make)
+        self.find_or_make(&source.burst, &key, monitor, || self.get(source), make)
     }
 }
 
 impl State {
-    fn used(&mut self, is_it: impl Fn(&Kept) -> bool) -> Option<Arc<ProbeCache>> {
+    fn used(&mut self, is_it: impl Fn(&StoredTrail) -> bool) -> Option<Arc<ProbeCache>> {
         let index = self.kept.iter().position(is_it)?;
         let kept = self.kept.remove(index);
         let cache = kept.cache.clone();
@@ -194,9 +195,10 @@ impl State {
         Some(cache)
     }
 
-    fn keep(&mut self, kept: Kept, budget_bytes: usize) {
+    fn keep(&mut self, kept: StoredTrail, budget_bytes: usize) {
         // One trail stands for all that go back to the same search: the others are judged from it.
-        let replaced = |other: &Kept| other.key == kept.key || other.cache.trail.shares_search(&kept.cache.trail);
+        let replaced =
+            |other: &StoredTrail| other.key == kept.key || other.cache.trail.shares_search(&kept.cache.trail);
         self.kept.retain(|other| !replaced(other));
         self.kept.push(kept);
         self.drop_to(budget_bytes, 1);
@@ -204,14 +206,14 @@ impl State {
 
     /// Drops the least recently used until the others are within the budget, or only `rest` of them are left.
     fn drop_to(&mut self, budget_bytes: usize, rest: usize) {
-        let bytes = |kept: &[Kept]| kept.iter().map(Kept::bytes).sum::<usize>();
+        let bytes = |kept: &[StoredTrail]| kept.iter().map(StoredTrail::bytes).sum::<usize>();
         while self.kept.len() > rest && bytes(&self.kept) > budget_bytes {
             self.kept.remove(0);
         }
     }
 }
 
-impl Kept {
+impl StoredTrail {
     fn bytes(&self) -> usize {
         self.cache.bytes_beside(&self.open.burst)
     }

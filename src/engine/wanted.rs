@@ -12,7 +12,7 @@ use std::time::Duration;
 /// So that the picture follows a slider; one that takes longer is cancelled, so that the next does not wait.
 const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
-type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Told>;
+type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Partial>;
 
 /// In each pass [`Self::want`] is told what is missing now. A request that failed or was cancelled is not repeated
 /// until something else was wanted, [`Self::ask`] asked for it, or [`Self::forget`] was called. Dropping it cancels the
@@ -77,7 +77,7 @@ impl<R: Request> Wanted<R> {
         let jobs = self.jobs.get_or_insert_with(|| jobs(engine));
         let urgency = request.urgency();
         let is_picture = matches!(urgency, Urgency::Picture | Urgency::SlowPicture);
-        let id = match request.kept(&engine.stores.kept()) {
+        let id = match request.cached(&engine.stores.caches()) {
             Some(answer) => jobs.publish_for(0, answer),
             None if is_picture => {
                 // One picture at a time has all cores.
@@ -109,8 +109,8 @@ impl<R: Request> Wanted<R> {
     }
 
     /// Takes the partial results since the last call, oldest first. Call it before [`Self::take`].
-    pub fn take_told(&mut self) -> Vec<R::Told> {
-        self.jobs.as_ref().map_or_else(Vec::new, Jobs::take_told)
+    pub fn take_partial(&mut self) -> Vec<R::Partial> {
+        self.jobs.as_ref().map_or_else(Vec::new, Jobs::take_partial)
     }
 
     pub fn pending(&self) -> Option<&R> {
@@ -149,7 +149,7 @@ impl<R: Request> Wanted<R> {
     pub fn forget(&mut self) {
         self.cancel();
         if let Some(jobs) = &self.jobs {
-            drop((jobs.take_told(), jobs.take_answers_for()));
+            drop((jobs.take_partial(), jobs.take_answers_for()));
         }
         self.pending.clear();
         (self.ended, self.running) = (None, None);
@@ -163,8 +163,8 @@ impl<R: Request> Wanted<R> {
 
 fn jobs<R: Request>(engine: &Engine) -> JobsOf<R> {
     let stores: Stores = engine.stores.clone();
-    let work = move |request: R, tell: &(dyn Fn(R::Told) + Sync), monitor: &Monitor| {
-        request.compute(&Work { kept: stores.kept(), monitor, tell })
+    let work = move |request: R, tell: &(dyn Fn(R::Partial) + Sync), monitor: &Monitor| {
+        request.compute(&Work { caches: stores.caches(), monitor, tell })
     };
     Jobs::telling(&engine.queue, Urgency::Search, Duration::ZERO, work)
 }

@@ -28,10 +28,10 @@ impl PartialEq for CoherenceRequest {
 
 impl Request for CoherenceRequest {
     type Answer = Coherences;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Coherences, JobError> {
-        let (cache, rest) = trail_and_rest(work.kept.trails, &self.of, work.monitor)?;
+        let (cache, rest) = trail_and_rest(work.caches.trails, &self.of, work.monitor)?;
         let values = Arc::new(judged(&cache.trail, &rest)?);
         Ok(Coherences { detection: self.detection, values })
     }

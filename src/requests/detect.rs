@@ -22,7 +22,7 @@ pub struct OpenRequest {
 
 impl Request for OpenRequest {
     type Answer = OpenBurst;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
         self.source.open(&self.options, work.monitor)
@@ -37,11 +37,12 @@ pub struct DetectRequest {
 
 impl Request for DetectRequest {
     type Answer = Detected;
-    type Told = Infallible;
+    /// Features of one slope of a long search, before the others are searched.
+    type Partial = Detected;
 
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Detected, JobError> {
+    fn compute(self, work: &Work<'_, Detected>) -> Result<Detected, JobError> {
         let Self { burst, params: asked } = self;
-        let (trails, monitor) = (work.kept.trails, work.monitor);
+        let (trails, monitor) = (work.caches.trails, work.monitor);
         let kept = match trails.asked(&burst, &asked) {
             Some(kept) => Some(kept),
             None => trails.rejudged(&burst, &asked, monitor)?,
@@ -51,7 +52,8 @@ impl Request for DetectRequest {
             None => {
                 trails.make_room();
                 let earlier = trails.of_burst(&burst);
-                let made = Arc::new(ProbeCache::after(&earlier, &burst.burst, &asked, monitor)?);
+                let first = |detection| (work.tell)(Detected::of_first_slope(burst.id, &asked, detection));
+                let made = Arc::new(ProbeCache::after(&earlier, &burst.burst, &asked, &first, monitor)?);
                 trails.put(&burst, &made);
                 made
             }
@@ -79,6 +81,17 @@ pub struct Detected {
     pub detection: Arc<Detection>,
 }
 
+impl Detected {
+    /// `detection` of the first slope of the search that was `asked` for. Its parameters are those of a search of that
+    /// slope alone.
+    fn of_first_slope(burst: BurstId, asked: &SearchParams, detection: Detection) -> Self {
+        let params = DetectorParams { slopes: detection.slopes, ..asked.detector.clone() };
+        let (asked, searched) = (SearchParams::from(params.clone()), params.clone());
+        let (search_secs, detection) = (detection.times.total_secs(), Arc::new(detection));
+        Self { burst, asked, params, searched, search_secs, finding: None, detection }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub enum CompareRequest {
     Detect(DetectRequest),
@@ -93,7 +106,7 @@ pub enum Compared {
 
 impl Request for CompareRequest {
     type Answer = Compared;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Compared, JobError> {
         match self {
@@ -126,7 +139,7 @@ impl PartialEq for MatchRequest {
 
 impl Request for MatchRequest {
     type Answer = Matched;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
         let [(burst_a, params_a), (burst_b, params_b)] = &self.bursts;

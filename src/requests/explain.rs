@@ -4,7 +4,7 @@
 use super::detect::MatchRequest;
 use super::error::JobError;
 use super::open::BurstId;
-use super::request::{Kept, Request, Urgency, Work};
+use super::request::{Caches, Request, Urgency, Work};
 use super::trail::{DetectionSource, trail_and_rest};
 use crate::detector::{ParamChange, Slope, Test};
 use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions, survey};
@@ -35,10 +35,10 @@ pub struct ExplainRequest {
 
 impl Request for ExplainRequest {
     type Answer = Explained;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Explained, JobError> {
-        let (cache, monitor) = trail_and_rest(work.kept.trails, &self.of, work.monitor)?;
+        let (cache, monitor) = trail_and_rest(work.caches.trails, &self.of, work.monitor)?;
         let explanation = match self.question {
             ExplainQuestion::Slopes => Explanation::Slopes(Arc::new(spectrum(&cache, &monitor)?)),
             ExplainQuestion::Candidates(options) => {
@@ -86,7 +86,7 @@ impl PartialEq for LossesRequest {
 
 impl Request for LossesRequest {
     type Answer = FoundLosses;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FoundLosses, JobError> {
         let losses = Losses::new(self.pair(), work.monitor)?;
@@ -120,14 +120,14 @@ impl PartialEq for Traced {
 impl Request for DetectionSource {
     /// The detection with its trail; the search is repeated if the trail is not kept.
     type Answer = Traced;
-    type Told = Infallible;
+    type Partial = Infallible;
 
-    fn kept(&self, kept: &Kept<'_>) -> Option<Traced> {
-        Some(Traced { burst: self.burst.id, cache: kept.trails.get(self)? })
+    fn cached(&self, caches: &Caches<'_>) -> Option<Traced> {
+        Some(Traced { burst: self.burst.id, cache: caches.trails.get(self)? })
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Traced, JobError> {
-        let cache = work.kept.trails.get_or_make(&self, work.monitor)?;
+        let cache = work.caches.trails.get_or_make(&self, work.monitor)?;
         Ok(Traced { burst: self.burst.id, cache })
     }
 }
@@ -155,7 +155,7 @@ pub struct ProbeRequest {
 
 impl Request for ProbeRequest {
     type Answer = Probed;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Picture

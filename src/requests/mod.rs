@@ -44,7 +44,7 @@ pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
 pub use picture::{Picture, PictureRequest};
 pub use pictures::PicturesRequest;
-pub use request::{JobId, Kept, PictureStore, Request, Running, Urgency, Work};
+pub use request::{Caches, JobId, PictureStore, Request, Running, Urgency, Work};
 pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
 pub(crate) use trail::trail_of;

@@ -4,7 +4,7 @@ use super::error::JobError;
 use super::kind::{PictureKind, ViewKind};
 use super::map::MotionMap;
 use super::picture::{Picture, PictureRequest};
-use super::request::{Kept, Request, Urgency, Work};
+use super::request::{Caches, Request, Urgency, Work};
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
 use crate::detector::field::NO_FIELD;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Computes a picture that is not a difference.
 fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
-    let (trails, monitor) = (work.kept.trails, work.monitor);
+    let (trails, monitor) = (work.caches.trails, work.monitor);
     let mut motion = None;
     let burst = &request.burst.burst;
     let plane = match request.kind {
@@ -75,19 +75,19 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
 
 impl Request for PictureRequest {
     type Answer = Picture;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
         let own = if self.kind.about().is_slow { Urgency::SlowPicture } else { Urgency::Picture };
         self.minus().map_or(own, |minus| own.max(minus.urgency()))
     }
 
-    fn kept(&self, kept: &Kept<'_>) -> Option<Picture> {
-        kept.pictures.get(self)
+    fn cached(&self, caches: &Caches<'_>) -> Option<Picture> {
+        caches.pictures.get(self)
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
-        if let Some(picture) = self.kept(&work.kept) {
+        if let Some(picture) = self.cached(&work.caches) {
             return Ok(picture);
         }
         let picture = match self.minus().cloned() {
@@ -100,7 +100,7 @@ impl Request for PictureRequest {
             // Both pictures are kept too: they are mostly shown beside their difference.
             Some(minus) => self.alone().compute(work)?.minus(&minus.compute(work)?),
         };
-        work.kept.pictures.put(&picture);
+        work.caches.pictures.put(&picture);
         Ok(picture)
     }
 }
@@ -111,7 +111,7 @@ pub struct PicturesRequest(pub Vec<PictureRequest>);
 
 impl Request for PicturesRequest {
     type Answer = Vec<Picture>;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
         self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)

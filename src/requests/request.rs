@@ -10,18 +10,18 @@ use std::time::{Duration, Instant};
 pub trait Request: Clone + PartialEq + Send + 'static {
     type Answer: Send + 'static;
     /// A result that is told before the answer, such as one burst of many.
-    type Told: Send + 'static;
+    type Partial: Send + 'static;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search
     }
 
     /// The answer, if it is kept and needs no work.
-    fn kept(&self, _kept: &Kept<'_>) -> Option<Self::Answer> {
+    fn cached(&self, _caches: &Caches<'_>) -> Option<Self::Answer> {
         None
     }
 
-    fn compute(self, work: &Work<'_, Self::Told>) -> Result<Self::Answer, JobError>;
+    fn compute(self, work: &Work<'_, Self::Partial>) -> Result<Self::Answer, JobError>;
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -37,7 +37,7 @@ pub enum Urgency {
 }
 
 #[derive(Clone, Copy)]
-pub struct Kept<'a> {
+pub struct Caches<'a> {
     pub trails: &'a dyn TrailStore,
     pub pictures: &'a dyn PictureStore,
 }
@@ -53,7 +53,7 @@ pub trait PictureStore {
 impl PictureStore for NothingKept {}
 
 pub struct Work<'a, T> {
-    pub kept: Kept<'a>,
+    pub caches: Caches<'a>,
     pub monitor: &'a Monitor,
     pub tell: &'a (dyn Fn(T) + Sync),
 }
@@ -61,7 +61,7 @@ pub struct Work<'a, T> {
 impl<'a, T> Work<'a, T> {
     /// Context without results of earlier requests, which drops results that are told before the answer.
     pub fn alone(monitor: &'a Monitor) -> Self {
-        Self { kept: Kept { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
+        Self { caches: Caches { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
     }
 
     #[must_use]

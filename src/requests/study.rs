@@ -21,7 +21,7 @@ pub struct StudyRequest {
 
 impl Request for StudyRequest {
     type Answer = StudyReport;
-    type Told = StudyReport;
+    type Partial = StudyReport;
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
@@ -40,7 +40,7 @@ impl Request for StudyRequest {
 
 impl Request for ChartOfStudy {
     type Answer = ShownChart;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ShownChart, JobError> {
         Ok(self.show(work.monitor)?)
@@ -50,7 +50,7 @@ impl Request for ChartOfStudy {
 /// The figures of the paper, written to a folder. Finished figures stay there, so that a cancelled job can be resumed.
 impl Request for FiguresJob {
     type Answer = FiguresReport;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
@@ -102,7 +102,7 @@ pub struct PosesRequest {
 
 impl Request for PosesRequest {
     type Answer = ComparedPoses;
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {
         let monitor = work.monitor;

@@ -52,7 +52,7 @@ impl PartialEq for UntilCancelled {
 
 impl Request for UntilCancelled {
     type Answer = ();
-    type Told = Infallible;
+    type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
         Urgency::Search

@@ -49,6 +49,6 @@ pub use params::{
     NoiseGate, NoiseModelKind, Param, ParamChange, ParamDoc, Rules, SearchParams, SearchSlopes, SlopeChoice,
     SlopeExtrema, SlopeNeighbours,
 };
-pub use pipeline::{Judgement, Neighbourhood, Sample, Trail, follows, shared_slopes};
+pub use pipeline::{FirstFeatures, Judgement, Neighbourhood, Sample, Trail, follows, shared_slopes};
 pub use quantity::Quantity;
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes};

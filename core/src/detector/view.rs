@@ -186,7 +186,7 @@ const NOISE_CELL_PX: f32 = 8.0;
 
 #[cfg(test)]
 mod tests {
-    use super::super::pipeline::search_with_trail;
+    use super::super::pipeline::{Keeping, search_with_trail};
     use super::super::{NoiseModelKind, SlopeExtrema, SlopeGrid};
     use super::*;
     use crate::synth::NoiseCase;
@@ -219,7 +219,7 @@ mod tests {
                 slope_extrema,
                 ..DetectorParams::default()
             };
-            let trail = search_with_trail(&burst, &params, None, &monitor).expect("not cancelled");
+            let trail = search_with_trail(&burst, &params, Keeping::ANEW, &monitor).expect("not cancelled");
             let all: Vec<usize> = (0..trail.frames().0.len()).collect();
             for (octave, level, slope) in [(0, 1, Slope::new(2.0, 0.0)), (1, 2, Slope::new(-0.7, 0.0))] {
                 let map = gate_noise_map(&burst, &params, slope, octave, level, &monitor).expect("a map");

@@ -40,7 +40,7 @@ pub use reason::{Reason, ReasonKind};
 
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;
-use crate::detector::pipeline::search_with_trail;
+use crate::detector::pipeline::{FirstFeatures, Keeping, search_with_trail};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding, Trail};
 use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor};
@@ -62,22 +62,24 @@ pub struct ProbeCache {
 impl ProbeCache {
     /// Detects the features of `burst`, finding its slopes first if requested, and keeps the data that questions need.
     pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
-        Self::after(&[], burst, params, monitor)
+        Self::after(&[], burst, params, &|_| {}, monitor)
     }
 
     /// As [`Self::new`], but what the one of the `earlier` searches that knows most of the slopes left is not searched
-    /// again. The features are the same to the bit.
+    /// again. The features are the same to the bit. A long search that begins anew gives the features of its first slope
+    /// to `first` before it searches the others.
     pub fn after(
         earlier: &[Arc<Self>],
         burst: &Burst,
         params: &SearchParams,
+        first: FirstFeatures<'_>,
         monitor: &Monitor,
     ) -> Result<Self, Error> {
         let PreparedSearch { burst, params: prepared, finding, rest, .. } =
             PreparedSearch::new(burst, params, monitor)?;
         let known = |cache: &&Arc<Self>| cache.trail.known_slopes(&burst, &prepared);
         let earlier = earlier.iter().filter(|cache| known(cache) > 0).max_by_key(known).map(|cache| &*cache.trail);
-        let trail = Arc::new(search_with_trail(&burst, &prepared, earlier, &rest)?);
+        let trail = Arc::new(search_with_trail(&burst, &prepared, Keeping { earlier, first }, &rest)?);
         Ok(Self { burst, trail, finding, asked: params.clone() })
     }
 

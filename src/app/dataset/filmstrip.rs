@@ -327,7 +327,7 @@ impl Thumbnails {
     }
 
     pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstFiles]) {
-        for (source, picture) in self.wanted.take_told().into_iter().filter(|(source, _)| bursts.contains(source)) {
+        for (source, picture) in self.wanted.take_partial().into_iter().filter(|(source, _)| bursts.contains(source)) {
             let shown = match picture {
                 Ok(BurstPicture { size, rgb }) => {
                     let image = ColorImage::from_rgb(size.into(), &rgb);

@@ -86,7 +86,8 @@ impl PictureRenderer {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         pane: u64,
-        (id, plane): (PictureId, &Plane),
+        id: PictureId,
+        plane: &Plane,
         mut uniforms: Uniforms,
     ) {
         self.frame_open = true;
@@ -396,7 +397,7 @@ impl egui_wgpu::CallbackTrait for PicturePaint {
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(renderer) = resources.get_mut::<PictureRenderer>() {
             let uniforms = self.uniforms(screen.pixels_per_point);
-            renderer.prepare(device, queue, self.pane.value(), (self.id, &self.plane), uniforms);
+            renderer.prepare(device, queue, self.pane.value(), self.id, &self.plane, uniforms);
         }
         Vec::new()
     }

@@ -108,7 +108,7 @@ impl Writes<'_> {
                 let count = rows_per_write.min(rows - first);
                 let row = |row: usize| &plane.row(v0 + first + row)[u0..u0 + columns];
                 let origin = wgpu::Origin3d { x: 0, y: first as u32, z: layer };
-                self.write_strip((level, origin), (columns, count), row_bytes, row)?;
+                self.write_strip(level, origin, (columns, count), row_bytes, row)?;
             }
         }
         Ok(())
@@ -116,7 +116,8 @@ impl Writes<'_> {
 
     fn write_strip<'p>(
         &mut self,
-        (mip_level, origin): (u32, wgpu::Origin3d),
+        mip_level: u32,
+        origin: wgpu::Origin3d,
         (columns, rows): (usize, usize),
         row_bytes: usize,
         row: impl Fn(usize) -> &'p [f32],

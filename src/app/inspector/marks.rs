@@ -38,7 +38,7 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
 pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
     let kinds = [from, to].map(|id| model.picture_in(id).map(|picture| picture.request.kind));
-    Some(place_in(pos_image, (kinds[0]?, &a.cursor), (kinds[1]?, &b.cursor), &used(model, a.side)?))
+    Some(place_in(pos_image, kinds[0]?, &a.cursor, kinds[1]?, &b.cursor, &used(model, a.side)?))
 }
 
 fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
@@ -76,7 +76,7 @@ pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> O
     let pane = model.panes.get(id)?;
     let kind = model.picture_in(id)?.request.kind;
     let middle = PictureKind::Stack { slope: pane.cursor.slope };
-    let place = place_in(pos_image, (kind, &pane.cursor), (middle, &pane.cursor), &used(model, pane.side)?);
+    let place = place_in(pos_image, kind, &pane.cursor, middle, &pane.cursor, &used(model, pane.side)?);
     Some((pane.side, [place.x, place.y]))
 }
 
@@ -87,7 +87,7 @@ fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<P
     let kind = model.picture_in(id)?.request.kind;
     let cursor = Cursor { slope, ..pane.cursor };
     let [u, v] = place;
-    Some(place_in(pos2(u, v), (PictureKind::Stack { slope }, &cursor), (kind, &cursor), &used(model, pane.side)?))
+    Some(place_in(pos2(u, v), PictureKind::Stack { slope }, &cursor, kind, &cursor, &used(model, pane.side)?))
 }
 
 fn used(model: &Model, side: Side) -> Option<std::ops::Range<usize>> {

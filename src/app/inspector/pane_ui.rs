@@ -234,7 +234,7 @@ pub(super) fn slice_ui(
     let Some(pane) = model.panes.get(id) else { return touched };
     let (slope, display) = (pane.cursor.slope, model.ranges_of(pane).intensity);
     let area = Area::of(whole, slice);
-    widgets.of(id).slice.draw(ui, area.rect, (name, &answer.probe), display, || slice.plane.clone());
+    widgets.of(id).slice.draw(ui, area.rect, name, &answer.probe, display, || slice.plane.clone());
     numbers_ui(ui, &area, slice);
     line(ui, &area, slice, answer.probe.subject.slope, false);
     line(ui, &area, slice, slope, true);

@@ -53,8 +53,8 @@ pub fn lesson_ui(
         ui.add_space(6.0);
         if let Some(spot) = step.state.spot {
             Frame::group(ui.style()).show(ui, |ui| {
-                let of = (spot, step.state.slope.unwrap_or_default());
-                snr_ui(ui, model, &mut open.snr, of, queue);
+                let slope = step.state.slope.unwrap_or_default();
+                snr_ui(ui, model, &mut open.snr, spot, slope, queue);
             });
             ui.add_space(6.0);
         }

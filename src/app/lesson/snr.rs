@@ -62,13 +62,7 @@ fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)>
 }
 
 /// Draws the number of frames added, and the measured ratio beside the law of √N. `slope` is the spot's own.
-pub(super) fn snr_ui(
-    ui: &mut Ui,
-    model: &Model,
-    trace: &mut SnrTrace,
-    (spot, slope): (Spot, Slope),
-    queue: &mut Queue,
-) {
+pub(super) fn snr_ui(ui: &mut Ui, model: &Model, trace: &mut SnrTrace, spot: Spot, slope: Slope, queue: &mut Queue) {
     let top = ui.cursor().min;
     frames_ui(ui, model, trace, queue);
     let rect = egui::Rect::from_min_max(top, egui::pos2(ui.max_rect().right(), ui.min_rect().bottom()));

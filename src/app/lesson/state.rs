@@ -3,10 +3,10 @@
 use super::snr::SnrTrace;
 use super::steps;
 use crate::app::document::Document;
-use crate::app::project::Model;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
+use crate::app::project::{Model, Project};
 use crate::engine::Engine;
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
@@ -54,7 +54,7 @@ pub struct OpenLesson {
     opens: Vec<BurstSource>,
     pub(super) snr: SnrTrace,
     /// Project of the user, and the burst that was being opened in it.
-    of_user: (Box<Model>, Option<BurstSource>),
+    of_user: (Box<Project>, Option<BurstSource>),
 }
 
 impl OpenLesson {
@@ -117,7 +117,7 @@ impl Lessons {
     }
 
     /// Project of the user: the one before the open lesson, or without one `shown`.
-    pub fn project_of_user<'a>(&'a self, shown: &'a Model) -> &'a Model {
+    pub fn project_of_user<'a>(&'a self, shown: &'a Project) -> &'a Project {
         self.open.as_ref().map_or(shown, |open| &open.of_user.0)
     }
 
@@ -136,10 +136,10 @@ impl Lessons {
         self.leave(model, engine);
         self.list_is_open = false;
         let opening = model.slots.a.opening.pending().map(|request| request.source.clone());
-        let mut of_lesson = Model::default();
+        let mut of_lesson = Project::default();
         (of_lesson.figure, of_lesson.in_lesson) = (model.figure, true);
         model.slots.a.opening.forget();
-        let of_user = Box::new(show(of_lesson, model));
+        let of_user = Box::new(model.show(of_lesson));
         let progress = self.progress_in(&lesson);
         self.open = Some(OpenLesson {
             lesson,
@@ -159,7 +159,7 @@ impl Lessons {
     pub fn leave(&mut self, model: &mut Model, engine: &Engine) -> Option<Effect> {
         self.remember();
         let (of_user, opening) = self.open.take()?.of_user;
-        drop(show(*of_user, model));
+        drop(model.show(*of_user));
         if let Some(source) = opening {
             model.open(Side::A, source, engine);
         }
@@ -284,22 +284,6 @@ impl Lessons {
             self.progress.insert(open.lesson.name.clone(), progress);
         }
     }
-}
-
-/// Shows another project, and returns the one that was shown until now. Datasets, trajectories, the Lab, messages,
-/// figures and colours of the window stay, so that their work goes on.
-fn show(mut other: Model, model: &mut Model) -> Model {
-    std::mem::swap(&mut other, model);
-    let (from, to) = (&mut other, model);
-    let Document { theme, dataset, pairs, trajectories, lab, .. } = from.document.clone();
-    to.document = Document { theme, dataset, pairs, trajectories, lab, ..std::mem::take(&mut to.document) };
-    std::mem::swap(&mut from.datasets, &mut to.datasets);
-    std::mem::swap(&mut from.poses, &mut to.poses);
-    std::mem::swap(&mut from.studies, &mut to.studies);
-    std::mem::swap(&mut from.messages, &mut to.messages);
-    std::mem::swap(&mut from.figures, &mut to.figures);
-    to.messages.forget_note();
-    other
 }
 
 #[cfg(test)]

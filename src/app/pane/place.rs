@@ -10,8 +10,10 @@ use std::ops::Range;
 /// of the pane under the pointer if both show frames.
 pub fn place_in(
     pos_image: Pos2,
-    (from_kind, from): (PictureKind, &Cursor),
-    (to_kind, to): (PictureKind, &Cursor),
+    from_kind: PictureKind,
+    from: &Cursor,
+    to_kind: PictureKind,
+    to: &Cursor,
     used: &Range<usize>,
 ) -> Pos2 {
     let middle = 0.5 * (used.start + used.end.max(1) - 1) as f32;
@@ -42,14 +44,15 @@ mod tests {
     #[test]
     fn a_place_moves_along_the_slope_from_the_middle_of_the_burst_to_a_frame() {
         let cursor = Cursor { slope: Slope::new(7.0, 7.0), ..Cursor::default() };
-        let stack = (PictureKind::Stack { slope: SLOPE }, &cursor);
-        let frame = (PictureKind::Frame(7), &cursor);
-        assert_eq!(place_in(pos2(50.0, 40.0), stack, frame, &(0..11)), pos2(54.0, 38.0));
-        assert_eq!(place_in(pos2(54.0, 38.0), frame, stack, &(0..11)), pos2(50.0, 40.0));
-        let other = (PictureKind::Stack { slope: Slope::default() }, &cursor);
-        assert_eq!(place_in(pos2(50.0, 40.0), stack, other, &(0..11)), pos2(50.0, 40.0), "both are of the middle");
-        let last = (PictureKind::Frame(9), &cursor);
-        assert_eq!(place_in(pos2(50.0, 40.0), frame, last, &(0..11)), pos2(64.0, 54.0), "by the slope of its own");
+        let stack = PictureKind::Stack { slope: SLOPE };
+        let frame = PictureKind::Frame(7);
+        let between = |place, from, to| place_in(place, from, &cursor, to, &cursor, &(0..11));
+        assert_eq!(between(pos2(50.0, 40.0), stack, frame), pos2(54.0, 38.0));
+        assert_eq!(between(pos2(54.0, 38.0), frame, stack), pos2(50.0, 40.0));
+        let other = PictureKind::Stack { slope: Slope::default() };
+        assert_eq!(between(pos2(50.0, 40.0), stack, other), pos2(50.0, 40.0), "both are of the middle");
+        let last = PictureKind::Frame(9);
+        assert_eq!(between(pos2(50.0, 40.0), frame, last), pos2(64.0, 54.0), "by the slope of its own");
     }
 
     proptest! {
@@ -64,8 +67,8 @@ mod tests {
             ];
             for a in kinds {
                 for b in kinds {
-                    let there = place_in(pos2(u, v), (a, &cursor), (b, &cursor), &(0..12));
-                    let back = place_in(there, (b, &cursor), (a, &cursor), &(0..12));
+                    let there = place_in(pos2(u, v), a, &cursor, b, &cursor, &(0..12));
+                    let back = place_in(there, b, &cursor, a, &cursor, &(0..12));
                     prop_assert!((back - pos2(u, v)).length() < 1e-3, "{a:?} {b:?}");
                 }
             }

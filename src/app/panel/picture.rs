@@ -213,6 +213,7 @@ pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
         return;
     }
     let text = match stale {
+        Stale::FirstSlope => "Features of the first slope only: the search did not end",
         Stale::Parameters => "Stale features: the parameters changed",
         Stale::InvalidParameters => "Stale features: the parameters are invalid",
     };
@@ -222,7 +223,7 @@ pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
         let frame = Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour));
         frame.inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
             ui.label(RichText::new(text).color(colour));
-            if stale == Stale::Parameters && ui.small_button("Detect again").clicked() {
+            if stale != Stale::InvalidParameters && ui.small_button("Detect again").clicked() {
                 queue.push(ActionId::Detect);
             }
         });

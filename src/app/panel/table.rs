@@ -55,8 +55,8 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         }
         copy_ui(ui, "Copy row", || feature_text(feature));
     };
-    let order = (&columns[..], model.order);
-    let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Feature {}", index + 1), menu);
+    let name = |index: usize| format!("Feature {}", index + 1);
+    let pointed = sorted_table_ui(ui, &columns, model.order, &listed, text, name, menu);
     queue.set(&model.order, pointed.order, Action::SetOrder);
     queue.set(&model.selected, chosen.or(pointed.selected), Action::Select);
     if chosen.is_some() {
@@ -109,7 +109,8 @@ pub(in crate::app) struct TableClicks<C> {
 /// cell, `name` the item's name for screen readers, and `menu` draws the menu of its row.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
-    (columns, order): (&[C], Order<C>),
+    columns: &[C],
+    order: Order<C>,
     listed: &Listed<'_>,
     text: impl Fn(C, usize) -> String,
     name: impl Fn(usize) -> String,

@@ -9,9 +9,12 @@ use super::{Effect, Model};
 use crate::engine::{Ended, Engine, Want};
 use crate::requests::{JobError, Request, Urgency};
 
-/// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken.
+/// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken, and a partial one.
 macro_rules! one {
     ($ends:literal, |$m:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr) => {
+        one!($ends, |$m| $wanted, |$of, $drags| $missing, |$to, $ended| $take, |_, _| ())
+    };
+    ($ends:literal, |$m:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr, $take_partial:expr) => {
         &One {
             wanted: |$m| &$wanted,
             wanted_mut: |$m| &mut $wanted,
@@ -21,6 +24,7 @@ macro_rules! one {
                 $take;
                 Vec::new()
             },
+            take_partial: $take_partial,
         }
     };
 }
@@ -28,7 +32,17 @@ macro_rules! one {
 /// Makes a [`One`] that the user asks for: nothing is missing by itself.
 macro_rules! asked {
     (|$m:ident| $wanted:expr, $take:expr) => {
-        &One { wanted: |$m| &$wanted, wanted_mut: |$m| &mut $wanted, missing: |_, _| None, ends: false, take: $take }
+        asked!(|$m| $wanted, $take, |_, _| ())
+    };
+    (|$m:ident| $wanted:expr, $take:expr, $take_partial:expr) => {
+        &One {
+            wanted: |$m| &$wanted,
+            wanted_mut: |$m| &mut $wanted,
+            missing: |_, _| None,
+            ends: false,
+            take: $take,
+            take_partial: $take_partial,
+        }
     };
 }
 
@@ -39,8 +53,8 @@ const PARTS: &[&dyn Part] = &[
     asked!(|m| m.slots.b.opening, |_, ended, _| vec![Effect::Opened(Side::B, ended)]),
     &PanePictures,
     one!(false, |m| m.wanted_patch, |m, _| m.missing_patch(), |m, ended| m.take_patch(ended)),
-    one!(false, |m| m.slots.a.detecting, |m, drags| m.missing_features(Side::A, drags), |m, ended| m.take_features(Side::A, ended)),
-    one!(false, |m| m.slots.b.detecting, |m, drags| m.missing_features(Side::B, drags), |m, ended| m.take_features(Side::B, ended)),
+    one!(false, |m| m.slots.a.detecting, |m, drags| m.missing_features(Side::A, drags), |m, ended| m.take_features(Side::A, ended), |m, first| m.take_first_features(Side::A, first)),
+    one!(false, |m| m.slots.b.detecting, |m, drags| m.missing_features(Side::B, drags), |m, ended| m.take_features(Side::B, ended), |m, first| m.take_first_features(Side::B, first)),
     one!(false, |m| m.probed.wanted_trail, |m, drags| m.missing_trail(drags), |m, ended| m.take_probed_trail(ended)),
     one!(false, |m| m.probed.wanted_answer, |m, _| m.missing_probe(), |m, ended| m.take_probed(ended)),
     one!(false, |m| m.pair.wanted_patches, |m, _| m.missing_patches(), |m, ended| m.take_patches(ended)),
@@ -59,10 +73,10 @@ const PARTS: &[&dyn Part] = &[
     one!(false, |m| m.pair.lost.pricing, |m, _| m.missing_price(), |m, ended| m.take_price(ended)),
     one!(false, |m| m.pair.lost.wanted_pictures, |m, _| m.missing_candidate_pictures(), |m, ended| m.take_lost_pictures(ended)),
     one!(false, |m| m.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| m.take_chart(ended)),
-    asked!(|m| m.studies.wanted, |m, ended, _| m.take_study(ended)),
+    asked!(|m| m.studies.wanted, |m, ended, _| m.take_study(ended), |m, report| m.take_part_of_study(report)),
     asked!(|m| m.figures, |m, ended, _| m.take_figures(ended)),
     asked!(|m| m.poses.reading, |m, ended, _| m.take_trajectories(ended)),
-    asked!(|m| m.datasets.wanted, |m, ended, engine| m.take_dataset_answer(ended, engine)),
+    asked!(|m| m.datasets.wanted, |m, ended, engine| m.take_dataset_answer(ended, engine), |m, event| m.take_dataset_event(&event)),
 ];
 
 impl Model {
@@ -87,12 +101,6 @@ impl Model {
     pub(in crate::app) fn take_answers(&mut self, engine: &Engine) -> Vec<Effect> {
         engine.enforce_grace();
         self.probe_planted();
-        self.take_part_of_study();
-        for event in self.datasets.wanted.take_told() {
-            self.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(&event));
-            // Counts that were said before are old.
-            self.messages.forget_note();
-        }
         let mut pass = Pass { model: self, engine, dragging: false };
         PARTS.iter().flat_map(|part| part.take(&mut pass)).collect()
     }
@@ -121,6 +129,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::project::Stale;
     use crate::app::project::tests::Bench;
     use crate::detector::{NoiseGate, SlopeGrid};
     use crate::requests::BurstSource;
@@ -158,6 +167,24 @@ mod tests {
         assert!(!dragged(|model| model.params.slopes = SlopeGrid::line(-0.8..=0.8, 3)).0);
         let (asks, _, is_current) = dragged(|model| model.params.slopes = SlopeGrid::line(-1.0..=2.0, 4));
         assert!(asks && is_current, "one more slope is searched while the end is dragged");
+    }
+
+    #[test]
+    fn a_long_search_shows_the_features_of_one_slope_before_those_of_all() {
+        let mut bench = Bench::new();
+        let burst = BurstSource::Example(Example::Street).open(&Default::default(), &crate::Monitor::default());
+        bench.model.take_burst(burst.expect("built in"));
+        bench.model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
+        bench.run_until(|model, _| model.slots.a.found.is_some());
+        let found = bench.model.slots.a.found.clone().expect("found");
+        assert_eq!(bench.model.stale(), Some(Stale::FirstSlope));
+        assert!(bench.model.slots.a.detecting.is_pending() && !bench.model.features_are_current(Side::A));
+        assert_eq!(found.detection.slopes, SlopeGrid::single(bench.model.cursor().slope), "it is on show");
+        assert!(found.judgement.is_none() && found.advice.is_none(), "one slope tells nothing about the range");
+        bench.settle();
+        assert!(bench.model.features_are_current(Side::A) && bench.model.stale().is_none());
+        let first = found.detection.features.len();
+        assert!((1..bench.model.features().len()).contains(&first), "{first}");
     }
 
     #[test]

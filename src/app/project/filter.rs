@@ -94,7 +94,8 @@ impl Filter {
 /// Indices of the features that pass the filter at `slope`, sorted by `order`; `judged` and `set_up` say more of them.
 pub fn listed(
     features: &[Feature],
-    (judged, set_up): (Option<&[Judged]>, &SetUpState),
+    judged: Option<&[Judged]>,
+    set_up: &SetUpState,
     filter: &Filter,
     slope: Slope,
     order: Order<Quantity>,
@@ -146,7 +147,8 @@ impl Model {
         if self.listed_for.as_ref() != Some(&now) {
             self.listed = filter::listed(
                 &found.detection.features,
-                (judged.map(|judged| &judged[..]), &self.set_up),
+                judged.map(|judged| &judged[..]),
+                &self.set_up,
                 &self.filter,
                 slope,
                 self.order,
@@ -221,14 +223,14 @@ mod tests {
         let mut filter = Filter::default();
         assert!(filter.is_open());
         let order = Order::default().clicked(Quantity::U);
-        assert_eq!(listed(&features, (None, &alone), &filter, slope, order), [1, 2, 0]);
-        assert_eq!(listed(&features, (None, &alone), &filter, slope, order.clicked(Quantity::U)), [0, 2, 1]);
+        assert_eq!(listed(&features, None, &alone, &filter, slope, order), [1, 2, 0]);
+        assert_eq!(listed(&features, None, &alone, &filter, slope, order.clicked(Quantity::U)), [0, 2, 1]);
         filter.sigma = Some(Interval { min: 3.0, max: 9.0 });
-        assert_eq!(listed(&features, (None, &alone), &filter, slope, Order::default()), [1, 2]);
+        assert_eq!(listed(&features, None, &alone, &filter, slope, Order::default()), [1, 2]);
         filter.hide_slope_limit = true;
-        assert_eq!(listed(&features, (None, &alone), &filter, slope, Order::default()), [1]);
+        assert_eq!(listed(&features, None, &alone, &filter, slope, Order::default()), [1]);
         let near = Filter { near_slope: Some(0.5), ..Filter::default() };
-        assert_eq!(listed(&features, (None, &alone), &near, slope, Order::default()), [0]);
+        assert_eq!(listed(&features, None, &alone, &near, slope, Order::default()), [0]);
     }
 
     #[test]
@@ -241,7 +243,7 @@ mod tests {
         let unknown = Feature { field_sigma: f32::INFINITY, layer: 2, moves: Moves::Unknown, ..placed };
         let features = [Feature { layer: 1, ..placed }, by_itself, Feature { layer: 1, ..edge }, unknown];
         let passing = |filter: Filter| {
-            listed(&features, (None, &SetUpState::default()), &filter, Slope::new(2.0, 0.0), Order::default())
+            listed(&features, None, &SetUpState::default(), &filter, Slope::new(2.0, 0.0), Order::default())
         };
         let open = Filter::default;
         assert_eq!(passing(Filter { near_slope: Some(0.1), ..open() }), [0, 2], "an edge moves as its surroundings");
@@ -270,8 +272,7 @@ mod tests {
     fn depths_sort_the_features_and_unknown_ones_come_last() {
         let features = [feature(5.0, 2.0, -2.5), feature(1.0, 4.0, 2.0), feature(3.0, 8.0, -20.0)];
         let order = Order::default().clicked(Quantity::Depth);
-        let sorted =
-            |set_up: &SetUpState| listed(&features, (None, set_up), &Filter::default(), Slope::default(), order);
+        let sorted = |set_up: &SetUpState| listed(&features, None, set_up, &Filter::default(), Slope::default(), order);
         let read = SetUpState { reads_depths: true, ..SetUpState::default() };
         assert_eq!(sorted(&read), [2, 0, 1]);
         assert_eq!(sorted(&SetUpState::default()), [0, 1, 2], "without a set-up no depth is known");

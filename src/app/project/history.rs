@@ -129,7 +129,7 @@ impl Model {
     /// Takes a step. The note about it replaces one about the settings that are no longer set.
     fn step(&mut self, what: &str, step: impl FnOnce(&mut History, &mut Document)) {
         let before = self.document.clone();
-        step(&mut self.history, &mut self.document);
+        step(&mut self.project.history, &mut self.project.document);
         self.check_params();
         let changed = self.changed_from(&before);
         if !changed.is_empty() {
@@ -141,14 +141,14 @@ impl Model {
     pub fn as_step<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
         let before = self.document.clone();
         let changed = change(self);
-        self.history.take(before, &self.document);
+        self.project.history.take(before, &self.project.document);
         changed
     }
 
     /// Ends a step, unless `goes_on`: its change may continue in the next pass.
     pub(in crate::app) fn close_step(&mut self, goes_on: bool) {
         if !goes_on && !self.playing && self.history.begun.is_some() {
-            self.history.close(&self.document);
+            self.project.history.close(&self.project.document);
         }
     }
 }

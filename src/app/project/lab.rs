@@ -200,9 +200,9 @@ impl Model {
         self.open(Side::A, source, engine);
     }
 
-    pub(super) fn take_part_of_study(&mut self) {
+    pub(super) fn take_part_of_study(&mut self, report: StudyReport) {
         let lab = &mut self.studies;
-        if let (Some(report), Some(request)) = (lab.wanted.take_told().pop(), lab.wanted.pending()) {
+        if let Some(request) = lab.wanted.pending() {
             lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
         }
     }
@@ -233,7 +233,7 @@ impl Model {
 
     pub(super) fn probe_planted(&mut self) {
         let is_open = |(source, _): &mut (BurstSource, [f32; 2])| {
-            self.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
+            self.project.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
         };
         if let Some((_, place)) = self.studies.probe_when_open.take_if(is_open) {
             self.probe_place(Side::A, place);

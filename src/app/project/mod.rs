@@ -58,9 +58,22 @@ use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
 use trajectories::TrajectoryResults;
 
-/// The document, and what the engine answered. All that is read of the document is read as if it were its own.
+/// All of the window: the project on show, and what stays when another is shown. All that is read of the project, and of
+/// its document, is read as if it were its own.
 #[derive(Debug, Default)]
 pub struct Model {
+    pub project: Project,
+    pub window_width_points: f32,
+    pub messages: Messages,
+    pub figures: Wanted<FiguresJob>,
+    pub datasets: Datasets,
+    pub poses: TrajectoryResults,
+    pub studies: lab::Studies,
+}
+
+/// The document, and what the engine answered about its bursts.
+#[derive(Debug, Default)]
+pub struct Project {
     pub document: Document,
     pub slots: Sides<Slot>,
     pub pictures: HashMap<PaneId, PanePicture>,
@@ -70,19 +83,13 @@ pub struct Model {
     pub reselect: Option<SavedSelection>,
     /// Indices of the features that pass the filter, in the table's order; see [`Model::refresh_listed`].
     pub listed: Vec<usize>,
-    pub window_width_points: f32,
     pub pair: PairState,
     pub compare: Compare,
-    pub messages: Messages,
     pub history: History,
     pub explained: ExplainedState,
     pub coherence: CoherenceState,
     pub probed: ProbeResults,
     pub in_lesson: bool,
-    pub figures: Wanted<FiguresJob>,
-    pub datasets: Datasets,
-    pub poses: TrajectoryResults,
-    pub studies: lab::Studies,
     play: panes::Play,
     listed_for: Option<filter::ListedFor>,
 }
@@ -96,6 +103,20 @@ pub struct PanePicture {
 }
 
 impl Deref for Model {
+    type Target = Project;
+
+    fn deref(&self) -> &Project {
+        &self.project
+    }
+}
+
+impl DerefMut for Model {
+    fn deref_mut(&mut self) -> &mut Project {
+        &mut self.project
+    }
+}
+
+impl Deref for Project {
     type Target = Document;
 
     fn deref(&self) -> &Document {
@@ -103,13 +124,30 @@ impl Deref for Model {
     }
 }
 
-impl DerefMut for Model {
+impl DerefMut for Project {
     fn deref_mut(&mut self) -> &mut Document {
         &mut self.document
     }
 }
 
+impl From<Document> for Model {
+    fn from(document: Document) -> Self {
+        Self { project: Project { document, ..Project::default() }, ..Self::default() }
+    }
+}
+
 impl Model {
+    /// Shows another project, and returns the one on show until now. The dataset, the trajectories, the Lab and the colours
+    /// of the window stay, so that their work goes on.
+    pub fn show(&mut self, project: Project) -> Project {
+        let before = std::mem::replace(&mut self.project, project);
+        let Document { theme, dataset, pairs, trajectories, lab, .. } = before.document.clone();
+        let shown = std::mem::take(&mut self.document);
+        self.document = Document { theme, dataset, pairs, trajectories, lab, ..shown };
+        self.messages.forget_note();
+        before
+    }
+
     /// (columns, rows) of the open burst's frames; (0, 0) without one.
     pub fn size(&self) -> (usize, usize) {
         self.slots.a.burst.as_ref().map_or((0, 0), |b| b.burst.size())

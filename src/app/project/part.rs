@@ -31,6 +31,8 @@ pub(super) struct One<R: Request> {
     /// Whether a request ends when nothing is missing any more.
     pub ends: bool,
     pub take: fn(&mut Model, Ended<R>, &Engine) -> Vec<Effect>,
+    /// Takes what was done of a request that still runs.
+    pub take_partial: fn(&mut Model, R::Partial),
 }
 
 impl<R: Request> Part for One<R> {
@@ -39,6 +41,9 @@ impl<R: Request> Part for One<R> {
     }
 
     fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        for partial in (self.wanted_mut)(pass.model).take_partial() {
+            (self.take_partial)(pass.model, partial);
+        }
         let ended = (self.wanted_mut)(pass.model).take();
         ended.into_iter().flat_map(|ended| (self.take)(pass.model, ended, pass.engine)).collect()
     }

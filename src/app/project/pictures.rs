@@ -304,10 +304,10 @@ impl Model {
             let Some(wanted) = self.wanted(id) else { continue };
             let class = RangeClass::of(&wanted);
             let is_current = self.is_current(id);
-            let Document { panes, look, .. } = &mut self.document;
+            let Document { panes, look, .. } = &mut self.project.document;
             let Some(pane) = panes.get_mut(id) else { continue };
             let own = pane.own_ranges.as_mut();
-            let shown = self.pictures.get(&id);
+            let shown = self.project.pictures.get(&id);
             if shown.is_some_and(|shown| shown.problem.is_some()) || (own.is_none() && led.contains(&class)) {
                 continue;
             }

@@ -7,7 +7,7 @@ use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{Effect, Model};
+use crate::app::project::{Effect, Model, Project};
 use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
 use crate::detector::{
@@ -158,6 +158,20 @@ impl Model {
         }
     }
 
+    /// Shows the features of one slope of a long search, until all are there; not in place of others of the burst.
+    pub(super) fn take_first_features(&mut self, side: Side, first: Detected) {
+        let Some(burst) = self.burst_of(side).filter(|burst| burst.id == first.burst) else { return };
+        if self.slots[side].found.is_some() {
+            return;
+        }
+        // One slope tells nothing about the range.
+        let found = FoundFeatures::new(first, burst, Duration::ZERO);
+        let found = FoundFeatures { is_first_slope: true, advice: None, judgement: None, ..found };
+        self.slots[side].found = Some(found);
+        self.refresh_listed();
+        self.go_to_first_slope(side);
+    }
+
     pub(in crate::app) fn say_failed(&mut self, what: &str, error: &JobError) {
         match error {
             JobError::Cancelled => self.messages.note(format!("{what} cancelled")),
@@ -167,8 +181,8 @@ impl Model {
 
     pub fn take_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
-        let slot = &mut self.slots.a;
-        (slot.burst, slot.found, self.patch) = (Some(burst), None, None);
+        let slot = &mut self.project.slots.a;
+        (slot.burst, slot.found, self.project.patch) = (Some(burst), None, None);
         slot.detecting.forget();
         self.forget_asked_pictures();
         (self.selected, self.hovered, self.playing) = (None, None, false);
@@ -187,7 +201,7 @@ impl Model {
         let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
         let Some(before) = self.panes.get(leader).map(|pane| pane.cursor) else { return };
         let after = begin(&before);
-        let Self { document, pictures, .. } = self;
+        let Project { document, pictures, .. } = &mut self.project;
         let panes = &mut document.panes;
         pictures.retain(|id, _| panes.get(*id).is_some_and(|pane| pane.side != side));
         for (id, pane) in panes.iter_mut().filter(|(_, pane)| pane.side == side) {
@@ -219,7 +233,7 @@ impl Model {
     pub fn check_params(&mut self) {
         let auto = self.slopes.is_auto();
         self.slots.a.param_error =
-            checked(self.slots.a.burst.as_ref(), self.document.params.clone(), auto, &mut self.slots.a.usable_params);
+            checked(self.project.slots.a.burst.as_ref(), self.project.document.params.clone(), auto, &mut self.project.slots.a.usable_params);
         self.pair.param_error = self.matching.validate().err();
         if self.slots.b.burst.is_some() {
             let params = self.params_of(Side::B);
@@ -234,10 +248,10 @@ impl Model {
     fn check_cursors(&mut self) {
         let (follows, focus, before) = (self.panes.followers(), self.focus(), *self.cursor());
         let bursts = [
-            (self.slots.a.burst.as_ref(), &self.slots.a.usable_params),
-            (self.slots.b.burst.as_ref(), &self.slots.b.usable_params),
+            (self.project.slots.a.burst.as_ref(), &self.project.slots.a.usable_params),
+            (self.project.slots.b.burst.as_ref(), &self.project.slots.b.usable_params),
         ];
-        for (id, pane) in self.document.panes.iter_mut() {
+        for (id, pane) in self.project.document.panes.iter_mut() {
             if let (Some(burst), params) = bursts[pane.side as usize]
                 && !follows.contains(&id)
             {
@@ -287,6 +301,8 @@ pub struct FoundFeatures {
     pub detection: Arc<Detection>,
     pub elapsed: Duration,
     pub advice: Option<Advice>,
+    /// Whether these are the features of one slope of a search that was long.
+    pub is_first_slope: bool,
     /// Judgement of the slopes from the detection alone: see [`Model::slope_judgement`].
     pub(in crate::app) judgement: Option<SlopeJudgement>,
 }
@@ -296,7 +312,18 @@ impl FoundFeatures {
         let Detected { asked, params, searched, search_secs, finding, detection, .. } = detected;
         let advice = explain(&detection, &params, burst.burst.size());
         let judgement = judgement(&detection, &params, finding.as_ref(), &burst.burst);
-        Self { asked, params, searched, search_secs, finding, detection, elapsed, advice, judgement }
+        Self {
+            asked,
+            params,
+            searched,
+            search_secs,
+            finding,
+            detection,
+            elapsed,
+            advice,
+            is_first_slope: false,
+            judgement,
+        }
     }
 }
 
@@ -311,8 +338,26 @@ pub struct SavedSelection {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stale {
+    /// Those of one slope are there: the search for the others runs, or was cancelled.
+    FirstSlope,
     Parameters,
     InvalidParameters,
+}
+
+impl Project {
+    pub fn features(&self) -> &[Feature] {
+        self.slots.a.found.as_ref().map_or(&[], |f| &f.detection.features)
+    }
+
+    pub fn selected_feature(&self) -> Option<&Feature> {
+        self.features().get(self.selected?)
+    }
+
+    pub fn saved_selection(&self) -> Option<SavedSelection> {
+        let feature = self.selected_feature()?;
+        let index = self.selected?;
+        Some(SavedSelection { index, u: feature.u, v: feature.v, sigma: feature.sigma, slope: feature.slope })
+    }
 }
 
 impl Model {
@@ -345,29 +390,17 @@ impl Model {
         Some(DetectionSource { burst, asked, params, finding })
     }
 
-    pub fn features(&self) -> &[Feature] {
-        self.slots.a.found.as_ref().map_or(&[], |f| &f.detection.features)
-    }
-
-    pub fn selected_feature(&self) -> Option<&Feature> {
-        self.features().get(self.selected?)
-    }
-
     pub fn stale(&self) -> Option<Stale> {
         let found = self.slots.a.found.as_ref()?;
         if found.asked == self.asked() {
             None
+        } else if found.is_first_slope {
+            Some(Stale::FirstSlope)
         } else if self.slots.a.param_error.is_some() {
             Some(Stale::InvalidParameters)
         } else {
             Some(Stale::Parameters)
         }
-    }
-
-    pub fn saved_selection(&self) -> Option<SavedSelection> {
-        let feature = self.selected_feature()?;
-        let index = self.selected?;
-        Some(SavedSelection { index, u: feature.u, v: feature.v, sigma: feature.sigma, slope: feature.slope })
     }
 
     /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature.

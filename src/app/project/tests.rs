@@ -24,10 +24,7 @@ impl Bench {
     pub fn new() -> Self {
         let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..Default::default() };
         let document = Document { params, slopes: SlopeChoice::Given, auto_detect: true, ..Document::default() };
-        Self {
-            model: Model { document, ..Model::default() },
-            engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES),
-        }
+        Self { model: Model::from(document), engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
     }
 
     pub fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {

@@ -95,7 +95,7 @@ impl TrajectoryResults {
 
 impl Model {
     pub fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
-        let set = &mut self.document.trajectories;
+        let set = &mut self.project.document.trajectories;
         let mut request = self.poses.request(set.study);
         let (of_set, of_request) = match which {
             Which::Estimate => (&mut set.estimate, &mut request.estimate),
@@ -123,7 +123,7 @@ impl Model {
     /// open stay.
     pub(super) fn take_trajectories(&mut self, ended: Ended<PosesRequest>) -> Vec<Effect> {
         const TITLE: &str = "Trajectories";
-        let (set, before) = (&mut self.document.trajectories, &self.poses.compared);
+        let (set, before) = (&mut self.project.document.trajectories, &self.poses.compared);
         match ended.result {
             Ok(compared) => {
                 self.messages.resolved(TITLE);

@@ -7,7 +7,7 @@ pub use record::Record;
 
 use super::document::Journal;
 use super::session::Session;
-use crate::app::project::Model;
+use crate::app::project::Project;
 use crate::app::project::messages::Messages;
 use crate::engine::{Engine, TaskDone, TaskId};
 use crate::files::{MAX_SESSION_BYTES, read_text, written_by};
@@ -46,8 +46,8 @@ pub enum RecoveryChoice {
     Keep,
 }
 
-fn session_text(model: &Model, did: &Journal) -> Option<String> {
-    Some(written_by() + &did.last_lines() + &Session::of(model)?.to_toml())
+fn session_text(project: &Project, did: &Journal) -> Option<String> {
+    Some(written_by() + &did.last_lines() + &Session::of(project)?.to_toml())
 }
 
 #[derive(Debug)]
@@ -91,7 +91,7 @@ impl Recovery {
     }
 
     /// Returns the time to wait before calling again, if nothing else happens.
-    pub fn keep(&mut self, model: &Model, did: &Journal, engine: &Engine) -> Option<Duration> {
+    pub fn keep(&mut self, project: &Project, did: &Journal, engine: &Engine) -> Option<Duration> {
         if self.writing.is_some() || self.restoring.is_some() {
             return None;
         }
@@ -100,7 +100,7 @@ impl Recovery {
             return Some(rest);
         }
         self.looked = Some(Instant::now());
-        let text = session_text(model, did).filter(|text| self.written.as_ref() != Some(text))?;
+        let text = session_text(project, did).filter(|text| self.written.as_ref() != Some(text))?;
         self.given = Some(text.clone());
         let (record, turn) = (self.own.clone(), self.own.turn());
         let write = move || record.write_in_turn(&text, turn).map(|()| String::new());
@@ -109,8 +109,8 @@ impl Recovery {
     }
 
     /// Another window goes on with it, and if that fails it is offered later. The error: title and text of a message.
-    pub fn keep_now(&self, model: &Model, did: &Journal) -> Result<(), (&'static str, String)> {
-        session_text(model, did).map_or(Ok(()), |text| self.own.write(&text).map_err(|error| (TITLE, error)))
+    pub fn keep_now(&self, project: &Project, did: &Journal) -> Result<(), (&'static str, String)> {
+        session_text(project, did).map_or(Ok(()), |text| self.own.write(&text).map_err(|error| (TITLE, error)))
     }
 
     /// A failure is reported once for each reason, and the session is due again at the next interval.

@@ -10,7 +10,7 @@ use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::pair::{SavedMatch, Side};
 use crate::app::project::probe::Probe;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{Model, SavedSelection};
+use crate::app::project::{Model, Project, SavedSelection};
 use crate::export::case::read_session;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
@@ -42,17 +42,17 @@ pub struct Session {
 }
 
 impl Session {
-    pub fn of(model: &Model) -> Option<Self> {
-        let burst = absolute(&model.slots.a.burst.as_ref()?.source);
+    pub fn of(project: &Project) -> Option<Self> {
+        let burst = absolute(&project.slots.a.burst.as_ref()?.source);
         Some(Self {
             version: VERSION,
             did: Steps::new(),
             burst,
-            document: sound(model),
-            detected: model.slots.a.found.is_some(),
-            selection: model.saved_selection(),
-            second: model.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
-            selected_match: model.saved_match(),
+            document: sound(project),
+            detected: project.slots.a.found.is_some(),
+            selection: project.saved_selection(),
+            second: project.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
+            selected_match: project.saved_match(),
         })
     }
 
@@ -182,10 +182,10 @@ impl Session {
 
 /// The document with absolute paths; where what is typed makes no sense, the last that did: a session could not be
 /// opened again.
-fn sound(model: &Model) -> Document {
-    let mut document = model.document.clone().with_absolute_paths();
+fn sound(project: &Project) -> Document {
+    let mut document = project.document.clone().with_absolute_paths();
     if document.search().validate().is_err() {
-        document.params = model.slots.a.usable_params.clone();
+        document.params = project.slots.a.usable_params.clone();
     }
     document.set_up.reads_depths &= document.set_up.values.check().is_ok();
     for record in doc::ALL {

@@ -184,8 +184,8 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     }
     if model.shows_right() {
         right_panel(ui, "right", side_width(model), 250.0..=460.0, |ui| {
-            let other = ("Display and feature", "The value range of the pictures, and the selected feature");
-            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+            let help = "The value range of the pictures, and the selected feature";
+            if panel::probe::probe_tab_ui(ui, model, probe, "Display and feature", help, queue) {
                 return;
             }
             scroll_ui(ui, |ui| {

@@ -2,7 +2,7 @@
 
 use super::{end_of, engine, wait_for};
 use crate::engine::{Engine, Want, Wanted};
-use crate::requests::{JobError, Kept, Request, Urgency, Work};
+use crate::requests::{Caches, JobError, Request, Urgency, Work};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
@@ -22,9 +22,9 @@ impl PartialEq for Half {
 
 impl Request for Half {
     type Answer = u32;
-    type Told = u32;
+    type Partial = u32;
 
-    fn kept(&self, _: &Kept<'_>) -> Option<u32> {
+    fn cached(&self, _: &Caches<'_>) -> Option<u32> {
         (self.of == 100).then_some(50)
     }
 
@@ -74,7 +74,7 @@ fn a_request_runs_once_however_often_it_is_wanted_and_again_if_its_answer_is_sti
     let ended = end_of(&mut halves.wanted);
     assert_eq!((ended.request.of, ended.result, halves.computed()), (8, Ok(4), 1));
     assert!(halves.wanted.is_settled() && halves.wanted.take().is_empty());
-    assert_eq!(halves.wanted.take_told(), [8]);
+    assert_eq!(halves.wanted.take_partial(), [8]);
     // The answer is still missing.
     halves.want(8);
     assert_eq!((end_of(&mut halves.wanted).result, halves.computed()), (Ok(4), 2));

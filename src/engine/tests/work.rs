@@ -28,14 +28,14 @@ fn work_tells_on_the_way_and_what_was_superseded_tells_nothing_more() {
     jobs.submit_for(0, 1);
     let mut told = Vec::new();
     wait_for(|| {
-        told.extend(jobs.take_told());
+        told.extend(jobs.take_partial());
         (told == [10]).then_some(())
     });
     jobs.submit_for(0, 2);
     let (mut told, mut answers) = (Vec::new(), Vec::new());
     wait_for(|| {
         answers.extend(jobs.take_answers());
-        told.extend(jobs.take_told());
+        told.extend(jobs.take_partial());
         (answers.len() == 2).then_some(())
     });
     assert_eq!(told, [20, 21]);

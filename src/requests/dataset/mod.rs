@@ -114,13 +114,13 @@ pub struct ThumbnailsRequest {
 impl Request for ThumbnailsRequest {
     type Answer = ();
     /// A burst with its picture, or why there is none.
-    type Told = (BurstFiles, Result<BurstPicture, String>);
+    type Partial = (BurstFiles, Result<BurstPicture, String>);
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset
     }
 
-    fn compute(self, work: &Work<'_, Self::Told>) -> Result<(), JobError> {
+    fn compute(self, work: &Work<'_, Self::Partial>) -> Result<(), JobError> {
         for source in self.bursts {
             let silent = work.monitor.silent();
             let picture = thumbnail(&source, self.max_side_px, &self.open, &silent).map_err(|e| e.to_string());

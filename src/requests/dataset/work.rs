@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 impl Request for DatasetRequest {
     type Answer = DatasetAnswer;
-    type Told = DatasetEvent;
+    type Partial = DatasetEvent;
 
     fn urgency(&self) -> Urgency {
         Urgency::Dataset

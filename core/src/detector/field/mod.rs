@@ -151,6 +151,15 @@ impl MotionField {
         Plane::from_fn(size.0, size.1, |u, v| self.at(u as f32, v as f32).slope.magnitude())
     }
 
+    /// Slope of `grid` that is the nearest to the motions of the most cells, of equal ones the first; `None` where no
+    /// motion is known.
+    pub fn commonest_of(&self, grid: &SlopeGrid) -> Option<Slope> {
+        let mut cells = vec![0usize; grid.len()];
+        self.motions.iter().filter(|motion| self.is_known(motion)).for_each(|m| cells[grid.nearest(m.slope)] += 1);
+        let most = cells.iter().max().filter(|most| **most > 0)?;
+        cells.iter().position(|count| count == most).map(|index| grid.slope(index))
+    }
+
     /// Whether a motion of this field is known in every direction.
     pub fn is_known(&self, motion: &Motion) -> bool {
         motion.ellipse().0[0] < self.unknown_sigma

@@ -296,11 +296,17 @@ impl SlopeGrid {
         (along(&self.u, u * cos + v * sin), along(&self.v, v * cos - u * sin))
     }
 
-    /// Whether the grid's slope nearest to `slope` is on the rim. For a slope beyond the grid it is.
-    pub fn nearest_on_rim(&self, slope: Slope) -> bool {
+    /// Index of the grid's slope nearest to `slope`, by steps along the axes.
+    pub fn nearest(&self, slope: Slope) -> usize {
         let (i, j) = self.position(slope);
         let nearest = |at: f32, axis: &SlopeAxis| at.round().clamp(0.0, (axis.count.max(1) - 1) as f32) as usize;
-        self.on_rim(nearest(i, &self.u), nearest(j, &self.v))
+        nearest(j, &self.v) * self.u.count + nearest(i, &self.u)
+    }
+
+    /// Whether the grid's slope nearest to `slope` is on the rim. For a slope beyond the grid it is.
+    pub fn nearest_on_rim(&self, slope: Slope) -> bool {
+        let (i, j) = self.coordinates(self.nearest(slope));
+        self.on_rim(i, j)
     }
 
     /// Largest motion of any slope of the grid, pixels per frame.

@@ -30,14 +30,18 @@ pub fn shared_slopes(params: &DetectorParams, searched: &DetectorParams) -> usiz
         || searched.used_slopes().enclosing(1) == params.used_slopes().enclosing(1);
     // A strict gate may refuse the noise.
     let may_refuse = params.noise_gate == NoiseGate::Strict && searched.noise_gate != NoiseGate::Strict;
-    let is_sum = OtherSlopes::of(params) == OtherSlopes::Unseen && params.search == SearchSlopes::All;
-    let is_after = is_sum
+    let is_after = is_sum(params)
         && same_noise
         && !may_refuse
         && params.validate().is_ok()
         && searched.judged_as(&same_slopes) == same_slopes
         && are_as_strict(params, searched);
     if is_after { known_slopes(&params.used_slopes(), &searched.used_slopes()).iter().flatten().count() } else { 0 }
+}
+
+/// Whether a search with `params` finds at each slope what a search of that slope alone would.
+pub(super) fn is_sum(params: &DetectorParams) -> bool {
+    OtherSlopes::of(params) == OtherSlopes::Unseen && params.search == SearchSlopes::All
 }
 
 /// For each slope of `grid` its index among those of `earlier`.
@@ -56,6 +60,11 @@ impl<'a> Earlier<'a> {
             && read.iter().zip(&trail.inputs.read).all(|(one, other)| Arc::ptr_eq(one, other));
         let is_after = || shared_slopes(params, &trail.outcome.params) > 0;
         (same_frames && is_after()).then_some(Self { trail })
+    }
+
+    /// The search of some slopes of the new one with its own inputs: `trail`.
+    pub(super) fn begun(trail: &'a Trail) -> Self {
+        Self { trail }
     }
 
     /// Inputs of the new search, with `params`.

@@ -20,7 +20,7 @@ pub use trail::Trail;
 
 use super::feature::{Detection, Keypoint, StageTimes, Tally};
 use super::memory::{self, Account, OF_PROCESS, Plan, Wanted};
-use super::params::{DescribeSlope, DetectorParams, SearchSlopes};
+use super::params::{DescribeSlope, DetectorParams, SearchSlopes, SlopeGrid};
 use crate::burst::Burst;
 use crate::detector::along::Along;
 use crate::detector::describe::{self, Described, Describing};
@@ -30,7 +30,7 @@ use crate::detector::pipeline::earlier::Earlier;
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, sigma_d};
 use crate::detector::search::SEARCH_PART;
 use crate::detector::search::around_field::SlopesAround;
-use crate::detector::search::setup::{FirstLevels, Inputs, Search};
+use crate::detector::search::setup::{FirstLevels, Inputs, Search, SlopeGroup};
 use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -41,7 +41,7 @@ use std::time::Instant;
 
 /// Finds the features of a burst whose frames are merged already; callers use [`crate::detect`].
 pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, Error> {
-    Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), false, None, monitor)?.detection)
+    Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), None, monitor)?.detection)
 }
 
 /// Finds the features of a burst and keeps the data that explains them. What an `earlier` search of it left at the same
@@ -50,26 +50,49 @@ pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) 
 pub(crate) fn search_with_trail(
     burst: &Burst,
     params: &DetectorParams,
-    earlier: Option<&Trail>,
+    keeping: Keeping<'_>,
     monitor: &Monitor,
 ) -> Result<Trail, Error> {
-    Ok(search_all(burst, params, &OF_PROCESS, budget_beside_kept(), true, earlier, monitor)?.ready())
+    Ok(search_all(burst, params, &OF_PROCESS, budget_beside_kept(), Some(keeping), monitor)?.ready())
 }
+
+/// Callback for the features of the first slope of a long search.
+pub type FirstFeatures<'a> = &'a (dyn Fn(Detection) + Sync);
+
+/// Search whose trail is kept: its keypoints can be judged again, and another search can go on from it.
+#[derive(Clone, Copy)]
+pub(crate) struct Keeping<'a> {
+    /// Trail from which this search goes on.
+    pub earlier: Option<&'a Trail>,
+    /// Is given the features of the slope by which most places move, before the others are searched, if the search is
+    /// long and goes on from no earlier one. They are as a search of that slope alone finds them.
+    pub first: FirstFeatures<'a>,
+}
+
+impl Keeping<'_> {
+    /// Keeps a search that begins anew, whose first features nobody waits for.
+    #[cfg(test)]
+    pub const ANEW: Self = Self { earlier: None, first: &|_| {} };
+}
+
+/// Number of pixels of an image times that of slopes from which on a search is long: it takes more than about 0.2 s.
+const LONG_SEARCH_PX: usize = 5_000_000;
+/// Least number of slopes of a long search: the first one is then a small part of it.
+const LONG_SEARCH_SLOPES: usize = 16;
 
 /// Memory of a search while trails are kept, which already have their part of the budget; bytes.
 fn budget_beside_kept() -> Option<u64> {
     memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()))
 }
 
-/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. If the trail `keeps`
-/// what is computed about single keypoints, it can be judged again.
+/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. Without `keeping` the
+/// trail cannot be judged again.
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,
     account: &Account,
     budget: Option<u64>,
-    keeps: bool,
-    earlier: Option<&Trail>,
+    keeping: Option<Keeping<'_>>,
     monitor: &Monitor,
 ) -> Result<Trail, Error> {
     let started = Instant::now();
@@ -77,7 +100,7 @@ fn search_all(
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(Wanted { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
-        let earlier = earlier.and_then(|trail| Earlier::of(trail, burst, params));
+        let mut earlier = keeping.and_then(|keeping| Earlier::of(keeping.earlier?, burst, params));
         let mut inputs = match &earlier {
             Some(earlier) => earlier.inputs(params),
             None => Inputs::new(burst, params, monitor)?,
@@ -89,8 +112,37 @@ fn search_all(
         }
         let noise_secs = started.elapsed().as_secs_f32();
         let times = StageTimes { noise_secs, ..StageTimes::default() };
-        search_inputs(inputs, field, &plan, keeps, earlier.as_ref(), times, monitor)
+        let begun = match keeping.filter(|_| earlier.is_none() && is_long(params, burst.size())) {
+            Some(keeping) => Some(search_first(&inputs, field.as_ref(), keeping.first, monitor)?),
+            None => None,
+        };
+        earlier = earlier.or_else(|| begun.as_ref().map(Earlier::begun));
+        search_inputs(inputs, field, &plan, keeping.is_some(), earlier.as_ref(), times, monitor)
     })
+}
+
+/// Whether a search takes so long that its first slope is shown before; only a sum of searches can go on from one.
+fn is_long(params: &DetectorParams, size: (usize, usize)) -> bool {
+    let slopes = params.used_slopes().len();
+    slopes >= LONG_SEARCH_SLOPES && slopes.saturating_mul(size.0 * size.1) >= LONG_SEARCH_PX && earlier::is_sum(params)
+}
+
+/// Searches the slope by which most places move, and gives its features to `first`.
+fn search_first(
+    inputs: &Inputs,
+    field: Option<&Arc<MotionField>>,
+    first: FirstFeatures<'_>,
+    monitor: &Monitor,
+) -> Result<Trail, Error> {
+    let grid = inputs.params.used_slopes();
+    let slope = field.and_then(|field| field.commonest_of(&grid)).unwrap_or_else(|| grid.slope(grid.len() / 2));
+    let params = DetectorParams { slopes: SlopeGrid::single(slope), ..inputs.params.clone() };
+    let whole = vec![SlopeGroup::whole(1)];
+    let plan = Plan { search: whole.clone(), describe: whole, threads: rayon::current_num_threads(), bytes: 0 };
+    let (inputs, times) = (inputs.judged_with(&params), StageTimes::default());
+    let trail = search_inputs(inputs, field.cloned(), &plan, true, None, times, &monitor.silent())?;
+    first(trail.detection.clone());
+    Ok(trail)
 }
 
 /// Detects in frames whose noise is known, by what an `earlier` search of them left. `times` are those of the steps before.

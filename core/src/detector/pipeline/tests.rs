@@ -17,6 +17,7 @@ use crate::synth::random::Stream;
 use crate::synth::{SceneParams, synth_scene};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use std::sync::Mutex;
 
 fn scene(seed: u64, size: (usize, usize)) -> Burst {
     let (width, height) = size;
@@ -32,7 +33,7 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
 
 /// Searches with all of `budget` bytes, whatever other tests of this process take at the same time.
 fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, Error> {
-    search_all(burst, params, &Account::new(), budget, true, None, &Monitor::default())
+    search_all(burst, params, &Account::new(), budget, Some(Keeping::ANEW), &Monitor::default())
 }
 
 /// Searches in all kinds of groups, and compares each result with the whole search's. Returns the numbers of groups.
@@ -364,7 +365,8 @@ proptest! {
         let then = DetectorParams { slopes: grid(then_u, then_v, is_plane), noise_gate: gates[1], ..was.clone() };
         let quiet = Monitor::default();
         let search = |earlier: Option<&Trail>, params: &DetectorParams| {
-            search_all(&burst, params, &Account::new(), None, true, earlier, &quiet).expect("valid").ready()
+            let keeping = Keeping { earlier, ..Keeping::ANEW };
+            search_all(&burst, params, &Account::new(), None, Some(keeping), &quiet).expect("valid").ready()
         };
         let (earlier, whole) = (search(None, &was), search(None, &then));
         let found = search(Some(&earlier), &then);
@@ -379,6 +381,32 @@ proptest! {
         let back = search(Some(&found), &was);
         prop_assert_eq!(back.keypoints(), earlier.keypoints());
     }
+}
+
+#[test]
+fn a_long_search_shows_its_first_slope_and_goes_on_from_it() {
+    let burst = scene(4, (640, 500));
+    let params = |slopes| DetectorParams { slopes, noise_gate: NoiseGate::Factor(4.0), ..DetectorParams::default() };
+    let search = |params: &DetectorParams, first: FirstFeatures<'_>| {
+        let keeping = Keeping { earlier: None, first };
+        let quiet = Monitor::default();
+        search_all(&burst, params, &Account::new(), None, Some(keeping), &quiet).expect("valid").ready()
+    };
+    let long = params(SlopeGrid::line(-3.0..=3.0, 25));
+    let shown = Mutex::new(Vec::new());
+    let found = search(&long, &|first| shown.lock().expect("no panic").push(first));
+    let shown = shown.into_inner().expect("no panic");
+    assert_eq!(shown.len(), 1, "the features of one slope, once");
+    let (first, slope) = (&shown[0], shown[0].slopes.slope(0));
+    assert_eq!(first.slopes, SlopeGrid::single(slope));
+    assert!(!first.features.is_empty() && found.detection().slopes.slopes().any(|other| other == slope));
+    // A search that is not kept shows nothing before, and finds the same.
+    let whole = search_all(&burst, &long, &Account::new(), None, None, &Monitor::default()).expect("valid").detection;
+    let found = found.detection();
+    assert!(found.features == whole.features && found.descriptors == whole.descriptors && found.tally == whole.tally);
+    let nothing = |_| panic!("a search that is short, or no sum of searches, shows nothing before its end");
+    search(&params(SlopeGrid::line(-3.0..=3.0, 7)), &nothing);
+    search(&DetectorParams { slope_extrema: SlopeExtrema::Joint, ..long }, &nothing);
 }
 
 #[test]

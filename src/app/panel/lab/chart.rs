@@ -119,7 +119,7 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut 
     let scale = ui.available_width() / width as f32;
     let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::hover());
     let display = Display::stretched(&shown.mean);
-    texture.draw(ui, rect, ("lab chart", &shown.mean), display, || (*shown.mean).clone());
+    texture.draw(ui, rect, "lab chart", &shown.mean, display, || (*shown.mean).clone());
     let pos_ui = |u: f32, v: f32| rect.min + scale * vec2(u + 0.5, v + 0.5);
     let painter = ui.painter().with_clip_rect(rect);
     let looked = &shown.looked;

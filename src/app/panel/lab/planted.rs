@@ -129,7 +129,7 @@ fn map_ui(
     let painter = ui.painter().with_clip_rect(rect);
     ui.scope(|ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
-        texture.draw(ui, Rect::from_min_size(rect.min, cells), ("lab planted", plane), display, || (**plane).clone());
+        texture.draw(ui, Rect::from_min_size(rect.min, cells), "lab planted", plane, display, || (**plane).clone());
     });
     let pos_ui = |one: &Planted| rect.min + scale * vec2(one.truth.u as f32 + 0.5, one.truth.v as f32 + 0.5);
     let in_range = || report.planted.iter().filter(|one| one.is_in_range);

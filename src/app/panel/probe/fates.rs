@@ -42,7 +42,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut 
     }
     ui.add_space(4.0);
     match answer.probe.subject_fate() {
-        Some(fate) => fate_ui(ui, model, (fate, answer.probe.outlook.as_ref()), queue),
+        Some(fate) => fate_ui(ui, model, fate, answer.probe.outlook.as_ref(), queue),
         None => {
             let hint = match answer.request.question {
                 ProbeQuestion::At { wanted: Wanted::Scale { .. }, .. } => "No candidate at this slope and scale.",
@@ -148,7 +148,7 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     clicked
 }
 
-fn fate_ui(ui: &mut Ui, model: &Model, (fate, outlook): (&Fate, Option<&Outlook>), queue: &mut Queue) {
+fn fate_ui(ui: &mut Ui, model: &Model, fate: &Fate, outlook: Option<&Outlook>, queue: &mut Queue) {
     let verdict = counted_from_one(&fate.verdict);
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {

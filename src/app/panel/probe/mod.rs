@@ -44,7 +44,8 @@ pub fn probe_tab_ui(
     ui: &mut Ui,
     model: &Model,
     panel: &mut ProbePanel,
-    (other, help): (&str, &str),
+    other: &str,
+    help: &str,
     queue: &mut Queue,
 ) -> bool {
     if !model.probe_is_here() {
@@ -93,7 +94,7 @@ fn probe_ui(ui: &mut Ui, model: &Model, panel: &mut ProbePanel, queue: &mut Queu
         suspicions_ui(ui, model, answer, queue);
         section_ui(ui, "Candidates here", |ui| fates::fates_ui(ui, model, answer, queue));
         section_ui(ui, "Response over slope and scale", |ui| {
-            response::response_ui(ui, model, answer, (&mut panel.response, &mut panel.plane), queue);
+            response::response_ui(ui, model, answer, &mut panel.response, &mut panel.plane, queue);
             mark(ui, Part::Response, ui.min_rect());
         });
         section_ui(ui, "Each frame's response", |ui| {
@@ -228,7 +229,8 @@ impl PlaneTexture {
         &mut self,
         ui: &Ui,
         rect: Rect,
-        (name, of): (&str, &Arc<T>),
+        name: &str,
+        of: &Arc<T>,
         display: Display,
         plane: impl FnOnce() -> Plane,
     ) {

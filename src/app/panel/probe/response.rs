@@ -24,7 +24,8 @@ pub(super) fn response_ui(
     ui: &mut Ui,
     model: &Model,
     answer: &Probed,
-    (texture, plane_texture): (&mut PlaneTexture, &mut PlaneTexture),
+    texture: &mut PlaneTexture,
+    plane_texture: &mut PlaneTexture,
     queue: &mut Queue,
 ) {
     let map = &answer.probe.response;
@@ -33,7 +34,7 @@ pub(super) fn response_ui(
         ui.add_space(6.0);
         let text = format!("Slope u and v at σ {} px", number(plane.scale.sigma, 1));
         ui.label(RichText::new(text).small()).on_hover_text("Click a row above to choose another scale");
-        slopes_ui(ui, model, (answer, plane), plane_texture, queue);
+        slopes_ui(ui, model, answer, plane, plane_texture, queue);
     }
     let unit = if map.is_noiseless {
         "D; each scale has its own range".to_owned()
@@ -50,7 +51,7 @@ fn scales_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneTex
     let (columns, rows) = map.snr.size();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
     let (area, response) = area_ui(ui, height, map.snr.size());
-    texture.draw(ui, area.rect, ("probe response", &answer.probe), Display::symmetric(1.0), || within_scales(map));
+    texture.draw(ui, area.rect, "probe response", &answer.probe, Display::symmetric(1.0), || within_scales(map));
     let painter = ui.painter().with_clip_rect(area.rect);
     grid_below(ui, &area, &map.slopes, if map.along_v { "slope v, px/frame" } else { "slope, px/frame" });
     rims(&painter, &area, &map.slopes, false);
@@ -104,7 +105,8 @@ fn small_ui(ui: &Ui, at: Pos2, text: &str) {
 fn slopes_ui(
     ui: &mut Ui,
     model: &Model,
-    (answer, plane): (&Probed, &SlopePlane),
+    answer: &Probed,
+    plane: &SlopePlane,
     texture: &mut PlaneTexture,
     queue: &mut Queue,
 ) {
@@ -114,7 +116,7 @@ fn slopes_ui(
     let (area, response) = area_ui(ui, height, plane.snr.size());
     let map = &answer.probe.response;
     let (gate, range) = (map.gate, range_of(plane.snr.data(), gate_of(map)));
-    texture.draw(ui, area.rect, ("probe slopes", &answer.probe), Display::symmetric(range), || plane.snr.clone());
+    texture.draw(ui, area.rect, "probe slopes", &answer.probe, Display::symmetric(range), || plane.snr.clone());
     let painter = ui.painter().with_clip_rect(area.rect);
     grid_below(ui, &area, &plane.u, "slope u, px/frame");
     rims(&painter, &area, &plane.u, false);

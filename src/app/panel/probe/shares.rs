@@ -46,7 +46,7 @@ fn strip_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneText
     let side = (ui.available_width() / columns as f32).min(44.0).floor();
     let (rect, response) = ui.allocate_exact_size(vec2(side * columns as f32, side * rows as f32), Sense::click());
     let display = model.ranges_of_side(model.probe.side).intensity;
-    texture.draw(ui, rect, ("probe patches", &answer.probe), display, || montage(&shares.patches, columns, rows));
+    texture.draw(ui, rect, "probe patches", &answer.probe, display, || montage(&shares.patches, columns, rows));
     let frame_at = |pos: egui::Pos2| {
         let from = pos - rect.min;
         let index = (from.y / side) as usize * columns + ((from.x / side) as usize).min(columns - 1);

@@ -10,7 +10,7 @@ use crate::app::project::pair::Matches;
 use crate::app::project::part::{Part, Pass};
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{Effect, Model};
+use crate::app::project::{Effect, Model, Project};
 use crate::detector::{Detection, DetectorParams};
 use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{
@@ -93,7 +93,7 @@ impl Part for Methods {
     }
 
     fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        let Model { compare, messages, .. } = &mut *pass.model;
+        let Model { project: Project { compare, .. }, messages, .. } = &mut *pass.model;
         for ended in compare.wanted.take() {
             let Some(job) = compare.asked.take() else { continue };
             match ended.result {
@@ -283,7 +283,7 @@ impl CompareLook {
 impl Model {
     /// In *Methods*, methods that were switched on get a pane, others lose theirs; the rest of the arrangement stays.
     pub fn refresh_workspace(&mut self) {
-        self.document.panes.turn_to(self.document.workspace);
+        self.project.document.panes.turn_to(self.project.document.workspace);
         if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
             return;
         }

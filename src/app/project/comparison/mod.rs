@@ -117,7 +117,7 @@ impl Model {
     }
 
     pub(super) fn compare_with(&mut self, side: Side, with: Option<Reference>) {
-        let (set, results) = (&mut self.document.comparisons[side], &mut self.slots[side].comparison);
+        let (set, results) = (&mut self.project.document.comparisons[side], &mut self.project.slots[side].comparison);
         if set.with != with {
             // Unchanged features are hidden, so that the changes stand out.
             let hidden = if with == Some(Reference::Pinned) { vec![Kind::Same] } else { Vec::new() };
@@ -170,7 +170,7 @@ impl Model {
 
     pub(super) fn take_comparison(&mut self, side: Side, ended: Ended<ComparisonRequest>) {
         let is_wanted = self.wanted_comparison(side).is_some_and(|wanted| wanted == ended.request);
-        let (set, results) = (&mut self.document.comparisons[side], &mut self.slots[side].comparison);
+        let (set, results) = (&mut self.project.document.comparisons[side], &mut self.project.slots[side].comparison);
         match ended.result {
             Ok(compared) if is_wanted => results.take(compared, set),
             Ok(_) => {}

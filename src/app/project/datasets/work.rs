@@ -10,7 +10,7 @@ use crate::dataset::DatasetSource;
 use crate::engine::{Ended, Engine};
 use crate::error::Error;
 use crate::inspect::words::counted;
-use crate::requests::{BurstSource, DatasetAnswer, DatasetRequest, JobError, OpenDataset};
+use crate::requests::{BurstSource, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, OpenDataset};
 #[cfg(feature = "colmap")]
 use crate::requests::{ColmapDone, ColmapRequest};
 use std::path::PathBuf;
@@ -191,6 +191,12 @@ impl Model {
         }
     }
 
+    pub(in crate::app) fn take_dataset_event(&mut self, event: &DatasetEvent) {
+        self.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(event));
+        // Counts that were said before are old.
+        self.messages.forget_note();
+    }
+
     pub(in crate::app) fn take_dataset_answer(
         &mut self,
         answer: Ended<DatasetRequest>,
@@ -204,7 +210,7 @@ impl Model {
             // A session may have named another one.
             let open = self.datasets.open.as_ref();
             let choice =
-                |d: &Dataset| self.document.dataset.take_if(|set| set.source == d.source).unwrap_or(d.choice());
+                |d: &Dataset| self.project.document.dataset.take_if(|set| set.source == d.source).unwrap_or(d.choice());
             self.document.dataset = open.map(choice);
         }
         let title = work.map_or("Dataset", Work::title);

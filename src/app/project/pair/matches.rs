@@ -47,7 +47,7 @@ pub struct Aligned {
 }
 
 impl Aligned {
-    fn of((measured, residual_px): (Measured, f64), a: &Feature, b: &Feature) -> Self {
+    fn of(measured: &Measured, residual_px: f64, a: &Feature, b: &Feature) -> Self {
         let ([u, v], (rotation, ratio)) = (measured.shift_px, measured.rotation_and_ratio());
         let b = Feature {
             u: b.u + u as f32,
@@ -104,7 +104,7 @@ impl Matches {
         let inlier = verified.and_then(|v| v.inlier.get(index).copied());
         let error_px = verified.filter(|v| v.model.is_some()).and_then(|v| v.error_px.get(index).copied());
         let measured = self.result.alignment.as_ref().and_then(|alignment| alignment.measured[index]);
-        let aligned = measured.map(|measured| Aligned::of(measured, a, b));
+        let aligned = measured.map(|(measured, residual_px)| Aligned::of(&measured, residual_px, a, b));
         Some(MatchRow { index, found, a, b, inlier, error_px, aligned })
     }
 

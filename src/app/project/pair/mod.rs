@@ -14,7 +14,7 @@ use crate::app::project::cursor::Cursor;
 use crate::app::project::filter::{Order, neighbour};
 use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{FoundFeatures, Model};
+use crate::app::project::{FoundFeatures, Model, Project};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::{Ended, Wanted};
 use crate::error::Error;
@@ -49,6 +49,12 @@ pub struct PairState {
     pub patches: Vec<Picture>,
     pub wanted_patches: Wanted<PicturesRequest>,
     listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
+}
+
+impl Project {
+    pub fn saved_match(&self) -> Option<SavedMatch> {
+        Some(self.pair.matches.as_ref()?.row(self.selected_match?)?.saved())
+    }
 }
 
 impl Model {
@@ -86,12 +92,8 @@ impl Model {
         self.pair.listed.clear();
     }
 
-    pub fn saved_match(&self) -> Option<SavedMatch> {
-        Some(self.pair.matches.as_ref()?.row(self.selected_match?)?.saved())
-    }
-
     pub fn refresh_listed_matches(&mut self) {
-        let Self { document, pair, .. } = self;
+        let Project { document, pair, .. } = &mut self.project;
         let Some(matches) = &pair.matches else {
             pair.listed.clear();
             pair.listed_for = None;

@@ -51,8 +51,8 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
                 queue.push(ActionId::ClearSelection);
                 queue.push(Action::OpenProbe(false));
             }
-            let other = ("Match and display", "The selected match, and how matches and pictures are drawn");
-            if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
+            let help = "The selected match, and how matches and pictures are drawn";
+            if panel::probe::probe_tab_ui(ui, model, probe, "Match and display", help, queue) {
                 return;
             }
             scroll_ui(ui, |ui| {

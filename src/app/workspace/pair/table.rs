@@ -41,8 +41,8 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
             chosen = Some(index);
         }
     };
-    let order = (&MatchColumn::ALL[..], model.match_order);
-    let pointed = sorted_table_ui(ui, order, &listed, text, |index| format!("Match {}", index + 1), menu);
+    let name = |index: usize| format!("Match {}", index + 1);
+    let pointed = sorted_table_ui(ui, &MatchColumn::ALL, model.match_order, &listed, text, name, menu);
     queue.set(&model.match_order, pointed.order, Action::SetMatchOrder);
     queue.set(&model.selected_match, chosen.or(pointed.selected), Action::SelectMatch);
     if chosen.is_some() {
