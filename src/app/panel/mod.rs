@@ -86,7 +86,7 @@ mod tests {
         let plain = Document::of_new_window();
         let mut invalid = plain.clone();
         invalid.slopes = SlopeChoice::Given;
-        (invalid.params.levels, invalid.params.slopes) = (0, SlopeGrid::line(f32::NAN..=-1.0, 0));
+        (invalid.params.levels, invalid.params.slopes) = (0, SlopeGrid::line(2.0..=-1.0, 0));
         (invalid.matching.ratio, invalid.look.smoothing_px) = (-3.0, f32::INFINITY);
         let mut absent = plain.clone();
         (absent.selected, absent.selected_match, absent.asked_about) = (Some(9999), Some(9999), Some(9999));

@@ -174,7 +174,7 @@ mod tests {
         let mut bench = Bench::new();
         let burst = BurstSource::Example(Example::Street).open(&Default::default(), &crate::Monitor::default());
         bench.model.take_burst(burst.expect("built in"));
-        bench.model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
+        bench.model.params.slopes = SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13);
         bench.run_until(|model, _| model.slots.a.found.is_some());
         let found = bench.model.slots.a.found.clone().expect("found");
         assert_eq!(bench.model.stale(), Some(Stale::FirstSlope));
