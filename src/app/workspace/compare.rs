@@ -21,14 +21,14 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
     let WorkspaceParts { model, widgets, queue, .. } = parts;
     folded_ui(ui, model, queue);
     if model.shows_left() {
-        left_panel(ui, "compare left", side_width(model), |ui| {
+        left_panel(ui, model, "compare left", side_width(model), |ui| {
             controls_ui(ui, model, queue);
             panel::cursor::cursor_ui(ui, model, queue);
             panel::parameters::parameters_ui(ui, model, queue);
         });
     }
     if model.shows_right() {
-        right_panel(ui, "compare right", side_width(model), 250.0..=460.0, |ui| {
+        right_panel(ui, model, "compare right", side_width(model), 250.0..=460.0, |ui| {
             scroll_ui(ui, |ui| panel::display::ranges_ui(ui, model, widgets, queue));
         });
     }

@@ -99,19 +99,32 @@ fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
-fn left_panel(ui: &mut Ui, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
-    let panel = Panel::left(id).frame(side_frame(ui)).default_size(width).size_range(LEFT_WIDTHS);
-    panel.show(ui, |ui| scroll_ui(ui, add_contents));
+/// Height of a side panel in a hall, where it is below the pictures, which need the width.
+const HALL_HEIGHT: f32 = 150.0;
+
+/// `panel` at the side, which has the name `id`; below the pictures in a hall.
+fn side(ui: &Ui, model: &Model, id: &'static str, panel: Panel) -> Panel {
+    let below = || Panel::bottom(egui::Id::unique((id, "hall"))).exact_size(HALL_HEIGHT).resizable(false);
+    if model.panels.hall { below() } else { panel }.frame(side_frame(ui))
+}
+
+fn left_side(ui: &Ui, model: &Model, id: &'static str, width: f32) -> Panel {
+    side(ui, model, id, Panel::left(id).default_size(width).size_range(LEFT_WIDTHS))
+}
+
+fn left_panel(ui: &mut Ui, model: &Model, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
+    left_side(ui, model, id, width).show(ui, |ui| scroll_ui(ui, add_contents));
 }
 
 fn right_panel(
     ui: &mut Ui,
+    model: &Model,
     id: &'static str,
     width: f32,
     widths: std::ops::RangeInclusive<f32>,
     add_contents: impl FnOnce(&mut Ui),
 ) {
-    Panel::right(id).frame(side_frame(ui)).default_size(width).size_range(widths).show(ui, add_contents);
+    side(ui, model, id, Panel::right(id).default_size(width).size_range(widths)).show(ui, add_contents);
 }
 
 /// Content of a side panel. One that is wider than the panel does not widen it: pictures stay where they are.
@@ -170,7 +183,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let width = side_width(model);
     folded_ui(ui, model, queue);
     if model.shows_left() {
-        Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(LEFT_WIDTHS).show(ui, |ui| {
+        left_side(ui, model, "left", width).show(ui, |ui| {
             // The verdict stays in sight, and nothing above moves when it changes.
             let below = Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO });
             Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
@@ -183,7 +196,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
         });
     }
     if model.shows_right() {
-        right_panel(ui, "right", side_width(model), 250.0..=460.0, |ui| {
+        right_panel(ui, model, "right", side_width(model), 250.0..=460.0, |ui| {
             let other = ("Display and feature", "The value range of the pictures, and the selected feature");
             if panel::probe::probe_tab_ui(ui, model, probe, other, queue) {
                 return;
@@ -227,10 +240,10 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
 
 fn lab_workspace_ui(ui: &mut Ui, model: &Model, picture: &mut PlaneTexture, queue: &mut Queue) {
     if model.shows_left() {
-        left_panel(ui, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
+        left_panel(ui, model, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }
     if model.shows_right() {
-        right_panel(ui, "lab right", 1.3 * side_width(model), 250.0..=900.0, |ui| {
+        right_panel(ui, model, "lab right", 1.3 * side_width(model), 250.0..=900.0, |ui| {
             if model.lab.question == LabQuestion::InBurst {
                 section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
             } else {
@@ -246,7 +259,7 @@ const STRIP_HEIGHT: f32 = 84.0;
 fn trajectories_workspace_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let width = side_width(model).max(330.0);
     if model.shows_right() {
-        right_panel(ui, "trajectories right", width, 280.0..=520.0, |ui| {
+        right_panel(ui, model, "trajectories right", width, 280.0..=520.0, |ui| {
             scroll_ui(ui, |ui| errors_panel::errors_panel_ui(ui, model, queue));
         });
     }
