@@ -28,6 +28,7 @@ use super::{clipboard, panel, parts};
 use crate::app::view::fixed;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;
+use crate::teach::Part;
 use egui::{CentralPanel, Frame, Margin, Panel};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -255,7 +256,8 @@ impl BurstscopeApp {
         let is_restoring = self.restoring.waits_for(&self.model).is_some();
         let effects = self.lessons.go_on(asked, is_restoring, &mut self.model, &self.engine);
         self.apply(effects);
-        parts::want(ctx, self.lessons.highlighted());
+        let step = self.lessons.open.as_ref().map(|open| open.step);
+        parts::want(ctx, self.lessons.highlighted(), step);
     }
 
     fn forget_closed_panes(&mut self) {
@@ -294,7 +296,10 @@ impl BurstscopeApp {
                 switch_ui(ui, &self.model, queue);
             });
         });
-        Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &self.model, queue));
+        let in_toolbar = |part: &Part| matches!(part, Part::Kinds | Part::Detect);
+        if !self.model.panels.hall || self.lessons.highlighted().iter().any(in_toolbar) {
+            Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &self.model, queue));
+        }
         let status = Panel::bottom("status bar").frame(bar(ui));
         let readout = self.readout();
         let status_ui = |ui: &mut egui::Ui| panel::status::status_ui(ui, &self.model, readout.as_deref(), queue);

@@ -56,7 +56,10 @@ mod tests {
 
     #[test]
     fn links_are_left_out_and_other_brackets_stay() {
-        assert_eq!(plain("A [slope](word:slope) in [0, 1], a [feature](word:feature)."), "A slope in [0, 1], a feature.");
+        assert_eq!(
+            plain("A [slope](word:slope) in [0, 1], a [feature](word:feature)."),
+            "A slope in [0, 1], a feature."
+        );
         assert_eq!(plain(" no link "), "no link");
     }
 

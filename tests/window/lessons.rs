@@ -21,7 +21,7 @@ use std::sync::Arc;
 const KEY_STEPS: [(&str, usize); 9] = [
     ("out-of-the-dark", 5),
     ("slope-is-depth", 4),
-    ("the-aperture", 5),
+    ("the-aperture", 4),
     ("blobs-at-every-scale", 6),
     ("what-noise-does", 3),
     ("what-a-burst-costs", 4),
@@ -482,10 +482,14 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
             window.settle();
             let what = format!("{}, step {} '{}'", lesson.name, place + 1, step.title);
             let app = window.app();
-            assert_eq!(app.lessons.open.as_ref().map(|open| (open.step, open.is_ended)), Some((place, false)), "{what}");
+            assert_eq!(
+                app.lessons.open.as_ref().map(|open| (open.step, open.is_ended)),
+                Some((place, false)),
+                "{what}"
+            );
             let pane = |id| app.widgets.rect_ui(id).expect("drawn");
             let panes = app.model.panes.shown().into_iter().map(pane).reduce(egui::Rect::union).expect("a pane");
-            assert!(panes.width() >= 500.0, "{what}: {panes}");
+            assert!(panes.width() >= 500.0 && panes.height() >= 400.0, "{what}: {panes}");
             let drawn = parts::drawn(&window.harness.ctx);
             for part in &step.highlight {
                 assert!(drawn.iter().any(|(drawn, _)| drawn == part), "{what}: {part} is not seen: {drawn:?}");

@@ -59,7 +59,7 @@ pub fn lesson_ui(
         ui.add_space(4.0);
         ui.scope(|ui| {
             let font = egui::FontId::proportional(letters(ui, 14.0));
-        ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
+            ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
             clicks.word = captions.ui(ui, &step.caption);
         });
         ui.add_space(6.0);

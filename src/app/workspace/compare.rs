@@ -33,7 +33,7 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
         });
     }
     if model.shows_bottom() {
-        bottom_panel(ui, "compare bottom", 233.0, |ui| table_ui(ui, model, queue));
+        bottom_panel(ui, model, "compare bottom", 233.0, |ui| table_ui(ui, model, queue));
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         if model.methods_shown().is_empty() {

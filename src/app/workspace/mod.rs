@@ -99,17 +99,21 @@ fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
-/// Height of a side panel in a hall, where it is below the pictures, which need the width.
-const HALL_HEIGHT: f32 = 150.0;
+/// Heights of panels in a hall, where they are all below the pictures, which need the width: on a projector of 1024×700
+/// points a picture of 4:3 keeps 500 points.
+const LEFT_IN_HALL: f32 = 150.0;
+const BOTTOM_IN_HALL: f32 = 120.0;
+/// Without and with the panel of the left side.
+const RIGHT_IN_HALL: [f32; 2] = [240.0, 120.0];
 
 /// `panel` at the side, which has the name `id`; below the pictures in a hall.
-fn side(ui: &Ui, model: &Model, id: &'static str, panel: Panel) -> Panel {
-    let below = || Panel::bottom(egui::Id::unique((id, "hall"))).exact_size(HALL_HEIGHT).resizable(false);
+fn side(ui: &Ui, model: &Model, (id, height): (&'static str, f32), panel: Panel) -> Panel {
+    let below = || Panel::bottom(egui::Id::unique((id, "hall"))).exact_size(height).resizable(false);
     if model.panels.hall { below() } else { panel }.frame(side_frame(ui))
 }
 
 fn left_side(ui: &Ui, model: &Model, id: &'static str, width: f32) -> Panel {
-    side(ui, model, id, Panel::left(id).default_size(width).size_range(LEFT_WIDTHS))
+    side(ui, model, (id, LEFT_IN_HALL), Panel::left(id).default_size(width).size_range(LEFT_WIDTHS))
 }
 
 fn left_panel(ui: &mut Ui, model: &Model, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
@@ -124,7 +128,8 @@ fn right_panel(
     widths: std::ops::RangeInclusive<f32>,
     add_contents: impl FnOnce(&mut Ui),
 ) {
-    side(ui, model, id, Panel::right(id).default_size(width).size_range(widths)).show(ui, add_contents);
+    let panel = Panel::right(id).default_size(width).size_range(widths);
+    side(ui, model, (id, RIGHT_IN_HALL[usize::from(model.shows_left())]), panel).show(ui, add_contents);
 }
 
 /// Content of a side panel. One that is wider than the panel does not widen it: pictures stay where they are.
@@ -137,11 +142,11 @@ fn scroll_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
 
 /// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window, whatever its
 /// content, so that nothing moves under the pointer. Returns whether the pointer is over it.
-fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnOnce(&mut egui::Ui)) -> bool {
+fn bottom_panel(ui: &mut Ui, model: &Model, id: &'static str, height: f32, show: impl FnOnce(&mut Ui)) -> bool {
     let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4));
     let height = height.min(ui.available_height() - PICTURES_HEIGHT).max(*BOTTOM_HEIGHTS.start());
-    let panel = egui::Panel::bottom(id).frame(frame).resizable(true).default_size(height).size_range(BOTTOM_HEIGHTS);
-    let shown = panel.show(ui, |ui| {
+    let panel = egui::Panel::bottom(id).resizable(true).default_size(height).size_range(BOTTOM_HEIGHTS);
+    let shown = side(ui, model, (id, BOTTOM_IN_HALL), panel).frame(frame).show(ui, |ui| {
         ui.take_available_height();
         show(ui);
     });
@@ -216,9 +221,9 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let mut over_rows = None;
     if model.shows_bottom() {
         let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue);
-        let is_over = bottom_panel(ui, "bottom", 276.0, show);
+        let is_over = bottom_panel(ui, model, "bottom", 276.0, show);
         over_rows = Some(model.bottom_tab).filter(|_| is_over);
-    } else {
+    } else if !model.panels.hall {
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 2));
         Panel::bottom("bottom tabs").frame(frame).show(ui, |ui| panel::bottom::closed_ui(ui, model, queue));
     }
@@ -264,7 +269,7 @@ fn trajectories_workspace_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         });
     }
     if model.shows_bottom() {
-        bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
+        bottom_panel(ui, model, "trajectories bottom", 331.0, |ui| {
             ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
                 cameras::points_strip_ui(ui, model, queue);
             });

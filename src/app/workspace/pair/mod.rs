@@ -78,7 +78,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 2));
         Panel::bottom("pair tabs").frame(frame).show(ui, |ui| table::tabs_ui(ui, model, queue));
     } else {
-        let is_over = bottom_panel(ui, "pair bottom", 300.0, |ui| {
+        let is_over = bottom_panel(ui, model, "pair bottom", 300.0, |ui| {
             mark(ui, Part::Below, ui.max_rect());
             table::tabs_ui(ui, model, queue);
             ui.separator();
