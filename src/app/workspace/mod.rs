@@ -191,9 +191,11 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
         left_side(ui, model, "left", width).show(ui, |ui| {
             // The verdict stays in sight, and nothing above moves when it changes.
             let below = Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO });
-            Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
-                panel::slopes::verdict_ui(ui, model, queue);
-            });
+            if !model.panels.hall {
+                Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
+                    panel::slopes::verdict_ui(ui, model, queue);
+                });
+            }
             scroll_ui(ui, |ui| {
                 panel::cursor::cursor_ui(ui, model, queue);
                 panel::parameters::parameters_ui(ui, model, queue);
