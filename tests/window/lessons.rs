@@ -3,9 +3,11 @@
 use crate::support::{Memory, Start, Window};
 use burstscope::app::parts;
 use burstscope::app::project::Panels;
+use burstscope::app::project::comparison::Kind;
 use burstscope::app::project::cursor::ViewKind;
 use burstscope::app::project::effect::Purpose;
 use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::project::side::Side;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
@@ -609,4 +611,22 @@ fn the_first_page_offers_lessons() {
     window.harness.run_steps(2);
     window.settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| open.lesson.name.as_str()), Some("what-noise-does"));
+}
+
+#[test]
+fn the_joint_rule_loses_true_features_of_the_street_and_many_elsewhere() {
+    let step = lesson("blobs-at-every-scale").steps.iter().position(|step| step.title == "Which were lost");
+    let mut window = at_step("blobs-at-every-scale", step.expect("the step"), SIZES[0]);
+    window.run_action("compare with the truth");
+    window.settle();
+    let counts = |window: &Window| {
+        let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
+        [Kind::Same, Kind::Ours].map(|kind| shown.count(kind))
+    };
+    let [found, elsewhere] = counts(&window);
+    choose(&mut window, "Slope extrema", "Joint");
+    window.settle();
+    let [found_jointly, elsewhere_jointly] = counts(&window);
+    eprintln!("{found} {elsewhere} {found_jointly} {elsewhere_jointly}");
+    assert!(found_jointly < found && elsewhere_jointly < elsewhere, "{found} {elsewhere}");
 }
