@@ -45,6 +45,7 @@ impl BurstscopeApp {
         journal.take(&id.into(), model.in_lesson);
         match id {
             ActionId::Lessons => self.lessons.list_is_open = true,
+            ActionId::Hall => self.lessons.toggle_hall(&mut model.document),
             ActionId::LeaveLesson => {
                 let effect = self.lessons.leave(model, engine);
                 self.apply(effect);
@@ -116,7 +117,10 @@ impl BurstscopeApp {
                 }
             }
             Effect::UseFiles(purpose, paths) => self.use_files(purpose, paths),
-            Effect::Write(purpose, path) => files::write(purpose, path, model, &self.widgets, engine),
+            Effect::Write(purpose, path) => {
+                let lesson = self.lessons.open.as_ref().map(|open| &*open.lesson);
+                files::write(purpose, path, lesson, model, &self.widgets, engine);
+            }
             Effect::StartLesson(lesson) => self.start_lesson(lesson),
             Effect::ForgetWidgets => {
                 self.widgets = Default::default();
@@ -138,7 +142,7 @@ impl BurstscopeApp {
             #[cfg(feature = "colmap")]
             Purpose::ExportDatabase => model.export_database(first.clone(), engine),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => {
-                files::write(purpose, first.clone(), model, &self.widgets, engine);
+                self.apply([Effect::Write(purpose, first.clone())]);
             }
             _ => {
                 let action = files::action_of(purpose, paths, &mut model.messages);

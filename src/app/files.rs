@@ -28,6 +28,7 @@ use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::monitor::Monitor;
 use crate::requests::BurstSource;
+use crate::teach::{Lesson, sheet};
 use image::RgbaImage;
 use std::fmt::Display;
 use std::io::Write;
@@ -69,6 +70,7 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
                 ExportKind::FilmGif => "film",
+                ExportKind::Sheet => "lesson",
                 ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
             };
             let extension =
@@ -185,9 +187,19 @@ pub(super) fn may_replace(path: &Path, model: &Model) -> OutputRules {
 }
 
 /// The user has agreed to overwriting.
-pub(super) fn write(purpose: Purpose, path: PathBuf, model: &mut Model, widgets: &PaneWidgets, engine: &Engine) {
+pub(super) fn write(
+    purpose: Purpose,
+    path: PathBuf,
+    lesson: Option<&Lesson>,
+    model: &mut Model,
+    widgets: &PaneWidgets,
+    engine: &Engine,
+) {
     let rules = may_replace(&path, model);
-    let prepared = prepare(purpose, model, widgets);
+    let prepared = match lesson {
+        Some(lesson) if purpose == Purpose::Export(ExportKind::Sheet) => Ok(whole_work(sheet(lesson))),
+        _ => prepare(purpose, model, widgets),
+    };
     match rules.check(&path).map_err(|e| e.to_string()).and(prepared) {
         Ok(work) => {
             model.messages.resolved(purpose.title());
@@ -217,10 +229,8 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::Matches) => matches_work(model),
         Purpose::Export(ExportKind::Methods) => Ok(methods_work(model)),
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
-        Purpose::Export(ExportKind::CurvesCsv) => {
-            let text = curves_csv(&shown_plots(model));
-            Ok(work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes()))))
-        }
+        Purpose::Export(ExportKind::CurvesCsv) => Ok(whole_work(curves_csv(&shown_plots(model)))),
+        Purpose::Export(ExportKind::Sheet) => Err("no lesson is open; open one first".to_owned()),
         Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(model)))),
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(ExportKind::FilmGif) => {
@@ -236,6 +246,10 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
 
 fn work<E: Display>(write: impl FnOnce(&Path) -> Result<(), E> + Send + 'static) -> Work {
     Box::new(move |path| write(path).map_err(|error| error.to_string()))
+}
+
+fn whole_work(text: String) -> Work {
+    work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())))
 }
 
 fn text_work(kind: Kind, text: String) -> Work {

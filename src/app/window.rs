@@ -9,7 +9,7 @@ use super::dialogs::{FileAnswer, FileChooser, Question};
 use super::document::{Action, Document, Journal, Playback};
 use super::files::{drop_places, purpose_of_dropped};
 use super::inspector::{PaneWidgets, PlaceValue};
-use super::lesson::{Captions, LessonAction, Lessons, lesson_ui};
+use super::lesson::{Captions, LessonAction, Lessons, lesson_ui, rings_ui, take_hall_keys};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
 use super::pane::PaneId;
@@ -28,6 +28,7 @@ use super::{clipboard, panel, parts};
 use crate::app::view::fixed;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;
+use crate::teach::Part;
 use egui::{CentralPanel, Frame, Margin, Panel};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -134,11 +135,13 @@ impl BurstscopeApp {
         self.model.refresh_workspace();
         self.take_answers(&ctx);
         self.take_dropped_files(&ctx);
-        let mut queue = Queue::default();
+        let (mut queue, in_hall) = (Queue::default(), self.model.panels.hall);
+        let mut asked = None;
         // While a dialog is open, or is being opened by the system, only the dialog gets keys.
         let recovery_asks = self.recovery.as_ref().is_some_and(Recovery::is_asking);
         if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.chooser.is_asking() {
             self.overlays.glossary.take_escape(&ctx);
+            asked = take_hall_keys(&ctx, &self.lessons, &self.model);
             actions::take_shortcuts(&ctx, &self.model, &mut queue);
             if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
                 queue.push(ActionId::Palette);
@@ -156,7 +159,10 @@ impl BurstscopeApp {
             slope.into_iter().for_each(|slope| queue.push(Action::PlaySlope(focus, slope)));
             ctx.request_repaint_after(rest);
         }
-        let asked = self.layout_ui(ui, &mut queue);
+        asked = self.layout_ui(ui, &mut queue).or(asked);
+        if !self.overlays.are_modal(&self.lessons) {
+            rings_ui(&ctx, &self.lessons, &self.model, &self.widgets);
+        }
         let effects = self.overlays.ui(&ctx, &self.model, &mut self.lessons, &mut queue);
         self.apply(effects);
         self.act(&ctx, queue);
@@ -171,6 +177,9 @@ impl BurstscopeApp {
         self.model.ask(&self.engine, ctx.input(|i| i.pointer.any_down()));
         self.thumbnails.request(&self.engine, &self.model.calibration);
         self.keep_session(&ctx);
+        if self.model.panels.hall != in_hall {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!in_hall));
+        }
     }
 
     /// Applies the actions of this pass. What they change is drawn in the next one.
@@ -247,7 +256,8 @@ impl BurstscopeApp {
         let is_restoring = self.restoring.waits_for(&self.model).is_some();
         let effects = self.lessons.go_on(asked, is_restoring, &mut self.model, &self.engine);
         self.apply(effects);
-        parts::want(ctx, self.lessons.highlighted());
+        let step = self.lessons.open.as_ref().map(|open| open.step);
+        parts::want(ctx, self.lessons.highlighted(), step);
     }
 
     fn forget_closed_panes(&mut self) {
@@ -289,11 +299,14 @@ impl BurstscopeApp {
                 switch_ui(ui, &self.model, queue);
             });
         });
-        Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &self.model, queue));
-        let types_path = Panel::bottom("status bar")
-            .frame(bar(ui))
-            .show(ui, |ui| panel::status::status_ui(ui, &self.model, self.readout().as_deref(), queue))
-            .inner;
+        let in_toolbar = |part: &Part| matches!(part, Part::Kinds | Part::Detect);
+        if !self.model.panels.hall || self.lessons.highlighted().iter().any(in_toolbar) {
+            Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &self.model, queue));
+        }
+        let status = Panel::bottom("status bar").frame(bar(ui));
+        let readout = self.readout();
+        let status_ui = |ui: &mut egui::Ui| panel::status::status_ui(ui, &self.model, readout.as_deref(), queue);
+        let types_path = !self.model.panels.hall && status.show(ui, status_ui).inner;
         if let Some((purpose, name)) = self.model.messages.unanswered().filter(|_| types_path).cloned() {
             self.overlays.open_path_field(purpose, name, false);
             self.model.messages.forget_note();
@@ -349,9 +362,13 @@ impl BurstscopeApp {
 
     fn lesson_panel_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<LessonAction> {
         self.lessons.open.as_ref()?;
-        let width = (0.27 * ui.available_width()).clamp(290.0, 360.0);
+        let (id, width) = if self.model.panels.hall {
+            ("lesson in hall", (0.35 * ui.available_width()).clamp(300.0, 520.0))
+        } else {
+            ("lesson", (0.27 * ui.available_width()).clamp(290.0, 360.0))
+        };
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 12, right: 10, top: 8, bottom: 2 });
-        let clicks = Panel::right("lesson")
+        let clicks = Panel::right(id)
             .frame(frame)
             .default_size(width)
             .size_range(270.0..=520.0)

@@ -52,8 +52,9 @@ pub struct Cli {
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
     pub sequence: SequenceArgs,
-    /// Begin a lesson: one of out-of-the-dark, slope-is-depth, blobs-at-every-scale, what-noise-does, ghosts,
-    /// when-it-fails, from-features-to-cameras, or a lesson's file (or a folder of them, whose first is begun).
+    /// Begin a lesson: one of out-of-the-dark, slope-is-depth, the-aperture, blobs-at-every-scale, what-noise-does,
+    /// what-a-burst-costs, ghosts, when-it-fails, from-features-to-cameras, or a lesson's file (or a folder of them,
+    /// whose first is begun).
     #[cfg(feature = "app")]
     #[arg(long, value_name = "NAME", conflicts_with = "inputs")]
     pub lesson: Option<PathBuf>,

@@ -2,7 +2,7 @@
 
 use super::part::{field_of, parameters};
 use super::state::{BottomTab, Layout, Workspace};
-use super::values::{Between, finite};
+use super::values::{Between, Near};
 use crate::detector::{DetectorParams, Slope};
 use crate::matching::MatchParams;
 use crate::requests::ViewKind;
@@ -37,29 +37,8 @@ pub struct Goal {
     pub reads_depths: Option<bool>,
     /// Whether features are found by themselves, as *Auto* says.
     pub detects: Option<bool>,
-}
-
-/// Place and tolerance: `[u, v, radius]`, pixels at mid-burst.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "[f32; 3]")]
-pub struct Near {
-    pub place: [f32; 2],
-    pub radius: f32,
-}
-
-impl TryFrom<[f32; 3]> for Near {
-    type Error = String;
-
-    fn try_from(numbers: [f32; 3]) -> Result<Self, String> {
-        let [u, v, radius] = finite(numbers)?;
-        if radius > 0.0 {
-            Ok(Self { place: [u, v], radius })
-        } else {
-            Err(format!(
-                "the third number is the max distance from the place in pixels; it must be above 0, not {radius}"
-            ))
-        }
-    }
+    /// Whether the slopes are found from the burst, as *Auto slopes* says.
+    pub finds_slopes: Option<bool>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -117,6 +96,7 @@ pub struct Situation<'a> {
     pub selected_match: bool,
     pub reads_depths: bool,
     pub detects: bool,
+    pub finds_slopes: bool,
 }
 
 impl Goal {
@@ -153,6 +133,7 @@ impl Goal {
             && self.selected_match.is_none_or(|wanted| wanted == now.selected_match)
             && self.reads_depths.is_none_or(|wanted| wanted == now.reads_depths)
             && self.detects.is_none_or(|wanted| wanted == now.detects)
+            && self.finds_slopes.is_none_or(|wanted| wanted == now.finds_slopes)
     }
 
     fn params_are_met(&self, now: &Situation<'_>) -> bool {
@@ -223,6 +204,7 @@ mod tests {
             selected_match: false,
             reads_depths: false,
             detects: true,
+            finds_slopes: false,
         };
         change(&mut now);
         goal(text).is_met(&now)
@@ -259,6 +241,7 @@ mod tests {
             ("selected_match = true", false),
             ("reads_depths = true", false),
             ("detects = true", true),
+            ("finds_slopes = true", false),
         ] {
             assert_eq!(is_met(text, |_| {}), met, "{text}");
         }

@@ -3,7 +3,7 @@
 use super::goal::Goal;
 use super::part::Part;
 use super::state::{Layout, State, Workspace};
-use super::values::Text;
+use super::values::{Text, text};
 use crate::error::{Error, ErrorKind};
 use crate::files::read_text;
 use serde::Deserialize;
@@ -20,8 +20,20 @@ pub struct Lesson {
     pub about: String,
     /// Lines that sum up the lesson, shown at its end, in CommonMark.
     pub learnt: Vec<String>,
+    /// Questions of the lesson's sheet, with their answers.
+    pub questions: Vec<Question>,
     /// At least one.
     pub steps: Vec<Step>,
+}
+
+/// Question about a lesson and its answer, in CommonMark.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Question {
+    #[serde(deserialize_with = "text")]
+    pub ask: String,
+    #[serde(deserialize_with = "text")]
+    pub answer: String,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +68,8 @@ struct LessonFile {
     about: Text,
     #[serde(default)]
     learnt: Vec<Text>,
+    #[serde(default)]
+    questions: Vec<Question>,
     #[serde(default)]
     set: State,
     step: Spanned<Vec<Spanned<StepTable>>>,
@@ -98,7 +112,8 @@ impl Lesson {
         }
         let stem = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy());
         let learnt = read.learnt.into_iter().map(|line| line.0).collect();
-        Ok(Self { name: stem.into_owned(), title: read.title.0, about: read.about.0, learnt, steps })
+        let (title, about, questions) = (read.title.0, read.about.0, read.questions);
+        Ok(Self { name: stem.into_owned(), title, about, learnt, questions, steps })
     }
 }
 
@@ -180,8 +195,10 @@ macro_rules! texts {
 const TEXTS: &[(&str, &str)] = texts![
     "out-of-the-dark",
     "slope-is-depth",
+    "the-aperture",
     "blobs-at-every-scale",
     "what-noise-does",
+    "what-a-burst-costs",
     "ghosts",
     "when-it-fails",
     "from-features-to-cameras"
@@ -313,13 +330,14 @@ slope = [2, 0]
 
     #[test]
     fn every_lesson_is_whole_and_its_links_lead_to_the_glossary() {
-        assert!(TEXTS.len() >= 7);
+        assert!(TEXTS.len() >= 9);
         for lesson in built_in() {
             assert_eq!(lesson.learnt.len(), 3, "{}: three lines of what was learnt", lesson.name);
             for line in &lesson.learnt {
                 let words = line.split_whitespace().count();
                 assert!((6..=30).contains(&words), "{}: {words} words: {line}", lesson.name);
             }
+            assert!(lesson.questions.len() >= 3, "{}: questions for the sheet", lesson.name);
             assert!(lesson.steps.len() >= 7, "{} has {} steps", lesson.name, lesson.steps.len());
             for step in &lesson.steps {
                 let place = format!("{}: {}", lesson.name, step.title);

@@ -2,7 +2,7 @@
 //! from both are those of a newly opened window.
 
 use super::part::field_of;
-use super::values::finite;
+use super::values::{Near, finite};
 use crate::detector::{SearchParams, Slope};
 use crate::error::Error;
 use crate::inspect::set_up::SetUp;
@@ -131,6 +131,8 @@ pub struct State {
     /// Whether the strongest feature (or, of two bursts, the best match) is selected.
     pub select: Option<bool>,
     pub spot: Option<Spot>,
+    /// Places with a ring around them, as the texts speak of them.
+    pub rings: Option<Vec<Near>>,
     #[serde(deserialize_with = "set_up")]
     pub set_up: Option<SetUp>,
 }
@@ -144,7 +146,7 @@ impl State {
         }
         over! {
             burst second workspace show layout frame slope octave level view
-            params matching detect features tab probe select spot set_up
+            params matching detect features tab probe select spot rings set_up
         }
     }
 

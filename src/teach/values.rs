@@ -32,6 +32,29 @@ impl TryFrom<[f32; 2]> for Between {
     }
 }
 
+/// Place and tolerance: `[u, v, radius]`, pixels at mid-burst.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "[f32; 3]")]
+pub struct Near {
+    pub place: [f32; 2],
+    pub radius: f32,
+}
+
+impl TryFrom<[f32; 3]> for Near {
+    type Error = String;
+
+    fn try_from(numbers: [f32; 3]) -> Result<Self, String> {
+        let [u, v, radius] = finite(numbers)?;
+        if radius > 0.0 {
+            Ok(Self { place: [u, v], radius })
+        } else {
+            Err(format!(
+                "the third number is the max distance from the place in pixels; it must be above 0, not {radius}"
+            ))
+        }
+    }
+}
+
 /// Text that is not empty; surrounding blanks are removed.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]

@@ -118,6 +118,7 @@ fn asked_files(id: ActionId, active: Side) -> Option<Purpose> {
         A::ExportMatches => Purpose::Export(ExportKind::Matches),
         A::ExportMethods => Purpose::Export(ExportKind::Methods),
         A::ExportProfile => Purpose::Export(ExportKind::Profile),
+        A::ExportSheet => Purpose::Export(ExportKind::Sheet),
         A::SaveCase => Purpose::Export(ExportKind::Case),
         A::ExportFilmGif => Purpose::Export(ExportKind::FilmGif),
         A::ExportCurvesCsv => Purpose::Export(ExportKind::CurvesCsv),

@@ -299,6 +299,8 @@ actions! {
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show the keys of all actions";
     Lessons, Help 0, "Lessons…", [NONE F1], "Learn how burst features are found, step by step, on live data";
+    Hall, Help 0, "Show the lesson to a hall", [NONE F11], "Full screen, large pictures and letters; the page keys and the arrows go from step to step";
+    ExportSheet, Help 0, "Export lesson sheet…", [], "Write the lesson's tasks, questions and answers as Markdown, to be printed";
     LeaveLesson, Help 0, "Leave the lesson", [], "Close the lesson and go back to what was open before it";
     Glossary, Help 0, "Glossary", [SHIFT F1], "Explanations of the terms in this window";
     OpenLessons, Help 0, "Open lessons…", [], "Open a folder of your own lessons (TOML files)";

@@ -120,7 +120,7 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::ShowPair => model.dataset.as_ref().is_some_and(|set| set.selected().is_some()),
         A::CloseTrajectories => !model.poses.is_empty(),
         A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
-        A::LeaveLesson => model.in_lesson,
+        A::LeaveLesson | A::Hall | A::ExportSheet => model.in_lesson,
         A::CutSequence => {
             let in_files = model.slots.a.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
             in_files && model.frame_count() > 1
@@ -150,6 +150,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ToggleRight => Some(model.shows_right()),
         A::ToggleBottom => Some(model.shows_bottom()),
         A::ToggleFilmstrip => Some(model.panels.filmstrip),
+        A::Hall => Some(model.panels.hall),
         A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
         A::ThemeDark => Some(model.theme == egui::ThemePreference::Dark),

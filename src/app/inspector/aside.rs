@@ -1,6 +1,6 @@
 //! A picture that stays where it is while a panel comes beside it, so that what was clicked stays under the pointer.
 
-use crate::app::view::View;
+use crate::app::view::{View, Zoom};
 use egui::Rect;
 
 /// Canvas of the last pass, and its view before the panel came.
@@ -23,6 +23,8 @@ impl HeldPlace {
         }
         match untouched.filter(|_| !is_beside) {
             Some(original) => *view = original,
+            // One that was fitted while the panel was there is fitted without it.
+            None if !is_beside && !matches!(view.zoom, Zoom::PointsPerPixel(_)) => self.moved = None,
             None => {
                 let original = untouched.unwrap_or(*view);
                 view.keep_place(before, rect_ui);
@@ -58,6 +60,10 @@ mod tests {
         aside.keep(&mut view, rect(780.0), true);
         aside.keep(&mut view, rect(1040.0), false);
         assert!(view.is_fit());
+        aside.keep(&mut view, rect(780.0), true);
+        view = View::fit();
+        aside.keep(&mut view, rect(1040.0), false);
+        assert!(view.is_fit(), "fitted beside the panel, and without it");
     }
 
     #[test]

@@ -21,6 +21,14 @@ pub struct LessonClicks {
     pub word: Option<String>,
 }
 
+/// Size of the lesson's letters in a hall, in parts of the usual one.
+const LETTERS_IN_HALL: f32 = 1.5;
+
+/// Size of letters, points, that are `size` where those of the body have 13.
+fn letters(ui: &Ui, size: f32) -> f32 {
+    size / 13.0 * egui::TextStyle::Body.resolve(ui.style()).size
+}
+
 pub fn lesson_ui(
     ui: &mut Ui,
     lessons: &mut Lessons,
@@ -31,6 +39,9 @@ pub fn lesson_ui(
     let mut clicks = LessonClicks::default();
     let next = lessons.next_lesson();
     let Some(open) = &mut lessons.open else { return clicks };
+    if model.panels.hall {
+        ui.style_mut().text_styles.values_mut().for_each(|font| font.size *= LETTERS_IN_HALL);
+    }
     header_ui(ui, open, &mut clicks);
     ui.separator();
     egui::Panel::bottom("lesson steps").frame(Frame::new().inner_margin(Margin::symmetric(0, 6))).show(ui, |ui| {
@@ -44,10 +55,11 @@ pub fn lesson_ui(
     }
     ScrollArea::vertical().id_salt(("lesson", open.step)).auto_shrink(false).show(ui, |ui| {
         let step = open.step().clone();
-        ui.label(RichText::new(&step.title).size(17.0).strong());
+        ui.label(RichText::new(&step.title).size(letters(ui, 17.0)).strong());
         ui.add_space(4.0);
         ui.scope(|ui| {
-            ui.style_mut().text_styles.insert(egui::TextStyle::Body, egui::FontId::proportional(14.0));
+            let font = egui::FontId::proportional(letters(ui, 14.0));
+            ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
             clicks.word = captions.ui(ui, &step.caption);
         });
         ui.add_space(6.0);
@@ -115,11 +127,12 @@ fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) 
 /// Draws the lesson's end: the lines of what was learnt, and what the next lesson is about. Returns the glossary entry
 /// whose link was clicked.
 fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>, captions: &mut Captions) -> Option<String> {
-    ui.label(RichText::new("What you have learnt").size(17.0).strong());
+    ui.label(RichText::new("What you have learnt").size(letters(ui, 17.0)).strong());
     ui.add_space(4.0);
     let mut word = None;
     ui.scope(|ui| {
-        ui.style_mut().text_styles.insert(egui::TextStyle::Body, egui::FontId::proportional(14.0));
+        let font = egui::FontId::proportional(letters(ui, 14.0));
+        ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
         for line in &open.lesson.learnt {
             word = word.take().or(captions.ui(ui, &format!("- {line}")));
             ui.add_space(4.0);
@@ -150,17 +163,18 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks
     ui.horizontal(|ui| {
         let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
         let size = vec2(width, 28.0);
-        let before = if open.is_ended { Some(step) } else { step.checked_sub(1) };
+        let before = open.back();
         let back = ui.add_enabled(before.is_some(), Button::new("Back").min_size(size));
         back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, before.is_some(), "Step back"));
         if back.on_hover_text("The step before").clicked() {
-            clicks.asked = before.map(LessonAction::Step);
+            clicks.asked = before;
         }
-        let (label, name, asked) = match step + 1 == count {
-            _ if open.is_ended && next_lesson.is_some() => ("Next lesson", "Next lesson", LessonAction::NextLesson),
-            _ if open.is_ended => ("Close", "Close the lesson", LessonAction::Leave),
-            true => ("Finish", "Finish the lesson", LessonAction::End),
-            false => ("Next", "Next step", LessonAction::Step(step + 1)),
+        let asked = open.onward(next_lesson.is_some());
+        let (label, name) = match asked {
+            LessonAction::NextLesson => ("Next lesson", "Next lesson"),
+            LessonAction::End => ("Finish", "Finish the lesson"),
+            LessonAction::Step(_) => ("Next", "Next step"),
+            LessonAction::Again | LessonAction::Leave => ("Close", "Close the lesson"),
         };
         let is_done = open.is_ended || open.is_done() || open.step().task.is_none();
         let colour = if is_done { Color32::WHITE } else { ui.visuals().text_color() };
@@ -223,7 +237,7 @@ impl Captions {
 }
 
 /// Colour of the frame; also that of the selection in pictures.
-const HIGHLIGHT: Color32 = Color32::from_rgb(255, 200, 60);
+pub(super) const HIGHLIGHT: Color32 = Color32::from_rgb(255, 200, 60);
 
 pub fn highlights_ui(ctx: &Context) {
     let painter = ctx.layer_painter(LayerId::new(Order::Middle, Id::unique("lesson highlight")));

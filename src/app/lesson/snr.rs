@@ -48,7 +48,14 @@ impl SnrTrace {
 
 /// Measures the spot in the shown picture. Returns the number of its frames, and the ratio.
 fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)> {
+    let (frames, place) = shown_spot(model, spot, slope)?;
     let picture = model.picture().filter(|_| model.picture_is_current())?;
+    Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
+}
+
+/// Number of frames in the shown picture, and the place of the spot in it.
+pub(super) fn shown_spot(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, [f32; 2])> {
+    let picture = model.picture()?;
     let used = picture.request.params.used_frames(model.frame_count());
     // Time of the picture, in frames after mid-burst of the whole burst.
     let middle = 0.5 * (model.frame_count() as f32 - 1.0);
@@ -57,8 +64,7 @@ fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)>
         PictureKind::Stack { .. } => (used.len(), 0.5 * (used.start + used.end.max(1) - 1) as f32 - middle),
         _ => return None,
     };
-    let place = [spot.place[0] + after * slope.u, spot.place[1] + after * slope.v];
-    Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
+    Some((frames, [spot.place[0] + after * slope.u, spot.place[1] + after * slope.v]))
 }
 
 /// Draws the number of frames added, and the measured ratio beside the law of √N. `slope` is the spot's own.

@@ -66,6 +66,22 @@ impl OpenLesson {
         self.done.contains(&self.step)
     }
 
+    /// Where *Next* leads; `goes_on` where another lesson follows.
+    pub(super) fn onward(&self, goes_on: bool) -> LessonAction {
+        match self.step + 1 == self.lesson.steps.len() {
+            _ if self.is_ended && goes_on => LessonAction::NextLesson,
+            _ if self.is_ended => LessonAction::Leave,
+            true => LessonAction::End,
+            false => LessonAction::Step(self.step + 1),
+        }
+    }
+
+    /// Where *Back* leads: to the step before, and from the lesson's end to its last step.
+    pub(super) fn back(&self) -> Option<LessonAction> {
+        let step = if self.is_ended { Some(self.step) } else { self.step.checked_sub(1) };
+        step.map(LessonAction::Step)
+    }
+
     /// Selects the first of the listed features or matches, as soon as there is one.
     fn select_first(&mut self, [feature, of_match]: [Option<usize>; 2], document: &mut Document) {
         if !self.selects {

@@ -7,19 +7,23 @@ use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::set_up::SetUpState;
-use crate::app::project::{Model, Panels, Visibility};
+use crate::app::project::{Model, Panels};
 use crate::detector::DetectorParams;
 use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
 
-fn panels_of(step: &Step) -> Panels {
+/// Panels of a step; in a hall only those with something that the step points at.
+pub(super) fn panels_of(step: &Step, hall: bool) -> Panels {
     let Step { state, highlight, .. } = step;
     let points_at = |parts: &[Part]| highlight.iter().any(|part| parts.contains(part));
     let in_probe = points_at(&[Part::Probe, Part::Response, Part::Shares]);
+    let on_left = |part: &Part| {
+        matches!(part, Part::Frame | Part::SlopeU | Part::SlopeV | Part::Octave | Part::Level | Part::Parameter(_))
+    };
     let has_slice = state.layout == Some(Layout::Slice);
     Panels {
-        left: Visibility::Open,
+        left: (!hall || highlight.iter().any(on_left)).into(),
         // Slices need the space that the probe's panel would take.
-        right: (state.select.is_some() || in_probe || (state.probe.is_some() && !has_slice)).into(),
+        right: (in_probe || (!hall && (state.select.is_some() || (state.probe.is_some() && !has_slice)))).into(),
         bottom: (state.tab.is_some()
             || state.workspace == Some(Workspace::Pair)
             || points_at(&[Part::Tabs, Part::Below]))
@@ -27,6 +31,7 @@ fn panels_of(step: &Step) -> Panels {
         filmstrip: false,
         advanced: false,
         welcome: false,
+        hall,
     }
 }
 
@@ -71,8 +76,10 @@ fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
         matching: state.matching.clone().unwrap_or_default(),
         auto_detect,
         bottom_tab: state.tab.unwrap_or_default(),
-        panels: panels_of(step),
+        panels: panels_of(step, before.panels.hall),
         filter: Default::default(),
+        comparisons: Default::default(),
+        shown_test: None,
         measure: Default::default(),
         probe: Default::default(),
         set_up,
@@ -131,6 +138,7 @@ pub(super) fn seen(model: &Model) -> Situation<'_> {
         selected_match: model.selected_match.is_some(),
         reads_depths: model.set_up.reads_depths,
         detects: model.auto_detect,
+        finds_slopes: model.slopes.is_auto(),
     }
 }
 

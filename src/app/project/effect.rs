@@ -77,6 +77,8 @@ pub enum ExportKind {
     CurvesSvg,
     Case,
     FilmGif,
+    /// The open lesson's tasks, questions and answers.
+    Sheet,
 }
 
 impl ExportKind {
@@ -104,6 +106,7 @@ impl ExportKind {
             Self::CurvesSvg => (&["svg"], "Export curves as SVG"),
             Self::Case => (&[CASE_EXTENSION], "Save case"),
             Self::FilmGif => (&["gif"], "Export film as GIF"),
+            Self::Sheet => (&["md"], "Export lesson sheet as Markdown"),
         }
     }
 }

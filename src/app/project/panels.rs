@@ -3,6 +3,7 @@
 
 use super::Model;
 use super::workspace::Workspace;
+use crate::app::pane::Content;
 use serde::{Deserialize, Serialize};
 
 pub const MIN_WIDTH_WITH_LEFT: f32 = 1100.0;
@@ -52,19 +53,21 @@ pub struct Panels {
     pub filmstrip: bool,
     pub advanced: bool,
     pub welcome: bool,
+    /// A lesson is shown to a hall: large pictures, large letters, and only the panels that a step points at.
+    pub hall: bool,
 }
 
 impl Default for Panels {
     fn default() -> Self {
         let auto = Visibility::Auto;
-        Self { left: auto, right: auto, bottom: auto, filmstrip: true, advanced: false, welcome: true }
+        Self { left: auto, right: auto, bottom: auto, filmstrip: true, advanced: false, welcome: true, hall: false }
     }
 }
 
 impl Panels {
     pub fn all() -> Self {
         let open = Visibility::Open;
-        Self { left: open, right: open, bottom: open, filmstrip: true, advanced: true, welcome: false }
+        Self { left: open, right: open, bottom: open, filmstrip: true, advanced: true, welcome: false, hall: false }
     }
 }
 
@@ -85,7 +88,7 @@ impl Model {
     }
 
     pub fn folds_left(&self) -> bool {
-        self.panels.left != Visibility::Closed && !self.shows_left()
+        self.panels.left != Visibility::Closed && !self.shows_left() && !self.panels.hall
     }
 
     pub fn shows_right(&self) -> bool {
@@ -111,9 +114,15 @@ impl Model {
         }
     }
 
+    fn shows_slice(&self) -> bool {
+        let is_slice = |id| self.panes.get(id).is_some_and(|pane| matches!(pane.content, Content::Slice(_)));
+        self.panes.shown().into_iter().any(is_slice)
+    }
+
     pub fn open_probe(&mut self) {
         (self.probe.is_open, self.probed.problem) = (true, None);
-        if self.panels.right == Visibility::Closed {
+        // Slices show the place themselves, and need the space.
+        if self.panels.right == Visibility::Closed && !self.shows_slice() {
             self.panels.right = Visibility::Auto;
         }
     }

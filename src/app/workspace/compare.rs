@@ -21,19 +21,19 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
     let WorkspaceParts { model, widgets, queue, .. } = parts;
     folded_ui(ui, model, queue);
     if model.shows_left() {
-        left_panel(ui, "compare left", side_width(model), |ui| {
+        left_panel(ui, model, "compare left", side_width(model), |ui| {
             controls_ui(ui, model, queue);
             panel::cursor::cursor_ui(ui, model, queue);
             panel::parameters::parameters_ui(ui, model, queue);
         });
     }
     if model.shows_right() {
-        right_panel(ui, "compare right", side_width(model), 250.0..=460.0, |ui| {
+        right_panel(ui, model, "compare right", side_width(model), 250.0..=460.0, |ui| {
             scroll_ui(ui, |ui| panel::display::ranges_ui(ui, model, widgets, queue));
         });
     }
     if model.shows_bottom() {
-        bottom_panel(ui, "compare bottom", 233.0, |ui| table_ui(ui, model, queue));
+        bottom_panel(ui, model, "compare bottom", 233.0, |ui| table_ui(ui, model, queue));
     }
     CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         if model.methods_shown().is_empty() {

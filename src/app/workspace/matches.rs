@@ -18,7 +18,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut
         return;
     };
     if model.shows_left() {
-        left_panel(ui, "matches left", side_width(model), |ui| {
+        left_panel(ui, model, "matches left", side_width(model), |ui| {
             pairs_ui(ui, model, queue);
             selected_ui(ui, model, queue);
             next_ui(ui, model, queue);
@@ -27,7 +27,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut
     }
     let mut opened = None;
     if model.shows_right() {
-        right_panel(ui, "matches right", 392.0, 280.0..=640.0, |ui| {
+        right_panel(ui, model, "matches right", 392.0, 280.0..=640.0, |ui| {
             opened = pairs::pair_list_ui(ui, dataset, set, queue);
         });
     }

@@ -99,19 +99,37 @@ fn side_frame(ui: &egui::Ui) -> egui::Frame {
     egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin { left: 8, right: 5, top: 6, bottom: 4 })
 }
 
-fn left_panel(ui: &mut Ui, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
-    let panel = Panel::left(id).frame(side_frame(ui)).default_size(width).size_range(LEFT_WIDTHS);
-    panel.show(ui, |ui| scroll_ui(ui, add_contents));
+/// Heights of panels in a hall, where they are all below the pictures, which need the width: on a projector of 1024×700
+/// points a picture of 4:3 keeps 500 points.
+const LEFT_IN_HALL: f32 = 150.0;
+const BOTTOM_IN_HALL: f32 = 120.0;
+/// Without and with the panel of the left side.
+const RIGHT_IN_HALL: [f32; 2] = [240.0, 120.0];
+
+/// `panel` at the side, which has the name `id`; below the pictures in a hall.
+fn side(ui: &Ui, model: &Model, (id, height): (&'static str, f32), panel: Panel) -> Panel {
+    let below = || Panel::bottom(egui::Id::unique((id, "hall"))).exact_size(height).resizable(false);
+    if model.panels.hall { below() } else { panel }.frame(side_frame(ui))
+}
+
+fn left_side(ui: &Ui, model: &Model, id: &'static str, width: f32) -> Panel {
+    side(ui, model, (id, LEFT_IN_HALL), Panel::left(id).default_size(width).size_range(LEFT_WIDTHS))
+}
+
+fn left_panel(ui: &mut Ui, model: &Model, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
+    left_side(ui, model, id, width).show(ui, |ui| scroll_ui(ui, add_contents));
 }
 
 fn right_panel(
     ui: &mut Ui,
+    model: &Model,
     id: &'static str,
     width: f32,
     widths: std::ops::RangeInclusive<f32>,
     add_contents: impl FnOnce(&mut Ui),
 ) {
-    Panel::right(id).frame(side_frame(ui)).default_size(width).size_range(widths).show(ui, add_contents);
+    let panel = Panel::right(id).default_size(width).size_range(widths);
+    side(ui, model, (id, RIGHT_IN_HALL[usize::from(model.shows_left())]), panel).show(ui, add_contents);
 }
 
 /// Content of a side panel. One that is wider than the panel does not widen it: pictures stay where they are.
@@ -124,11 +142,11 @@ fn scroll_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
 
 /// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window, whatever its
 /// content, so that nothing moves under the pointer. Returns whether the pointer is over it.
-fn bottom_panel(ui: &mut egui::Ui, id: &'static str, height: f32, show: impl FnOnce(&mut egui::Ui)) -> bool {
+fn bottom_panel(ui: &mut Ui, model: &Model, id: &'static str, height: f32, show: impl FnOnce(&mut Ui)) -> bool {
     let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4));
     let height = height.min(ui.available_height() - PICTURES_HEIGHT).max(*BOTTOM_HEIGHTS.start());
-    let panel = egui::Panel::bottom(id).frame(frame).resizable(true).default_size(height).size_range(BOTTOM_HEIGHTS);
-    let shown = panel.show(ui, |ui| {
+    let panel = egui::Panel::bottom(id).resizable(true).default_size(height).size_range(BOTTOM_HEIGHTS);
+    let shown = side(ui, model, (id, BOTTOM_IN_HALL), panel).frame(frame).show(ui, |ui| {
         ui.take_available_height();
         show(ui);
     });
@@ -170,12 +188,14 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let width = side_width(model);
     folded_ui(ui, model, queue);
     if model.shows_left() {
-        Panel::left("left").frame(side_frame(ui)).default_size(width).size_range(LEFT_WIDTHS).show(ui, |ui| {
+        left_side(ui, model, "left", width).show(ui, |ui| {
             // The verdict stays in sight, and nothing above moves when it changes.
             let below = Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO });
-            Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
-                panel::slopes::verdict_ui(ui, model, queue);
-            });
+            if !model.panels.hall {
+                Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
+                    panel::slopes::verdict_ui(ui, model, queue);
+                });
+            }
             scroll_ui(ui, |ui| {
                 panel::cursor::cursor_ui(ui, model, queue);
                 panel::parameters::parameters_ui(ui, model, queue);
@@ -183,7 +203,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
         });
     }
     if model.shows_right() {
-        right_panel(ui, "right", side_width(model), 250.0..=460.0, |ui| {
+        right_panel(ui, model, "right", side_width(model), 250.0..=460.0, |ui| {
             let help = "The value range of the pictures, and the selected feature";
             if panel::probe::probe_tab_ui(ui, model, probe, "Display and feature", help, queue) {
                 return;
@@ -203,9 +223,9 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let mut over_rows = None;
     if model.shows_bottom() {
         let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue);
-        let is_over = bottom_panel(ui, "bottom", 276.0, show);
+        let is_over = bottom_panel(ui, model, "bottom", 276.0, show);
         over_rows = Some(model.bottom_tab).filter(|_| is_over);
-    } else {
+    } else if !model.panels.hall {
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 2));
         Panel::bottom("bottom tabs").frame(frame).show(ui, |ui| panel::bottom::closed_ui(ui, model, queue));
     }
@@ -227,10 +247,10 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
 
 fn lab_workspace_ui(ui: &mut Ui, model: &Model, picture: &mut PlaneTexture, queue: &mut Queue) {
     if model.shows_left() {
-        left_panel(ui, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
+        left_panel(ui, model, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }
     if model.shows_right() {
-        right_panel(ui, "lab right", 1.3 * side_width(model), 250.0..=900.0, |ui| {
+        right_panel(ui, model, "lab right", 1.3 * side_width(model), 250.0..=900.0, |ui| {
             if model.lab.question == LabQuestion::InBurst {
                 section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
             } else {
@@ -246,12 +266,12 @@ const STRIP_HEIGHT: f32 = 84.0;
 fn trajectories_workspace_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let width = side_width(model).max(330.0);
     if model.shows_right() {
-        right_panel(ui, "trajectories right", width, 280.0..=520.0, |ui| {
+        right_panel(ui, model, "trajectories right", width, 280.0..=520.0, |ui| {
             scroll_ui(ui, |ui| errors_panel::errors_panel_ui(ui, model, queue));
         });
     }
     if model.shows_bottom() {
-        bottom_panel(ui, "trajectories bottom", 331.0, |ui| {
+        bottom_panel(ui, model, "trajectories bottom", 331.0, |ui| {
             ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
                 cameras::points_strip_ui(ui, model, queue);
             });

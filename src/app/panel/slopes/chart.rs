@@ -57,7 +57,7 @@ pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
 fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     let bars = on_line(spectrum);
     key_ui(ui, marks);
-    let size = vec2(ui.available_width(), (height - 32.0).clamp(60.0, 300.0));
+    let size = vec2(ui.available_width(), (height - 32.0).min(ui.available_height()).clamp(60.0, 300.0));
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
@@ -122,8 +122,9 @@ fn expected_colour(ui: &Ui) -> Color32 {
     ui.visuals().hyperlink_color
 }
 
+/// Draws the key of the colours, on a second line where there is no room beside: it must not push the advice away.
 fn key_ui(ui: &mut Ui, marks: &Marks) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let keys = [
             (style::ACCENT, "features", "Features whose slope is nearest to each"),

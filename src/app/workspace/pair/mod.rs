@@ -35,7 +35,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
     folded_ui(ui, model, queue);
     let match_is_left = model.match_is_left();
     if model.shows_left() && !match_is_left {
-        left_panel(ui, "pair left", side_width(model), |ui| {
+        left_panel(ui, model, "pair left", side_width(model), |ui| {
             sides_ui(ui, model, queue);
             switches_ui(ui, model, queue);
             panel::cursor::cursor_ui(ui, model, queue);
@@ -70,7 +70,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             let panel = Panel::left("pair left").frame(side_frame(ui)).default_size(width);
             panel.size_range(LEFT_WIDTHS).show(ui, match_ui);
         } else {
-            right_panel(ui, "pair right", width, 250.0..=460.0, match_ui);
+            right_panel(ui, model, "pair right", width, 250.0..=460.0, match_ui);
         }
     }
     let (mut in_table, mut over_list) = (None, false);
@@ -78,7 +78,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 2));
         Panel::bottom("pair tabs").frame(frame).show(ui, |ui| table::tabs_ui(ui, model, queue));
     } else {
-        let is_over = bottom_panel(ui, "pair bottom", 300.0, |ui| {
+        let is_over = bottom_panel(ui, model, "pair bottom", 300.0, |ui| {
             mark(ui, Part::Below, ui.max_rect());
             table::tabs_ui(ui, model, queue);
             ui.separator();
