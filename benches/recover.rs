@@ -32,7 +32,14 @@ fn combining(criterion: &mut Criterion) {
     for combine in Combine::ALL {
         group.bench_function(format!("{combine:?}"), |bencher| {
             bencher.iter(|| {
-                let stack = combined_stack(&frames, slope, Interpolation::Linear, combine, &Monitor::default());
+                let stack = combined_stack(
+                    &frames,
+                    &burst.positions,
+                    slope,
+                    Interpolation::Linear,
+                    combine,
+                    &Monitor::default(),
+                );
                 black_box(stack.expect("not cancelled"))
             });
         });

@@ -40,7 +40,7 @@ pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result
     let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
         PreparedSearch::new(burst, params, monitor)?;
     let detection = pipeline::search(&prepared, &params, &rest)?;
-    let detection = Detection { frames_used: asked.used_frames(burst.len()), ..detection };
+    let detection = detection.over(burst, &asked);
     Ok(Searched { detection, params: asked, finding, slopes_secs })
 }
 
@@ -85,7 +85,7 @@ pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchPa
 /// # Errors
 /// As [`detect`].
 pub fn prepare(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<(Burst, DetectorParams), Error> {
-    params.validate_for(burst.len(), burst.size())?;
+    params.validate_for(&burst.positions, burst.size())?;
     match params.method {
         Method::Buff | Method::Sift => Ok((burst.clone(), params.clone())),
         Method::Merge => {

@@ -265,6 +265,7 @@ def open(
     raw: str | None = None,
     axis: str | None = None,
     array: str | None = None,
+    times: str | os.PathLike[str] | None = None,
     progress: Progress = None,
 ) -> Burst:
     """Opens a burst from files, as the window and the commands do.
@@ -294,6 +295,9 @@ def open(
         Axis of the frames in a file that has others than time: ``"T"``, ``"Z"``, ``"C"``, ``"T,C=1"``, ``"first"``.
     array : str, optional
         Array of an ``.npz`` archive, or image of a FITS file, that holds the frames.
+    times : str or path, optional
+        Times of the frames: a list in a file, ``"names"`` for stamps in the names of files, ``"header"`` for times that
+        the files hold (EXIF, FITS, SER). Without, frames are even.
     progress : callable, False or None
         See `burstscope.detect`.
 
@@ -319,5 +323,6 @@ def open(
     }
     for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array}.items():
         calibration[name] = None if word is None else needed(name, word, str, "see the documentation")
+    calibration["times"] = None if times is None else path("times", times)
     with shown(progress) as tell:
         return Burst._of(_burstscope.RawBurst.open(path_texts(paths), calibration, tell))

@@ -211,6 +211,11 @@ class ChartKeywords(TypedDict, total=False):
         Intensity of the discs over that of the background [default: 1.2]
     frames : int
         Number of frames [default: 10]
+    drop : int or Sequence[int]
+        Frames to leave out, counted from 0 and separated by commas
+    jitter : float
+        Largest distance of a frame from its even time, frame intervals; the first and the last frame keep
+        theirs [default: 0]
     motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     max_slope : float
@@ -240,6 +245,8 @@ class ChartKeywords(TypedDict, total=False):
     gap: float
     contrast: float
     frames: int
+    drop: Union[int, Sequence[int]]
+    jitter: float
     motion: Literal["1d", "2d"]
     max_slope: float
     snr: float
@@ -263,6 +270,11 @@ class SceneKeywords(TypedDict, total=False):
         Number of layers; the farthest fills the frame [default: 4]
     frames : int
         Number of frames [default: 10]
+    drop : int or Sequence[int]
+        Frames to leave out, counted from 0 and separated by commas
+    jitter : float
+        Largest distance of a frame from its even time, frame intervals; the first and the last frame keep
+        theirs [default: 0]
     motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     max_slope : float
@@ -288,6 +300,8 @@ class SceneKeywords(TypedDict, total=False):
     height: int
     layers: int
     frames: int
+    drop: Union[int, Sequence[int]]
+    jitter: float
     motion: Literal["1d", "2d"]
     max_slope: float
     snr: float
@@ -398,6 +412,10 @@ class NoisyKeywords(TypedDict, total=False):
         such as T,C=1; first or last of an array
     array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
+    times : str or float
+        Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
+        stamps in the names of the files, header or exif for times that the files hold, even for none [default:
+        even]
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -421,6 +439,7 @@ class NoisyKeywords(TypedDict, total=False):
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]
+    times: Union[str, float]
     threads: Union[str, float]
     memory: str
 
@@ -707,6 +726,10 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         such as T,C=1; first or last of an array
     array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
+    times : str or float
+        Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
+        stamps in the names of the files, header or exif for times that the files hold, even for none [default:
+        even]
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -763,6 +786,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]
+    times: Union[str, float]
     threads: Union[str, float]
     memory: str
 
@@ -1213,6 +1237,10 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         such as T,C=1; first or last of an array
     array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
+    times : str or float
+        Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
+        stamps in the names of the files, header or exif for times that the files hold, even for none [default:
+        even]
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -1275,6 +1303,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]
+    times: Union[str, float]
     threads: Union[str, float]
     memory: str
 

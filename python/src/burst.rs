@@ -2,7 +2,9 @@
 
 use crate::lent::LentArray;
 use crate::work::run;
-use burstscope::burst::{ArrayFrame, Arrays, AxisChoice, Burst, Dump, Mosaic, OpenOptions, RawColour};
+use burstscope::burst::{
+    ArrayFrame, Arrays, AxisChoice, Burst, Dump, Mosaic, OpenOptions, Positions, RawColour, TimesChoice,
+};
 use burstscope::cli::Failure;
 use burstscope::plane::Plane;
 use burstscope::requests::BurstSource;
@@ -43,6 +45,8 @@ pub(crate) struct Calibration {
     axis: Option<String>,
     #[pyo3(item)]
     array: Option<String>,
+    #[pyo3(item)]
+    times: Option<String>,
 }
 
 impl Calibration {
@@ -57,6 +61,9 @@ impl Calibration {
         let raw = self.raw.map(|raw| raw.parse::<Dump>().map_err(|e| PyValueError::new_err(format!("raw: {e}"))));
         let axis =
             self.axis.map(|axis| axis.parse::<AxisChoice>().map_err(|e| PyValueError::new_err(format!("axis: {e}"))));
+        let times = self
+            .times
+            .map(|times| times.parse::<TimesChoice>().map_err(|e| PyValueError::new_err(format!("times: {e}"))));
         Ok(OpenOptions {
             bias: self.bias,
             flat: self.flat,
@@ -69,13 +76,16 @@ impl Calibration {
             raw: raw.transpose()?,
             axis: axis.transpose()?,
             array: self.array,
+            times: times.transpose()?,
             ..OpenOptions::default()
         })
     }
 }
 
-/// Name, names of the frames, full scale, quantisation step, suggested full scale, encoding, binning, notes and sources.
-type About = (String, Vec<String>, (f32, f32, Option<f32>), String, usize, Vec<String>, Vec<PathBuf>);
+/// Name, names of the frames, full scale, quantisation step, suggested full scale, encoding, binning, notes, sources, and
+/// the positions of uneven frames with the frame interval.
+type About =
+    (String, Vec<String>, (f32, f32, Option<f32>), String, usize, Vec<String>, Vec<PathBuf>, (Vec<f64>, Option<f64>));
 
 impl RawBurst {
     /// Adds a note where the values are floats above 1, whose full scale nobody named.
@@ -142,6 +152,7 @@ impl RawBurst {
             burst.binning,
             notes,
             burst.sources.clone(),
+            (burst.positions.list(), burst.positions.interval_s()),
         )
     }
 
@@ -153,12 +164,24 @@ impl RawBurst {
             ArrayFrame::Integers { .. } => Err(PyTypeError::new_err("the frames of a burst are float32")),
         };
         let frames = frames.iter().map(plane).collect::<PyResult<Vec<_>>>()?;
-        let (name, frame_names, (full_scale, quantisation_step, suggested), encoding, binning, taken, sources) = about;
+        let (
+            name,
+            frame_names,
+            (full_scale, quantisation_step, suggested),
+            encoding,
+            binning,
+            taken,
+            sources,
+            (positions, interval_s),
+        ) = about;
+        let uneven = Positions::new(&positions).filter(|uneven| uneven.len() == frames.len());
+        let positions = uneven.unwrap_or_else(|| Positions::even(frames.len())).with_interval(interval_s);
         let encoding = serde_json::from_value(encoding.into()).unwrap_or_default();
         let burst = Burst {
             name,
             frames,
             frame_names,
+            positions,
             full_scale,
             quantisation_step,
             encoding,

@@ -5,6 +5,7 @@ use crate::failure::raised;
 use crate::parameters::{Given, search_params};
 use crate::work::run;
 use burstscope::baseline::merge_burst;
+use burstscope::burst::Positions;
 use burstscope::cli::{Failure, burst_document};
 use burstscope::detect::{Searched, prepare, search};
 use burstscope::detector::quantity::Place;
@@ -146,6 +147,7 @@ impl RawDetection {
             noise_gate_factor: 0.0,
             slopes: params.used_slopes(),
             frames_used: 0..0,
+            positions: Positions::even(0),
             octaves: 0..0,
             times: StageTimes::default(),
         };

@@ -146,7 +146,7 @@ fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), Error> {
     }
     let mut params = options.startup.params.detector.clone();
     params.slopes = SlopeGrid::single(options.slope.unwrap_or_default());
-    params.validate_for(burst.len(), burst.size())?;
+    params.validate_for(&burst.positions, burst.size())?;
     if options.kind == ViewKind::Dog || options.octave.is_some() {
         let octave = options.octave.unwrap_or(params.first_octave);
         check_level(&params, burst.size(), octave, options.level)?;

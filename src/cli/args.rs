@@ -3,7 +3,7 @@
 
 use super::choices::{COMBINES, MOSAICS, RAW_COLOURS, words};
 use super::search_options::SearchArgs;
-use crate::burst::{AxisChoice, Dump, Mosaic, OpenOptions, RawColour};
+use crate::burst::{AxisChoice, Dump, Mosaic, OpenOptions, RawColour, TimesChoice};
 use crate::detector::params::doc;
 use crate::detector::{Combine, FrameRange, Slope, memory};
 use crate::export::ExportFormat;
@@ -59,6 +59,7 @@ Files, for each burst NAME:
 JSON (--json):
   {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},
    \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"full_scale\", \"encoding\": linear or srgb,
+     \"positions\": [frame intervals from the first frame] and \"interval_s\" where --times gives others than even ones,
      \"binning\", \"suggested_full_scale\" where 16-bit files look like 10, 12 or 14 bits,
      \"damaged_frames\": [name] where --accept-damaged took some, \"features\",
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
@@ -208,6 +209,10 @@ pub struct CalibrationArgs {
     /// Array of an .npz archive, or image of a FITS file, that holds the frames.
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
+    /// Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for stamps in
+    /// the names of the files, header or exif for times that the files hold, even for none [default: even].
+    #[arg(long, value_name = "FILE|names|header|even")]
+    pub times: Option<TimesChoice>,
 }
 
 impl CalibrationArgs {
@@ -224,6 +229,7 @@ impl CalibrationArgs {
             raw: self.raw,
             axis: self.axis.clone(),
             array: self.array.clone(),
+            times: self.times.clone(),
             ..OpenOptions::default()
         }
     }

@@ -74,7 +74,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("film", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.1))?;
-    params.detector.validate_for(burst.len(), burst.size())?;
+    params.detector.validate_for(&burst.positions, burst.size())?;
     let source = BurstSource::Paths(input.paths().to_vec());
     let mut film = Film {
         burst: OpenBurst::new(burst, source),

@@ -200,6 +200,7 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
         ("raw", options.raw.is_some()),
         ("axis", options.axis.is_some()),
         ("array", options.array.is_some()),
+        ("times", options.times.is_some()),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) if inputs.iter().any(Input::is_built_in) => {
@@ -224,10 +225,7 @@ impl OverwriteArgs {
 
 pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Option<&PathBuf>]) -> OpenedFiles {
     let bursts = inputs.iter().filter_map(|input| input.source.as_ref().ok()).flat_map(BurstSource::files);
-    let frames = [&calibration.bias, &calibration.flat]
-        .into_iter()
-        .flatten()
-        .flat_map(|path| BurstSource::Paths(vec![path.clone()]).files());
+    let frames = calibration.paths().into_iter().flat_map(|path| BurstSource::Paths(vec![path]).files());
     let settings = settings.iter().flatten().map(|path| (*path).clone());
     OpenedFiles::of(bursts.chain(frames).chain(settings))
 }

@@ -33,6 +33,15 @@ pub(super) struct BurstReport {
     inputs: Vec<String>,
     frames: usize,
     frames_used: [usize; 2],
+    /// Position of each frame from the first one, frame intervals; absent for even ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    positions: Vec<f64>,
+    /// Seconds of a frame interval; absent where they are not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    interval_s: Option<f64>,
+    /// Slopes in pixels per second, a clause.
+    #[serde(skip)]
+    rate: Option<String>,
     width: usize,
     height: usize,
     /// Value in the files that became 1.0.
@@ -143,6 +152,9 @@ impl BurstReport {
             inputs,
             frames: burst.len(),
             frames_used: [detection.frames_used.start, detection.frames_used.end],
+            positions: burst.positions.list(),
+            interval_s: burst.positions.interval_s(),
+            rate: burst.positions.rate_text(),
             width: burst.size().0,
             height: burst.size().1,
             full_scale: burst.full_scale,
@@ -223,7 +235,7 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     }
     line("features", &report.features.to_string());
     if params.method == Method::Buff && report.features > 0 {
-        text += &histogram(&report.slopes);
+        text += &histogram(&report.slopes, report.rate.as_deref());
     }
     text += &format!("  rejected, of {} samples\n", grouped(report.tally.samples));
     for (test, &count) in report.tally.rejected.iter().filter(|(_, count)| **count > 0) {
@@ -252,13 +264,14 @@ pub(super) fn unsigned_zero(x: f32, decimals: i32) -> f32 {
     if (x * 10f32.powi(decimals)).round() == 0.0 { 0.0 } else { x }
 }
 
-fn histogram(slopes: &[SlopeCount]) -> String {
+fn histogram(slopes: &[SlopeCount], rate: Option<&str>) -> String {
     let max = slopes.iter().map(|s| s.features).max().unwrap_or(0).max(1);
     let mut counts: Vec<usize> = slopes.iter().map(|s| s.features).filter(|&n| n > 0).collect();
     counts.sort_unstable_by(|a, b| b.cmp(a));
     let min = counts.get(SLOPES_SHOWN - 1).copied().unwrap_or(1);
     let shown: Vec<&SlopeCount> = slopes.iter().filter(|s| s.features >= min).take(SLOPES_SHOWN).collect();
-    let mut text = "  by slope (px/frame)\n".to_owned();
+    let rate = rate.map_or(String::new(), |rate| format!("; {rate}"));
+    let mut text = format!("  by slope (px/frame{rate})\n");
     for SlopeCount { u, v, features } in &shown {
         let bar = "#".repeat((features * BAR_WIDTH).div_ceil(max));
         let (u, v) = (unsigned_zero(*u, 2), unsigned_zero(*v, 2));
@@ -282,14 +295,14 @@ mod tests {
             [-0.004, -0.0, 0.004, -0.006].map(|x| format!("{:.2}", unsigned_zero(x, 2))),
             ["0.00", "0.00", "0.00", "-0.01"]
         );
-        let text = histogram(&[SlopeCount { u: -0.0, v: -0.001, features: 3 }]);
+        let text = histogram(&[SlopeCount { u: -0.0, v: -0.001, features: 3 }], None);
         assert!(text.contains("(  0.00,   0.00)"), "{text}");
     }
 
     #[test]
     fn a_long_histogram_shows_the_largest_and_counts_the_rest() {
         let slopes: Vec<SlopeCount> = (0..40).map(|k| SlopeCount { u: k as f32, v: 0.0, features: k }).collect();
-        let text = histogram(&slopes);
+        let text = histogram(&slopes, Some("1 px/frame is 30.0 px/s"));
         assert_eq!(text.lines().count(), 1 + SLOPES_SHOWN + 1);
         assert!(text.contains("( 39.00,   0.00)      39"), "{text}");
         assert!(text.ends_with("and 14 more slopes with 105 features\n"), "{text}");

@@ -4,6 +4,7 @@ use super::args::two;
 use super::console::Console;
 use super::evaluate_tables::{or_dash, table};
 use super::failure::Failure;
+use crate::burst::Positions;
 use crate::detector::{DetectorParams, Slope};
 use crate::inspect::set_up::{SetUp, SetUpSlopes};
 use crate::inspect::spectrum::Spectrum;
@@ -63,8 +64,12 @@ impl SetUpArgs {
         })
     }
 
-    pub(super) fn slopes(set_up: &SetUp, frames: usize, params: &DetectorParams) -> Result<SetUpSlopes, Failure> {
-        set_up.slopes(frames, params).map_err(|problem| Failure::usage(format!("--{problem}")))
+    pub(super) fn slopes(
+        set_up: &SetUp,
+        positions: &Positions,
+        params: &DetectorParams,
+    ) -> Result<SetUpSlopes, Failure> {
+        set_up.slopes(positions, params).map_err(|problem| Failure::usage(format!("--{problem}")))
     }
 }
 

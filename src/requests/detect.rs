@@ -60,7 +60,7 @@ impl Request for DetectRequest {
         };
         let params = cache.made_with();
         // A method that searches one merged frame made that of all frames.
-        let detection = Detection { frames_used: params.used_frames(burst.burst.len()), ..cache.detection().clone() };
+        let detection = cache.detection().clone().over(&burst.burst, &params);
         // As `params`, of the burst itself.
         let searched = DetectorParams { frames: params.frames, ..cache.trail.searched_with().clone() };
         let (finding, detection) = (cache.finding.clone(), Arc::new(detection));

@@ -36,6 +36,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         raw,
         axis,
         array,
+        times,
         limits: _,
     } = calibration;
     let path = |path: &Option<PathBuf>| path.as_ref().map(|path| Some(path.display().to_string()));
@@ -53,6 +54,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         ("raw", raw.map(|raw| Some(raw.to_string()))),
         ("axis", axis.as_ref().map(|axis| Some(axis.to_string()))),
         ("array", array.clone().map(Some)),
+        ("times", times.as_ref().map(|times| Some(times.to_string()))),
     ];
     all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
 }

@@ -334,8 +334,9 @@ impl Film {
             dashed: true,
             ..FigureMark::circle(place.at, 9.0, MARK)
         });
-        let (colours, frames) = (SlopeColours::of(&self.params.used_slopes()), self.frame_count());
-        let mark = |feature: &&Feature| FigureMark::of(feature, frames, colours.colour(feature.motion().0));
+        let (colours, burst) = (SlopeColours::of(&self.params.used_slopes()), &self.burst.burst);
+        let positions = burst.positions.part(self.params.used_frames(burst.len()));
+        let mark = |feature: &&Feature| FigureMark::of(feature, &positions, colours.colour(feature.motion().0));
         let marks = drawn.iter().map(mark).chain(place);
         let legend =
             self.detection.as_ref().map(|found| slope_legend(found, MAX_LEGEND_ENTRIES, |s| colours.colour(s)));

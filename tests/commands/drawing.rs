@@ -25,7 +25,9 @@ fn stack_writes_the_very_values_of_the_library() {
     let (size, values) = read_tiff(&home.path().join("deep/sign.tiff"));
     let burst = demo_burst();
     let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
-    let stack = motion_stack(&frames, Slope::new(-2.1, 0.0), Interpolation::Linear, &Monitor::default()).expect("done");
+    let stack =
+        motion_stack(&frames, &burst.positions, Slope::new(-2.1, 0.0), Interpolation::Linear, &Monitor::default())
+            .expect("done");
     assert_eq!((size, values.as_slice()), ((480, 360), stack.data()));
     // Averaging keeps the level.
     let mean = |x: &[f32]| x.iter().map(|&x| f64::from(x)).sum::<f64>() / x.len() as f64;

@@ -117,8 +117,13 @@ fn window_ui(ui: &mut egui::Ui, w: &mut Window) {
         if output.response.clicked() {
             w.selected = w.hovered;
         }
-        let style =
-            OverlayStyle { selected: w.selected, hovered: w.hovered, stale: w.stale, ..OverlayStyle::new(&scale, 10) };
+        let positions = burstscope::burst::Positions::even(10);
+        let style = OverlayStyle {
+            selected: w.selected,
+            hovered: w.hovered,
+            stale: w.stale,
+            ..OverlayStyle::new(&scale, &positions)
+        };
         overlay::draw_features(&output, &w.features, &style);
         w.canvas_rect = output.response.rect;
         w.visible = Some(output.visible_image);
@@ -373,7 +378,11 @@ fn thousands_of_features_draw_with_few_triangles() {
         let mut output = ctx.run_ui(input(), |ui| {
             let canvas = Canvas { picture: Some(&picture), ..Canvas::new("Picture") };
             let output = canvas.show(ui, &mut View::fit());
-            overlay::draw_features(&output, &features, &OverlayStyle::new(&scale, 10));
+            overlay::draw_features(
+                &output,
+                &features,
+                &OverlayStyle::new(&scale, &burstscope::burst::Positions::even(10)),
+            );
         });
         output.textures_delta.clear();
         let primitives = ctx.tessellate(output.shapes, 1.0);

@@ -6,6 +6,7 @@ use burstscope::app::Startup;
 use burstscope::app::project::BottomTab;
 use burstscope::app::project::side::Side;
 use burstscope::app::settings::Settings;
+use burstscope::burst::Positions;
 use burstscope::detector::noise_model::NoiseModel;
 use burstscope::detector::{Detection, Slope, SlopeGrid, Tally};
 use burstscope::requests::{BurstSource, Detected, OpenBurst};
@@ -96,6 +97,7 @@ pub fn with_features(mut window: Window) -> Window {
         noise_gate_factor: 5.0,
         slopes: asked.detector.slopes,
         frames_used: 0..FRAMES,
+        positions: Positions::even(FRAMES),
         octaves: 0..5,
         times: Default::default(),
     });

@@ -237,7 +237,7 @@ fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
     window.settle();
     let expected = {
         let model = &window.app().model;
-        model.set_up.values.slopes(10, &model.params).expect("valid").grid
+        model.set_up.values.slopes(&model.used_positions(), &model.params).expect("valid").grid
     };
     window.harness.get_by_role_and_label(Role::Button, "Apply set-up").click();
     window.harness.run_steps(3);

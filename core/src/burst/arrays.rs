@@ -86,6 +86,7 @@ impl Burst {
             origins: (0..count).map(|t| (frames.path.clone(), t)).collect(),
             frames: frames.frames,
             taken: Vec::new(),
+            positions: super::Positions::even(count),
         };
         calibrated(raw, calibration, Vec::new(), options, monitor)
     }

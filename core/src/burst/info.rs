@@ -2,8 +2,11 @@
 
 use super::Burst;
 use super::decode::{self, Header};
+use super::layout::TimesChoice;
 use super::options::OpenOptions;
+use super::positions::Positions;
 use super::source::only_burst;
+use super::stamps::{Timing, of_headers};
 use super::times::{Times, time_text};
 use crate::error::Error;
 use crate::monitor::Monitor;
@@ -37,6 +40,14 @@ pub struct Info {
     /// Time of the first frame (UTC), where the files say it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub begins: Option<String>,
+    /// Time of each frame from the first one, frame intervals; empty where nothing says it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub positions: Vec<f64>,
+    /// Whether frames are taken at these positions; otherwise they are taken as even.
+    pub are_times_used: bool,
+    /// Seconds of a frame interval, where they are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_s: Option<f64>,
     /// Guesses and choices about the files, as sentences.
     pub taken: Vec<String>,
 }
@@ -46,7 +57,7 @@ impl Info {
     /// declares little, the frame.
     pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
         let source = only_burst(inputs, options)?;
-        let files = source.files()?;
+        let mut files = source.files()?;
         let first = files.first().ok_or_else(Error::nothing_given)?;
         let (header, decoded) = decode::header(first, options, monitor)?;
         let Header { kind, width, height, frames, samples, is_colour, mosaic, times, taken } = header;
@@ -55,9 +66,35 @@ impl Info {
         // The frame of a raw file is binned already.
         let (width, height) = if is_mosaic { (width / 2, height / 2) } else { (width, height) };
         let frames = if files.len() == 1 { frames } else { files.len() };
-        let times =
-            if files.len() == 1 || times.seconds.is_empty() { times } else { times_of(&files, options, monitor)? };
+        let each = files.len() == frames && times.seconds.len() != frames;
+        let known = if each { of_headers(&files, options, monitor)? } else { times };
+        let times = if known.seconds.len() == frames { known } else { Times::default() };
         let begin = times.seconds.first().copied().unwrap_or_default();
+        let times_s: Vec<f64> = times.seconds.iter().map(|time| time - begin).collect();
+        let timing = Timing::of(&mut files, frames, options, monitor)?;
+        let is_used = timing.said.is_some();
+        // Times that are not asked for are told: those of the files, or else those that their names have.
+        let of_names = || {
+            let options = OpenOptions { times: Some(TimesChoice::Names), ..options.clone() };
+            Timing::of(&mut files.clone(), frames, &options, monitor).ok()
+        };
+        let of_files = Positions::of_seconds(&times_s).filter(|_| !times_s.is_empty());
+        let positions = match of_files {
+            _ if is_used => Some(timing.positions),
+            None if files.len() == frames => {
+                let named = of_names().map(|timing| timing.positions);
+                named.filter(|positions| positions.interval_s().is_some() || !positions.is_even())
+            }
+            of_files => of_files,
+        };
+        let mut taken = taken;
+        taken.extend(timing.said);
+        if !is_used && positions.as_ref().is_some_and(|positions| !positions.is_even()) {
+            let source = if times_s.is_empty() { "names" } else { "header" };
+            taken.push(format!(
+                "frames that are not even in time are taken as even; --times {source} takes their times"
+            ));
+        }
         Ok(Self {
             name: source.name,
             kind: kind.to_owned(),
@@ -69,7 +106,10 @@ impl Info {
             is_colour,
             binning,
             begins: (times.is_absolute && !times.seconds.is_empty()).then(|| time_text(begin)),
-            times_s: times.seconds.iter().map(|time| time - begin).collect(),
+            times_s,
+            positions: positions.as_ref().map_or_else(Vec::new, Positions::from_first),
+            are_times_used: is_used,
+            interval_s: positions.and_then(|positions| positions.interval_s()),
             taken,
         })
     }
@@ -88,6 +128,9 @@ impl Info {
             is_colour: false,
             binning: burst.binning,
             times_s: Vec::new(),
+            positions: burst.positions.list(),
+            are_times_used: !burst.positions.is_even(),
+            interval_s: burst.positions.interval_s(),
             begins: None,
             taken: Vec::new(),
         }
@@ -114,33 +157,35 @@ impl Info {
             text += &format!("  pixels  each of {0}×{0} of the mosaic of colours\n", self.binning);
         }
         text += &format!("  times   {}\n", self.times());
+        if let Some(rate) = self.rate() {
+            text += &format!("  rate    {rate}\n");
+        }
         self.taken.iter().for_each(|taken| text += &format!("  note    {taken}\n"));
         text
+    }
+
+    fn rate(&self) -> Option<String> {
+        Positions::even(self.frames).with_interval(self.interval_s).rate_text()
     }
 
     fn times(&self) -> String {
         let begins = self.begins.as_ref().map_or(String::new(), |begins| format!("from {begins}"));
         let steps: Vec<f64> = self.times_s.windows(2).map(|two| two[1] - two[0]).collect();
-        let Some(last) = self.times_s.last().filter(|_| !steps.is_empty()) else {
-            return if begins.is_empty() { "not in the file".to_owned() } else { begins };
-        };
-        let (min, max) = steps.iter().fold((f64::MAX, f64::MIN), |(min, max), step| (min.min(*step), max.max(*step)));
-        let mean = last / steps.len() as f64;
-        let separator = if begins.is_empty() { "" } else { ", " };
-        format!("{begins}{separator}{last:.3} s in all, {mean:.6} s between frames ({min:.6} … {max:.6})")
+        let of_files = self.times_s.last().filter(|_| !steps.is_empty()).map(|last| {
+            let range = steps.iter().fold((f64::MAX, f64::MIN), |(min, max), step| (min.min(*step), max.max(*step)));
+            let mean = last / steps.len() as f64;
+            format!("{last:.3} s in all, {mean:.6} s between frames ({:.6} … {:.6})", range.0, range.1)
+        });
+        let found = Positions::new(&self.positions).filter(|_| !self.positions.is_empty());
+        let elsewhere = found.as_ref().and_then(|found| {
+            let interval = self.interval_s.filter(|_| self.times_s.is_empty())?;
+            Some(format!("{:.3} s in all, an interval of {interval:.6} s", found.span() * interval))
+        });
+        let gap = found.filter(|found| !found.is_even()).map(|found| found.unevenness());
+        let begins = Some(begins).filter(|begins| !begins.is_empty());
+        let parts: Vec<String> = [begins, of_files, elsewhere, gap].into_iter().flatten().collect();
+        if parts.is_empty() { "not in the file".to_owned() } else { parts.join(", ") }
     }
-}
-
-/// Times of frames of which each has a file; none where one file has none.
-fn times_of(files: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Times, Error> {
-    let mut all = Times { seconds: Vec::with_capacity(files.len()), is_absolute: true };
-    for file in files {
-        monitor.check()?;
-        let times = decode::header(file, options, monitor)?.0.times;
-        let Some(time) = times.seconds.first().filter(|_| times.is_absolute) else { return Ok(Times::default()) };
-        all.seconds.push(*time);
-    }
-    Ok(all)
 }
 
 #[cfg(test)]

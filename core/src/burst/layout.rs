@@ -1,9 +1,10 @@
 //! Statements of the user on how pixels lie in a file that does not say it itself: the shape of a file without header,
-//! the mosaic of colours, and the axis along which frames follow one another.
+//! the mosaic of colours, the axis along which frames follow one another, and where their times come from.
 
 use super::number::Number;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Shape of a file without header: frames of one size, one after the other, from a place in the file on.
@@ -208,6 +209,49 @@ impl fmt::Display for AxisChoice {
     }
 }
 
+/// Source of the times of frames.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum TimesChoice {
+    /// Even times, whatever files say.
+    #[default]
+    Even,
+    /// Stamps in the names of the files.
+    Names,
+    /// Times that the files hold: EXIF, the date of a TIFF, DATE-OBS of FITS, those of SER and films.
+    Header,
+    /// A list in a file, or in one of that name beside the frames.
+    List(PathBuf),
+}
+
+const TIMES: [(&str, TimesChoice); 4] = [
+    ("even", TimesChoice::Even),
+    ("names", TimesChoice::Names),
+    ("header", TimesChoice::Header),
+    ("exif", TimesChoice::Header),
+];
+
+impl FromStr for TimesChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match TIMES.iter().find(|(name, _)| *name == text) {
+            Some((_, choice)) => Ok(choice.clone()),
+            None if text.is_empty() => Err("give a list of times, names, header or even".to_owned()),
+            None => Ok(Self::List(text.into())),
+        }
+    }
+}
+
+impl fmt::Display for TimesChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self, TIMES.iter().find(|(_, choice)| choice == self)) {
+            (Self::List(path), _) => write!(f, "{}", path.display()),
+            (_, found) => f.write_str(found.map_or("", |found| found.0)),
+        }
+    }
+}
+
 macro_rules! as_text {
     ($($type:ty)*) => { $(
         impl TryFrom<String> for $type {
@@ -226,7 +270,7 @@ macro_rules! as_text {
     )* };
 }
 
-as_text!(Dump AxisChoice);
+as_text!(Dump AxisChoice TimesChoice);
 
 #[cfg(test)]
 mod tests {
@@ -253,6 +297,10 @@ mod tests {
         for text in ["T", "Z,C=1", "T,C=0,Z=12", "last"] {
             assert_eq!(text.parse::<AxisChoice>().map(|axis| axis.to_string()), Ok(text.to_owned()));
         }
+        for text in ["even", "names", "header", "logs/rgb.txt"] {
+            assert_eq!(text.parse::<TimesChoice>().map(|times| times.to_string()), Ok(text.to_owned()));
+        }
+        assert_eq!(("exif".parse(), "".parse::<TimesChoice>().is_err()), (Ok(TimesChoice::Header), true));
         for bad in ["", "X", "T,", "T,C", "T,C=x", "T,last=1"] {
             assert!(bad.parse::<AxisChoice>().is_err(), "{bad}");
         }

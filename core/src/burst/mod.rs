@@ -13,15 +13,18 @@ mod notes;
 mod number;
 mod open;
 mod options;
+mod positions;
 mod source;
+mod stamps;
 mod times;
 
 pub use arrays::{ArrayFrame, Arrays};
 pub use decode::{DecodeWorker, LUMA_WEIGHTS, serve_decoding};
 pub use info::Info;
-pub use layout::{Axis, AxisChoice, Dump, Mosaic};
+pub use layout::{Axis, AxisChoice, Dump, Mosaic, TimesChoice};
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
+pub use positions::Positions;
 pub use source::{
     BurstFiles, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,
@@ -40,6 +43,8 @@ pub struct Burst {
     pub frames: Vec<Arc<Plane>>,
     /// Name of each frame (file name, or file name and index in a stack).
     pub frame_names: Vec<String>,
+    /// Position of each frame: when it was taken, where [`OpenOptions`] say that this matters; otherwise even.
+    pub positions: Positions,
     /// File value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest magnitude
     /// for others, unless set in the options.
     pub full_scale: f32,
@@ -68,6 +73,7 @@ impl Burst {
         Self {
             name: name.into(),
             frame_names: (0..frames.len()).map(|t| format!("frame {t}")).collect(),
+            positions: Positions::even(frames.len()),
             frames: frames.into_iter().map(Arc::new).collect(),
             full_scale: 1.0,
             quantisation_step: 0.0,

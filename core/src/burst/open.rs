@@ -8,7 +8,9 @@ use super::Burst;
 use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
+use super::positions::Positions;
 use super::source::only_burst;
+use super::stamps::Timing;
 use crate::error::{Error, ErrorKind};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
@@ -46,6 +48,7 @@ impl Burst {
         let measured = |path: &Option<PathBuf>| {
             let Some(path) = path.clone() else { return Ok(None) };
             // Quiet, because its progress would begin again after the burst's own.
+            let options = &OpenOptions { times: None, ..options.clone() };
             let frames = read(std::slice::from_ref(&path), options, &monitor.silent())?.frames;
             Ok::<_, Error>(Some(Measured { frames, path }))
         };
@@ -81,6 +84,7 @@ pub(super) fn calibrated(
     }
     Ok(Burst {
         name: raw.name,
+        positions: raw.positions,
         frames,
         frame_names: raw.frame_names,
         full_scale: levels.full_scale,
@@ -120,15 +124,18 @@ pub(super) struct RawBurst {
     pub origins: Vec<(PathBuf, usize)>,
     /// Guesses and choices about the files.
     pub taken: Vec<String>,
+    pub positions: Positions,
 }
 
 fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, Error> {
     let limits = &options.limits;
     let source = only_burst(inputs, options)?;
-    let files = source.files()?;
+    let mut files = source.files()?;
+    let count = files.len();
+    let timing = if count > 1 { Timing::of(&mut files, count, options, monitor)? } else { Timing::even(1) };
     let first = files.first().ok_or_else(Error::nothing_given)?;
     let (header, decoded) = decode::header(first, options, monitor)?;
-    if files.len() == 1 {
+    if count == 1 {
         let ticker = Ticker::new(monitor, header.frames);
         let frames = match decoded {
             Some(frame) => {
@@ -145,7 +152,9 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
         let page = |t: usize| PathBuf::from(format!("{} (frame {t})", first.display()));
         check_samples(&frames, options, page)?;
         let origins = (0..frames.len()).map(|t| (first.clone(), t)).collect();
-        return Ok(RawBurst { name: source.name, frames, frame_names, origins, taken: header.taken });
+        let Timing { positions, said } = Timing::of(&mut [first.clone()], frames.len(), options, monitor)?;
+        let taken = header.taken.into_iter().chain(said).collect();
+        return Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions });
     }
     let size = (header.width, header.height);
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
@@ -162,7 +171,8 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     check_samples(&frames, options, |t| files[t].clone())?;
     let frame_names = files.iter().map(|f| file_name(f)).collect();
     let origins = files.into_iter().map(|f| (f, 0)).collect();
-    Ok(RawBurst { name: source.name, frames, frame_names, origins, taken: header.taken })
+    let taken = header.taken.into_iter().chain(timing.said).collect();
+    Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions: timing.positions })
 }
 
 /// Checks that the frames' values have a common unit; `path` gives the path of a frame.

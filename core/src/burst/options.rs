@@ -4,7 +4,7 @@
 //! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
 //! cannot take the machine's memory.
 
-use super::layout::{AxisChoice, Dump, Mosaic};
+use super::layout::{AxisChoice, Dump, Mosaic, TimesChoice};
 use crate::error::{Error, ErrorKind};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
@@ -49,6 +49,9 @@ pub struct OpenOptions {
     /// Array of an archive, or image of a FITS file, that holds the frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub array: Option<String>,
+    /// Source of the frames' times. `None` takes the frames as even, whatever their files say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub times: Option<TimesChoice>,
     /// Limits of the burst's size.
     #[serde(skip)]
     pub limits: Limits,
@@ -58,6 +61,27 @@ impl OpenOptions {
     /// Whether every option but the limits has its default: nothing is calibrated, and files are taken as they are.
     pub fn is_plain(&self) -> bool {
         *self == Self { limits: self.limits, ..Self::default() }
+    }
+
+    /// Paths of the files that are read beside the frames: bias, flat, list of times.
+    pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let times = match &mut self.times {
+            Some(TimesChoice::List(path)) => Some(path),
+            _ => None,
+        };
+        self.bias.iter_mut().chain(&mut self.flat).chain(times)
+    }
+
+    /// File with the list of times for frames in the files `frames`; `None` where no list is to be read.
+    pub fn list_of_times(&self, frames: &[PathBuf]) -> Option<PathBuf> {
+        let Some(TimesChoice::List(path)) = &self.times else { return None };
+        let beside = || Some(frames.first()?.parent()?.join(path.file_name()?)).filter(|beside| beside.is_file());
+        Some(if path.exists() { path.clone() } else { beside().unwrap_or_else(|| path.clone()) })
+    }
+
+    /// Paths of those files.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        self.clone().paths_mut().map(|path| path.clone()).collect()
     }
 }
 

@@ -126,8 +126,8 @@ impl FeatureStore {
             "accept_damaged": job.open.accept_damaged,
         });
         // Absent where they are not given, as in records of versions that did not have them.
-        let layout =
-            json!({ "mosaic": job.open.mosaic, "raw": job.open.raw, "axis": job.open.axis, "array": job.open.array });
+        let layout = json!({ "mosaic": job.open.mosaic, "raw": job.open.raw, "axis": job.open.axis, "array": job.open.array,
+                    "times": job.open.times });
         for (name, value) in layout.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null()) {
             settings[name] = value.clone();
         }
@@ -179,10 +179,10 @@ impl FeatureStore {
     /// An opened file, a link, or a file of others in the place of an output file.
     pub fn protect(&mut self, bursts: &[BurstFiles]) -> Result<(), Error> {
         let of_bursts = bursts.iter().flat_map(|burst| burst.files().unwrap_or_else(|_| burst.paths.clone()));
-        let calibration =
-            [&self.job.open.bias, &self.job.open.flat].map(|path| calibration_files(path).unwrap_or_default());
+        let of_options = self.job.open.paths().into_iter().map(Some);
+        let calibration = of_options.map(|path| calibration_files(&path).unwrap_or_default());
         let settings = self.opened.iter().cloned();
-        let inputs = OpenedFiles::of(of_bursts.chain(calibration.into_iter().flatten()).chain(settings));
+        let inputs = OpenedFiles::of(of_bursts.chain(calibration.flatten()).chain(settings));
         self.rules = OutputRules::new(inputs, Overwrite::Refuse);
         for image_name in bursts.iter().map(image_name) {
             for file in [self.feature_file(&image_name), self.picture_file(&image_name)] {
@@ -199,16 +199,24 @@ impl FeatureStore {
 
     /// The numbers of `source` if it is finished, judged without reading its frames or its features.
     pub fn finished(&self, source: &BurstFiles) -> Option<FinishedBurst> {
-        let files = source.files().ok()?;
+        let files = self.files(source).ok()?;
         let KeptBurst { features, content, seconds, .. } =
             self.record(source, &files, Comparison::Glance, &Monitor::default()).ok()?.of;
         let there = content.is_as_long_as(&self.feature_file(&image_name(source)));
         there.then_some(FinishedBurst { features, seconds })
     }
 
+    /// Files with the frames of `source`, and with the list of their times.
+    fn files(&self, source: &BurstFiles) -> Result<Vec<PathBuf>, Error> {
+        let mut files = source.files()?;
+        let list = self.job.open.list_of_times(&files).filter(|list| list.is_file());
+        files.extend(list);
+        Ok(files)
+    }
+
     /// Reads the features of `source` from its files if it is finished.
     pub fn kept(&self, source: &BurstFiles, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
-        let files = source.files()?;
+        let files = self.files(source)?;
         Ok(self.kept_with_record(source, &files, monitor)?.0)
     }
 
@@ -265,7 +273,7 @@ impl FeatureStore {
         camera: &CameraChoice,
         monitor: &Monitor,
     ) -> Result<BurstFeatures, Error> {
-        let files = source.files()?;
+        let files = self.files(source)?;
         match self.kept_with_record(source, &files, monitor) {
             Ok((kept, record)) => {
                 camera.for_images(kept.size)?;

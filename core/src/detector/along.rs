@@ -154,7 +154,7 @@ impl OctaveFrames<'_> {
         let shift_px = -0.5 * (1.0 - 1.0 / pixel);
         let in_octave = (f64::from(slope.u) / pixel, f64::from(slope.v) / pixel);
         let Inputs { times, params, .. } = self.inputs;
-        times.of(shifted_offsets(times.frame_count, in_octave, shift_px, params.rules.interpolation))
+        times.of(shifted_offsets(&times.positions, in_octave, shift_px, params.rules.interpolation))
     }
 
     /// The `chosen` frames, and their offsets at `slope`.

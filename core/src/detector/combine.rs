@@ -5,6 +5,7 @@
 //! to the bit.
 
 use super::stack::{frame_offsets, motion_stack};
+use crate::burst::Positions;
 use crate::detector::params::{Interpolation, Slope};
 use crate::kernel::stack::{FrameOffset, sample_clamped};
 use crate::monitor::{Cancelled, Monitor};
@@ -70,20 +71,21 @@ impl Combine {
     }
 }
 
-/// Combines `frames` (one size, in time order) at `slope`: of each pixel x the values F_t(x + (t − t0)·λ) of the frames
+/// Combines `frames` (one size, in time order) at `positions`, at `slope`: of each pixel x the values F_t(x + (t − t0)·λ) of the frames
 /// that cover it, as [`motion_stack`] takes their mean. Size and unit are those of the frames. Rows in parallel.
 pub fn combined_stack(
     frames: &[&Plane],
+    positions: &Positions,
     slope: Slope,
     interpolation: Interpolation,
     combine: Combine,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
     if combine == Combine::Mean {
-        return motion_stack(frames, slope, interpolation, monitor);
+        return motion_stack(frames, positions, slope, interpolation, monitor);
     }
     let (width, height) = frames[0].size();
-    let offsets = frame_offsets(frames.len(), slope, interpolation);
+    let offsets = frame_offsets(positions, slope, interpolation);
     let covered: Vec<(&Plane, &FrameOffset, Range<usize>, Range<usize>)> = frames
         .iter()
         .zip(&offsets)
@@ -130,8 +132,10 @@ mod tests {
             let frames: Vec<Plane> =
                 (0..n).map(|t| Plane::from_fn(37, 23, |u, v| ((u * 31 + v * 17 + t * 41) % 29) as f32 / 29.0)).collect();
             let frames: Vec<&Plane> = frames.iter().collect();
+            let positions = Positions::even(n);
             let of = |combine| {
-                combined_stack(&frames, slope, Interpolation::Linear, combine, &Monitor::default()).expect("done")
+                let monitor = Monitor::default();
+                combined_stack(&frames, &positions, slope, Interpolation::Linear, combine, &monitor).expect("done")
             };
             // The mean is computed elsewhere, frame by frame.
             let (mean, difference) = (of(Combine::Mean), of(Combine::MeanMinusMedian));
@@ -142,7 +146,7 @@ mod tests {
                 let range = min.data()[at] - 1e-6..=max.data()[at] + 1e-6;
                 prop_assert!([median, clipped].iter().all(|value| range.contains(value)), "{at}");
                 let covers = |offset: &FrameOffset| offset.covers(at % 37, at / 37, (37, 23));
-                if frame_offsets(n, slope, Interpolation::Linear).iter().filter(|offset| covers(offset)).count() == 1 {
+                if frame_offsets(&positions, slope, Interpolation::Linear).iter().filter(|offset| covers(offset)).count() == 1 {
                     prop_assert_eq!(min.data()[at], max.data()[at]);
                 }
             }

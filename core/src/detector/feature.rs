@@ -8,6 +8,7 @@ pub use super::test::{Tally, Test};
 use super::field::MotionField;
 use super::noise_model::NoiseModel;
 use super::params::{DetectorParams, Slope, SlopeExtrema, SlopeGrid};
+use crate::burst::{Burst, Positions};
 use crate::detector::scale_space::octave_pixel;
 use std::sync::Arc;
 
@@ -194,10 +195,20 @@ pub struct Detection {
     pub slopes: SlopeGrid,
     /// Indices of the frames that took part.
     pub frames_used: std::ops::Range<usize>,
+    /// Positions of these frames.
+    pub positions: Positions,
     /// Octaves that were searched.
     pub octaves: std::ops::Range<i32>,
     /// Time by stage.
     pub times: StageTimes,
+}
+
+impl Detection {
+    /// The detection as one of the frames that `params` use of `burst`, which a method may have merged before.
+    pub fn over(self, burst: &Burst, params: &DetectorParams) -> Self {
+        let frames_used = params.used_frames(burst.len());
+        Self { positions: burst.positions.part(frames_used.clone()), frames_used, ..self }
+    }
 }
 
 /// An extremum of D that passed every test of the search, at the place and scale of the quadratic fit.

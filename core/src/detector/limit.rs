@@ -8,6 +8,7 @@
 //! its response that a blob of this scale loses over that difference ([`response_loss`]), so their difference has the
 //! standard deviation σ_D·√(2·loss). A feature is at the limit if the rise exceeds `RISE_SIGMAS` of these.
 
+use crate::burst::Positions;
 use crate::detector::along::Along;
 use crate::detector::feature::Feature;
 use crate::detector::params::{Slope, SlopeAxis};
@@ -55,7 +56,7 @@ impl Along<'_> {
             };
             let (here, there) = (of(rim), of(slope));
             let apart = (slope.u - rim.u).hypot(slope.v - rim.v);
-            let loss = response_loss(apart, self.inputs.times.frame_count, feature.sigma);
+            let loss = response_loss(apart, &self.inputs.times.positions, feature.sigma);
             let frames = (on_rim.len() as f32 / both.len() as f32).sqrt();
             let (noise, spread) = (frames * feature.response.abs(), (2.0 * loss).sqrt());
             (there > RISE_RATIO * here.abs()).then_some(Rise { difference: there - here, noise, spread })
@@ -85,9 +86,9 @@ impl Along<'_> {
         if axis.count < 2 {
             return (0.0, vec![0.0]);
         }
-        let gaps = self.inputs.times.frame_count.max(2) - 1;
         let space = &self.inputs.space;
-        let finest = 2.0 * space.sigma_image(space.first_octave, 0.0) as f32 / gaps as f32;
+        let span = self.inputs.times.positions.span().max(1.0) as f32;
+        let finest = 2.0 * space.sigma_image(space.first_octave, 0.0) as f32 / span;
         let step = (finest / axis.step()).max(1.0);
         match at.round().clamp(0.0, last) {
             0.0 => (0.0, vec![0.0, -step]),
@@ -106,22 +107,22 @@ impl Along<'_> {
     }
 }
 
-/// The part (0 … 1) of its response that a blob of scale `sigma` px loses in a stack of `frames` frames at a slope that
-/// is `error` px/frame off.
+/// The part (0 … 1) of its response that a blob of scale `sigma` px loses in a stack of frames at `positions` at a slope
+/// that is `error` px/frame off.
 ///
 /// A blob shifted by x px under a filter of its own size has (1 − x²/(2s²))·exp(−x²/(2s²)) of its response, s² = 2σ²,
-/// along the direction of the shift; the mean over the frames, the outermost of which are off by (N − 1)/2 times the
-/// error, is the response that remains.
-pub fn response_loss(error: f32, frames: usize, sigma: f32) -> f32 {
-    let t0 = 0.5 * (frames.max(1) - 1) as f64;
+/// along the direction of the shift; the mean over the frames, each off by its position times the error, is the response that remains.
+pub fn response_loss(error: f32, positions: &Positions, sigma: f32) -> f32 {
     let variance = 2.0 * f64::from(sigma).powi(2);
-    let left: f64 = (0..frames)
-        .map(|t| {
-            let x = (t as f64 - t0) * f64::from(error);
+    let left: f64 = positions
+        .offsets()
+        .iter()
+        .map(|offset| {
+            let x = offset * f64::from(error);
             let q = x * x / (2.0 * variance);
             (1.0 - q) * (-q).exp()
         })
         .sum::<f64>()
-        / frames.max(1) as f64;
+        / positions.len().max(1) as f64;
     (1.0 - left).clamp(0.0, 1.0) as f32
 }

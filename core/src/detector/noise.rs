@@ -254,6 +254,7 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::burst::Positions;
     use crate::detector::params::{CoarseStart, Interpolation, Slope, SlopeGrid};
     use crate::detector::stack::frame_offsets;
     use crate::synth::random::Stream;
@@ -348,7 +349,7 @@ mod tests {
         for (first_octave, size) in [(0, (300, 200)), (-1, (600, 400)), (1, (150, 100))] {
             for slope in [Slope::new(0.0, 0.0), Slope::new(0.5, 0.0), Slope::new(1.25, -0.75)] {
                 let space = ScaleSpace::starting(3, first_octave, CoarseStart::Skipped, 4.0);
-                let offsets = frame_offsets(4, slope, Interpolation::Linear);
+                let offsets = frame_offsets(&Positions::even(4), slope, Interpolation::Linear);
                 let whole = Region { columns: 0..size.0, rows: 0..size.1 };
                 let bank = space.bank(true, space.all_levels());
                 let filters = OctaveFilters::new(&space, &bank, &space.all_levels(), size);
@@ -375,7 +376,7 @@ mod tests {
         let monitor = Monitor::default();
         for (first_octave, slope) in [(1, [0.0, 0.0]), (1, [0.5, 0.0]), (1, [1.25, -0.75]), (2, [0.4, 0.3])] {
             let (space, step) = (ScaleSpace::new(3, first_octave, 4.0), 1usize << first_octave);
-            let offsets = frame_offsets(4, Slope::new(slope[0], slope[1]), Interpolation::Linear);
+            let offsets = frame_offsets(&Positions::even(4), Slope::new(slope[0], slope[1]), Interpolation::Linear);
             let (side, mut energy) = (80 * step, [0.0; 2]);
             // One pixel of one frame, at each of the places that a kept pixel may have beside it.
             for (t, phase) in (0..4).flat_map(|t| (0..step * step).map(move |phase| (t, phase))) {

@@ -1,10 +1,11 @@
 //! Motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
 //!
-//! Frame `t` is sampled at `x + (t − t0)·λ`. The offset is constant over the image, so it is split once into whole
+//! Frame `t` is sampled at `x + (t − t0)·λ`, where t is the frame's position and t0 the mean of all positions. The offset is constant over the image, so it is split once into whole
 //! pixels and a fraction. A frame covers a pixel when the sampling point lies between the centres of its first and last
 //! pixel; the sum is divided by the number of frames that do. Where none does (a corner, with diagonal slopes and an
 //! even number of frames) the frames' nearest pixels are averaged.
 
+use crate::burst::Positions;
 use crate::detector::params::{Interpolation, Slope};
 use crate::kernel::stack::{FrameOffset, RowStacker};
 use crate::monitor::{Cancelled, Monitor};
@@ -13,24 +14,23 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Frames of a burst that take part.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FrameTimes {
-    /// Number of frames, N; t0 is their middle.
-    pub frame_count: usize,
+    /// Positions of the N frames used; t0 is their mean.
+    pub positions: Positions,
     /// Indices of those that take part, in increasing order unless they were [reordered](Self::reordered).
     pub kept: Vec<usize>,
 }
 
 impl FrameTimes {
-    /// All of `frame_count` frames.
-    pub fn all(frame_count: usize) -> Self {
-        Self { frame_count, kept: (0..frame_count).collect() }
+    /// All frames at `positions`.
+    pub fn all(positions: Positions) -> Self {
+        Self { kept: (0..positions.len()).collect(), positions }
     }
 
     /// Times of the frames that take part, from mid-burst, frames.
     pub fn from_middle(&self) -> Vec<f32> {
-        let middle = 0.5 * (self.frame_count as f32 - 1.0);
-        self.kept.iter().map(|&t| t as f32 - middle).collect()
+        self.kept.iter().map(|&t| self.positions.offset(t) as f32).collect()
     }
 
     /// Standard deviation of those times, frames.
@@ -49,7 +49,7 @@ impl FrameTimes {
         let mut places = order.to_vec();
         places.sort_unstable();
         assert!(places.into_iter().eq(0..self.kept.len()), "{order:?} is no order of {} frames", self.kept.len());
-        Self { kept: order.iter().map(|&place| self.kept[place]).collect(), ..*self }
+        Self { kept: order.iter().map(|&place| self.kept[place]).collect(), ..self.clone() }
     }
 
     /// Selects the offsets of the frames that take part from those of all frames.
@@ -81,25 +81,23 @@ fn offset_at(u_px: f64, v_px: f64, interpolation: Interpolation) -> FrameOffset 
     FrameOffset { whole_u, whole_v, part_u, part_v, before_u, before_v }
 }
 
-/// Offsets (t − t0)·λ of `frame_count` frames, in time order.
-pub fn frame_offsets(frame_count: usize, slope: Slope, interpolation: Interpolation) -> Vec<FrameOffset> {
-    shifted_offsets(frame_count, (f64::from(slope.u), f64::from(slope.v)), 0.0, interpolation)
+/// Offsets (t − t0)·λ of frames at `positions`, in time order.
+pub fn frame_offsets(positions: &Positions, slope: Slope, interpolation: Interpolation) -> Vec<FrameOffset> {
+    shifted_offsets(positions, (f64::from(slope.u), f64::from(slope.v)), 0.0, interpolation)
 }
 
 /// Offsets for a slope in the frames' own pixels, with every frame read `shift_px` farther along both axes.
 pub(super) fn shifted_offsets(
-    frame_count: usize,
+    positions: &Positions,
     slope_px_per_frame: (f64, f64),
     shift_px: f64,
     interpolation: Interpolation,
 ) -> Vec<FrameOffset> {
-    let t0 = (frame_count as f64 - 1.0) / 2.0;
     let offset = |t: usize| {
-        let dt = t as f64 - t0;
-        let at = |slope: f64| dt * slope + shift_px;
-        offset_at(at(slope_px_per_frame.0), at(slope_px_per_frame.1), interpolation)
+        let (u, v) = positions.displacement(t, slope_px_per_frame);
+        offset_at(u + shift_px, v + shift_px, interpolation)
     };
-    (0..frame_count).map(offset).collect()
+    (0..positions.len()).map(offset).collect()
 }
 
 /// Variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at
@@ -123,20 +121,21 @@ pub fn coverage(offsets: &[FrameOffset], u: usize, v: usize, size: (usize, usize
     offsets.iter().filter(|o| o.covers(u, v, size)).count()
 }
 
-/// Computes the motion-stack image of `frames` (one size, in time order) at `slope`: the mean over the frames that
-/// cover a pixel of `F_t(x + (t − t0)·λ)`, with `t0 = (N − 1)/2`.
+/// Computes the motion-stack image of `frames` (one size, in time order) at `positions`, at `slope`: the mean over the
+/// frames that cover a pixel of `F_t(x + (t − t0)·λ)`, where t is a frame's position and t0 the mean of all.
 ///
 /// # Panics
-/// If there is no frame or the sizes differ.
+/// If there is no frame, the sizes differ, or there are fewer positions.
 pub fn motion_stack(
     frames: &[&Plane],
+    positions: &Positions,
     slope: Slope,
     interpolation: Interpolation,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
     let (width, height) = frames[0].size();
     assert!(frames.iter().all(|f| f.size() == (width, height)), "frames of a burst have one size");
-    let offsets = frame_offsets(frames.len(), slope, interpolation);
+    let offsets = frame_offsets(positions, slope, interpolation);
     let mut out = Plane::zeros(width, height);
     if width == 0 || height == 0 {
         return Ok(out);
@@ -158,7 +157,7 @@ mod tests {
     /// The definition, pixel by pixel.
     fn by_definition(frames: &[&Plane], slope: Slope, interpolation: Interpolation) -> Plane {
         let (width, height) = frames[0].size();
-        let offsets = frame_offsets(frames.len(), slope, interpolation);
+        let offsets = frame_offsets(&Positions::even(frames.len()), slope, interpolation);
         Plane::from_fn(width, height, |u, v| {
             let (mut sum, mut count) = (0.0, 0);
             for (frame, offset) in frames.iter().zip(&offsets) {
@@ -191,7 +190,8 @@ mod tests {
             let interpolation = [Interpolation::Linear, Interpolation::Nearest, Interpolation::Truncated][how];
             let frames: Vec<Plane> = (0..n).map(texture).collect();
             let frames: Vec<&Plane> = frames.iter().collect();
-            let fast = motion_stack(&frames, slope, interpolation, &Monitor::default()).expect("not cancelled");
+            let positions = Positions::even(n);
+            let fast = motion_stack(&frames, &positions, slope, interpolation, &Monitor::default()).expect("not cancelled");
             let slow = by_definition(&frames, slope, interpolation);
             for (a, b) in fast.data().iter().zip(slow.data()) {
                 prop_assert!((a - b).abs() < 1e-5, "{a} {b}");
@@ -210,7 +210,7 @@ mod tests {
             let frames: Vec<&Plane> = frames.iter().collect();
             let along_v = along_v.into_iter().map(|v| if whole { v.round() } else { v });
             let slopes = along_v.flat_map(|v| along_u.iter().map(move |&u| Slope::new(u, v)));
-            let offsets: Vec<_> = slopes.map(|slope| frame_offsets(4, slope, interpolation)).collect();
+            let offsets: Vec<_> = slopes.map(|slope| frame_offsets(&Positions::even(4), slope, interpolation)).collect();
             let (rows, columns, stride) = (first..23, 3..37, 48);
             let mut bands = vec![vec![f32::NAN; stride * rows.len()]; offsets.len()];
             let mut outs: Vec<&mut [f32]> = bands.iter_mut().map(|band| &mut band[..]).collect();
@@ -245,8 +245,9 @@ mod tests {
         let frames: Vec<Plane> =
             (0..5).map(|t| Plane::from_fn(40, 20, |u, v| f32::from(u == 10 + 2 * t && v == 15 - t))).collect();
         let frames: Vec<&Plane> = frames.iter().collect();
-        let stack = motion_stack(&frames, Slope::new(2.0, -1.0), Interpolation::Linear, &Monitor::default())
-            .expect("not cancelled");
+        let (slope, monitor) = (Slope::new(2.0, -1.0), Monitor::default());
+        let stack =
+            motion_stack(&frames, &Positions::even(5), slope, Interpolation::Linear, &monitor).expect("not cancelled");
         assert_eq!(stack.at(14, 13), 1.0);
         assert_eq!(stack.data().iter().filter(|&&x| x != 0.0).count(), 1);
     }

@@ -6,7 +6,7 @@ use super::field::{MotionField, in_focus, motion_field};
 use super::noise_model::reading::sample_at;
 use super::params::{DetectorParams, Slope, doc};
 use super::search::setup::{Inputs, known_noise};
-use crate::burst::Burst;
+use crate::burst::{Burst, Positions};
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
 use crate::detector::stack::{coverage, frame_offsets, motion_stack};
@@ -19,7 +19,13 @@ use std::ops::Range;
 /// Motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use. Input-pixel
 /// size, [0, 1] unit.
 pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Cancelled> {
-    motion_stack(&used_frames(burst, params), slope, params.rules.interpolation, monitor)
+    motion_stack(
+        &used_frames(burst, params),
+        &used_positions(burst, params),
+        slope,
+        params.rules.interpolation,
+        monitor,
+    )
 }
 
 /// Combination of the shifted frames at any `slope`, as [`stack_view`] shows their mean.
@@ -30,7 +36,8 @@ pub fn combined_view(
     combine: Combine,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
-    combined_stack(&used_frames(burst, params), slope, params.rules.interpolation, combine, monitor)
+    let (frames, positions) = (used_frames(burst, params), used_positions(burst, params));
+    combined_stack(&frames, &positions, slope, params.rules.interpolation, combine, monitor)
 }
 
 /// DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i,
@@ -54,7 +61,7 @@ pub fn dog_view(
     if !binned.is_empty() {
         frames = binned.iter().collect();
     }
-    let offsets = frame_offsets(frames.len(), slope, params.rules.interpolation);
+    let offsets = frame_offsets(&used_positions(burst, params), slope, params.rules.interpolation);
     let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: burst.size() };
     let size = octave_size(burst.size(), octave);
     let first_level;
@@ -69,6 +76,10 @@ pub fn dog_view(
 
 fn used_frames<'b>(burst: &'b Burst, params: &DetectorParams) -> Vec<&'b Plane> {
     burst.frames[params.used_frames(burst.len())].iter().map(|frame| &**frame).collect()
+}
+
+fn used_positions(burst: &Burst, params: &DetectorParams) -> Positions {
+    burst.positions.part(params.used_frames(burst.len()))
 }
 
 /// Checks that the search has `octave` and `level`, and returns all its octaves in images of `size` (columns, rows).
@@ -104,7 +115,7 @@ pub fn check_level(
 /// # Errors
 /// Parameters that make no sense for the burst.
 pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Plane, Error> {
-    params.validate_for(burst.len(), burst.size())?;
+    params.validate_for(&burst.positions, burst.size())?;
     let noise = known_noise(burst, params, &ScaleSpace::of(params), monitor)?.model;
     let (width, height) = burst.size();
     let cells = noise.sigma_map((width, height), NOISE_CELL_PX);

@@ -6,7 +6,7 @@
 //! bounded: declared sizes are checked before frames are decoded, and no entry is read further than these can need.
 
 use super::atomic::write_marked;
-use crate::burst::{Burst, Encoding, Limits};
+use crate::burst::{Burst, Encoding, Limits, Positions};
 use crate::detector::SearchParams;
 use crate::error::{Error, ErrorKind};
 use crate::files::mark::Kind;
@@ -58,6 +58,12 @@ pub struct Case {
     pub size: [usize; 2],
     /// Number of frames.
     pub frames: usize,
+    /// Position of each frame from the first one, frame intervals; empty for even ones: 0, 1, 2, ….
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub times: Vec<f64>,
+    /// Seconds of a frame interval, where they are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval_s: Option<f64>,
     /// Intensity of the word 0.
     pub offset: f64,
     /// Intensity of a step of one word.
@@ -123,6 +129,8 @@ impl Case {
             corner: [columns.start, rows.start],
             size: [columns.len(), rows.len()],
             frames: burst.len(),
+            times: burst.positions.list(),
+            interval_s: burst.positions.interval_s(),
             offset,
             scale,
             quantisation_step: burst.quantisation_step,
@@ -154,7 +162,18 @@ impl Case {
         bounds::SCALE.check("scale", self.scale)?;
         bounds::SCALE.check("full_scale", f64::from(self.full_scale))?;
         bounds::STEP.check("quantisation_step", f64::from(self.quantisation_step))?;
+        self.positions()?;
         self.search.validate()
+    }
+
+    fn positions(&self) -> Result<Positions, Error> {
+        let given = (self.times.len() == self.frames).then(|| Positions::new(&self.times)).flatten();
+        let positions = if self.times.is_empty() { Some(Positions::even(self.frames)) } else { given };
+        let positions =
+            positions.filter(|_| self.interval_s.is_none_or(|seconds| seconds.is_finite() && seconds > 0.0));
+        let wrong =
+            || Error::param("times", "these are no times of the frames", "give one for each, in increasing order");
+        Ok(positions.ok_or_else(wrong)?.with_interval(self.interval_s))
     }
 }
 
@@ -291,6 +310,7 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
         frames.push(Arc::new(frame(path, &mut zip, &case, t)?));
     }
     let burst = Burst {
+        positions: case.positions()?,
         name: case.name.clone(),
         frame_names: (0..frames.len()).map(frame_name).collect(),
         frames,

@@ -7,6 +7,7 @@
 //! is in every copy too, whether true or not: of such features decoys say nothing.
 
 use super::words::{counted, number};
+use crate::detector::stack::FrameTimes;
 use crate::detector::{Feature, Method, SearchParams, Trail};
 use crate::error::Error;
 use crate::monitor::Monitor;
@@ -135,7 +136,7 @@ pub struct FalseRate {
 /// # Errors
 /// A number of copies that is out of range or that so few frames do not have, and cancellation.
 pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<DecoyReport, Error> {
-    let (_, kept, frame_count) = trail.frames();
+    let (_, kept, positions) = trail.frames();
     let mut orders = study.orders(kept.len())?;
     if trail.params().max_features > 0 {
         orders.push((0..kept.len()).collect());
@@ -147,8 +148,8 @@ pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<De
     }
     let all = searched.split_off(study.copies).pop();
     let here = all.as_ref().unwrap_or(&trail.detection().features);
-    let frames = frame_count as f32;
-    let spread_px = |feature: &Feature| feature.slope.magnitude() * ((frames * frames - 1.0) / 12.0).sqrt();
+    let spread = FrameTimes::all(positions.clone()).spread_frames();
+    let spread_px = |feature: &Feature| feature.slope.magnitude() * spread;
     Ok(DecoyReport {
         frames: kept.len(),
         copies: study.copies,

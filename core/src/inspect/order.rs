@@ -102,5 +102,5 @@ pub(super) fn is_same_motion(trail: &Trail, a: Slope, b: Slope, sigma: f32) -> b
     let grid = trail.params().used_slopes();
     let ((i, j), (k, l)) = (grid.position(a), grid.position(b));
     let is_near = (i - k).abs() < 1.0 && (j - l).abs() < 1.0;
-    is_near || (a.u - b.u).hypot(a.v - b.v) <= motion_limit(sigma, trail.frames().2)
+    is_near || (a.u - b.u).hypot(a.v - b.v) <= motion_limit(sigma, trail.frames().2.span())
 }

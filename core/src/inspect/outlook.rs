@@ -90,8 +90,8 @@ fn frames_showing(trail: &Trail, fate: &Fate) -> usize {
 /// Number of frames for which a candidate is inside the picture, if the burst went on at both ends.
 fn frames_inside(trail: &Trail, fate: &Fate) -> Option<usize> {
     let (width, height) = trail.size_image();
-    let (_, _, frame_count) = trail.frames();
-    let half = if frame_count % 2 == 0 { 0.5 } else { 0.0 };
+    let (_, _, positions) = trail.frames();
+    let half = if positions.len().is_multiple_of(2) { 0.5 } else { 0.0 };
     // Time until an edge is reached, in frames, forwards and backwards.
     let until = |sign: f32| {
         let along = |x: f32, slope: f32, n: usize| match sign * slope {

@@ -12,6 +12,7 @@
 //! from the middle, each by its own slope, and has no such line.
 
 use super::words::number;
+use crate::burst::Positions;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid};
 use crate::error::Error;
@@ -130,15 +131,15 @@ impl SetUp {
         -self.focal_px * self.turn_deg_s.to_radians() / self.frames_per_second
     }
 
-    /// The slopes to search in `frames` frames with the scales of `params`.
+    /// The slopes to search in frames at `positions` with the scales of `params`.
     ///
     /// # Errors
     /// As [`Self::check`], and where the motion is too large for a search.
-    pub fn slopes(&self, frames: usize, params: &DetectorParams) -> Result<SetUpSlopes, String> {
+    pub fn slopes(&self, positions: &Positions, params: &DetectorParams) -> Result<SetUpSlopes, String> {
         self.check().map_err(|error| error.to_string())?;
         let [nearest, farthest] = self.depth_m.map(|depth| self.slope_at(depth));
         let space = ScaleSpace::of(params);
-        let step = 2.0 * space.sigma_image(space.first_octave, 0.0) / (frames.max(2) - 1) as f64;
+        let step = 2.0 * space.sigma_image(space.first_octave, 0.0) / positions.span().max(1.0);
         let (sin, cos) = self.direction_deg.to_radians().sin_cos();
         let along = |slope: Slope| f64::from(slope.u) * cos + f64::from(slope.v) * sin;
         let across = f64::from(farthest.v) * cos - f64::from(farthest.u) * sin;
@@ -215,7 +216,7 @@ mod tests {
             speed in 0.05f64..2.0, direction in -180.0f64..180.0, turn in -5.0f64..5.0, part in 0.0f64..1.0,
         ) {
             let set_up = SetUp { speed_m_s: speed, direction_deg: direction, turn_deg_s: turn, ..SetUp::default() };
-            let slopes = set_up.slopes(10, &DetectorParams::default()).expect("few enough");
+            let slopes = set_up.slopes(&Positions::even(10), &DetectorParams::default()).expect("few enough");
             let depth = 1.0 / (1.0 / 8.0 + part * (1.0 - 1.0 / 8.0));
             let slope = set_up.slope_at(depth);
             let (i, _) = slopes.grid.position(slope);
@@ -240,10 +241,10 @@ mod tests {
             (SetUp { depth_m: [1.0, 1e9], ..good }, "depth: "),
         ];
         for (set_up, start) in cases {
-            let error = set_up.slopes(10, &DetectorParams::default()).expect_err(start);
+            let error = set_up.slopes(&Positions::even(10), &DetectorParams::default()).expect_err(start);
             assert!(error.starts_with(start), "{error}");
         }
-        let options = good.slopes(10, &DetectorParams::default()).expect("valid").options();
+        let options = good.slopes(&Positions::even(10), &DetectorParams::default()).expect("valid").options();
         assert!(options.starts_with("--slopes-u -") && !options.contains("--slopes-v"), "{options}");
     }
 }

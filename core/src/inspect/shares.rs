@@ -113,8 +113,7 @@ impl Slice {
 /// Cuts the slice through `place` (input pixels) along `direction` (u, v), `half_px` pixels to each side.
 pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize) -> Slice {
     let direction = direction_of(Slope::new(direction[0], direction[1]));
-    let (planes, kept, frame_count) = trail.frames();
-    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let (planes, kept, positions) = trail.frames();
     let at = |column: usize, row: usize| {
         let along = column as f32 - half_px as f32;
         let (u, v) = (place[0] + along * direction[0], place[1] + along * direction[1]);
@@ -126,7 +125,7 @@ pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize
         pos_image: place,
         direction,
         frames: kept.iter().map(|t| t + trail.detection().frames_used.start).collect(),
-        times: kept.iter().map(|&t| t as f32 - t0).collect(),
+        times: kept.iter().map(|&t| positions.offset(t) as f32).collect(),
     }
 }
 

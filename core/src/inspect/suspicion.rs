@@ -118,12 +118,11 @@ fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChan
 
 /// Distance, in input pixels, of the paths of two features in each frame that took part.
 fn path_distances<'t>(trail: &'t Trail, a: &Feature, b: &Feature) -> impl Iterator<Item = f32> + 't {
-    let (_, kept, frame_count) = trail.frames();
-    let t0 = 0.5 * (frame_count as f32 - 1.0);
+    let (_, kept, positions) = trail.frames();
     let (du, dv) = (b.u - a.u, b.v - a.v);
     let (slope_u, slope_v) = (b.slope.u - a.slope.u, b.slope.v - a.slope.v);
     kept.iter().map(move |&t| {
-        let dt = t as f32 - t0;
+        let dt = positions.offset(t) as f32;
         (du + dt * slope_u).hypot(dv + dt * slope_v)
     })
 }
@@ -170,7 +169,7 @@ fn ghost(trail: &Trail, index: usize, feature: &Feature, evenness: &Evenness) ->
         return None;
     }
     let features = &trail.detection().features;
-    let span = trail.frames().2 as f32 - 1.0;
+    let span = trail.frames().2.span() as f32;
     let crosses = |other: &Feature| {
         path_distances(trail, feature, other).any(|px| px < CROSSES_SIGMAS * other.sigma.max(feature.sigma))
     };

@@ -136,7 +136,7 @@ pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Re
             };
             let finds = |disc: &usize| {
                 let disc = &truth.features[*disc];
-                finds(feature, disc) && (!by_motion || moves_as(feature, disc, truth.frames))
+                finds(feature, disc) && (!by_motion || moves_as(feature, disc, truth.span()))
             };
             let discs = (0..free.len()).filter(|disc| free[*disc]).filter(finds);
             let Some(disc) = discs.min_by(|a, b| distance(*a).total_cmp(&distance(*b))) else { return true };
@@ -158,11 +158,11 @@ fn slope_of(disc: &FeatureTruth) -> Slope {
     Slope::new(disc.slope_u as f32, disc.slope_v as f32)
 }
 
-/// Whether `feature` moves as `disc` does, in a burst of `frames` frames.
-fn moves_as(feature: &Feature, disc: &FeatureTruth, frames: usize) -> bool {
+/// Whether `feature` moves as `disc` does, in a burst of `span` frame intervals.
+fn moves_as(feature: &Feature, disc: &FeatureTruth, span: f64) -> bool {
     let slope = slope_of(disc);
     let apart = (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v);
-    apart <= motion_limit(disc.sigma as f32, frames)
+    apart <= motion_limit(disc.sigma as f32, span)
 }
 
 /// Reason why no feature found `disc`, the truth's number `index`.

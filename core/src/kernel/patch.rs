@@ -342,6 +342,7 @@ fn convolve<S: Simd, const V: usize>(simd: S, half: &[f32], line: &[f32], out: &
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::burst::Positions;
     use crate::detector::params::{Interpolation, Slope};
     use crate::detector::scale_space::Base;
     use crate::detector::stack::frame_offsets;
@@ -355,7 +356,7 @@ mod tests {
         let frames: Vec<&Plane> = frames.iter().collect();
         let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
         for slope in [Slope::new(0.0, 0.0), Slope::new(1.3, 0.0), Slope::new(-0.6, 2.2)] {
-            let offsets = frame_offsets(4, slope, Interpolation::Linear);
+            let offsets = frame_offsets(&Positions::even(4), slope, Interpolation::Linear);
             for (octave, size) in [(0, (97, 61)), (-1, (194, 122)), (1, (48, 30))] {
                 let base = Base::Frames { frames: &frames, offsets: &offsets, octave };
                 let mut whole = Plane::zeros(size.0, size.1);

@@ -48,9 +48,10 @@ fn places_of(places: &[[f64; 2]], blobs: &[Blob]) -> Places {
 impl Pictures {
     /// Pictures of features at `places` in the frames of `burst` that `params` use.
     pub fn of(burst: &Burst, params: &DetectorParams, places: &[[f64; 2]], blobs: &[Blob]) -> Self {
-        let frames: Vec<&Plane> = burst.frames[params.used_frames(burst.len())].iter().map(|frame| &**frame).collect();
+        let used = params.used_frames(burst.len());
+        let frames: Vec<&Plane> = burst.frames[used.clone()].iter().map(|frame| &**frame).collect();
         let largest = blobs.iter().map(|blob| blob.sigma).fold(0.0, f32::max);
-        let source = ChipSource::new(&frames, &FrameTimes::all(frames.len()), largest);
+        let source = ChipSource::new(&frames, &FrameTimes::all(burst.positions.part(used)), largest);
         let of = places_of(places, blobs);
         let chip = |&index: &usize| {
             let ([u, v], blob) = (places[index].map(|x| x as f32), &blobs[index]);

@@ -7,6 +7,7 @@ use super::noise::Camera;
 #[cfg(feature = "cli")]
 use super::options::{SNR_HELP, motions, parse_range, words};
 use super::truth::{FeatureTruth, Truth, TruthKind};
+use super::uneven::Uneven;
 use super::{Motion, capture_burst, check_common, check_snr};
 use crate::burst::Burst;
 use crate::error::Error;
@@ -49,6 +50,10 @@ pub struct ChartParams {
     /// Number of frames.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().frames))]
     pub frames: usize,
+    /// Times of the frames.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    #[serde(default, skip_serializing_if = "Uneven::is_even")]
+    pub uneven: Uneven,
     /// Directions of motion: 1d is horizontal, 2d any.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions()))]
     pub motion: Motion,
@@ -81,6 +86,7 @@ impl Default for ChartParams {
             gap: 6.0,
             contrast: 1.2,
             frames: 10,
+            uneven: Uneven::default(),
             motion: Motion::OneD,
             max_slope: 3.0,
             snr: 0.6,
@@ -162,11 +168,12 @@ impl ChartParams {
 pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
     params.check()?;
     let exposure = params.exposure()?;
+    let taken = params.uneven.taken(params.frames, params.seed)?;
     let features = place_discs(params, monitor)?;
     // Far (slow) discs first, so that faster ones are drawn over them.
     let mut order: Vec<&FeatureTruth> = features.iter().collect();
     order.sort_by(|a, b| a.slope_u.hypot(a.slope_v).total_cmp(&b.slope_u.hypot(b.slope_v)).then(a.id.cmp(&b.id)));
-    let burst = capture_burst("chart", params.frames, params.seed, &exposure.camera, monitor, |dt| {
+    let burst = capture_burst("chart", &taken, params.seed, &exposure.camera, monitor, |dt| {
         let mut signal = Plane::zeros(params.width, params.height);
         signal.data_mut().fill(exposure.background as f32);
         for disc in &order {
@@ -178,7 +185,7 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
     })?;
     let (size, noise) = ((params.width, params.height), (exposure.background, Some(params.snr)));
     let truth = Truth::captured(TruthKind::Chart, size, (params.frames, params.seed), &exposure.camera, noise);
-    Ok((burst, Truth { features, ..truth }))
+    Ok((burst, taken.truth(Truth { features, ..truth })))
 }
 
 /// Blends a disc of level `value` into `plane`, weighting each pixel by the share of its area that the disc covers.

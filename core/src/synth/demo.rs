@@ -9,6 +9,7 @@ use super::noise::Camera;
 use super::paint::{Area, fractal_relief};
 use super::random::{Stream, lattice};
 use super::truth::{Truth, TruthKind};
+use super::uneven::Taken;
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 
@@ -47,7 +48,8 @@ fn demo_burst_at(name: &str, later: f64, noise_seed: u64) -> Burst {
         signal.data_mut().iter_mut().for_each(|value| *value *= LIGHT);
         Ok(signal)
     };
-    capture_burst(name, DEMO_FRAMES, noise_seed, &camera(), &never, signal).expect("nobody can cancel this monitor")
+    capture_burst(name, &Taken::even(DEMO_FRAMES), noise_seed, &camera(), &never, signal)
+        .expect("nobody can cancel this monitor")
 }
 
 /// The truth of the demo burst.

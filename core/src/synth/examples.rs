@@ -5,6 +5,7 @@ use super::capture_burst;
 use super::demo::camera;
 use super::layer::{Layer, draw_layers, visible_landmarks};
 use super::truth::{Truth, TruthKind};
+use super::uneven::Taken;
 use crate::burst::Burst;
 use crate::monitor::Monitor;
 use crate::synth::paint::{Area, fractal_relief};
@@ -169,7 +170,7 @@ impl Example {
             Ok(signal)
         };
         let seed = SEED + u64::from(self == Self::StreetLater);
-        capture_burst(self.name(), EXAMPLE_FRAMES, seed, &camera(), &never, draw)
+        capture_burst(self.name(), &Taken::even(EXAMPLE_FRAMES), seed, &camera(), &never, draw)
             .expect("nobody can cancel this monitor")
     }
 

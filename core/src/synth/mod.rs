@@ -26,6 +26,7 @@ pub mod paint;
 pub mod random;
 pub mod scene;
 pub mod truth;
+pub mod uneven;
 
 pub use chart::{ChartParams, RadiusLaw, synth_chart};
 pub use demo::{demo_burst, demo_truth, later_demo_burst};
@@ -34,6 +35,7 @@ pub use noise::Camera;
 pub use noise_case::NoiseCase;
 pub use scene::{SceneParams, synth_scene};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
+pub use uneven::Uneven;
 
 use crate::burst::Burst;
 use crate::error::Error;
@@ -43,6 +45,7 @@ use random::Stream;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use uneven::Taken;
 
 /// Directions of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -126,23 +129,25 @@ pub fn check_camera(read_noise: f64, bits: u32) -> Result<(), Error> {
     Ok(())
 }
 
-/// Frame t takes its noise from stream t + 1 of the seed, so the result does not depend on the threads.
+/// Frame t takes its noise from stream t + 1 of the seed, so the result does not depend on the threads, and a frame that
+/// is left out changes no other.
 fn capture_burst(
     name: &str,
-    frames: usize,
+    taken: &Taken,
     seed: u64,
     camera: &Camera,
     monitor: &Monitor,
     signal_at: impl Fn(f64) -> Result<Plane, Cancelled> + Sync,
 ) -> Result<Burst, Cancelled> {
-    let t0 = (frames as f64 - 1.0) / 2.0;
+    let frames = taken.frames.len();
     let done = AtomicUsize::new(0);
     monitor.report(Stage::Synth, 0.0);
-    let planes: Vec<Plane> = (0..frames)
-        .into_par_iter()
-        .map(|t| {
+    let planes: Vec<Plane> = taken
+        .frames
+        .par_iter()
+        .map(|&(t, dt)| {
             monitor.check()?;
-            let signal = signal_at(t as f64 - t0)?;
+            let signal = signal_at(dt)?;
             let frame = camera.capture(&signal, &mut Stream::new(seed, t as u64 + 1), monitor)?;
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             monitor.report(Stage::Synth, count as f32 / frames as f32);
@@ -151,6 +156,7 @@ fn capture_burst(
         .collect::<Result<_, Cancelled>>()?;
     monitor.check()?;
     let mut burst = Burst::from_planes(name, planes);
+    burst.positions = taken.positions();
     burst.full_scale = 65535.0;
     burst.quantisation_step = camera.quantisation_step() as f32;
     Ok(burst)

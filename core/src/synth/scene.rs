@@ -10,6 +10,7 @@ use super::options::{SNR_HELP, motions};
 use super::paint::{Area, fractal_relief};
 use super::random::Stream;
 use super::truth::{Truth, TruthKind};
+use super::uneven::Uneven;
 use super::{Motion, capture_burst, check_common};
 use crate::burst::Burst;
 use crate::error::Error;
@@ -31,6 +32,9 @@ pub struct SceneParams {
     /// Number of frames.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Self::default().frames))]
     pub frames: usize,
+    /// Times of the frames.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub uneven: Uneven,
     /// Directions of motion: 1d is horizontal, 2d any.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions()))]
     pub motion: Motion,
@@ -59,6 +63,7 @@ impl Default for SceneParams {
             height: 480,
             layers: 4,
             frames: 10,
+            uneven: Uneven::default(),
             motion: Motion::OneD,
             max_slope: 3.0,
             snr: 1.0,
@@ -98,13 +103,13 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     let half_span = 0.5 * (params.frames - 1) as f64;
     let layers = build_layers(params, half_span, monitor)?;
     let size = (params.width, params.height);
-    let burst = capture_burst("scene", params.frames, params.seed, &camera, monitor, |dt| {
-        draw_layers(&layers, size, dt, monitor)
-    })?;
+    let taken = params.uneven.taken(params.frames, params.seed)?;
+    let burst =
+        capture_burst("scene", &taken, params.seed, &camera, monitor, |dt| draw_layers(&layers, size, dt, monitor))?;
     let noise = (BOARD, Some(params.snr));
     let truth = Truth::captured(TruthKind::Scene, size, (params.frames, params.seed), &camera, noise);
     let features = visible_landmarks(&layers, size, half_span);
-    Ok((burst, Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth }))
+    Ok((burst, taken.truth(Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth })))
 }
 
 fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Result<Vec<Layer>, Error> {
@@ -263,7 +268,7 @@ mod tests {
         let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
         let stack = |layer: &LayerTruth| {
             let slope = Slope::new(layer.slope_u as f32, layer.slope_v as f32);
-            motion_stack(&frames, slope, Interpolation::Linear, &Monitor::default()).expect("a stack")
+            motion_stack(&frames, &burst.positions, slope, Interpolation::Linear, &Monitor::default()).expect("a stack")
         };
         let stacks: Vec<Plane> = truth.layers.iter().map(stack).collect();
         for feature in &truth.features {

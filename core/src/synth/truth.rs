@@ -30,8 +30,11 @@ pub struct Truth {
     pub height: usize,
     /// Number of frames, N.
     pub frames: usize,
-    /// Reference time, (N − 1)/2, in frames.
+    /// Reference time, the mean of the frames' times, in frames: (N − 1)/2 for even ones.
     pub t0: f64,
+    /// Time of each frame, in frame intervals of the even burst; empty for even ones: 0, 1, 2, ….
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub times: Vec<f64>,
     /// Seed from which everything is derived.
     pub seed: u64,
     /// The camera's noise; `None` (null) for a noiseless burst.
@@ -78,7 +81,15 @@ impl Truth {
     ) -> Self {
         let (t0, noise) = (0.5 * (frames as f64 - 1.0), NoiseTruth::of(camera, background, snr));
         let (black_level, layers, features) = (camera.black_level, Vec::new(), Vec::new());
-        Self { kind, width, height, frames, t0, seed, noise, black_level, layers, features }
+        Self { kind, width, height, frames, t0, times: Vec::new(), seed, noise, black_level, layers, features }
+    }
+
+    /// Time from the first to the last frame, frame intervals.
+    pub fn span(&self) -> f64 {
+        match self.times[..] {
+            [first, .., last] => last - first,
+            _ => self.frames as f64 - 1.0,
+        }
     }
 
     /// Checks the numbers: a file may hold anything.
@@ -97,6 +108,7 @@ impl Truth {
         let free = |name: &str, number: f64| within(name, number, -LARGEST..=LARGEST);
         free("t0", self.t0)?;
         free("black_level", self.black_level)?;
+        self.times.iter().try_for_each(|time| free("times", *time))?;
         for layer in &self.layers {
             free("layers.slope_u", layer.slope_u)?;
             free("layers.slope_v", layer.slope_v)?;

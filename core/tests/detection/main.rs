@@ -13,3 +13,4 @@ mod rejudged;
 mod slopes;
 mod stays;
 mod under_load;
+mod uneven;

@@ -1,5 +1,6 @@
 //! Exported files can be read back: by our own reader, by other libraries, and according to the formats' descriptions.
 
+use burstscope_core::burst::Positions;
 use burstscope_core::detector::{
     Descriptor, Detection, DetectorParams, Feature, Moves, Quantity, Slope, SlopeGrid, StageTimes, Tally,
 };
@@ -56,6 +57,7 @@ fn detection(count: u32) -> Detection {
         noise_gate_factor: 4.5,
         slopes: SlopeGrid::single(Slope::default()),
         frames_used: params.used_frames(5),
+        positions: Positions::even(5),
         octaves: 0..3,
         times: StageTimes::default(),
     }

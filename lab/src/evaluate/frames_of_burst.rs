@@ -82,7 +82,7 @@ struct Searched<'a> {
 impl<'a> Searched<'a> {
     fn new(burst: &'a Burst, search: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
         let (params, _) = resolve(burst, search, monitor)?;
-        params.validate_for(burst.len(), burst.size())?;
+        params.validate_for(&burst.positions, burst.size())?;
         let frames = params.frames.map_or(0..burst.len(), |range| range.start..range.end);
         Ok(Self { burst, params, frames })
     }
@@ -97,9 +97,9 @@ impl<'a> Searched<'a> {
         detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)
     }
 
-    /// Mid-burst of `count` frames from `first` on, in frames.
-    fn mid(first: usize, count: usize) -> f64 {
-        first as f64 + (count as f64 - 1.0) / 2.0
+    /// Mid-burst of `count` frames from `first` on, in frame intervals after that of the whole burst.
+    fn mid(&self, first: usize, count: usize) -> f64 {
+        self.burst.positions.offset(first) - self.burst.positions.offset_from(first..first + count, first)
     }
 }
 
@@ -200,9 +200,8 @@ fn row(
     matches: Option<MatchCounts>,
 ) -> BurstFramesRow {
     let first_frame = searched.first_of(count);
-    let mid = Searched::mid(first_frame, count);
-    let frames = &searched.frames;
-    let later = mid - Searched::mid(frames.start, frames.len());
+    let mid = searched.mid(first_frame, count);
+    let later = mid - searched.mid(searched.frames.start, searched.frames.len());
     let confirmed = [true, false].map(|is_bright| {
         let of_side = |features: &[Feature]| -> Vec<Feature> {
             features.iter().filter(|f| (f.response < 0.0) == is_bright).copied().collect()
@@ -219,7 +218,7 @@ fn row(
     let confirmed = confirmed.iter().sum::<usize>();
     let features = judge_by_discs(&found.features, &[], Ranking::default()).len();
     let counted = truth.map(|truth| {
-        let discs: Vec<FeatureTruth> = truth.features.iter().map(|&disc| moved(disc, mid - truth.t0)).collect();
+        let discs: Vec<FeatureTruth> = truth.features.iter().map(|&disc| moved(disc, mid)).collect();
         let judged = judge_by_discs(&found.features, &discs, Ranking::default());
         let on_discs = judged.iter().filter(|one| one.disc.is_some()).count();
         (on_discs, (truth.kind == TruthKind::Chart).then(|| judged.len() - on_discs))

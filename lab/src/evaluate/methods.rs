@@ -155,9 +155,10 @@ impl Searches {
         }
         let params = params.detector;
         // SIFT uses one frame; the mean is of all frames that the burst search would use.
-        params.validate_for(burst.len(), burst.size())?;
+        params.validate_for(&burst.positions, burst.size())?;
         let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
-        let used = Burst { frames: burst.frames[all].to_vec(), ..burst.clone() };
+        let positions = burst.positions.part(all.clone());
+        let used = Burst { frames: burst.frames[all].to_vec(), positions, ..burst.clone() };
         let params = DetectorParams { frames: None, ..params };
         let detection = detect(&plain_mean(&used, monitor)?, &params, monitor)?;
         Ok(Searched { detection, params, finding: None, slopes_secs: 0.0 })

@@ -9,7 +9,7 @@ use super::run_jobs;
 use crate::synth::NoiseCase;
 use crate::synth::noise::{quantisation_step, quantised_word};
 use crate::synth::random::Stream;
-use burstscope_core::burst::Burst;
+use burstscope_core::burst::{Burst, Positions};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::noise::gate_factor;
 use burstscope_core::detector::{DetectorParams, SlopeGrid};
@@ -192,7 +192,7 @@ impl NoiseStudy {
             return Err(Error::param("megapixels", self.megapixels.to_string(), remedy));
         }
         for search in &self.searches {
-            search.detector.validate_for(self.frames, (self.width, self.height))?;
+            search.detector.validate_for(&Positions::even(self.frames), (self.width, self.height))?;
         }
         Ok(())
     }

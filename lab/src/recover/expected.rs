@@ -42,16 +42,15 @@ pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slo
     let (width, height) = trail.size_image();
     let (u, v) = (place.0.round().clamp(0.0, (width - 1) as f64), place.1.round().clamp(0.0, (height - 1) as f64));
     let offsets = trail.offsets(grid.slope(searched));
-    let (_, kept, frame_count) = trail.frames();
+    let (_, kept, positions) = trail.frames();
     let covers = |index: &usize| offsets[*index].covers(u as usize, v as usize, (width, height));
     let chosen: Vec<usize> = (0..offsets.len()).filter(covers).collect();
     if chosen.is_empty() {
         return None;
     }
-    let t0 = 0.5 * (frame_count as f64 - 1.0);
     let at = grid.slope(searched);
     let off = f64::from(slope.u - at.u).hypot(f64::from(slope.v - at.v));
-    let displaced = distances(chosen.iter().map(|&index| (kept[index] as f64 - t0).abs() * off).collect());
+    let displaced = distances(chosen.iter().map(|&index| positions.offset(kept[index]).abs() * off).collect());
     let (blur_u, blur_v) = interpolation_blur(&offsets);
     // The filter starts from an assumed blur; a pixel is a square, and shifted frames are interpolated.
     let more = 1.0 / 12.0 + 0.5 * (blur_u + blur_v) - SIGMA_INPUT * SIGMA_INPUT;

@@ -90,6 +90,7 @@ impl Ground {
             octaves: searched_octaves(params, burst.size()),
             slopes: &slopes,
             flicker: params.flicker,
+            positions: &burst.positions,
         };
         let frames: Vec<Arc<Plane>> = burst.frames.clone();
         let examined = examine(&frames, burst.quantisation_step, &search, monitor)?;
@@ -116,7 +117,7 @@ impl Ground {
 
     /// Time of the used frame `t` from mid-burst, frames.
     pub fn time(&self, t: usize) -> f64 {
-        t as f64 - 0.5 * (self.used.len() as f64 - 1.0)
+        self.cache.trail.frames().2.offset(t)
     }
 
     /// Draws a place for a thing of `radius` and `slope` that is away from the `others`; `None` where there is none.
@@ -129,10 +130,8 @@ impl Ground {
         monitor: &Monitor,
     ) -> Result<Option<(f64, f64)>, Cancelled> {
         let (width, height) = self.cache.trail.size_image();
-        let half_span = 0.5 * (self.used.len() as f64 - 1.0);
-        let rim = |along: f32| {
-            if study.inside { study.shape.reach(radius) + 2.0 + half_span * f64::from(along).abs() } else { 1.0 }
-        };
+        let outermost = |along: f32| self.cache.trail.frames().2.reach() * f64::from(along).abs();
+        let rim = |along: f32| if study.inside { study.shape.reach(radius) + 2.0 + outermost(along) } else { 1.0 };
         let (du, dv) = (rim(slope.u), rim(slope.v));
         let (room_u, room_v) = ((width - 1) as f64 - 2.0 * du, (height - 1) as f64 - 2.0 * dv);
         for _ in 0..ATTEMPTS {

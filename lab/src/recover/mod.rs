@@ -299,6 +299,7 @@ impl RecoverStudy {
             height,
             frames: ground.used.len(),
             t0: -ground.time(0),
+            times: ground.cache.trail.frames().2.list(),
             seed,
             noise: None,
             black_level: 0.0,

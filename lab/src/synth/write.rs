@@ -33,6 +33,12 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
             write_frame(&fresh.join(frame_name(t)), frame)?;
             monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
         }
+        if !burst.positions.is_even() {
+            let rows = burst.positions.from_first().into_iter().enumerate();
+            let rows: String = rows.map(|(t, position)| format!("{},{position}\n", frame_name(t))).collect();
+            let path = fresh.join("times.csv");
+            std::fs::write(&path, format!("name,frames\n{rows}")).map_err(io(&path))?;
+        }
         let path = fresh.join("truth.json");
         let text = serde_json::to_string_pretty(truth).map_err(std::io::Error::other).map_err(io(&path))?;
         std::fs::write(&path, text + "\n").map_err(io(&path))?;

@@ -267,7 +267,7 @@ impl Action {
             Self::UseFeatureFolder(path) | Self::OpenFeatures(_, path) | Self::OpenTrajectory(_, path) => {
                 make_absolute(path);
             }
-            Self::Calibrate(OpenOptions { bias, flat, .. }) => bias.iter_mut().chain(flat).for_each(make_absolute),
+            Self::Calibrate(options) => options.paths_mut().for_each(make_absolute),
             _ => {}
         }
         self

@@ -95,10 +95,10 @@ impl Document {
     /// The document with absolute paths, so that it can be opened from any folder.
     #[must_use]
     pub fn with_absolute_paths(mut self) -> Self {
-        let calibration = &mut self.calibration;
         let [compared_a, compared_b] = [&mut self.comparisons.a.file, &mut self.comparisons.b.file];
         let Trajectories { estimate, truth, .. } = &mut self.trajectories;
-        for path in [&mut calibration.bias, &mut calibration.flat, compared_a, compared_b, estimate, truth] {
+        self.calibration.paths_mut().for_each(action::make_absolute);
+        for path in [compared_a, compared_b, estimate, truth] {
             path.iter_mut().for_each(action::make_absolute);
         }
         for side in Side::BOTH {

@@ -210,16 +210,16 @@ fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
 
 fn marks(model: &Model, layer: &FeatureLayer, amount: FigureAmount) -> Vec<FigureMark> {
     let scale = layer.scale(model);
-    let frames = layer.detection.frames_used.len();
+    let positions = &layer.detection.positions;
     let selected = |i: usize| layer.selected == Some(i);
     let mark = |i: usize| {
         let (placed, own) = (&layer.placed()[i], &layer.detection.features[i]);
         let faint = layer.is_faint(i);
-        let mark = FigureMark::of(placed, frames, rgb(scale.colour(i, placed)));
+        let mark = FigureMark::of(placed, positions, rgb(scale.colour(i, placed)));
         FigureMark {
             orientation: (layer.orientations && !faint).then_some(placed.orientation),
             // The motion over the whole burst is the same in every frame.
-            motion: (layer.motions && !faint).then(|| motion_over(own, frames)),
+            motion: (layer.motions && !faint).then(|| motion_over(own, positions)),
             motion_sigma: if layer.stale { 0.0 } else { mark.motion_sigma },
             opacity: if faint || layer.stale { 0.35 } else { mark.opacity },
             weight: if selected(i) { 2.0 } else { 1.0 },

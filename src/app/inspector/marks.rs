@@ -12,10 +12,12 @@ use crate::app::project::Model;
 use crate::app::project::cursor::Cursor;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
+use crate::burst::Positions;
 use crate::detector::{Feature, Slope};
 use crate::inspect::probe::{AT_PLACE_PX, Wanted};
 use crate::requests::{PictureKind, ProbeQuestion};
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
+use std::ops::Range;
 
 pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
     widgets.values.clear();
@@ -38,7 +40,7 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
 pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
     let kinds = [from, to].map(|id| model.picture_in(id).map(|picture| picture.request.kind));
-    Some(place_in(pos_image, kinds[0]?, &a.cursor, kinds[1]?, &b.cursor, &used(model, a.side)?))
+    Some(place_in(pos_image, kinds[0]?, &a.cursor, kinds[1]?, &b.cursor, used(model, a.side)?))
 }
 
 fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
@@ -76,7 +78,7 @@ pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> O
     let pane = model.panes.get(id)?;
     let kind = model.picture_in(id)?.request.kind;
     let middle = PictureKind::Stack { slope: pane.cursor.slope };
-    let place = place_in(pos_image, kind, &pane.cursor, middle, &pane.cursor, &used(model, pane.side)?);
+    let place = place_in(pos_image, kind, &pane.cursor, middle, &pane.cursor, used(model, pane.side)?);
     Some((pane.side, [place.x, place.y]))
 }
 
@@ -87,11 +89,13 @@ fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<P
     let kind = model.picture_in(id)?.request.kind;
     let cursor = Cursor { slope, ..pane.cursor };
     let [u, v] = place;
-    Some(place_in(pos2(u, v), PictureKind::Stack { slope }, &cursor, kind, &cursor, &used(model, pane.side)?))
+    Some(place_in(pos2(u, v), PictureKind::Stack { slope }, &cursor, kind, &cursor, used(model, pane.side)?))
 }
 
-fn used(model: &Model, side: Side) -> Option<std::ops::Range<usize>> {
-    Some(model.slots[side].usable_params.used_frames(model.burst_of(side)?.burst.len()))
+/// Positions of the frames of a burst, and those of them that are searched.
+fn used(model: &Model, side: Side) -> Option<(&Positions, Range<usize>)> {
+    let positions = &model.burst_of(side)?.burst.positions;
+    Some((positions, model.slots[side].usable_params.used_frames(positions.len())))
 }
 
 /// Draws the marks over the drawn panes, and takes the place under the pointer: a click with Shift probes it, any click

@@ -57,11 +57,14 @@ fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)>
 pub(super) fn shown_spot(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, [f32; 2])> {
     let picture = model.picture()?;
     let used = picture.request.params.used_frames(model.frame_count());
-    // Time of the picture, in frames after mid-burst of the whole burst.
-    let middle = 0.5 * (model.frame_count() as f32 - 1.0);
+    // Time of the picture, in frame intervals after mid-burst of the whole burst.
+    let positions = &picture.request.burst.burst.positions;
     let (frames, after) = match picture.request.kind {
-        PictureKind::Frame(t) => (1, t as f32 - middle),
-        PictureKind::Stack { .. } => (used.len(), 0.5 * (used.start + used.end.max(1) - 1) as f32 - middle),
+        PictureKind::Frame(t) => (1, positions.offset(t) as f32),
+        PictureKind::Stack { .. } => {
+            let mean = positions.offset(used.start) - positions.offset_from(used.clone(), used.start);
+            (used.len(), mean as f32)
+        }
         _ => return None,
     };
     Some((frames, [spot.place[0] + after * slope.u, spot.place[1] + after * slope.v]))

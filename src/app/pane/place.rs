@@ -1,11 +1,12 @@
 //! Corresponding places of a scene in two panes.
 
 use crate::app::project::cursor::Cursor;
+use crate::burst::Positions;
 use crate::requests::PictureKind;
 use egui::{Pos2, vec2};
 use std::ops::Range;
 
-/// Maps a place of one pane to another, in image pixels; the frames `used` are searched. Pictures of many frames show
+/// Maps a place of one pane to another, in image pixels; the frames `used` of those at `positions` are searched. Pictures of many frames show
 /// it where it is at mid-burst, a frame shows it moved along its slope: that of the pane that shows no frame, or that
 /// of the pane under the pointer if both show frames.
 pub fn place_in(
@@ -14,11 +15,13 @@ pub fn place_in(
     from: &Cursor,
     to_kind: PictureKind,
     to: &Cursor,
-    used: &Range<usize>,
+    (positions, used): (&Positions, Range<usize>),
 ) -> Pos2 {
-    let middle = 0.5 * (used.start + used.end.max(1) - 1) as f32;
-    // Frames after the middle; 0 for pictures of the whole burst.
-    let after = |kind: PictureKind| if let PictureKind::Frame(t) = kind { t as f32 - middle } else { 0.0 };
+    // Frame intervals after mid-burst; 0 for pictures of the whole burst.
+    let after = |kind: PictureKind| match kind {
+        PictureKind::Frame(t) => positions.offset_from(used.clone(), t) as f32,
+        _ => 0.0,
+    };
     let slope = match (from_kind, to_kind) {
         (
             PictureKind::Frame(_),
@@ -46,7 +49,7 @@ mod tests {
         let cursor = Cursor { slope: Slope::new(7.0, 7.0), ..Cursor::default() };
         let stack = PictureKind::Stack { slope: SLOPE };
         let frame = PictureKind::Frame(7);
-        let between = |place, from, to| place_in(place, from, &cursor, to, &cursor, &(0..11));
+        let between = |place, from, to| place_in(place, from, &cursor, to, &cursor, (&Positions::even(11), 0..11));
         assert_eq!(between(pos2(50.0, 40.0), stack, frame), pos2(54.0, 38.0));
         assert_eq!(between(pos2(54.0, 38.0), frame, stack), pos2(50.0, 40.0));
         let other = PictureKind::Stack { slope: Slope::default() };
@@ -67,8 +70,8 @@ mod tests {
             ];
             for a in kinds {
                 for b in kinds {
-                    let there = place_in(pos2(u, v), a, &cursor, b, &cursor, &(0..12));
-                    let back = place_in(there, b, &cursor, a, &cursor, &(0..12));
+                    let there = place_in(pos2(u, v), a, &cursor, b, &cursor, (&Positions::even(12), 0..12));
+                    let back = place_in(there, b, &cursor, a, &cursor, (&Positions::even(12), 0..12));
                     prop_assert!((back - pos2(u, v)).length() < 1e-3, "{a:?} {b:?}");
                 }
             }

@@ -206,7 +206,7 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
         stale: layer.stale,
         orientations: layer.orientations,
         motion: layer.motions,
-        ..overlay::OverlayStyle::new(scale, layer.detection.frames_used.len())
+        ..overlay::OverlayStyle::new(scale, &layer.detection.positions)
     };
     overlay::draw_dots(output, layer.placed(), &style, &in_full.dots);
     if layer.in_frame.is_some() {

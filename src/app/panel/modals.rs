@@ -2,7 +2,7 @@
 
 use crate::app::panel::widgets::named;
 use crate::app::project::effect::Purpose;
-use crate::burst::{OpenOptions, RawColour};
+use crate::burst::{OpenOptions, RawColour, TimesChoice};
 use crate::requests::BurstSource;
 use egui::{DragValue, RichText, ScrollArea, Ui, vec2};
 use std::path::PathBuf;
@@ -19,6 +19,32 @@ const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Red, "Red", "Red pixel of each 2 × 2 square"),
     (RawColour::Blue, "Blue", "Blue pixel of each 2 × 2 square"),
 ];
+
+const TIMES: [(TimesChoice, &str, &str); 3] = [
+    (TimesChoice::Even, "Even", "Frames are evenly spaced, whatever their files say"),
+    (TimesChoice::Names, "Names", "Stamps in the names of the files: dates, seconds, nanoseconds, running numbers"),
+    (TimesChoice::Header, "Files", "Times that the files hold: EXIF, the date of a TIFF, FITS, SER, films"),
+];
+
+fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) {
+    let name =
+        ui.label("Times").on_hover_text("When the frames were taken; a list of times is given with --times FILE");
+    ui.horizontal(|ui| {
+        let chosen = times.clone().unwrap_or_default();
+        for (choice, label, tip) in TIMES {
+            if ui.radio(choice == chosen, label).on_hover_text(tip).clicked() {
+                *times = Some(choice).filter(|choice| *choice != TimesChoice::Even);
+            }
+        }
+        if let TimesChoice::List(path) = &chosen {
+            let label = path.file_name().unwrap_or_default().to_string_lossy();
+            ui.radio(true, label).on_hover_text(path.display().to_string());
+        }
+    })
+    .response
+    .labelled_by(name.id);
+    ui.end_row();
+}
 
 /// Draws the dialog if there is a draft; closing it drops the draft.
 pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> Option<CalibrationChoice> {
@@ -56,6 +82,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             .response
             .labelled_by(name.id);
             ui.end_row();
+            times_ui(ui, &mut options.times);
         });
         ui.checkbox(&mut options.linearise, "Linear light")
             .on_hover_text("Undo the sRGB encoding of 8-bit and 16-bit pictures");

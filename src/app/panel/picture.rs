@@ -191,15 +191,11 @@ fn describe_request(request: &PictureRequest) -> String {
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
 }
 
-/// Time of the frame in `picture`, in frames after the middle of the searched ones; `None` when it is no frame.
+/// Time of the frame in `picture`, in frame intervals after the mean of the searched ones; `None` when it is no frame.
 pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<f32> {
-    match picture?.request.kind {
-        PictureKind::Frame(t) => {
-            let used = &detection.frames_used;
-            Some(t as f32 - 0.5 * (used.start + used.end - 1) as f32)
-        }
-        _ => None,
-    }
+    let request = &picture?.request;
+    let PictureKind::Frame(t) = request.kind else { return None };
+    Some(request.burst.burst.positions.offset_from(detection.frames_used.clone(), t) as f32)
 }
 
 pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {

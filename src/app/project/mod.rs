@@ -42,6 +42,7 @@ pub mod workspace {
 use crate::app::document::{Document, Pointed};
 use crate::app::pane::PaneId;
 use crate::app::project::history::History;
+use crate::burst::Positions;
 use crate::detector::SearchParams;
 use crate::engine::Wanted;
 use crate::figures::FiguresJob;
@@ -175,6 +176,12 @@ impl Model {
 
     pub fn frame_count(&self) -> usize {
         self.slots.a.burst.as_ref().map_or(0, |b| b.burst.len())
+    }
+
+    /// Positions of the frames of A that are searched; those of ten frames where nothing is open.
+    pub fn used_positions(&self) -> Positions {
+        let all = self.slots.a.burst.as_ref().map_or_else(|| Positions::even(10), |open| open.burst.positions.clone());
+        all.part(self.params.used_frames(all.len()))
     }
 
     pub fn asked(&self) -> SearchParams {

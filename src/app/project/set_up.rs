@@ -27,8 +27,7 @@ impl SetUpState {
 
 impl Model {
     pub fn apply_set_up(&mut self) {
-        let frames = self.slots.a.burst.as_ref().map_or(10, |open| open.burst.len());
-        let slopes = self.set_up.values.slopes(self.params.used_frames(frames).len(), &self.params);
+        let slopes = self.set_up.values.slopes(&self.used_positions(), &self.params);
         if let Ok((slopes, options)) = slopes.map(|slopes| (slopes.grid, slopes.options())) {
             let detector = DetectorParams { slopes, ..self.params.clone() };
             self.set_search(SearchParams { detector, slopes: SlopeChoice::Given });

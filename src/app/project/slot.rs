@@ -232,8 +232,12 @@ impl Model {
 
     pub fn check_params(&mut self) {
         let auto = self.slopes.is_auto();
-        self.slots.a.param_error =
-            checked(self.project.slots.a.burst.as_ref(), self.project.document.params.clone(), auto, &mut self.project.slots.a.usable_params);
+        self.slots.a.param_error = checked(
+            self.project.slots.a.burst.as_ref(),
+            self.project.document.params.clone(),
+            auto,
+            &mut self.project.slots.a.usable_params,
+        );
         self.pair.param_error = self.matching.validate().err();
         if self.slots.b.burst.is_some() {
             let params = self.params_of(Side::B);
@@ -270,7 +274,7 @@ fn checked(
     usable: &mut DetectorParams,
 ) -> Option<Error> {
     let check = |params: &DetectorParams| match burst {
-        Some(open) => params.validate_for(open.burst.len(), open.burst.size()),
+        Some(open) => params.validate_for(&open.burst.positions, open.burst.size()),
         None => params.validate(),
     };
     if slopes_are_found && check(&params).is_err() {
@@ -281,7 +285,7 @@ fn checked(
     if error.is_none() {
         *usable = params;
     } else if let Some(open) = burst
-        && usable.validate_for(open.burst.len(), open.burst.size()).is_err()
+        && usable.validate_for(&open.burst.positions, open.burst.size()).is_err()
     {
         // Valid for any burst whose frames are not tiny.
         let method = if open.burst.len() <= 1 { Method::Sift } else { Method::Buff };
@@ -455,8 +459,8 @@ impl Model {
         for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
             files.extend(BurstSource::Paths(burst.paths.clone()).files());
         }
-        let calibration = [&self.calibration.bias, &self.calibration.flat];
-        files.extend(calibration.into_iter().flatten().flat_map(|path| BurstSource::Paths(vec![path.clone()]).files()));
+        let calibration = self.calibration.paths().into_iter();
+        files.extend(calibration.flat_map(|path| BurstSource::Paths(vec![path]).files()));
         files.extend(self.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
         let trajectories = [&self.trajectories.estimate, &self.trajectories.truth];
         files.extend(trajectories.into_iter().flatten().flat_map(|path| files_of_model(path)));

@@ -95,6 +95,7 @@ pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
         noise_gate_factor: 4.5,
         slopes: params.slopes,
         frames_used: 0..burst.burst.len(),
+        positions: burst.burst.positions.clone(),
         octaves: 0..1,
         times: StageTimes::default(),
     };

@@ -7,6 +7,7 @@
 mod axes;
 mod child;
 mod dump;
+mod exif;
 mod film;
 mod fits;
 mod image;
@@ -192,6 +193,15 @@ pub(super) fn header(
         Kind::Picture(format) => Ok((image::header(path, input.file, format, &options.limits)?, None)),
         _ => Ok((plain(path, input, options)?.header(), None)),
     })
+}
+
+/// Times that the file gives for its frames. Decodes nothing.
+pub(super) fn times(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Times, Error> {
+    let input = InputFile::open(path, usize::MAX, options)?;
+    match input.kind {
+        Kind::Raw | Kind::Picture(_) | Kind::Tiff => guarded(path, input.kind, || Ok(exif::times(path))),
+        _ => Ok(header(path, options, monitor)?.0.times),
+    }
 }
 
 pub(super) fn frame(

@@ -39,7 +39,7 @@ pub(super) struct Evidence {
     pub size: (usize, usize),
     /// Swept slopes; one step more on each side than asked for.
     pub grid: SlopeGrid,
-    /// Number of the last frame, from 0.
+    /// Time from the first to the last frame, frame intervals.
     pub last_frame: f32,
     /// Nats for each cell, a plane a slope.
     pub nats: Vec<Plane>,
@@ -91,7 +91,7 @@ impl Evidence {
             merged.data_mut().iter_mut().for_each(|nats| *nats *= (MERGED_CELLS * MERGED_CELLS) as f32);
             *power = merged;
         });
-        let last_frame = (times.frame_count - 1) as f32;
+        let last_frame = times.positions.span() as f32;
         Ok(Self { size: nats[0].size(), grid, last_frame, nats })
     }
 }
@@ -99,7 +99,7 @@ impl Evidence {
 /// The sweep over the range of `grid`, a step wider on each side so that its ends can be peaks, in steps that leave no
 /// more smear than the band can bear.
 pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> SlopeGrid {
-    let step = STEP_CELLS * (cell_px / MERGED_CELLS) as f32 / (times.frame_count.max(2) - 1) as f32;
+    let step = STEP_CELLS * (cell_px / MERGED_CELLS) as f32 / times.positions.span().max(1.0) as f32;
     let most = MAX_STEPS[usize::from(grid.is_plane())];
     let axis = |axis: SlopeAxis| {
         if axis.count < 2 {

@@ -37,7 +37,7 @@ impl MotionField {
 pub fn in_focus(frames: &[&Plane], times: &FrameTimes, field: &MotionField) -> Plane {
     let Some(first) = frames.first() else { return Plane::zeros(0, 0) };
     let (width, height) = first.size();
-    let same = SAME_SMEAR_PX / (times.frame_count.max(2) - 1) as f32;
+    let same = SAME_SMEAR_PX / times.positions.span().max(1.0) as f32;
     let times = times.from_middle();
     let row = |v: usize| {
         let at = |u: usize| {

@@ -1,6 +1,7 @@
 //! Bursts with exact motions: one for all, an ellipse before a background, stripes, nothing.
 
 use super::*;
+use crate::burst::Positions;
 use proptest::prelude::*;
 
 const FRAMES: usize = 9;
@@ -39,7 +40,7 @@ fn frames(noise: f32, scene: impl Fn(f32, f32, f32) -> f32) -> Vec<Plane> {
 
 fn field_of(frames: &[Plane], grid: &SlopeGrid) -> MotionField {
     let frames: Vec<&Plane> = frames.iter().collect();
-    motion_field(&frames, &FrameTimes::all(frames.len()), grid, &Monitor::default())
+    motion_field(&frames, &FrameTimes::all(Positions::even(frames.len())), grid, &Monitor::default())
         .expect("not cancelled")
         .expect("large enough")
 }
@@ -187,7 +188,7 @@ fn all_in_focus_is_nearer_to_the_scene_than_any_stack() {
     let scene = |u: f32, v: f32, t: f32| if v < 112.0 { moving(left, 2)(u, v, t) } else { moving(right, 3)(u, v, t) };
     let frames = frames(0.03, scene);
     let planes: Vec<&Plane> = frames.iter().collect();
-    let (field, times) = (field_of(&frames, &SlopeGrid::line(-3.0..=3.0, 7)), FrameTimes::all(FRAMES));
+    let (field, times) = (field_of(&frames, &SlopeGrid::line(-3.0..=3.0, 7)), FrameTimes::all(Positions::even(FRAMES)));
     let error = |picture: &Plane| {
         let places = (24..SIZE.1 - 24).flat_map(|v| (24..SIZE.0 - 24).map(move |u| (u, v)));
         let off = |(u, v): (usize, usize)| picture.at(u, v) - 0.3 - 0.2 * scene(u as f32, v as f32, 0.0);
@@ -249,12 +250,16 @@ fn threads_change_nothing_and_little_input_has_no_field() {
     assert_eq!(with(1), with(3));
     let monitor = Monitor::default();
     let planes: Vec<&Plane> = frames.iter().collect();
-    assert_eq!(motion_field(&planes[..2], &FrameTimes::all(2), &grid, &monitor), Ok(None), "two frames");
+    assert_eq!(
+        motion_field(&planes[..2], &FrameTimes::all(Positions::even(2)), &grid, &monitor),
+        Ok(None),
+        "two frames"
+    );
     let small = vec![Plane::zeros(31, 200); 5];
-    let five = FrameTimes::all(5);
+    let five = FrameTimes::all(Positions::even(5));
     assert_eq!(motion_field(&small.iter().collect::<Vec<_>>(), &five, &grid, &monitor), Ok(None), "7 cells");
     let still = SlopeGrid::single(Slope::default());
     assert_eq!(motion_field(&planes[..5], &five, &still, &monitor), Ok(None), "one slope");
     monitor.cancel();
-    assert_eq!(motion_field(&planes, &FrameTimes::all(FRAMES), &grid, &monitor), Err(Cancelled));
+    assert_eq!(motion_field(&planes, &FrameTimes::all(Positions::even(FRAMES)), &grid, &monitor), Err(Cancelled));
 }

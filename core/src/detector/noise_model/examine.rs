@@ -14,6 +14,7 @@ use super::spectrum::{Sources, measure};
 use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
 use super::{FRAMES_SAMPLED, NoiseModel};
+use crate::burst::Positions;
 use crate::detector::params::{Flicker, Slope};
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
@@ -45,6 +46,8 @@ pub struct ForSearch<'a> {
     pub slopes: &'a [Slope],
     /// Treatment of frames whose exposures differ.
     pub flicker: Flicker,
+    /// Positions of the frames.
+    pub positions: &'a Positions,
 }
 
 /// Examines `frames` of one size, in time order, whose values differ by `quantisation_step` at least (0 if unknown),
@@ -58,7 +61,7 @@ pub fn examine(
     search: &ForSearch<'_>,
     monitor: &Monitor,
 ) -> Result<Option<Examined>, Cancelled> {
-    let ForSearch { space, octaves, slopes, flicker } = search;
+    let ForSearch { space, octaves, slopes, flicker, positions } = search;
     let mut squares = HighPass::new(&planes(frames));
     monitor.check()?;
     let flattened = Flattened::find(&planes(frames), quantisation_step);
@@ -97,7 +100,7 @@ pub fn examine(
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
 
-    let times: Vec<f32> = looked.iter().map(|&i| kept[i] as f32).collect();
+    let times: Vec<f32> = looked.iter().map(|&i| positions.offset(kept[i]) as f32).collect();
     let pyramids: Vec<&BoxPyramid> = reading.pyramids.iter().collect();
     // Noise that frames share stays in place; read at shifted places it would seem larger.
     let slopes = if !survey.correlations.is_empty() { &[Slope::new(0.0, 0.0)] } else { *slopes };
@@ -273,7 +276,13 @@ mod tests {
     fn examined(burst: &Burst, flicker: Flicker) -> Examined {
         let space = ScaleSpace::new(4, 0, 4.0);
         let slopes = slopes();
-        let search = ForSearch { space: &space, octaves: 0..4, slopes: &slopes, flicker };
+        let search = ForSearch {
+            space: &space,
+            octaves: 0..4,
+            slopes: &slopes,
+            flicker,
+            positions: &Positions::even(burst.len()),
+        };
         examine(&burst.frames, burst.quantisation_step, &search, &Monitor::default())
             .expect("not cancelled")
             .expect("there is enough")
@@ -379,7 +388,8 @@ mod tests {
     fn too_little_to_tell_is_no_model() {
         let space = ScaleSpace::new(4, 0, 4.0);
         let slopes = slopes();
-        let search = ForSearch { space: &space, octaves: 0..1, slopes: &slopes, flicker: Flicker::Auto };
+        let (flicker, positions) = (Flicker::Auto, Positions::even(1));
+        let search = ForSearch { space: &space, octaves: 0..1, slopes: &slopes, flicker, positions: &positions };
         let examine = |frames: &[Arc<Plane>]| examine(frames, 0.0, &search, &Monitor::default());
         let frame = Arc::new(Plane::from_fn(40, 40, |u, v| ((u * 7 + v * 13) % 11) as f32));
         assert!(examine(&[frame]).expect("not cancelled").is_none());

@@ -267,6 +267,7 @@ impl NoiseModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::burst::Positions;
     use crate::detector::params::Interpolation;
     use crate::detector::stack::frame_offsets;
 
@@ -274,7 +275,7 @@ mod tests {
     fn white_noise_has_the_bits_of_the_one_sigma() {
         let space = ScaleSpace::new(4, 0, 4.0);
         let slope = Slope::new(1.3, 0.2);
-        let offsets = frame_offsets(10, slope, Interpolation::Linear);
+        let offsets = frame_offsets(&Positions::even(10), slope, Interpolation::Linear);
         let model = NoiseModel::white(0.0123);
         for (octave, level) in [(0, 0), (2, 3)] {
             let expected = 0.0123 * dog_noise_variance(&space, octave, f64::from(level), &offsets).sqrt() as f32;

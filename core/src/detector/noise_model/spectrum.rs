@@ -8,6 +8,7 @@
 
 use super::contrast::{Contrast, Pixels as Source, SceneMotion};
 use super::high_pass::{quantile, quiet_variance, sorted, spread};
+use crate::burst::Positions;
 use crate::detector::noise::{dog_energy, dog_noise_variance};
 use crate::detector::params::{Interpolation, Slope};
 use crate::detector::scale_space::{
@@ -213,7 +214,7 @@ pub fn tiles_of_octave(
     let contrasts = sources.contrasts;
     let pixels: usize = regions.iter().map(|r| r.columns.len() * r.rows.len()).sum();
     let rounds = (wanted / pixels.max(1)).clamp(1, contrasts.len());
-    let one_frame = frame_offsets(1, Slope::default(), Interpolation::Linear);
+    let one_frame = frame_offsets(&Positions::even(1), Slope::default(), Interpolation::Linear);
     let white = |level: f64| {
         if first { dog_noise_variance(space, octave, level, &one_frame) } else { means.white(space, level) }
     };

@@ -108,6 +108,7 @@ pub const MIN_OCTAVE_SIDE: usize = 16;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::burst::Positions;
 
     #[test]
     fn a_file_may_fix_the_gate_and_the_frames() {
@@ -148,12 +149,12 @@ mod tests {
         for (params, name) in cases {
             assert_eq!(params.validate().expect_err(name).subject, name);
         }
-        let one_frame = DetectorParams::default().validate_for(1, (100, 100)).expect_err("one frame");
+        let one_frame = DetectorParams::default().validate_for(&Positions::even(1), (100, 100)).expect_err("one frame");
         assert_eq!(one_frame.subject, "frames");
         let sift = DetectorParams { method: Method::Sift, ..good() };
-        assert_eq!(sift.validate_for(1, (64, 64)), Ok(()));
+        assert_eq!(sift.validate_for(&Positions::even(1), (64, 64)), Ok(()));
         let too_fast = DetectorParams { slopes: SlopeGrid::line(-99.0..=99.0, 3), ..good() };
-        assert_eq!(too_fast.validate_for(10, (100, 100)).expect_err("too fast").subject, "slopes-u");
+        assert_eq!(too_fast.validate_for(&Positions::even(10), (100, 100)).expect_err("too fast").subject, "slopes-u");
     }
 
     #[test]

@@ -188,12 +188,12 @@ impl SlopeGrid {
     }
 
     /// Coarse grid around zero that encloses this one, the same for all of about the same reach: on each axis with more
-    /// than one slope to 4, 8, 16 … px/frame, in steps by which a burst of `frames` frames moves by about a dozen pixels
-    /// at most; in longer ones where the range is very wide.
-    pub fn enclosing(&self, frames: usize) -> Self {
+    /// than one slope to 4, 8, 16 … px/frame, in steps by which a burst of `span` frame intervals moves by about a dozen
+    /// pixels at most; in longer ones where the range is very wide.
+    pub fn enclosing(&self, span: f32) -> Self {
         let widest = [self.u, self.v].map(|axis| axis.min.abs().max(axis.max.abs())).into_iter().fold(4.0, f32::max);
         let reach = widest.log2().ceil().exp2();
-        let steps = reach * (frames as f32 / MAX_MOVED_PX).max(1.0).log2().ceil().exp2();
+        let steps = reach * ((span + 1.0) / MAX_MOVED_PX).max(1.0).log2().ceil().exp2();
         let most = if self.is_plane() { 8.0 } else { 32.0 };
         let enclosing = |axis: SlopeAxis| match axis.count {
             0 | 1 => axis,

@@ -1,6 +1,7 @@
 //! Validation of parameters, alone and for a burst; each error gives a remedy.
 
 use super::{DetectorParams, MAX_SLOPES, MIN_OCTAVE_SIDE, Method, Param, doc};
+use crate::burst::Positions;
 use crate::error::Error;
 
 impl DetectorParams {
@@ -35,13 +36,14 @@ impl DetectorParams {
         }
     }
 
-    /// Checks the parameters against a burst of `frame_count` frames of `size` = (columns, rows).
+    /// Checks the parameters against a burst with frames at `positions` of `size` = (columns, rows).
     ///
     /// # Errors
     /// The first parameter that makes no sense for it.
-    pub fn validate_for(&self, frame_count: usize, size: (usize, usize)) -> Result<(), Error> {
+    pub fn validate_for(&self, positions: &Positions, size: (usize, usize)) -> Result<(), Error> {
         self.validate()?;
-        self.validate_frames(frame_count)?;
+        self.validate_frames(positions.len())?;
+        let used = positions.part(self.used_frames(positions.len()));
         let fail = |parameter: Param<Self>, problem: String, remedy: String| {
             Err(Error::param(parameter.name, problem, remedy))
         };
@@ -57,14 +59,14 @@ impl DetectorParams {
                 "start at a finer octave, or use a larger image".into(),
             );
         }
-        if self.method == Method::Buff && self.used_frames(frame_count).len() == 1 && self.slopes.len() > 1 {
+        if self.method == Method::Buff && used.len() == 1 && self.slopes.len() > 1 {
             return fail(
                 doc::FRAMES,
                 "a single frame shows no motion, so its slopes are all the same".into(),
                 "use 2 frames or more, or the method sift".into(),
             );
         }
-        let span = (self.used_frames(frame_count).len() - 1) as f32 * 0.5 * self.slopes.max_magnitude();
+        let span = used.reach() as f32 * self.slopes.max_magnitude();
         let diagonal = (size.0 as f32).hypot(size.1 as f32);
         if self.method == Method::Buff && span >= diagonal {
             return fail(

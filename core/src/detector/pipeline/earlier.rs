@@ -27,7 +27,7 @@ pub(super) struct Earlier<'a> {
 pub fn shared_slopes(params: &DetectorParams, searched: &DetectorParams) -> usize {
     let same_slopes = DetectorParams { slopes: searched.slopes, ..params.clone() };
     let same_noise = params.noise_model == NoiseModelKind::White
-        || searched.used_slopes().enclosing(1) == params.used_slopes().enclosing(1);
+        || searched.used_slopes().enclosing(0.0) == params.used_slopes().enclosing(0.0);
     // A strict gate may refuse the noise.
     let may_refuse = params.noise_gate == NoiseGate::Strict && searched.noise_gate != NoiseGate::Strict;
     let is_after = is_sum(params)
@@ -55,8 +55,10 @@ fn known_slopes(grid: &SlopeGrid, earlier: &SlopeGrid) -> Vec<Option<usize>> {
 impl<'a> Earlier<'a> {
     /// `None` where a search of `burst` with `params` has nothing to take over from `trail`.
     pub(super) fn of(trail: &'a Trail, burst: &Burst, params: &DetectorParams) -> Option<Self> {
-        let read = &burst.frames[params.used_frames(burst.len())];
+        let used = params.used_frames(burst.len());
+        let read = &burst.frames[used.clone()];
         let same_frames = read.len() == trail.inputs.read.len()
+            && burst.positions.part(used) == trail.inputs.times.positions
             && read.iter().zip(&trail.inputs.read).all(|(one, other)| Arc::ptr_eq(one, other));
         let is_after = || shared_slopes(params, &trail.outcome.params) > 0;
         (same_frames && is_after()).then_some(Self { trail })

@@ -96,7 +96,7 @@ fn search_all(
     monitor: &Monitor,
 ) -> Result<Trail, Error> {
     let started = Instant::now();
-    params.validate_for(burst.len(), burst.size())?;
+    params.validate_for(&burst.positions, burst.size())?;
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(Wanted { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
@@ -201,6 +201,7 @@ fn choose(
         noise: inputs.noise.clone(),
         slopes: inputs.params.used_slopes(),
         frames_used: inputs.frames_used.clone(),
+        positions: inputs.times.positions.clone(),
         octaves: inputs.octaves(),
         times,
     };
@@ -244,7 +245,7 @@ impl Trail {
         inputs.params.max_features = 0;
         inputs.times = inputs.times.reordered(order);
         let params = inputs.params.clone();
-        let wanted = Wanted { params: &params, frames: inputs.times.frame_count, size: inputs.size_image };
+        let wanted = Wanted { params: &params, frames: inputs.times.positions.len(), size: inputs.size_image };
         let (plan, _share) = OF_PROCESS.plan(wanted, budget_beside_kept())?;
         plan.run(|| {
             Ok(search_inputs(inputs, self.outcome.field.clone(), &plan, false, None, StageTimes::default(), monitor)?
@@ -322,7 +323,7 @@ impl Search<'_> {
     /// Whether features of `octave` are described at their own slopes: it is fine enough to show the difference.
     fn describes_own_slopes(&self, octave: i32) -> bool {
         let step = self.grid.u.step().max(self.grid.v.step()).max(0.0);
-        let outermost_px = step * 0.5 * (self.inputs.times.frame_count as f32 - 1.0);
+        let outermost_px = step * self.inputs.times.positions.reach() as f32;
         self.params.rules.describe_slope == DescribeSlope::Refined
             && describe::misaligned(outermost_px, self.space.sigma_image(octave, 0.0) as f32)
     }

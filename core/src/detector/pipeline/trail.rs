@@ -2,6 +2,7 @@
 //! run again on the few samples in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those
 //! of a tile do not depend on the tile.
 
+use crate::burst::Positions;
 use crate::detector::along::Along;
 use crate::detector::coherence::{Evenness, FrameResponse, floor_pixel};
 use crate::detector::distinct::{Blob, Deciding, Rule};
@@ -157,9 +158,9 @@ impl Trail {
         &self.inputs.noise
     }
 
-    /// Frames that took part, their indices among those used, and the number of those used.
-    pub fn frames(&self) -> (&[Arc<Plane>], &[usize], usize) {
-        (&self.inputs.frames, &self.inputs.times.kept, self.inputs.times.frame_count)
+    /// Frames that took part, their indices among those used, and the positions of those used.
+    pub fn frames(&self) -> (&[Arc<Plane>], &[usize], &Positions) {
+        (&self.inputs.frames, &self.inputs.times.kept, &self.inputs.times.positions)
     }
 
     /// All keypoints that passed the tests of the search, including those that show the same blob as a stronger one.

@@ -177,6 +177,7 @@ fn next_first_level(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::burst::Positions;
     use crate::detector::params::{CoarseStart, Interpolation, Slope};
     use crate::detector::scale_space::{SIGMA_BASE, SIGMA_INPUT};
     use crate::detector::stack::{frame_offsets, motion_stack};
@@ -188,7 +189,7 @@ mod tests {
             |t: usize| Plane::from_fn(701, 423, |u, v| ((u * 7919 + v * 104_729 + t * 31) % 997) as f32 / 997.0);
         let frames: Vec<Plane> = (0..3).map(frame).collect();
         let frames: Vec<&Plane> = frames.iter().collect();
-        let offsets = frame_offsets(3, Slope::new(1.3, -0.4), Interpolation::Linear);
+        let offsets = frame_offsets(&Positions::even(3), Slope::new(1.3, -0.4), Interpolation::Linear);
         for first_octave in [-1, 0, 1] {
             let space = ScaleSpace::new(4, first_octave, 4.0);
             let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: (701, 423) };
@@ -219,7 +220,8 @@ mod tests {
     fn stripes_finer_than_the_pixels_of_a_coarse_octave_vanish_or_where_it_skips_pixels_alias() {
         // Every second pixel of stripes 2.1 pixels apart shows stripes 21 of its own pixels apart.
         let stripes = Plane::from_fn(320, 240, |u, _| (u as f32 * 0.95 * std::f32::consts::PI).cos());
-        let (offsets, monitor) = (frame_offsets(1, Slope::default(), Interpolation::Linear), Monitor::default());
+        let (offsets, monitor) =
+            (frame_offsets(&Positions::even(1), Slope::default(), Interpolation::Linear), Monitor::default());
         let strongest = |start| {
             let space = ScaleSpace::starting(3, 1, start, 4.0);
             let binned = space.binned(&[&stripes], &monitor).expect("not cancelled");
@@ -238,8 +240,9 @@ mod tests {
         let frame = |t: usize| Plane::from_fn(61, 43, |u, v| ((u * 7919 + v * 104_729 + t * 31) % 997) as f32 / 997.0);
         let frames = [0, 1, 2].map(frame);
         let (slope, monitor) = (Slope::new(1.3, -0.4), Monitor::default());
-        let stack = motion_stack(&frames.each_ref(), slope, Interpolation::Linear, &monitor).expect("not cancelled");
-        let offsets = frame_offsets(3, slope, Interpolation::Linear);
+        let stack = motion_stack(&frames.each_ref(), &Positions::even(3), slope, Interpolation::Linear, &monitor)
+            .expect("not cancelled");
+        let offsets = frame_offsets(&Positions::even(3), slope, Interpolation::Linear);
         let (mut tiles, size) = (Vec::new(), (30, 21));
         stack_tiles(&frames.each_ref(), &[&offsets], 1, &whole(size), &mut tiles);
         for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {

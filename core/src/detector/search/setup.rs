@@ -108,7 +108,7 @@ pub(crate) struct Inputs {
 impl Inputs {
     /// Checks the parameters and examines the noise.
     pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, Error> {
-        params.validate_for(burst.len(), burst.size())?;
+        params.validate_for(&burst.positions, burst.size())?;
         let frames_used = params.used_frames(burst.len());
         monitor.report(Stage::Noise, 0.0);
         let space = ScaleSpace::of(params);
@@ -117,7 +117,7 @@ impl Inputs {
         {
             return Err(refused.against_strict());
         }
-        let times = FrameTimes { frame_count: frames_used.len(), kept };
+        let times = FrameTimes { positions: burst.positions.part(frames_used.clone()), kept };
         let read = burst.frames[frames_used.clone()].to_vec();
         let (size_image, noise, gate_factor) = (burst.size(), Arc::new(model), gate_factor(params));
         let planes: Vec<&Plane> = frames.iter().map(|frame| &**frame).collect();
@@ -167,7 +167,7 @@ impl Inputs {
 
     /// Offsets at which the frames that take part are read at `slope`.
     pub(crate) fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
-        self.times.of(frame_offsets(self.times.frame_count, slope, self.params.rules.interpolation))
+        self.times.of(frame_offsets(&self.times.positions, slope, self.params.rules.interpolation))
     }
 
     /// σ_D at `octave` and `level` (−1 … S) of the mean over the frames at `offsets`, at the place of least noise.
@@ -199,9 +199,10 @@ pub(in crate::detector) fn known_noise(
     let frames = &burst.frames[used.clone()];
     let local = match params.noise_model {
         NoiseModelKind::Local => {
-            let slopes: Vec<Slope> = params.used_slopes().enclosing(frames.len()).slopes().collect();
+            let positions = &burst.positions.part(used.clone());
+            let slopes: Vec<Slope> = params.used_slopes().enclosing(positions.span() as f32).slopes().collect();
             let octaves = searched_octaves(params, burst.size());
-            let search = ForSearch { space, octaves, slopes: &slopes, flicker: params.flicker };
+            let search = ForSearch { space, octaves, slopes: &slopes, flicker: params.flicker, positions };
             examine(frames, burst.quantisation_step, &search, monitor)?
         }
         NoiseModelKind::White => None,

@@ -8,7 +8,7 @@
 //! that the grid of a burst and that of a part of it have their points in common.
 
 use super::peak::{SearchTable, Track};
-use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
+use super::spectra::{CrossSpectra, Fourier, Lags, SIDE, Scratch};
 use crate::detector::params::{Slope, SlopeAxis, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -50,6 +50,7 @@ const SHARED_NOISE: f64 = 1.37;
 pub(super) struct Looking<'a> {
     pub fourier: &'a Fourier,
     pub table: &'a SearchTable,
+    pub lags: &'a Lags,
     pub levels: &'a [Vec<Plane>],
     pub first_level: u32,
     /// Number of lags, from 1 on, that do not count.
@@ -57,17 +58,16 @@ pub(super) struct Looking<'a> {
 }
 
 pub(super) fn look(
-    frames: &[&Plane],
+    (frames, lags): (&[&Plane], &Lags),
     (levels, ignored_lags): (Range<u32>, usize),
     track: Track,
     fourier: &Fourier,
     monitor: &Monitor,
 ) -> Result<(Seen, SearchTable), Cancelled> {
-    let lag_count = CrossSpectra::zeros(frames.len()).lags.len();
-    let table = SearchTable::new(lag_count, track, &fourier.overlap);
+    let table = SearchTable::new(&lags.distances, track, &fourier.overlap);
     let first_level = levels.start;
     let pyramids = super::spectra::pyramids(frames, levels, monitor)?;
-    let looking = Looking { fourier, table: &table, levels: &pyramids, first_level, ignored_lags };
+    let looking = Looking { fourier, table: &table, lags, levels: &pyramids, first_level, ignored_lags };
     let seen = looking.all(monitor)?;
     Ok((seen, table))
 }
@@ -89,10 +89,9 @@ impl Looking<'_> {
         let mut seen = Seen { evidence: Vec::new(), wholes: Vec::new() };
         for (level, blocks) in blocks.chunks(BLOCKS * BLOCKS).enumerate() {
             monitor.check()?;
-            let frame_count = self.levels[level].len();
-            let mut scratch = self.fourier.scratch(frame_count);
-            let mut whole = Sum::new(frame_count);
-            let mut quarters: Vec<Sum> = (0..4).map(|_| Sum::new(frame_count)).collect();
+            let mut scratch = self.fourier.scratch(self.levels[level].len());
+            let mut whole = Sum::new(self.lags);
+            let mut quarters: Vec<Sum> = (0..4).map(|_| Sum::new(self.lags)).collect();
             for (block, (evidence, sum)) in blocks.iter().enumerate() {
                 seen.evidence.extend(evidence);
                 quarters[block / BLOCKS / 2 * 2 + block % BLOCKS / 2].add(sum);
@@ -113,11 +112,11 @@ impl Looking<'_> {
         let (width, height) = frames[0].size();
         let belongs = |start: usize, length: usize, part: usize| (2 * start + SIDE) * BLOCKS / (2 * length) == part;
         let mut scratch = self.fourier.scratch(frames.len());
-        let (mut evidence, mut sum) = (Vec::new(), Sum::new(frames.len()));
+        let (mut evidence, mut sum) = (Vec::new(), Sum::new(self.lags));
         for v in starts(height).into_iter().filter(|v| belongs(*v, height, block / BLOCKS)) {
             for u in starts(width).into_iter().filter(|u| belongs(*u, width, block % BLOCKS)) {
                 monitor.check()?;
-                let mut products = self.fourier.products(frames, (u, v), &mut scratch);
+                let mut products = self.fourier.products(frames, self.lags, (u, v), &mut scratch);
                 products.forget_lags(self.ignored_lags);
                 let area = [u..u + SIDE, v..v + SIDE];
                 evidence.extend(self.evidence(level, &products, 1.0, &area, &mut scratch));
@@ -174,8 +173,8 @@ struct Sum {
 }
 
 impl Sum {
-    fn new(frame_count: usize) -> Self {
-        Self { products: CrossSpectra::zeros(frame_count), windows: 0, area: [0..0, 0..0] }
+    fn new(lags: &Lags) -> Self {
+        Self { products: CrossSpectra::zeros(lags), windows: 0, area: [0..0, 0..0] }
     }
 
     fn add(&mut self, other: &Self) {

@@ -17,7 +17,7 @@ pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
 use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
-use crate::burst::Burst;
+use crate::burst::{Burst, Positions};
 use crate::detector::scale_space::ScaleSpace;
 use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -27,7 +27,7 @@ use evidence::{
 };
 use peak::{Path, SearchTable, Track};
 use serde::Serialize;
-use spectra::{Fourier, MAX_LAG, SIDE};
+use spectra::{Fourier, Lags, MAX_LAG, SIDE};
 
 /// Smear of the outermost frames, in pixels, below which two slopes are equal: about the σ of the finest features.
 const SAME_SMEAR_PX: f64 = 1.9;
@@ -47,8 +47,8 @@ const STILL_LEVEL_PX: f64 = 1.25;
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
 /// from +u towards +v) or anywhere in the plane.
 ///
-/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ/(N−1) for the
-/// finest σ searched, or coarser where the range is long. Results do not depend on the number of threads, to the bit.
+/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ over the time
+/// from the first to the last frame for the finest σ searched, or coarser where the range is long. Results do not depend on the number of threads, to the bit.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -71,21 +71,24 @@ pub fn find_slopes(
         Track::Line([cos, sin])
     });
     let levels = spectra::levels_for(burst.size(), SIDE);
-    let (mut seen, mut table) = look(&frames, (levels.clone(), 0), track, &fourier, monitor)?;
-    let shared = seen.wholes.first().map_or(0, |whole| peak::lags_of_shared_noise(whole, &fourier));
+    let positions = burst.positions.part(params.used_frames(burst.len()));
+    let lags = Lags::of(&positions);
+    let (mut seen, mut table) = look((&frames, &lags), (levels.clone(), 0), track, &fourier, monitor)?;
+    let shared = seen.wholes.first().map_or(0, |whole| peak::lags_of_shared_noise(whole, &lags, &fourier));
     if shared > 0 {
-        (seen, table) = look(&frames, (levels.clone(), shared), track, &fourier, monitor)?;
+        (seen, table) = look((&frames, &lags), (levels.clone(), shared), track, &fourier, monitor)?;
     }
-    let gaps = (frames.len() - 1) as f64;
-    let steps = steps_of(params, frames.len());
-    let size = Size { gaps, pixels: burst.size() };
+    let steps = steps_of(params, &positions);
+    let size = Size { gaps: positions.span(), pixels: burst.size() };
     let finding = conclude(&seen, steps, direction_deg, size);
     let path = path_of(&seen, &fourier, levels.start).filter(|_| shared == 0);
     let mut warnings = regularity::of_places(&seen.evidence, steps, size);
-    let order = path.as_ref().and_then(|path| regularity::of_order(&path.way, path.error));
+    // With times of their own, frames are in their order and the gaps are known.
+    let ordered = path.as_ref().filter(|_| positions.is_even());
+    let order = ordered.and_then(|path| regularity::of_order(&path.way, path.error));
     let still = finding.verdict == SlopeVerdict::Still && order.is_none();
     warnings.extend(order);
-    let deviation = path.map(|path| (peak::distance_from_a_line(&path.way), path.limit(still)));
+    let deviation = path.map(|path| (peak::distance_from_a_line(&path.way, positions.offsets()), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
     let verdict = match finding.verdict {
         SlopeVerdict::Found | SlopeVerdict::Still if deviation.is_some_and(|(distance, limit)| distance > limit) => {
@@ -98,8 +101,8 @@ pub fn find_slopes(
     Ok(SlopeFinding { verdict, deviation_px, spectrum, warnings, ..finding })
 }
 
-fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
-    let gaps = (frames.max(2) - 1) as f64;
+fn steps_of(params: &DetectorParams, positions: &Positions) -> Steps {
+    let gaps = positions.span().max(1.0);
     let space = ScaleSpace::of(params);
     Steps {
         search: 2.0 * space.sigma_image(space.first_octave, 0.0) / gaps,
@@ -109,8 +112,8 @@ fn steps_of(params: &DetectorParams, frames: usize) -> Steps {
 
 impl SlopeFinding {
     /// Evidence from which the grid for a search with `params` is chosen: clear, and certain by itself or confirmed.
-    pub fn confirmed(&self, params: &DetectorParams, frame_count: usize) -> Vec<SlopeEvidence> {
-        let steps = steps_of(params, params.used_frames(frame_count).len());
+    pub fn confirmed(&self, params: &DetectorParams, positions: &Positions) -> Vec<SlopeEvidence> {
+        let steps = steps_of(params, &positions.part(params.used_frames(positions.len())));
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
         confirmed(&clear, steps)
     }
@@ -147,16 +150,16 @@ impl SlopeFinding {
 pub(crate) fn axis_through(
     evidence: &[SlopeEvidence],
     params: &DetectorParams,
-    frames: usize,
+    positions: &Positions,
     direction_deg: f32,
 ) -> Option<SlopeAxis> {
     let range = || evidence::ranges(evidence, f64::from(direction_deg)).0;
-    (!evidence.is_empty()).then(|| evidence::axis(range(), steps_of(params, frames).search, LINE_SLOPES))
+    (!evidence.is_empty()).then(|| evidence::axis(range(), steps_of(params, positions).search, LINE_SLOPES))
 }
 
-pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, frames: usize, is_plane: bool) -> usize {
+pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, positions: &Positions, is_plane: bool) -> usize {
     let most = if is_plane { PLANE_SLOPES } else { LINE_SLOPES };
-    evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, frames).search, most)
+    evidence::count([axis.min, axis.max].map(f64::from), steps_of(params, positions).search, most)
 }
 
 /// Parameters with which `burst` is searched, and the finding where slopes are found from it, which baselines do not.
@@ -178,7 +181,7 @@ pub fn resolve(
     }
     // All parameters but the slopes are checked before the slopes are searched.
     let unmoved = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params.detector.clone() };
-    unmoved.validate_for(burst.len(), burst.size())?;
+    unmoved.validate_for(&burst.positions, burst.size())?;
     let finding = find_slopes(burst, &unmoved, direction_deg, monitor)?;
     Ok((DetectorParams { slopes: finding.grid, ..unmoved }, Some(finding)))
 }
@@ -186,7 +189,7 @@ pub fn resolve(
 /// Sizes that limit a motion.
 #[derive(Clone, Copy)]
 struct Size {
-    /// Number of frames less one.
+    /// Time from the first to the last frame, frame intervals.
     gaps: f64,
     pixels: (usize, usize),
 }

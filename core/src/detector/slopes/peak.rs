@@ -9,7 +9,7 @@
 //! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a
 //! whole. The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
-use super::spectra::{CrossSpectra, Fourier, SIDE};
+use super::spectra::{CrossSpectra, Fourier, Lags, SIDE};
 
 /// Largest shift used, level pixels: at larger ones little of the window overlaps.
 const REACH: f64 = 0.4 * SIDE as f64;
@@ -52,11 +52,14 @@ pub(super) struct SearchTable {
     pub slopes: Vec<[f64; 2]>,
     taps: Vec<Vec<Tap>>,
     step: f64,
+    /// Distance of the frames of each lag, frame intervals.
+    distances: Vec<f64>,
     overlap: Vec<f32>,
 }
 
 impl SearchTable {
-    pub fn new(lag_count: usize, track: Track, overlap: &[f32]) -> Self {
+    pub fn new(distances: &[f64], track: Track, overlap: &[f32]) -> Self {
+        let lag_count = distances.len();
         let lags = lag_count.clamp(1, SEARCH_LAGS);
         let step = SEARCH_STEP / lags as f64;
         let radius = REACH / lag_count.clamp(1, 3) as f64;
@@ -68,8 +71,10 @@ impl SearchTable {
                 .collect(),
             Track::Line([u, v]) => (-half..=half).map(|i| [i as f64 * step * u, i as f64 * step * v]).collect(),
         };
-        let taps = slopes.iter().map(|s| (1..=lags).filter_map(|lag| Tap::new(*s, lag, overlap)).collect()).collect();
-        Self { track, slopes, taps, step, overlap: overlap.to_vec() }
+        let of_lags =
+            |s: &[f64; 2]| distances.iter().take(lags).filter_map(|apart| Tap::new(*s, *apart, overlap)).collect();
+        let taps = slopes.iter().map(of_lags).collect();
+        Self { track, slopes, taps, step, distances: distances.to_vec(), overlap: overlap.to_vec() }
     }
 
     /// Peak of the correlations of lags 1, 2, …; `None` where the variance is zero, or no slope has power.
@@ -79,7 +84,7 @@ impl SearchTable {
         }
         let scores = self.scores(planes, variance);
         let unbiased: Vec<Vec<f32>> = planes.iter().map(|plane| unbiased(plane, &self.overlap)).collect();
-        let stack = Stack { planes: &unbiased, variance, overlap: &self.overlap };
+        let stack = Stack { planes: &unbiased, variance, distances: &self.distances, overlap: &self.overlap };
         let first = best(&scores, |_| true)?;
         let peak = self.refined(&stack, self.slopes[first], STEPS)?;
         // The width of a peak in the grid's search follows from its lags.
@@ -176,8 +181,8 @@ fn best(scores: &[f64], counts: impl Fn(usize) -> bool) -> Option<usize> {
 }
 
 impl Tap {
-    fn new(slope: [f64; 2], lag: usize, overlap: &[f32]) -> Option<Self> {
-        let shift = slope.map(|s| s * lag as f64);
+    fn new(slope: [f64; 2], apart: f64, overlap: &[f32]) -> Option<Self> {
+        let shift = slope.map(|s| s * apart);
         let w = overlap_at(overlap, shift);
         if w < MIN_OVERLAP {
             return None;
@@ -217,17 +222,24 @@ struct Stack<'a> {
     /// Correlations divided by the overlap.
     planes: &'a [Vec<f32>],
     variance: &'a [f64],
+    /// Distance of the frames of each lag, frame intervals.
+    distances: &'a [f64],
     overlap: &'a [f32],
 }
 
 impl Stack<'_> {
     fn weights(&self, slope: [f64; 2]) -> Vec<f64> {
-        let weight = |lag: usize| f64::from(overlap_at(self.overlap, slope.map(|s| s * lag as f64)));
-        (1..=self.planes.len()).map(weight).map(|w| if w < f64::from(MIN_OVERLAP) { 0.0 } else { w }).collect()
+        let weight = |apart: &f64| f64::from(overlap_at(self.overlap, slope.map(|s| s * apart)));
+        self.distances
+            .iter()
+            .take(self.planes.len())
+            .map(weight)
+            .map(|w| if w < f64::from(MIN_OVERLAP) { 0.0 } else { w })
+            .collect()
     }
 
     fn power(&self, weights: &[f64], slope: [f64; 2]) -> f64 {
-        let lag = |(k, w): (usize, &f64)| w * w * cubic(&self.planes[k], slope.map(|s| s * (k + 1) as f64));
+        let lag = |(k, w): (usize, &f64)| w * w * cubic(&self.planes[k], slope.map(|s| s * self.distances[k]));
         weights.iter().enumerate().filter(|(_, w)| **w > 0.0).map(lag).sum()
     }
 
@@ -309,8 +321,7 @@ fn largest_at(plane: &[f32]) -> usize {
 
 /// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
 /// pairs of neighbours too (where a scene moves to and fro they show the shifts), and far smaller at the next lag.
-pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -> usize {
-    let frames = products.neighbours.len() + 1;
+pub(super) fn lags_of_shared_noise(products: &CrossSpectra, lags: &Lags, fourier: &Fourier) -> usize {
     let pairs = fourier.correlations(&products.neighbours, &mut fourier.scratch(0));
     if 2 * pairs.iter().filter(|pair| largest_at(pair) == 0).count() <= pairs.len() {
         return 0;
@@ -319,7 +330,7 @@ pub(super) fn lags_of_shared_noise(products: &CrossSpectra, fourier: &Fourier) -
     let largest = |lag: usize| {
         let plane = &planes[lag - 1];
         let at = largest_at(plane);
-        let pairs = (frames - lag) as f64;
+        let pairs = lags.pairs(lag) as f64;
         (at, f64::from(plane[at]) / pairs, products.variance[lag - 1].sqrt() / pairs)
     };
     let is_noise = |lag: usize| {
@@ -357,19 +368,17 @@ fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f
     Some((at, significance))
 }
 
-/// Largest distance of points that follow each other at equal intervals from the uniform motion that fits them best.
-pub(super) fn distance_from_a_line(way: &[[f64; 2]]) -> f64 {
-    let middle = 0.5 * (way.len() as f64 - 1.0);
-    let times: Vec<f64> = (0..way.len()).map(|t| t as f64 - middle).collect();
+/// Largest distance of points reached at `times`, whose mean is 0, from the uniform motion that fits them best.
+pub(super) fn distance_from_a_line(way: &[[f64; 2]], times: &[f64]) -> f64 {
     let spread: f64 = times.iter().map(|t| t * t).sum();
     let fit = |axis: usize| {
         let mean = way.iter().map(|x| x[axis]).sum::<f64>() / way.len() as f64;
-        let slope = way.iter().zip(&times).map(|(x, t)| x[axis] * t).sum::<f64>() / spread;
+        let slope = way.iter().zip(times).map(|(x, t)| x[axis] * t).sum::<f64>() / spread;
         (mean, slope)
     };
     let fits = [fit(0), fit(1)];
     let off = |x: &[f64; 2], t: f64, axis: usize| x[axis] - fits[axis].0 - fits[axis].1 * t;
-    way.iter().zip(&times).map(|(x, t)| off(x, *t, 0).hypot(off(x, *t, 1))).fold(0.0, f64::max)
+    way.iter().zip(times).map(|(x, t)| off(x, *t, 0).hypot(off(x, *t, 1))).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -379,8 +388,8 @@ mod tests {
     #[test]
     fn a_uniform_way_has_no_distance_and_a_bent_one_its_own() {
         let uniform: Vec<[f64; 2]> = (0..6).map(|t| [1.5 * f64::from(t), 2.0 - 0.5 * f64::from(t)]).collect();
-        assert!(distance_from_a_line(&uniform) < 1e-12);
+        assert!(distance_from_a_line(&uniform, crate::burst::Positions::even(6).offsets()) < 1e-12);
         let there_and_back = [[0.0, 0.0], [3.0, 0.0], [0.0, 0.0]];
-        assert!((distance_from_a_line(&there_and_back) - 2.0).abs() < 1e-12);
+        assert!((distance_from_a_line(&there_and_back, &[-1.0, 0.0, 1.0]) - 2.0).abs() < 1e-12);
     }
 }

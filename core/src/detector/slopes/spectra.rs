@@ -2,9 +2,10 @@
 //!
 //! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level
 //! pixels is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The
-//! product conj(F_t)·F_{t+k} is the spectrum of the cross-correlation of frames t and t + k; products of the same lag k
-//! are added up. A frame is never multiplied by itself, so that the frames' own noise adds nothing on average.
+//! product conj(F_s)·F_t is the spectrum of the cross-correlation of frames s and t; products of the same lag, the whole
+//! number of frame intervals nearest to their distance in time, are added up. A frame is never multiplied by itself, so that the frames' own noise adds nothing on average.
 
+use crate::burst::Positions;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -24,6 +25,42 @@ const BAND_SIGMA: f64 = 1.0;
 const BAND_RATIO: f64 = 1.6;
 /// Largest lag that is used: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
+
+/// Pairs of frames by their lag: the whole number of frame intervals that is nearest to their distance in time.
+pub(super) struct Lags {
+    /// Number of frames.
+    frames: usize,
+    /// Pairs of lag 1, 2, …; pairs of frames closer than half an interval, and those too far apart, are in none.
+    pairs: Vec<Vec<(usize, usize)>>,
+    /// Mean distance of the pairs of each lag, frame intervals; the lag itself where it has no pair.
+    pub distances: Vec<f64>,
+}
+
+impl Lags {
+    pub fn of(positions: &Positions) -> Self {
+        let count =
+            (positions.span().round().max(1.0) as usize).min(MAX_LAG).min(positions.len().saturating_sub(1) * MAX_LAG);
+        let mut pairs = vec![Vec::new(); count];
+        let apart = |(s, t): (usize, usize)| positions.offset(t) - positions.offset(s);
+        for pair in (0..positions.len()).flat_map(|s| (s + 1..positions.len()).map(move |t| (s, t))) {
+            let lag = apart(pair).round();
+            if (1.0..=count as f64).contains(&lag) {
+                pairs[lag as usize - 1].push(pair);
+            }
+        }
+        let distance = |(of, lag): (&Vec<(usize, usize)>, usize)| match of.len() {
+            0 => lag as f64,
+            n => of.iter().map(|pair| apart(*pair)).sum::<f64>() / n as f64,
+        };
+        let distances = pairs.iter().zip(1..).map(distance).collect();
+        Self { frames: positions.len(), pairs, distances }
+    }
+
+    /// Number of pairs of `lag`, from 1.
+    pub fn pairs(&self, lag: usize) -> usize {
+        self.pairs[lag - 1].len()
+    }
+}
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spectrum {
@@ -69,13 +106,12 @@ pub(super) struct CrossSpectra {
 }
 
 impl CrossSpectra {
-    pub fn zeros(frame_count: usize) -> Self {
-        let gaps = frame_count.saturating_sub(1);
-        let lags = gaps.min(MAX_LAG);
+    pub fn zeros(of: &Lags) -> Self {
+        let lags = of.pairs.len();
         Self {
             lags: vec![Spectrum::zeros(); lags],
             variance: vec![0.0; lags],
-            neighbours: vec![Spectrum::zeros(); gaps],
+            neighbours: vec![Spectrum::zeros(); of.frames.saturating_sub(1)],
         }
     }
 
@@ -149,7 +185,13 @@ impl Fourier {
     }
 
     /// Products for the window of `frames` whose first pixel is (`u`, `v`).
-    pub fn products(&self, frames: &[Plane], (u, v): (usize, usize), scratch: &mut Scratch) -> CrossSpectra {
+    pub fn products(
+        &self,
+        frames: &[Plane],
+        lags: &Lags,
+        (u, v): (usize, usize),
+        scratch: &mut Scratch,
+    ) -> CrossSpectra {
         // Two frames at a time: one as the real, one as the imaginary part.
         for first in (0..frames.len()).step_by(2) {
             let second = frames.get(first + 1);
@@ -163,14 +205,14 @@ impl Fourier {
                 *e = re * re + im * im;
             }
         }
-        let mut out = CrossSpectra::zeros(frames.len());
-        for k in 1..=out.lags.len() {
+        let mut out = CrossSpectra::zeros(lags);
+        for ((lag, pairs), of_lag) in out.lags.iter_mut().zip(&lags.pairs).zip(&mut out.variance) {
             let mut variance = 0.0;
-            for t in 0..frames.len() - k {
-                out.lags[k - 1].add_product(&scratch.frames[t], &scratch.frames[t + k]);
-                variance += whole_sum_of_products(&scratch.energy[t], &scratch.energy[t + k]);
+            for &(s, t) in pairs {
+                lag.add_product(&scratch.frames[s], &scratch.frames[t]);
+                variance += whole_sum_of_products(&scratch.energy[s], &scratch.energy[t]);
             }
-            out.variance[k - 1] = variance / (AREA * AREA) as f64;
+            *of_lag = variance / (AREA * AREA) as f64;
         }
         for (t, pair) in out.neighbours.iter_mut().enumerate() {
             pair.add_product(&scratch.frames[t], &scratch.frames[t + 1]);
@@ -336,7 +378,7 @@ mod tests {
         let fourier = Fourier::new();
         let frames = moving((2.0, -1.0), 3);
         let mut scratch = fourier.scratch(3);
-        let products = fourier.products(&frames, (4, 3), &mut scratch);
+        let products = fourier.products(&frames, &Lags::of(&Positions::even(3)), (4, 3), &mut scratch);
         let correlations = fourier.correlations(&products.lags, &mut scratch);
         assert_eq!((products.lags.len(), correlations.len(), products.neighbours.len()), (2, 2, 2));
         // The band-passed windows themselves, one at a time.
@@ -374,7 +416,7 @@ mod tests {
         let (mut measured, mut predicted, mut scratch) = (0.0, 0.0, fourier.scratch(4));
         for _ in 0..20 {
             let frames: Vec<Plane> = (0..4).map(|_| Plane::from_fn(32, 32, |_, _| noise.normal() as f32)).collect();
-            let products = fourier.products(&frames, (0, 0), &mut scratch);
+            let products = fourier.products(&frames, &Lags::of(&Positions::even(4)), (0, 0), &mut scratch);
             let correlations = fourier.correlations(&products.lags, &mut scratch);
             measured += correlations[0].iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / AREA as f64;
             predicted += products.variance[0];

@@ -21,6 +21,7 @@ pub use layout::{lay_out, round_length};
 pub use links::{FigureLink, FigureMatches};
 pub use svg::write_drawing_svg;
 
+use crate::burst::Positions;
 use crate::detector::Feature;
 use crate::plane::display::Display;
 use serde::{Deserialize, Serialize};
@@ -97,12 +98,12 @@ impl FigureMark {
         }
     }
 
-    /// A feature of a burst of `frames` frames with the arrow of its motion and the fan of its uncertainty; dashed at
+    /// A feature of a burst with frames at `positions` with the arrow of its motion and the fan of its uncertainty; dashed at
     /// the limit of the searched slopes, beyond which its true motion may lie.
-    pub fn of(feature: &Feature, frames: usize, color: Colour) -> Self {
+    pub fn of(feature: &Feature, positions: &Positions, color: Colour) -> Self {
         Self {
-            motion: Some(motion_over(feature, frames)),
-            motion_sigma: sigma_over(feature, frames),
+            motion: Some(motion_over(feature, positions)),
+            motion_sigma: sigma_over(feature, positions),
             opacity: 0.95,
             dashed: feature.at_slope_limit,
             ..Self::circle([feature.u, feature.v], feature.circle_radius_px(), color)
@@ -110,22 +111,22 @@ impl FigureMark {
     }
 }
 
-/// Places (u, v) of a feature in the first and in the last of `frames` frames by its
+/// Places (u, v) of a feature in the first and in the last of the frames at `positions` by its
 /// [motion](Feature::motion), image pixels.
-pub fn motion_over(feature: &Feature, frames: usize) -> [[f32; 2]; 2] {
+pub fn motion_over(feature: &Feature, positions: &Positions) -> [[f32; 2]; 2] {
     let (motion, _) = feature.motion();
-    let (du, dv) = (half_span(frames) * motion.u, half_span(frames) * motion.v);
-    [[feature.u - du, feature.v - dv], [feature.u + du, feature.v + dv]]
+    ends(positions).map(|offset| [feature.u + offset * motion.u, feature.v + offset * motion.v])
 }
 
-/// Standard deviation of these places by that of the [motion](Feature::motion), image pixels.
-pub fn sigma_over(feature: &Feature, frames: usize) -> f32 {
-    half_span(frames) * feature.motion().1
+/// Standard deviation of the second of these places by that of the [motion](Feature::motion), image pixels.
+pub fn sigma_over(feature: &Feature, positions: &Positions) -> f32 {
+    ends(positions)[1] * feature.motion().1
 }
 
-/// Time from mid-burst to the last frame, frames.
-fn half_span(frames: usize) -> f32 {
-    0.5 * frames.saturating_sub(1) as f32
+/// Times of the first and of the last frame from mid-burst, frame intervals.
+fn ends(positions: &Positions) -> [f32; 2] {
+    let offsets = positions.offsets();
+    [offsets.first(), offsets.last()].map(|offset| offset.map_or(0.0, |offset| *offset as f32))
 }
 
 /// Colours of values, from the smallest to the largest.

@@ -131,16 +131,20 @@ impl Telling<'_> {
             sum += significance;
             sum >= half
         })?;
-        let share = coverage_share(typical, frames, size);
+        let covered = |count: usize| {
+            let positions = self.judging.positions.part(self.judging.middle(count));
+            coverage_share(typical, &positions, size)
+        };
+        let share = covered(frames);
         if share >= COVERED || self.spectrum.finding.verdict == SlopeVerdict::Film {
             return None;
         }
-        let enough = (2..frames).rev().find(|&count| coverage_share(typical, count, size) >= COVERED).unwrap_or(2);
+        let enough = (2..frames).rev().find(|&count| covered(count) >= COVERED).unwrap_or(2);
         let sentence = format!(
             "at the typical slope {} px/frame all {frames} frames show only {:.0} % of the picture; the middle {enough} show {:.0} %",
             slope_text(typical),
             100.0 * share,
-            100.0 * coverage_share(typical, enough, size)
+            100.0 * covered(enough)
         );
         Some(SlopeAdvice {
             subject: Subject::Coverage,

@@ -3,7 +3,7 @@
 //! (`limit`) only where the frames show nothing clear.
 
 use super::{SlopeAdvice, Subject};
-use crate::burst::Burst;
+use crate::burst::{Burst, Positions};
 use crate::detector::advice::grouped;
 use crate::detector::limit::response_loss;
 use crate::detector::params::doc;
@@ -15,6 +15,7 @@ use crate::detector::{
 };
 use crate::inspect::words::{counted, number};
 use serde::Serialize;
+use std::ops::Range;
 
 /// Loss of the finest features half-way between two slopes from which the step is too coarse.
 const TOO_COARSE: f32 = 0.15;
@@ -58,7 +59,7 @@ pub fn judgement(
     finding: Option<&SlopeFinding>,
     burst: &Burst,
 ) -> Option<SlopeJudgement> {
-    let evidence = finding.map(|finding| finding.confirmed(params, burst.len())).unwrap_or_default();
+    let evidence = finding.map(|finding| finding.confirmed(params, &burst.positions)).unwrap_or_default();
     Judging::new(detection, params, finding, &evidence, burst.size()).map(|judging| judging.judgement())
 }
 
@@ -70,6 +71,8 @@ pub(super) struct Judging<'a> {
     pub grid: SlopeGrid,
     /// Number of frames used.
     pub frames: usize,
+    /// Their positions.
+    pub positions: &'a Positions,
     /// σ of the finest features, px.
     sigma: f32,
     /// Columns and rows of the picture.
@@ -90,7 +93,8 @@ impl<'a> Judging<'a> {
         let sigma = space.sigma_image(space.first_octave, 0.0) as f32;
         let has_slopes = params.method == Method::Buff && frames > 1;
         let grid = params.used_slopes();
-        has_slopes.then_some(Self { detection, params, finding, evidence, grid, frames, sigma, size })
+        let positions = &detection.positions;
+        has_slopes.then_some(Self { detection, params, finding, evidence, grid, frames, positions, sigma, size })
     }
 
     pub fn judgement(&self) -> SlopeJudgement {
@@ -118,7 +122,7 @@ impl<'a> Judging<'a> {
     fn advice(&self) -> Option<SlopeAdvice> {
         let found = self.finding.map(|finding| (finding.grid, finding.verdict));
         // Motions within half a step of 0 lose no more there than half-way between two slopes of a right grid.
-        let half_step = self.sigma / (self.frames - 1) as f32;
+        let half_step = self.sigma / self.positions.span() as f32;
         let is_slow = !self.evidence.is_empty() && self.evidence.iter().all(|e| e.slope.magnitude() <= half_step);
         let is_still = is_slow || matches!(found, Some((_, SlopeVerdict::Still)));
         if is_still && self.grid.len() > 1 {
@@ -218,9 +222,14 @@ impl<'a> Judging<'a> {
     }
 
     pub fn middle_frames(&self, count: usize) -> ParamChange {
-        let used = self.detection.frames_used.clone();
-        let start = used.start + (used.len() - count.min(used.len())) / 2;
-        ParamChange::new(doc::FRAMES, FrameRange { start, end: start + count.min(used.len()) })
+        let (first, middle) = (self.detection.frames_used.start, self.middle(count));
+        ParamChange::new(doc::FRAMES, FrameRange { start: first + middle.start, end: first + middle.end })
+    }
+
+    /// The middle `count` of the frames used.
+    pub fn middle(&self, count: usize) -> Range<usize> {
+        let start = (self.frames - count.min(self.frames)) / 2;
+        start..start + count.min(self.frames)
     }
 
     fn direction(&self) -> Option<SlopeAdvice> {
@@ -234,7 +243,7 @@ impl<'a> Judging<'a> {
                 _ => 0.0,
             };
             let across = off(&grid.u, false).hypot(off(&grid.v, true));
-            response_loss((across - e.uncertainty).max(0.0), self.frames, self.sigma) > OFF_LINE
+            response_loss((across - e.uncertainty).max(0.0), self.positions, self.sigma) > OFF_LINE
         };
         let part = self.part(is_off);
         if part <= OFF_LINE_PART {
@@ -276,7 +285,7 @@ impl<'a> Judging<'a> {
         let grid = self.grid;
         let line = |second: bool| {
             let degrees = grid.direction_deg + if second { 90.0 } else { 0.0 };
-            axis_through(self.evidence, self.params, self.frames, degrees)
+            axis_through(self.evidence, self.params, self.positions, degrees)
         };
         let wanted = match (grid.u.count > 1, grid.v.count > 1) {
             (true, false) => SlopeGrid { u: widened(&grid.u, line(false)?), ..grid },
@@ -406,8 +415,8 @@ impl<'a> Judging<'a> {
     }
 
     fn step(&self) -> Option<SlopeAdvice> {
-        let loss = |axis: &SlopeAxis| response_loss(0.5 * axis.step(), self.frames, self.sigma);
-        let needed = |axis: &SlopeAxis| slopes_needed(axis, self.params, self.frames, self.grid.is_plane());
+        let loss = |axis: &SlopeAxis| response_loss(0.5 * axis.step(), self.positions, self.sigma);
+        let needed = |axis: &SlopeAxis| slopes_needed(axis, self.params, self.positions, self.grid.is_plane());
         let coarse = |axis: &SlopeAxis| axis.count > 1 && loss(axis) > TOO_COARSE && needed(axis) > axis.count;
         let finer = |axis: SlopeAxis| if coarse(&axis) { SlopeAxis { count: needed(&axis), ..axis } } else { axis };
         let wanted = SlopeGrid { u: finer(self.grid.u), v: finer(self.grid.v), ..self.grid };
@@ -418,7 +427,7 @@ impl<'a> Judging<'a> {
             "a step of {} px/frame moves the outermost of {} frames by {} px between two slopes: half-way the finest features (σ {} px) lose {:.0} % of their response; a step of {} loses {:.0} %",
             number(axis.step(), 2),
             self.frames,
-            number(0.5 * axis.step() * (self.frames - 1) as f32, 1),
+            number(axis.step() * self.positions.reach() as f32, 1),
             number(self.sigma, 1),
             100.0 * loss(&axis),
             number(finer.step(), 2),

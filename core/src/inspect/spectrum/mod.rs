@@ -10,6 +10,7 @@ pub use advice::{SlopeAdvice, Subject};
 pub use judgement::{SlopeJudgement, judgement};
 
 use super::ProbeCache;
+use crate::burst::Positions;
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Detection, Feature, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
 use crate::inspect::shares::directions;
@@ -98,7 +99,7 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
         Some(finding) if cache.asked.slopes == SlopeChoice::AUTO => finding.clone(),
         _ => find_slopes(&cache.burst, params, None, monitor)?,
     };
-    let mut evidence = finding.confirmed(params, cache.burst.len());
+    let mut evidence = finding.confirmed(params, &cache.burst.positions);
     evidence.sort_by(|a, b| b.significance.total_cmp(&a.significance));
     let detection = trail.detection();
     let bars = bars(cache, &grid, &evidence);
@@ -122,9 +123,9 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
     Ok(Spectrum { advice, ..spectrum })
 }
 
-/// The share of a picture of `size` that all of `frames` frames show at `slope`.
-pub fn coverage_share(slope: Slope, frames: usize, size: (usize, usize)) -> f32 {
-    let part = |slope: f32, n: usize| (1.0 - slope.abs() * (frames.saturating_sub(1)) as f32 / n as f32).max(0.0);
+/// The share of a picture of `size` that all frames at `positions` show at `slope`.
+pub fn coverage_share(slope: Slope, positions: &Positions, size: (usize, usize)) -> f32 {
+    let part = |slope: f32, n: usize| (1.0 - slope.abs() * positions.span() as f32 / n as f32).max(0.0);
     part(slope.u, size.0) * part(slope.v, size.1)
 }
 
@@ -193,7 +194,7 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
                 at_limit: of_searched(&limits),
                 // An empty sum would be −0.
                 evidence: seen.iter().filter(|(place, _)| *place == at).fold(0.0, |sum, (_, s)| sum + s) / total,
-                coverage: coverage_share(slope, detection.frames_used.len(), cache.burst.size()),
+                coverage: coverage_share(slope, &detection.positions, cache.burst.size()),
             }
         })
         .collect()
@@ -305,11 +306,12 @@ fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32
 
 #[cfg(test)]
 mod tests {
+    use crate::burst::Positions;
     use crate::detector::limit::response_loss;
 
     #[test]
     fn the_loss_grows_with_step_and_frames_and_not_with_scale() {
-        let step_loss = |step: f32, frames, sigma| response_loss(0.5 * step, frames, sigma);
+        let step_loss = |step: f32, frames, sigma| response_loss(0.5 * step, &Positions::even(frames), sigma);
         // The step 2σ/(N − 1) loses little.
         let recommended = 2.0 * 1.9 / 9.0;
         let loss = step_loss(recommended, 10, 1.9);

@@ -114,7 +114,7 @@ impl<'a> ChipSource<'a> {
         let pixel = f64::from(1u32 << octave);
         let frames: Vec<&Plane> = self.octaves[octave].iter().map(AsRef::as_ref).collect();
         let in_octave = Slope::new(slope.u / pixel as f32, slope.v / pixel as f32);
-        let offsets = self.times.of(frame_offsets(self.times.frame_count, in_octave, Interpolation::Linear));
+        let offsets = self.times.of(frame_offsets(&self.times.positions, in_octave, Interpolation::Linear));
         let (read_u, read_v) = interpolation_blur(&offsets);
         let axis = |place: f32, size: usize, reduced: usize, read: f64| {
             Axis::new(f64::from(place), f64::from(sigma), pixel, (size, reduced), read)
@@ -230,7 +230,9 @@ mod tests {
 
     fn chip(frames: &[Plane], at: (f32, f32), sigma: f32, slope: Slope) -> Chip {
         let planes: Vec<&Plane> = frames.iter().collect();
-        ChipSource::new(&planes, &FrameTimes::all(frames.len()), 20.0).chip(at, sigma, slope).expect("inside")
+        ChipSource::new(&planes, &FrameTimes::all(crate::burst::Positions::even(frames.len())), 20.0)
+            .chip(at, sigma, slope)
+            .expect("inside")
     }
 
     #[test]

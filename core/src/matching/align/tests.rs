@@ -2,6 +2,7 @@
 
 use super::pair::FIT_RADIUS;
 use super::*;
+use crate::burst::Positions;
 use crate::detector::params::Slope;
 use crate::detector::stack::FrameTimes;
 use crate::monitor::Monitor;
@@ -87,7 +88,7 @@ impl Scene {
         let slopes = [Slope::new(1.3, -0.4), Slope::new(-0.7, 0.0)];
         let warps = [Warp::NONE, warp];
         let bursts = [0, 1].map(|side| frames(warps[side], slopes[side], noise, 10 + side as u64));
-        let times = FrameTimes::all(FRAMES);
+        let times = FrameTimes::all(Positions::even(FRAMES));
         let planes = bursts.each_ref().map(|frames| frames.iter().collect::<Vec<_>>());
         let sources = planes.each_ref().map(|planes| ChipSource::new(planes, &times, 8.0));
         let mut scene = Self { chips: [Vec::new(), Vec::new()], shifts: Vec::new(), warp };
@@ -193,7 +194,7 @@ fn what_lies_beyond_the_search_is_not_measured() {
     let none = measured.iter().filter(|m| m.is_none()).count();
     assert!(10 * none >= 8 * measured.len(), "{none} of {}: {errors:?}", measured.len());
     let flat = Plane::from_fn(100, 100, |_, _| 0.25);
-    let source = ChipSource::new(&[&flat, &flat], &FrameTimes::all(2), 4.0);
+    let source = ChipSource::new(&[&flat, &flat], &FrameTimes::all(Positions::even(2)), 4.0);
     let chip = source.chip((50.0, 50.0), 3.0, Slope::new(0.0, 0.0)).expect("inside");
     let view = View { chip: &chip, orientation: 0.0 };
     let none = measure(&[[view, view]], PairFrame::of(&[[view, view]]), FIT_RADIUS, &Monitor::default());
@@ -231,7 +232,7 @@ fn measurements_are_the_same_on_any_number_of_threads() {
 fn a_place_at_the_border_is_measured_by_what_is_there() {
     let frames = frames(Warp::NONE, Slope::new(0.0, 0.0), 0.0, 1);
     let planes: Vec<&Plane> = frames.iter().collect();
-    let source = ChipSource::new(&planes, &FrameTimes::all(FRAMES), SIGMA);
+    let source = ChipSource::new(&planes, &FrameTimes::all(Positions::even(FRAMES)), SIGMA);
     let chip = |u: f32, v: f32| source.chip((u, v), SIGMA, Slope::new(0.0, 0.0)).expect("inside");
     let (a, b) = (chip(14.0, 150.0), chip(16.0, 151.0));
     let [a, b] = [&a, &b].map(|chip| View { chip, orientation: 0.0 });

@@ -3,6 +3,7 @@
 
 use super::published::{as_published, demo_1d, numbers, open};
 use crate::shared::shared;
+use burstscope_core::burst::Positions;
 use burstscope_core::detector::scale_space::SIGMA_BASE;
 use burstscope_core::detector::stack::motion_stack;
 use burstscope_core::detector::{Detection, Interpolation, Rules, Slope};
@@ -67,7 +68,9 @@ fn authors_1d_stages() {
     for index in 0..5 {
         // Their slope −3.2 … 3.2 along rows is −2 … 2 of our pixels per frame, twice that on the doubled image.
         let slope = Slope::new(0.0, 2.0 * (index as f32 - 2.0));
-        let ours = motion_stack(&doubled, slope, Interpolation::Nearest, &Monitor::default()).expect("not cancelled");
+        let ours =
+            motion_stack(&doubled, &Positions::even(doubled.len()), slope, Interpolation::Nearest, &Monitor::default())
+                .expect("not cancelled");
         // Where a frame does not reach, theirs leaves it out but still divides by N.
         let inner = 16..640 - 16;
         let values = stacks.index_axis(Axis(0), index);
@@ -100,8 +103,14 @@ fn authors_2d_stages() {
         for j in 0..3 {
             // Slopes ±1 of theirs are ±0.625 px per frame, twice that on the doubled image, sampled linearly.
             let slope = Slope::new(1.25 * (i as f32 - 1.0), 1.25 * (j as f32 - 1.0));
-            let ours =
-                motion_stack(&doubled, slope, Interpolation::Linear, &Monitor::default()).expect("not cancelled");
+            let ours = motion_stack(
+                &doubled,
+                &Positions::even(doubled.len()),
+                slope,
+                Interpolation::Linear,
+                &Monitor::default(),
+            )
+            .expect("not cancelled");
             let values = stacks.index_axis(Axis(0), i).index_axis_move(Axis(0), j);
             let inside = values
                 .indexed_iter()

@@ -2,6 +2,7 @@
 
 use super::published::{demo_1d, numbers, open};
 use crate::shared::shared;
+use burstscope_core::burst::Positions;
 use burstscope_core::detector::describe::descriptor::to_vlfeat_order;
 use burstscope_core::detector::stack::motion_stack;
 use burstscope_core::detector::{Descriptor, Detection, Interpolation, Method, Rules};
@@ -208,7 +209,9 @@ fn liff_motion_stack() {
     let file = std::fs::File::open(golden).expect("readable");
     let stack: Array3<f32> = ndarray_npy::NpzReader::new(file).expect("npz").by_name("stack").expect("f32");
     for (index, slope) in SlopeGrid::line(-4.0..=4.0, 9).slopes().enumerate() {
-        let ours = motion_stack(&frames, slope, Interpolation::Truncated, &Monitor::default()).expect("not cancelled");
+        let ours =
+            motion_stack(&frames, &Positions::even(frames.len()), slope, Interpolation::Truncated, &Monitor::default())
+                .expect("not cancelled");
         for v in 0..64 {
             for u in 0..800 {
                 let (ours, theirs) = (ours.at(u, 300 + v), stack[[index, v, u]]);

@@ -1,6 +1,7 @@
 //! Each piece of advice on a burst that needs it, and none on one that needs none.
 
 use super::probing::{cache, slopes_of};
+use burstscope_core::burst::Positions;
 use burstscope_core::detector::{DetectorParams, ParamChange, Slope, SlopeGrid};
 use burstscope_core::inspect::figure::spectrum_svg;
 use burstscope_core::inspect::report::spectrum_text;
@@ -195,7 +196,7 @@ fn slopes_searched_for_nothing_are_said_to_be() {
 #[test]
 fn coverage_is_the_part_of_the_picture_that_all_frames_show() {
     use burstscope_core::inspect::spectrum::coverage_share;
-    assert_eq!(coverage_share(Slope::default(), 10, (100, 50)), 1.0);
-    assert!((coverage_share(Slope::new(-1.0, 2.0), 11, (100, 50)) - 0.9 * 0.6).abs() < 1e-6);
-    assert_eq!(coverage_share(Slope::new(50.0, 0.0), 11, (100, 50)), 0.0);
+    assert_eq!(coverage_share(Slope::default(), &Positions::even(10), (100, 50)), 1.0);
+    assert!((coverage_share(Slope::new(-1.0, 2.0), &Positions::even(11), (100, 50)) - 0.9 * 0.6).abs() < 1e-6);
+    assert_eq!(coverage_share(Slope::new(50.0, 0.0), &Positions::even(11), (100, 50)), 0.0);
 }

@@ -15,3 +15,4 @@ mod plain;
 #[cfg(feature = "raw")]
 mod raw;
 mod support;
+mod times;

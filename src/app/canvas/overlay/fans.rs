@@ -1,6 +1,7 @@
 //! Uncertainty of motions: fans of one standard deviation around the arrows of features, and ellipses over the field.
 
 use super::CanvasOutput;
+use crate::burst::Positions;
 use crate::detector::{Feature, Motion, MotionField};
 use crate::export::{FAN_OPACITY, fan, motion_over, sigma_over};
 use egui::{Color32, Mesh, Pos2, Shape, Stroke, Vec2, pos2, vec2};
@@ -15,13 +16,13 @@ const MIN_APART_POINTS: f32 = 48.0;
 pub(super) fn draw_fans<'a>(
     output: &CanvasOutput,
     features: impl Iterator<Item = (&'a Feature, Color32)>,
-    frames: usize,
+    positions: &Positions,
 ) {
     let mut mesh = Mesh::default();
     for (feature, colour) in features {
         let t = output.ui_from_image;
-        let (centre, tip) = (t.pos(pos2(feature.u, feature.v)), t.pos(motion_over(feature, frames)[1].into()));
-        if let Some(points) = fan(centre.into(), tip.into(), sigma_over(feature, frames) * t.scale()) {
+        let (centre, tip) = (t.pos(pos2(feature.u, feature.v)), t.pos(motion_over(feature, positions)[1].into()));
+        if let Some(points) = fan(centre.into(), tip.into(), sigma_over(feature, positions) * t.scale()) {
             add_fan(&mut mesh, &points, colour.gamma_multiply(FAN_OPACITY));
         }
     }

@@ -17,6 +17,7 @@ pub use fans::{add_fan, draw_field};
 pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};
+use crate::burst::Positions;
 use crate::detector::feature::Feature;
 use crate::export::motion_over;
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
@@ -25,8 +26,8 @@ use strokes::Strokes;
 #[derive(Debug, Clone, Copy)]
 pub struct OverlayStyle<'a> {
     pub scale: &'a ColourScale,
-    /// Number of frames of the burst that were used, N: the arrow spans N − 1 steps.
-    pub frames: usize,
+    /// Positions of the frames that were used: the arrow spans them.
+    pub positions: &'a Positions,
     /// Flag of each feature, `false` hides it; `None` shows all.
     pub shown: Option<&'a [bool]>,
     pub selected: Option<usize>,
@@ -38,10 +39,10 @@ pub struct OverlayStyle<'a> {
 }
 
 impl<'a> OverlayStyle<'a> {
-    pub fn new(scale: &'a ColourScale, frames: usize) -> Self {
+    pub fn new(scale: &'a ColourScale, positions: &'a Positions) -> Self {
         Self {
             scale,
-            frames,
+            positions,
             shown: None,
             selected: None,
             hovered: None,
@@ -80,14 +81,14 @@ pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlaySty
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
     let pixels_per_point = output.painter.pixels_per_point();
     let visible: Vec<usize> = (0..features.len())
-        .filter(|&i| is_shown(style.shown, i) && is_visible(output, &features[i], style.frames))
+        .filter(|&i| is_shown(style.shown, i) && is_visible(output, &features[i], style.positions))
         .collect();
     let opacity = if style.stale { 0.35 } else { 0.95 };
     let edges = visible.len() <= MAX_WITH_EDGE && !style.stale;
     let mut strokes = Strokes::with_room_for(pixels_per_point, visible.len() * if edges { 2 } else { 1 });
     if style.motion && !style.stale {
         let coloured = visible.iter().map(|&i| (&features[i], style.scale.colour(i, &features[i])));
-        fans::draw_fans(output, coloured, style.frames);
+        fans::draw_fans(output, coloured, style.positions);
     }
     let edge = Color32::from_black_alpha(90);
     for feature in visible.iter().filter(|_| edges).map(|&i| &features[i]) {
@@ -123,7 +124,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
     let centre = t.pos(pos2(feature.u, feature.v));
     let radius = (feature.circle_radius_px() * t.scale()).max(MIN_RADIUS_POINTS);
     if style.motion {
-        let mut ends = motion_over(feature, style.frames).map(|place| t.pos(place.into()));
+        let mut ends = motion_over(feature, style.positions).map(|place| t.pos(place.into()));
         // Over a long burst only the part around its middle, so that arrows do not cover the picture.
         let part = MAX_ARROW_POINTS / ends[0].distance(ends[1]).max(MAX_ARROW_POINTS);
         ends.iter_mut().for_each(|end| *end = centre + part * (*end - centre));
@@ -140,8 +141,8 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
     }
 }
 
-fn is_visible(output: &CanvasOutput, feature: &Feature, frames: usize) -> bool {
-    let [first, last] = motion_over(feature, frames).map(Pos2::from);
+fn is_visible(output: &CanvasOutput, feature: &Feature, positions: &Positions) -> bool {
+    let [first, last] = motion_over(feature, positions).map(Pos2::from);
     let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
     let bounds = egui::Rect::from_two_pos(first, last)
         .union(egui::Rect::from_center_size(pos2(feature.u, feature.v), egui::Vec2::splat(2.0 * reach)));
@@ -309,7 +310,7 @@ mod tests {
 
     #[test]
     fn motion_spans_the_burst_about_the_middle() {
-        let over = |frames| motion_over(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), frames);
+        let over = |frames| motion_over(&feature(100.0, 50.0, 2.0, (2.0, -1.0), 0.1), &Positions::even(frames));
         assert_eq!(over(5), [[96.0, 52.0], [104.0, 48.0]]);
         assert_eq!(over(1), [[100.0, 50.0]; 2]);
     }

@@ -67,8 +67,7 @@ fn depth_field(metres: &mut f64) -> DragValue<'_> {
 
 fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let set_up = model.set_up.values;
-    let frames = model.slots.a.burst.as_ref().map_or(10, |open| open.burst.len());
-    let slopes = set_up.slopes(model.params.used_frames(frames).len(), &model.params);
+    let slopes = set_up.slopes(&model.used_positions(), &model.params);
     ui.horizontal(|ui| {
         let can_apply = slopes.is_ok() && model.takes_advice(Side::A);
         let apply = ui.add_enabled(can_apply, Button::new("Apply"));

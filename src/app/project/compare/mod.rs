@@ -204,7 +204,7 @@ impl Model {
     fn missing_detection(&self, method: MethodId, side: Side) -> Option<CompareJob> {
         let burst = self.method_burst(method, side)?.clone();
         let params = self.method_params(method, side);
-        let usable = params.validate_for(burst.burst.len(), burst.burst.size()).is_ok();
+        let usable = params.validate_for(&burst.burst.positions, burst.burst.size()).is_ok();
         (usable && self.method_found(method, side).is_none()).then_some(CompareJob {
             method,
             side,

@@ -141,7 +141,7 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
     let style = overlay::OverlayStyle {
         selected: Some(0),
         motion: model.look.motion_vectors,
-        ..overlay::OverlayStyle::new(&scale, detection.frames_used.len())
+        ..overlay::OverlayStyle::new(&scale, &detection.positions)
     };
     overlay::draw_features(output, &[feature], &style);
 }
