@@ -2,6 +2,7 @@
 
 use super::recover::plots::recover_plots;
 use super::recover::{RecoverReport, RecoverStudy};
+use crate::evaluate::chart::MethodReport;
 use crate::evaluate::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots, frames_plots};
 use crate::evaluate::{
     AccuracyReport, AccuracyStudy, BurstFramesReport, BurstFramesStudy, BurstMethod, ChartReport, ChartStudy,
@@ -76,6 +77,24 @@ pub struct StudyPoint {
     pub row_value: f64,
     /// Method; `None` for the one search of a study of accuracy.
     pub method: Option<BurstMethod>,
+}
+
+/// Peak thresholds of methods at which the same share of the detections on charts is false.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SameFalseRate {
+    /// Per-pixel signal-to-noise ratio of the charts.
+    pub snr: f64,
+    /// Share of false detections, 0 … 1.
+    pub false_fraction: f64,
+    /// Methods with their thresholds of |response|.
+    pub peak_thresholds: Vec<(BurstMethod, f32)>,
+}
+
+impl SameFalseRate {
+    /// The threshold of `method`, if the study had it.
+    pub fn of(&self, method: BurstMethod) -> Option<f32> {
+        self.peak_thresholds.iter().find(|(of, _)| *of == method).map(|(_, threshold)| *threshold)
+    }
 }
 
 /// One chart of a study, identified by a point and a seed.
@@ -192,6 +211,17 @@ impl Study {
 }
 
 impl StudyReport {
+    /// The peak thresholds at which all methods have the same share of false detections, at a ratio of the study: the
+    /// row `row`, or the last one if there are fewer. `None` for other studies than of charts.
+    pub fn same_false_rate(&self, row: usize) -> Option<SameFalseRate> {
+        let Self::Chart(report) = self else { return None };
+        let row = report.rows.get(row).or(report.rows.last())?;
+        let of = |method: &MethodReport| Some((method.method, method.peak_threshold?.mean as f32));
+        let peak_thresholds: Vec<_> = row.methods.iter().filter_map(of).collect();
+        let false_fraction = report.setup.false_fraction;
+        (!peak_thresholds.is_empty()).then_some(SameFalseRate { snr: row.snr, false_fraction, peak_thresholds })
+    }
+
     /// The plots of the report; ROC curves are those of the row `roc_row`.
     pub fn plots(&self, roc_row: usize) -> Vec<StudyPlot> {
         match self {

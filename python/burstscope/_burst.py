@@ -64,8 +64,8 @@ class Burst:
         magnitude, which `notes` and a warning name; give ``full_scale``, so that bursts have one unit. float64 and
         float16 are converted to float32.
     times : sequence of N numbers, optional
-        When the frames were taken, in any unit, evenly spaced. Then `frame_interval` and `Detection.velocity` are known.
-        Slopes are per frame in any case: frames at uneven times are refused.
+        When the frames were taken, in any unit, rising. Then `frame_interval` and `Detection.velocity` are known. Uneven
+        times, as of frames that were dropped, are those at which things are searched; slopes are per frame interval.
     bias : array [H, W] or [N, H, W], optional
         Bias frame or frames, which are averaged: subtracted, in the frames' unit.
     flat : array [H, W] or [N, H, W], optional
@@ -80,7 +80,7 @@ class Burst:
     Raises
     ------
     ValueError
-        Arrays of other shapes, values that are not finite, a bias or flat that does not fit, uneven times.
+        Arrays of other shapes, values that are not finite, a bias or flat that does not fit, times that do not rise.
     TypeError
         Values of other types.
 
@@ -104,10 +104,11 @@ class Burst:
         name: str = "burst",
     ) -> None:
         arrays = _frames("frames", frames)
-        self._times = None if times is None else _even(times, len(arrays))
+        self._times = None if times is None else _rising(times, len(arrays))
         self._raw = _burstscope.RawBurst.of_arrays(
             needed("name", name, str, "give words"),
             arrays,
+            None if self._times is None or _are_even(self._times) else self._times.tolist(),
             [] if bias is None else _frames("bias", bias),
             [] if flat is None else _frames("flat", flat),
             real("full_scale", full_scale),
@@ -121,6 +122,9 @@ class Burst:
     @classmethod
     def _of(cls, raw: _burstscope.RawBurst, times: NDArray[np.float64] | None = None) -> Burst:
         burst = cls.__new__(cls)
+        if times is None:
+            positions, interval_s = raw.positions()
+            times = None if interval_s is None else np.asarray(positions) * interval_s
         burst._raw, burst._times, burst._inspections = raw, times, {}
         return burst
 
@@ -149,7 +153,7 @@ class Burst:
 
     @property
     def times(self) -> NDArray[np.float64] | None:
-        """When the frames were taken, where it was given."""
+        """When the frames were taken, where it is known: as given, or in seconds from the first."""
         return None if self._times is None else self._times.copy()
 
     @property
@@ -157,7 +161,7 @@ class Burst:
         """Time from frame to frame, in the unit of `times`."""
         if self._times is None or len(self) < 2:
             return None
-        return float(self._times[-1] - self._times[0]) / (len(self) - 1)
+        return float(self._times[-1] - self._times[0]) / self._raw.positions()[0][-1]
 
     @property
     def full_scale(self) -> float:
@@ -231,25 +235,22 @@ def _restored(frames: list[NDArray[np.float32]], about: Any, times: NDArray[np.f
     return Burst._of(_burstscope.RawBurst.of_parts(frames, about), times)
 
 
-def _even(times: Any, count: int) -> NDArray[np.float64]:
+def _rising(times: Any, count: int) -> NDArray[np.float64]:
     try:
         values = np.asarray(times, np.float64)
     except (TypeError, ValueError):
         raise TypeError(f"times: numbers are needed, not {type(times).__name__}") from None
     if values.shape != (count,) or not np.isfinite(values).all():
         raise ValueError(f"times: {values.shape} values for {count} frames; give one finite number a frame")
-    if count > 1:
-        steps = np.diff(values)
-        if (steps <= 0).any():
-            raise ValueError("times: they do not rise from frame to frame; give the frames in time order")
-        interval = (values[-1] - values[0]) / (count - 1)
-        away = float(np.abs(values - (values[0] + interval * np.arange(count))).max() / interval)
-        if away > _UNEVEN:
-            raise ValueError(
-                f"times: uneven by up to {away:.2f} of the interval; a slope is a motion per frame, so the frames must be "
-                "evenly spaced: leave out those that are not, or cut the sequence where frames are missing"
-            )
+    if (np.diff(values) <= 0).any():
+        raise ValueError("times: they do not rise from frame to frame; give the frames in time order")
     return values
+
+
+def _are_even(times: NDArray[np.float64]) -> bool:
+    """Whether they are within what a clock's jitter leaves of even, so that positions need no fractions."""
+    even = np.linspace(times[0], times[-1], len(times))
+    return len(times) < 2 or bool(np.abs(times - even).max() <= _UNEVEN * (even[1] - even[0]))
 
 
 def open(

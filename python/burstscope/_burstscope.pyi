@@ -24,11 +24,13 @@ class RawBurst:
     def of_arrays(
         name: str,
         frames: Sequence[NDArray[Any]],
+        times: Sequence[float] | None,
         bias: Sequence[NDArray[Any]],
         flat: Sequence[NDArray[Any]],
         full_scale: float | None,
         black_level: float | None,
     ) -> RawBurst: ...
+    def positions(self) -> tuple[list[float], float | None]: ...
     @property
     def name(self) -> str: ...
     @property

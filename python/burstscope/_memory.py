@@ -24,6 +24,16 @@ if TYPE_CHECKING:
     from burstscope._burst import Burst
 
 
+def times_file(burst: Burst, folder: Path) -> Path | None:
+    """A list of the times of uneven frames, in a folder; None for even ones."""
+    positions, interval_s = burst._raw.positions()
+    if positions == list(range(len(positions))):
+        return None
+    file = folder / "times.txt"
+    file.write_text("".join(f"{position * (interval_s or 1)!r}\n" for position in positions), encoding="utf-8")
+    return file
+
+
 @contextmanager
 def _handed_over(burst: Burst) -> Iterator[tuple[Path, dict[str, Any]]]:
     """A file of the burst for a command, and the keywords with which its values are those in memory."""
@@ -36,7 +46,8 @@ def _handed_over(burst: Burst) -> Iterator[tuple[Path, dict[str, Any]]]:
         else:
             frames = Path(folder) / f"{safe[:80]}.npy"
             np.save(frames, burst.frames)
-            yield frames, {"full_scale": 1}
+            times = times_file(burst, Path(folder))
+            yield frames, {"full_scale": 1} if times is None else {"full_scale": 1, "times": times}
 
 
 @documented(RecoverKeywords)

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from burstscope._memory import times_file
+
 if TYPE_CHECKING:
     from burstscope._burst import Burst
     from burstscope._detection import Detection
@@ -73,6 +75,8 @@ def hand_over(folder: Path, burst: Burst, detection: Detection | None) -> Path:
         "[document.calibration]",
         "full_scale = 1.0",
     ]
+    times = times_file(burst, folder)
+    lines += [] if times is None else [f"times = {_word(str(times))}"]
     if detection is not None:
         features = detection.save(folder / "features.csv")
         lines += ["[document.comparisons.a]", 'with = "file"', f"file = {_word(str(features))}"]

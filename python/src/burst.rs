@@ -122,12 +122,13 @@ impl RawBurst {
             .map(|burst| Self { burst }.with_note_of_scale(is_given))
     }
 
-    /// Makes a burst of arrays [H, W], one a frame.
+    /// Makes a burst of arrays [H, W], one a frame, at `times` of any unit, which increase.
     #[staticmethod]
     fn of_arrays(
         py: Python<'_>,
         name: String,
         frames: Vec<Bound<'_, PyAny>>,
+        times: Option<Vec<f64>>,
         bias: Vec<Bound<'_, PyAny>>,
         flat: Vec<Bound<'_, PyAny>>,
         full_scale: Option<f32>,
@@ -136,8 +137,14 @@ impl RawBurst {
         let all = |arrays: &[Bound<'_, PyAny>]| arrays.iter().map(array_frame).collect::<PyResult<Vec<_>>>();
         let arrays = Arrays { frames: all(&frames)?, bias: all(&bias)?, flat: all(&flat)? };
         let options = OpenOptions { full_scale, black_level, ..OpenOptions::default() };
-        run(py, None, move |monitor| Burst::from_arrays(name, arrays, &options, monitor).map_err(Failure::from))
-            .map(|burst| Self { burst }.with_note_of_scale(full_scale.is_some()))
+        let mut burst =
+            run(py, None, move |monitor| Burst::from_arrays(name, arrays, &options, monitor).map_err(Failure::from))?;
+        if let Some(times) = times {
+            let positions = Positions::of_seconds(&times).filter(|positions| positions.len() == burst.len());
+            let positions = positions.ok_or_else(|| PyValueError::new_err("times: they do not rise, one for each frame"));
+            burst.positions = positions?.with_interval(None);
+        }
+        Ok(Self { burst }.with_note_of_scale(full_scale.is_some()))
     }
 
     /// All of the burst but its frames.
@@ -192,6 +199,11 @@ impl RawBurst {
             sources,
         };
         Ok(Self { burst })
+    }
+
+    /// Positions of the frames from the first, frame intervals, and the interval in seconds, where it is known.
+    fn positions(&self) -> (Vec<f64>, Option<f64>) {
+        (self.burst.positions.from_first(), self.burst.positions.interval_s())
     }
 
     #[getter]

@@ -2,6 +2,7 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
+use burstscope::app::project::compare::MethodId;
 use burstscope::app::project::comparison::Reference;
 use burstscope::app::project::side::Side;
 use burstscope::app::project::workspace::Workspace;
@@ -108,6 +109,34 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     window.settle();
     assert!(window.app().model.has_reference(Side::A, Reference::Truth));
     assert!(window.app().model.shown_comparison(Side::A).expect("a comparison").is_whole_truth);
+}
+
+#[test]
+fn one_click_gives_every_method_the_same_false_rate() {
+    let mut window = lab([1280.0, 800.0]);
+    run(&mut window);
+    let result = window.app().model.studies.current.clone().unwrap();
+    let rate = result.report.same_false_rate(window.app().model.lab.roc_row).expect("a rate");
+    let of = |method| rate.of(method).expect("a threshold");
+    assert!(of(BurstMethod::SiftFrame) > of(BurstMethod::Buff1d), "one frame has more noise");
+    let before = window.app().model.params.peak_threshold;
+    window.click("Search at 10 % false");
+    window.settle();
+    let (sift, buff_1d) = (MethodId::Sift, MethodId::Buff1d);
+    for (method, expected) in [(sift, of(BurstMethod::SiftFrame)), (buff_1d, of(BurstMethod::Buff1d))] {
+        assert_eq!(window.app().model.method_params(method, Side::A).peak_threshold, expected);
+    }
+    window.run_action("methods");
+    window.settle();
+    window.click("At 10 % false on charts of SNR 0.5");
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!(model.methods.same_false_rate, None);
+    // The search keeps that of its own method, which one step back takes away.
+    let own = of(MethodId::of_search(&model.params).of_studies());
+    assert_eq!(model.method_params(sift, Side::A).peak_threshold, own);
+    window.run_action("undo");
+    assert_eq!(window.app().model.params.peak_threshold, before);
 }
 
 #[test]

@@ -207,7 +207,8 @@ fn found_label(discs: usize) -> String {
     format!("discs found, of {discs}")
 }
 
-fn percent(share: f64) -> String {
+/// A share (0 … 1) as text in percent, with a decimal where it has one.
+pub fn percent(share: f64) -> String {
     format!("{} %", (1000.0 * share).round() / 10.0)
 }
 

@@ -1,12 +1,14 @@
 //! The studies that measure the detector: small ones, with numbers that must be plausible.
 
 use burstscope_core::synth::{ChartParams, Motion};
+use burstscope_core::detector::NoiseGate;
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid};
 use burstscope_lab::evaluate::curves::{burst_frames_svg, frames_svg, roc_svg};
 use burstscope_lab::evaluate::pure_noise::NoiseLevel;
 use burstscope_lab::evaluate::{
     BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, FramesStudy, NoiseStudy, Searches,
 };
+use burstscope_lab::study::StudyReport;
 
 /// A chart a sixth of the published one, with slopes up to ±2 px/frame.
 fn small_study() -> ChartStudy {
@@ -85,6 +87,31 @@ fn the_report_does_not_depend_on_the_threads() {
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(5));
+}
+
+#[test]
+fn at_the_threshold_of_the_same_false_rate_a_tenth_is_false() {
+    let mut study = small_study();
+    study.methods = vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d];
+    study.searches.detector.noise_gate = NoiseGate::Factor(3.5);
+    study.seeds = 4;
+    let run = |study: &ChartStudy| StudyReport::Chart(Box::new(study.run(&Monitor::default()).expect("a report")));
+    let (plain, row) = (run(&study), study.snrs.len() - 1);
+    let rate = plain.same_false_rate(row).expect("a rate");
+    assert_eq!((rate.snr, rate.false_fraction, rate.peak_thresholds.len()), (study.snrs[row], 0.1, 3));
+    let share_false = |report: &StudyReport, method| {
+        let StudyReport::Chart(report) = report else { panic!("not of charts") };
+        let of = report.rows[row].methods.iter().find(|one| one.method == method).expect("the method");
+        of.default_false_features.mean / (of.default_false_features.mean + of.default_true_positives.mean)
+    };
+    for (method, threshold) in rate.peak_thresholds {
+        assert!(share_false(&plain, method) > 0.25, "{method:?} has too few false features to show it");
+        let mut strict = study.clone();
+        (strict.methods, strict.searches.detector.peak_threshold) = (vec![method], threshold);
+        let share = share_false(&run(&strict), method);
+        // The mean of the charts' thresholds is not each one's.
+        assert!((0.02..=0.18).contains(&share), "{method:?}: {share}");
+    }
 }
 
 #[test]

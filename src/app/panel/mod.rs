@@ -87,7 +87,7 @@ mod tests {
         let mut invalid = plain.clone();
         invalid.slopes = SlopeChoice::Given;
         (invalid.params.levels, invalid.params.slopes) = (0, SlopeGrid::line(2.0..=-1.0, 0));
-        (invalid.matching.ratio, invalid.look.smoothing_px) = (-3.0, f32::INFINITY);
+        invalid.matching.ratio = -3.0;
         let mut absent = plain.clone();
         (absent.selected, absent.selected_match, absent.asked_about) = (Some(9999), Some(9999), Some(9999));
         (absent.shown_test, absent.selected_candidate) = (Some(Test::NoiseGate), Some(9999));

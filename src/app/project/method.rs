@@ -1,6 +1,6 @@
 //! Methods that are compared: the same detector on different inputs made from a burst.
 
-use crate::detector::{DetectorParams, SlopeAxis, SlopeGrid};
+use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
 use crate::evaluate::{BurstMethod, Searches};
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,17 @@ impl MethodId {
         matches!(self, Self::Buff1d | Self::Buff2d)
     }
 
-    fn of_studies(self) -> BurstMethod {
+    /// The method of a search.
+    pub fn of_search(params: &DetectorParams) -> Self {
+        match params.method {
+            Method::Sift => Self::Sift,
+            Method::Merge => Self::Merge,
+            Method::Buff if params.slopes.is_plane() => Self::Buff2d,
+            Method::Buff => Self::Buff1d,
+        }
+    }
+
+    pub fn of_studies(self) -> BurstMethod {
         match self {
             Self::Sift => BurstMethod::SiftFrame,
             Self::Merge => BurstMethod::SiftMerge,
@@ -93,7 +103,6 @@ pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Method;
 
     #[test]
     fn each_method_takes_the_edited_parameters_in_its_own_way() {

@@ -14,6 +14,7 @@ use crate::app::project::pair::{OPACITY, Side};
 use crate::app::project::panes::Change;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
+use crate::evaluate::curves::percent;
 use egui::{Align, Align2, CentralPanel, Frame, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
@@ -53,6 +54,15 @@ fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         }
         let mut look = model.methods.clone();
         ui.checkbox(&mut look.features, "Features").on_hover_text("Draw the features of each method  (O)");
+        if let Some(rate) = &model.methods.same_false_rate {
+            let text = format!("At {} false on charts of SNR {}", percent(rate.false_fraction), rate.snr);
+            let tip = "Each method has the peak threshold at which this share of its detections on the Lab's charts is false. \
+                       Untick it for the peak threshold of the search";
+            let mut is_on = true;
+            if ui.checkbox(&mut is_on, text).on_hover_text(tip).changed() {
+                look.same_false_rate = None;
+            }
+        }
         queue.set(&model.methods, look, Action::SetMethods);
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.compare.running() {

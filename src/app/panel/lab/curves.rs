@@ -5,14 +5,16 @@ use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::project::Model;
+use crate::app::project::compare::{CompareLook, MethodId};
 use crate::app::project::lab::{LabResult, LabSet};
-use crate::evaluate::curves::{StudyCurve, StudyPlot};
+use crate::evaluate::curves::{StudyCurve, StudyPlot, percent};
 use crate::export::SeriesPoint;
 use crate::inspect::words::number;
-use crate::study::StudyPoint;
+use crate::study::{SameFalseRate, StudyPoint};
 use egui::{Color32, Label, Pos2, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{Line, LineStyle, PlotPoint, PlotPoints, PlotUi, Points};
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 
 /// Maximum distance of the pointer from a point, in points of the window.
 const REACH_UI: f32 = 14.0;
@@ -51,6 +53,9 @@ pub fn curves_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             }
         });
     }
+    if let Some(rate) = first.report.same_false_rate(lab.roc_row).filter(|_| is_whole) {
+        same_false_rate_ui(ui, model, rate, queue);
+    }
     let hidden = &mut lab.hidden;
     legend_ui(ui, &plots, hidden);
     for (.., curves) in &mut plots {
@@ -83,6 +88,37 @@ pub fn curves_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         (lab.selected, lab.selected_chart) = (Some((set, point)), 0);
     }
     queue.set(&model.lab, lab, |lab| Action::SetLab(Box::new(lab)));
+}
+
+/// Draws the button that makes all methods comparable, as the paper does: each at the peak threshold where the same share
+/// of its detections on the charts is false.
+fn same_false_rate_ui(ui: &mut Ui, model: &Model, rate: SameFalseRate, queue: &mut Queue) {
+    let mut search = model.document.search();
+    let method = MethodId::of_search(&search.detector);
+    let own = rate.of(method.of_studies());
+    let mut tip = format!(
+        "Peak thresholds at which {} of the detections on charts of SNR {} is false, as the paper compares methods:",
+        percent(rate.false_fraction),
+        rate.snr
+    );
+    for (method, threshold) in &rate.peak_thresholds {
+        let _ = write!(tip, "\n{}  {}", method.label(), number(*threshold, 3));
+    }
+    tip += "\nMethods compares at these; the search takes that of its own method. They hold for bursts as dark as the charts.";
+    let text = format!("Search at {} false", percent(rate.false_fraction));
+    ui.horizontal(|ui| {
+        if ui.button(text).on_hover_text(tip).clicked() {
+            if let Some(threshold) = own {
+                search.detector.peak_threshold = threshold;
+                queue.push(Action::SetSearch(Box::new(search)));
+            }
+            let same_false_rate = Some(rate);
+            queue.push(Action::SetMethods(CompareLook { same_false_rate, ..model.methods.clone() }));
+        }
+        if own.is_none() {
+            ui.weak(format!("for Methods: the study has no {}", method.label()));
+        }
+    });
 }
 
 /// Draws the legend of all plots above them, where it covers no curve; a click hides or shows the curves of a name.

@@ -17,6 +17,7 @@ use crate::requests::{
     BurstId, BurstSource, CompareRequest, Compared, DetectRequest, Detected, JobError, MatchRequest, OpenBurst,
     OpenRequest, Running,
 };
+use crate::study::SameFalseRate;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -161,7 +162,8 @@ impl Model {
     }
 
     pub fn method_params(&self, method: MethodId, side: Side) -> DetectorParams {
-        method.params(&self.params_of(side))
+        let params = method.params(&self.params_of(side));
+        self.methods.at_same_false_rate(method, params)
     }
 
     pub fn method_found(&self, method: MethodId, side: Side) -> Option<&MethodFound> {
@@ -250,15 +252,24 @@ impl Model {
 pub struct CompareLook {
     pub methods: Vec<MethodId>,
     pub features: bool,
+    /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub same_false_rate: Option<SameFalseRate>,
 }
 
 impl Default for CompareLook {
     fn default() -> Self {
-        Self { methods: MethodId::ALL.to_vec(), features: true }
+        Self { methods: MethodId::ALL.to_vec(), features: true, same_false_rate: None }
     }
 }
 
 impl CompareLook {
+    /// `params` of a method with its peak threshold of the same false rate, if charts gave it one.
+    fn at_same_false_rate(&self, method: MethodId, params: DetectorParams) -> DetectorParams {
+        let threshold = self.same_false_rate.as_ref().and_then(|rate| rate.of(method.of_studies()));
+        DetectorParams { peak_threshold: threshold.unwrap_or(params.peak_threshold), ..params }
+    }
+
     pub fn shows(&self, method: MethodId) -> bool {
         self.methods.contains(&method)
     }
