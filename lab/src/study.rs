@@ -216,7 +216,7 @@ impl StudyReport {
     pub fn same_false_rate(&self, row: usize) -> Option<SameFalseRate> {
         let Self::Chart(report) = self else { return None };
         let row = report.rows.get(row).or(report.rows.last())?;
-        let of = |method: &MethodReport| Some((method.method, method.peak_threshold?.mean as f32));
+        let of = |method: &MethodReport| Some((method.method, method.peak_threshold?));
         let peak_thresholds: Vec<_> = row.methods.iter().filter_map(of).collect();
         let false_fraction = report.setup.false_fraction;
         (!peak_thresholds.is_empty()).then_some(SameFalseRate { snr: row.snr, false_fraction, peak_thresholds })

@@ -141,7 +141,8 @@ impl RawBurst {
             run(py, None, move |monitor| Burst::from_arrays(name, arrays, &options, monitor).map_err(Failure::from))?;
         if let Some(times) = times {
             let positions = Positions::of_seconds(&times).filter(|positions| positions.len() == burst.len());
-            let positions = positions.ok_or_else(|| PyValueError::new_err("times: they do not rise, one for each frame"));
+            let positions =
+                positions.ok_or_else(|| PyValueError::new_err("times: they do not rise, one for each frame"));
             burst.positions = positions?.with_interval(None);
         }
         Ok(Self { burst }.with_note_of_scale(full_scale.is_some()))

@@ -114,6 +114,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
 #[test]
 fn one_click_gives_every_method_the_same_false_rate() {
     let mut window = lab([1280.0, 800.0]);
+    window.app_mut().model.lab.methods.push(BurstMethod::Buff2d);
     run(&mut window);
     let result = window.app().model.studies.current.clone().unwrap();
     let rate = result.report.same_false_rate(window.app().model.lab.roc_row).expect("a rate");
@@ -128,7 +129,7 @@ fn one_click_gives_every_method_the_same_false_rate() {
     }
     window.run_action("methods");
     window.settle();
-    window.click("At 10 % false on charts of SNR 0.5");
+    window.harness.get_by_role_and_label(Role::CheckBox, "At 10 % false on charts of SNR 0.5").click();
     window.settle();
     let model = &window.app().model;
     assert_eq!(model.methods.same_false_rate, None);

@@ -179,6 +179,26 @@ impl Curve {
         self.points[beyond - 1].true_positives
     }
 
+    /// The counts of several charts together, over thresholds that all of them have.
+    pub fn pooled(curves: &[&Self]) -> Self {
+        let mut thresholds: Vec<f32> = curves.iter().flat_map(|curve| &curve.points).map(|p| p.threshold).collect();
+        thresholds.sort_by(|a, b| b.total_cmp(a));
+        thresholds.dedup();
+        let at = |threshold: f32| {
+            let none = CurvePoint { threshold, false_features: 0, true_positives: 0 };
+            curves.iter().fold(none, |sum, curve| {
+                let kept = curve.points.partition_point(|p| p.threshold >= threshold);
+                let point = curve.points[kept - 1];
+                CurvePoint {
+                    threshold,
+                    false_features: sum.false_features + point.false_features,
+                    true_positives: sum.true_positives + point.true_positives,
+                }
+            })
+        };
+        Self { points: thresholds.into_iter().map(at).collect() }
+    }
+
     /// The point that keeps all features.
     pub fn end(&self) -> CurvePoint {
         self.points[self.points.len() - 1]

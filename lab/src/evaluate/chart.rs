@@ -153,7 +153,6 @@ impl ChartStudy {
     fn score(&self, method: BurstMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {
         let curve_by = |ranking| Curve::of(&judge(&detection.features, truth, ranking));
         let curve = curve_by(self.ranking);
-        let peak_threshold = curve_by(Ranking::Response).at_false_fraction(self.false_fraction).threshold;
         let of_one_frame = !matches!(method, BurstMethod::SiftMean | BurstMethod::SiftMerge);
         ChartScore {
             seed,
@@ -162,7 +161,7 @@ impl ChartStudy {
             default_false_features: curve.end().false_features,
             noise_estimate_ratio: (truth.noise.filter(|_| of_one_frame))
                 .map(|noise| f64::from(detection.frame_noise) / noise.sigma_background),
-            peak_threshold: peak_threshold.is_finite().then_some(peak_threshold),
+            by_response: curve_by(Ranking::Response),
             curve,
         }
     }
@@ -172,7 +171,8 @@ impl ChartStudy {
             Mean::of(&charts.iter().map(|chart| count(chart) as f64).collect::<Vec<_>>())
         };
         let ratios: Vec<f64> = charts.iter().filter_map(|chart| chart.noise_estimate_ratio).collect();
-        let thresholds: Vec<f64> = charts.iter().filter_map(|chart| chart.peak_threshold.map(f64::from)).collect();
+        let by_response = Curve::pooled(&charts.iter().map(|chart| &chart.by_response).collect::<Vec<_>>());
+        let peak_threshold = by_response.at_false_fraction(self.false_fraction).threshold;
         let curves: Vec<&Curve> = charts.iter().map(|chart| &chart.curve).collect();
         MethodReport {
             method,
@@ -184,7 +184,7 @@ impl ChartStudy {
                 Mean::of(&charts.iter().map(|chart| chart.default_false_features as f64 / discs).collect::<Vec<_>>())
             }),
             noise_estimate_ratio: (!ratios.is_empty()).then(|| Mean::of(&ratios)),
-            peak_threshold: (!thresholds.is_empty()).then(|| Mean::of(&thresholds)),
+            peak_threshold: peak_threshold.is_finite().then_some(peak_threshold),
             roc: mean_curve(&curves, self.chart.discs.div_ceil(2)),
             charts,
         }
@@ -289,9 +289,9 @@ pub struct MethodReport {
     /// Ratio of the detector's estimate of a frame's noise to the true one at the background; absent for mean and
     /// merged images and for charts without noise.
     pub noise_estimate_ratio: Option<Mean>,
-    /// Peak threshold, of |response|, at which the requested share of the detections is false, as the paper chooses it
-    /// (BuFF, IV-A); absent where no threshold leaves a feature. Charts without such a threshold are left out.
-    pub peak_threshold: Option<Mean>,
+    /// Peak threshold, of |response|, at which the requested share of the detections in all charts together is false, as
+    /// the paper chooses it (BuFF, IV-A); absent where no threshold leaves a feature.
+    pub peak_threshold: Option<f32>,
     /// Mean count of discs found with at most 0, 1, 2 … false features.
     pub roc: Vec<f64>,
     /// Scores on each chart, in the order of the seeds.
@@ -311,8 +311,9 @@ pub struct ChartScore {
     pub default_false_features: usize,
     /// Ratio of the estimate of a frame's noise to the true one, where both are known.
     pub noise_estimate_ratio: Option<f64>,
-    /// Peak threshold, of |response|, at which the requested share of the detections is false, if one leaves a feature.
-    pub peak_threshold: Option<f32>,
+    /// True against false features over all peak thresholds. Not part of the JSON.
+    #[serde(skip)]
+    pub by_response: Curve,
     /// True against false features over all thresholds. Not part of the JSON, which holds the mean over the seeds.
     #[serde(skip)]
     pub curve: Curve,

@@ -1,7 +1,7 @@
 //! The studies that measure the detector: small ones, with numbers that must be plausible.
 
-use burstscope_core::synth::{ChartParams, Motion};
 use burstscope_core::detector::NoiseGate;
+use burstscope_core::synth::{ChartParams, Motion};
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid};
 use burstscope_lab::evaluate::curves::{burst_frames_svg, frames_svg, roc_svg};
 use burstscope_lab::evaluate::pure_noise::NoiseLevel;
@@ -109,8 +109,8 @@ fn at_the_threshold_of_the_same_false_rate_a_tenth_is_false() {
         let mut strict = study.clone();
         (strict.methods, strict.searches.detector.peak_threshold) = (vec![method], threshold);
         let share = share_false(&run(&strict), method);
-        // The mean of the charts' thresholds is not each one's.
-        assert!((0.02..=0.18).contains(&share), "{method:?}: {share}");
+        // What is distinct of fewer keypoints differs a little.
+        assert!(share < 0.12, "{method:?}: {share}");
     }
 }
 

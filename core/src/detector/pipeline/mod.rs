@@ -20,7 +20,7 @@ pub use trail::Trail;
 
 use super::feature::{Detection, Keypoint, StageTimes, Tally};
 use super::memory::{self, Account, OF_PROCESS, Plan, Wanted};
-use super::params::{DescribeSlope, DetectorParams, SearchSlopes, SlopeGrid};
+use super::params::{DescribeSlope, DetectorParams, NoiseGate, SearchSlopes, SlopeGrid};
 use crate::burst::Burst;
 use crate::detector::along::Along;
 use crate::detector::describe::{self, Described, Describing};
@@ -65,7 +65,8 @@ pub(crate) struct Keeping<'a> {
     /// Trail from which this search goes on.
     pub earlier: Option<&'a Trail>,
     /// Is given the features of the slope by which most places move, before the others are searched, if the search is
-    /// long and goes on from no earlier one. They are as a search of that slope alone finds them.
+    /// long and goes on from no earlier one. They are as a search of that slope alone finds them with
+    /// the gate of all slopes.
     pub first: FirstFeatures<'a>,
 }
 
@@ -136,7 +137,9 @@ fn search_first(
 ) -> Result<Trail, Error> {
     let grid = inputs.params.used_slopes();
     let slope = field.and_then(|field| field.commonest_of(&grid)).unwrap_or_else(|| grid.slope(grid.len() / 2));
-    let params = DetectorParams { slopes: SlopeGrid::single(slope), ..inputs.params.clone() };
+    // With the gate of all slopes its features stay, and the tally counts its samples as the whole search would.
+    let noise_gate = NoiseGate::Factor(inputs.gate_factor);
+    let params = DetectorParams { slopes: SlopeGrid::single(slope), noise_gate, ..inputs.params.clone() };
     let whole = vec![SlopeGroup::whole(1)];
     let plan = Plan { search: whole.clone(), describe: whole, threads: rayon::current_num_threads(), bytes: 0 };
     let (inputs, times) = (inputs.judged_with(&params), StageTimes::default());

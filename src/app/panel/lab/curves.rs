@@ -116,7 +116,7 @@ fn same_false_rate_ui(ui: &mut Ui, model: &Model, rate: SameFalseRate, queue: &m
             queue.push(Action::SetMethods(CompareLook { same_false_rate, ..model.methods.clone() }));
         }
         if own.is_none() {
-            ui.weak(format!("for Methods: the study has no {}", method.label()));
+            ui.weak(format!("for Methods alone: the study has no {}", method.label()));
         }
     });
 }
