@@ -4,7 +4,7 @@
 //! was lost, and, where a geometry is known, whether B has a keypoint there, and why matching by motion left it.
 
 use crate::detector::{Detection, Feature, Slope};
-use crate::matching::putative::{Nearest, distance_squared, nearest_two};
+use crate::matching::putative::{Nearest, distance_squared, nearest_two_both_ways};
 use crate::matching::{MatchParams, MatchResult, TwoViewModel};
 use crate::monitor::{Cancelled, Monitor};
 use serde::{Deserialize, Serialize};
@@ -132,7 +132,7 @@ impl<'a> Losses<'a> {
     /// Compares the descriptors of `pair`, as matching does.
     pub fn new(pair: ComparedPair<'a>, monitor: &Monitor) -> Result<Self, Cancelled> {
         let (a, b) = (&pair.a.descriptors, &pair.b.descriptors);
-        let (of_a, of_b) = (nearest_two(a, b, monitor)?, nearest_two(b, a, monitor)?);
+        let (of_a, of_b) = nearest_two_both_ways(a, b, monitor)?;
         Ok(Self::again(pair, Arc::new(NearestOfBoth { of_a, of_b })))
     }
 

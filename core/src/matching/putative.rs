@@ -4,14 +4,14 @@
 //! twice that is below 2²⁴, so `f32` holds every partial sum exactly, whatever the order of the additions.
 //!
 //! The searched descriptors are transposed into blocks of `LANES`, so that one lane is one descriptor. Queries go in
-//! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each query is searched
-//! by one thread alone, and ties go to the lowest index, so the result does not depend on threads.
+//! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each product serves both
+//! ways: the mutual check needs no second search. Ties go to the lowest index, so the result does not depend on threads.
 
 use super::params::MatchParams;
 use crate::detector::Descriptor;
 use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
-use multiversion::multiversion;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -41,9 +41,8 @@ pub fn match_descriptors(
     monitor: &Monitor,
 ) -> Result<Vec<Match>, Error> {
     params.validate()?;
-    let of_a = nearest_two(a, b, monitor)?;
-    let of_b = params.mutual.then(|| nearest_two(b, a, monitor)).transpose()?;
-    let back = of_b.as_ref().map(|of_b| move |b: usize| Some(of_b[b]));
+    let (of_a, of_b) = search(a, b, params.mutual, monitor)?;
+    let back = params.mutual.then_some(|b: usize| Some(of_b[b]));
     let candidates = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));
     Ok(candidates.filter(|m| m.ratio <= params.ratio).collect())
 }
@@ -55,10 +54,14 @@ pub(crate) fn distance_squared(a: &Descriptor, b: &Descriptor) -> u32 {
 
 /// Descriptors in a block: one AVX-512 register of `f32`, two of AVX2, four of NEON.
 const LANES: usize = 16;
-/// Queries that share the loads of a block: as many sums as fit into registers.
-const TILE: usize = 4;
+/// Queries that share the loads of a block: as many sums of AVX-512 as it takes to wait for none.
+const TILE: usize = 8;
 /// Queries of a group: 16 KiB, so that they stay in the nearest cache beside a block of 8 KiB.
 const GROUP: usize = 32;
+/// Queries of a part of the work, which has states of its own for all that is searched, at least.
+const PART: usize = 512;
+/// Parts of the work, at most.
+const PARTS: usize = 64;
 /// Elements of a descriptor.
 const LENGTH: usize = 128;
 
@@ -101,31 +104,63 @@ pub fn nearest_two(
     searched: &[Descriptor],
     monitor: &Monitor,
 ) -> Result<Vec<Nearest>, Cancelled> {
+    Ok(search(queries, searched, false, monitor)?.0)
+}
+
+/// [`nearest_two`] of `a` in `b`, and of `b` in `a`, at the cost of one of them.
+pub fn nearest_two_both_ways(
+    a: &[Descriptor],
+    b: &[Descriptor],
+    monitor: &Monitor,
+) -> Result<(Vec<Nearest>, Vec<Nearest>), Cancelled> {
+    search(a, b, true, monitor)
+}
+
+/// The nearest two of each of `queries`, and with `both` those of each of `searched` among the queries.
+fn search(
+    queries: &[Descriptor],
+    searched: &[Descriptor],
+    both: bool,
+    monitor: &Monitor,
+) -> Result<(Vec<Nearest>, Vec<Nearest>), Cancelled> {
     monitor.check()?;
-    if searched.is_empty() {
-        return Ok(Vec::new());
+    if queries.is_empty() || searched.is_empty() {
+        return Ok((Vec::new(), Vec::new()));
     }
+    let (arch, finished) = (Arch::new(), AtomicUsize::new(0));
     let blocks: Vec<Block> = searched.par_chunks(LANES).map(Block::new).collect();
-    let finished = AtomicUsize::new(0);
-    let groups: Vec<Vec<Nearest>> = queries
-        .par_chunks(GROUP)
-        .map(|group| {
+    let search_part = |(first, part): (usize, &[Descriptor])| {
+        let (mut nearest, mut back) =
+            (Vec::with_capacity(part.len()), vec![State::START; blocks.len() * usize::from(both)]);
+        for (first, group) in (first..).step_by(GROUP).zip(part.chunks(GROUP)) {
             monitor.check()?;
+            let (elements, lengths) = (floats_of(group), lengths_of(group));
             let mut states = [State::START; GROUP];
-            let elements = floats_of(group);
             for (number, block) in blocks.iter().enumerate() {
                 // With a large set each group of queries takes a while.
                 if number % 1024 == 1023 {
                     monitor.check()?;
                 }
-                search_block(&elements[..group.len().div_ceil(TILE)], block, number as u32, &mut states);
+                let (back, lengths, numbers) =
+                    (back.get_mut(number), &lengths[..group.len()], (first as u32, number as u32));
+                arch.dispatch(BlockSearch { elements: &elements, lengths, block, numbers, states: &mut states, back });
             }
+            nearest.extend(group.iter().zip(&states).map(|(query, state)| state.nearest(squared_length(query))));
             let done = group.len() + finished.fetch_add(group.len(), Ordering::Relaxed);
             monitor.report(Stage::Match, done as f32 / queries.len() as f32);
-            Ok(group.iter().zip(&states).map(|(query, state)| state.nearest(squared_length(query))).collect())
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    Ok(groups.concat())
+        }
+        Ok((nearest, back))
+    };
+    let part = queries.len().div_ceil(PARTS).next_multiple_of(GROUP).max(PART);
+    let parts = queries.par_chunks(part).enumerate().map(|(index, queries)| search_part((index * part, queries)));
+    let (nearest, back): (Vec<_>, Vec<_>) = parts.collect::<Result<Vec<_>, Cancelled>>()?.into_iter().unzip();
+    let back = back
+        .into_iter()
+        .reduce(|before, later| before.iter().zip(&later).map(|(before, later)| before.with_later(later)).collect());
+    let of_lanes =
+        back.unwrap_or_default().into_iter().flat_map(|state| (0..LANES).map(move |lane| state.of_lane(lane)));
+    let back = searched.iter().zip(of_lanes).map(|(one, nearest)| nearest(squared_length(one))).collect();
+    Ok((nearest.concat(), back))
 }
 
 fn squared_length(descriptor: &Descriptor) -> u32 {
@@ -162,36 +197,58 @@ fn floats_of(group: &[Descriptor]) -> [[[f32; TILE]; LENGTH]; GROUP / TILE] {
     tiles
 }
 
-/// Best results so far for one query, in each lane by itself. Scores are 2·a·b − |b|²: the larger, the nearer.
+fn lengths_of(group: &[Descriptor]) -> [f32; GROUP] {
+    std::array::from_fn(|index| group.get(index).map_or(0.0, |query| squared_length(query) as f32))
+}
+
+/// Best results so far, in each lane by itself: for one query those among the blocks, or for a block those of each of its
+/// descriptors among the queries. Scores are 2·a·b less the squared length of what is found: the larger, the nearer.
 #[derive(Clone, Copy)]
 struct State {
     best: [f32; LANES],
     second: [f32; LANES],
-    block: [u32; LANES],
+    /// Number of the block, or of the query.
+    number: [u32; LANES],
 }
 
 impl State {
     const START: Self =
-        Self { best: [f32::NEG_INFINITY; LANES], second: [f32::NEG_INFINITY; LANES], block: [0; LANES] };
+        Self { best: [f32::NEG_INFINITY; LANES], second: [f32::NEG_INFINITY; LANES], number: [0; LANES] };
 
     #[inline(always)]
     fn update(&mut self, products: &[f32; LANES], squared_lengths: &[f32; LANES], number: u32) {
         // Local copies tell the compiler that nothing overlaps, so that all of this stays in registers.
-        let Self { mut best, mut second, mut block } = *self;
+        let Self { mut best, mut second, number: mut numbers } = *self;
         for l in 0..LANES {
             let score = 2.0 * products[l] - squared_lengths[l];
             // Only a strictly nearer descriptor replaces an earlier one: the lowest index wins.
             let nearer = score > best[l];
             let loser = if nearer { best[l] } else { score };
             second[l] = if loser > second[l] { loser } else { second[l] };
-            block[l] = if nearer { number } else { block[l] };
+            numbers[l] = if nearer { number } else { numbers[l] };
             best[l] = if nearer { score } else { best[l] };
         }
-        *self = Self { best, second, block };
+        *self = Self { best, second, number: numbers };
     }
 
+    /// This state and that of `later` queries as one.
+    fn with_later(&self, later: &Self) -> Self {
+        let mut both = *self;
+        for l in 0..LANES {
+            let loser = if later.best[l] > self.best[l] {
+                (both.best[l], both.number[l]) = (later.best[l], later.number[l]);
+                self.best[l]
+            } else {
+                later.best[l]
+            };
+            both.second[l] = loser.max(self.second[l]).max(later.second[l]);
+        }
+        both
+    }
+
+    /// What was found in all lanes, for the squared length of the query.
     fn nearest(&self, squared_length: u32) -> Nearest {
-        let index = |lane: usize| self.block[lane] as usize * LANES + lane;
+        let index = |lane: usize| self.number[lane] as usize * LANES + lane;
         let mut winner = 0;
         for lane in 1..LANES {
             let nearer = self.best[lane] > self.best[winner];
@@ -201,29 +258,83 @@ impl State {
         }
         let others = (0..LANES).filter(|&lane| lane != winner).map(|lane| self.best[lane]);
         let second = others.fold(self.second[winner], f32::max);
-        // Scores are whole numbers of less than 2²⁴ in magnitude, so these are exact.
-        let distance_squared = |score: f32| (i64::from(squared_length) - score as i64) as u32;
-        Nearest {
-            index: index(winner),
-            distance_squared: distance_squared(self.best[winner]),
-            second_distance_squared: second.is_finite().then(|| distance_squared(second)),
-        }
+        nearest_of(index(winner), [self.best[winner], second], squared_length)
+    }
+
+    /// What was found in one lane, as a function of the squared length of its descriptor.
+    fn of_lane(&self, lane: usize) -> impl Fn(u32) -> Nearest + use<> {
+        let (index, scores) = (self.number[lane] as usize, [self.best[lane], self.second[lane]]);
+        move |squared_length| nearest_of(index, scores, squared_length)
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn search_block(tiles: &[[[f32; TILE]; LENGTH]], block: &Block, number: u32, states: &mut [State; GROUP]) {
-    for (tile, states) in tiles.iter().zip(states.chunks_exact_mut(TILE)) {
-        let mut products = [[0.0f32; LANES]; TILE];
-        for (queries, row) in tile.iter().zip(&block.elements) {
-            for q in 0..TILE {
-                for l in 0..LANES {
-                    products[q][l] += queries[q] * row[l];
+/// Scores are whole numbers of less than 2²⁴ in magnitude, so the distances are exact.
+fn nearest_of(index: usize, [best, second]: [f32; 2], squared_length: u32) -> Nearest {
+    let distance_squared = |score: f32| (i64::from(squared_length) - score as i64) as u32;
+    Nearest {
+        index,
+        distance_squared: distance_squared(best),
+        second_distance_squared: second.is_finite().then(|| distance_squared(second)),
+    }
+}
+
+/// Search of a group of queries in a block.
+struct BlockSearch<'a> {
+    elements: &'a [[[f32; TILE]; LENGTH]; GROUP / TILE],
+    /// |q|² of the queries that there are.
+    lengths: &'a [f32],
+    block: &'a Block,
+    /// Numbers of the first query and of the block.
+    numbers: (u32, u32),
+    /// What each query found.
+    states: &'a mut [State; GROUP],
+    /// What each descriptor of the block found among the queries, if that is wanted.
+    back: Option<&'a mut State>,
+}
+
+impl WithSimd for BlockSearch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        simd.vectorize(
+            #[inline(always)]
+            || match LANES / S::F32_LANES {
+                1 => self.search::<S, TILE, 1>(simd),
+                2 => self.search::<S, 4, 2>(simd),
+                4 => self.search::<S, 2, 4>(simd),
+                _ => self.search::<S, 1, LANES>(simd),
+            },
+        );
+    }
+}
+
+impl BlockSearch<'_> {
+    /// `QUERIES` at a time, with `REGISTERS` for the lanes of each.
+    #[inline(always)]
+    fn search<S: Simd, const QUERIES: usize, const REGISTERS: usize>(&mut self, simd: S) {
+        let firsts = (0..self.lengths.len()).step_by(QUERIES);
+        for first in firsts {
+            let (tile, within) = (&self.elements[first / TILE], first % TILE);
+            let mut sums = [[simd.splat_f32s(0.0); REGISTERS]; QUERIES];
+            for (queries, row) in tile.iter().zip(&self.block.elements) {
+                let row = S::as_simd_f32s(row).0;
+                for q in 0..QUERIES {
+                    let query = simd.splat_f32s(queries[within + q]);
+                    for p in 0..REGISTERS {
+                        sums[q][p] = simd.mul_add_f32s(query, row[p], sums[q][p]);
+                    }
                 }
             }
-        }
-        for (products, state) in products.iter().zip(states) {
-            state.update(products, &block.squared_lengths, number);
+            for (q, &length) in (first..).zip(&self.lengths[first..]).take(QUERIES) {
+                let mut products = [0.0f32; LANES];
+                let out = S::as_mut_simd_f32s(&mut products).0;
+                out.copy_from_slice(&sums[q - first]);
+                self.states[q].update(&products, &self.block.squared_lengths, self.numbers.1);
+                if let Some(back) = &mut self.back {
+                    back.update(&products, &[length; LANES], self.numbers.0 + q as u32);
+                }
+            }
         }
     }
 }
@@ -323,6 +434,12 @@ mod tests {
         }
 
         #[test]
+        fn both_ways_at_once_are_each_way(a in coarse(0..90), b in coarse(0..90)) {
+            let (of_a, of_b) = nearest_two_both_ways(&a, &b, &Monitor::default()).expect("not cancelled");
+            prop_assert_eq!((of_a, of_b), (brute_force(&a, &b), brute_force(&b, &a)));
+        }
+
+        #[test]
         fn ties_go_to_the_lowest_index(queries in coarse(0..40), searched in coarse(1..90)) {
             prop_assert_eq!(nearest(&queries, &searched), brute_force(&queries, &searched));
         }
@@ -345,5 +462,18 @@ mod tests {
     #[test]
     fn cancelling_leaves_no_result() {
         assert_eq!(nearest_two(&[[0; 128]], &[[1; 128]], &Monitor::cancelled()), Err(Cancelled));
+    }
+
+    #[test]
+    fn parts_of_the_work_find_what_the_whole_finds() {
+        let many = |seed: u64, count: usize| {
+            let mut stream = crate::synth::random::Stream::new(seed, 0);
+            let mut one = || std::array::from_fn(|_| (4.0 * stream.uniform()) as u8);
+            (0..count).map(|_| one()).collect::<Vec<Descriptor>>()
+        };
+        // More queries than a part, the last of which is none whole.
+        let (a, b) = (many(1, 2 * PART + 37), many(2, 150));
+        let (of_a, of_b) = nearest_two_both_ways(&a, &b, &Monitor::default()).expect("not cancelled");
+        assert_eq!((of_a, of_b), (brute_force(&a, &b), brute_force(&b, &a)));
     }
 }
