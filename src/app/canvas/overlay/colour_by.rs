@@ -266,7 +266,7 @@ impl ColourScale {
     }
 }
 
-pub(super) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+pub fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 

@@ -2,7 +2,6 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
-use crate::app::canvas::overlay::LineKind;
 use crate::app::document::Action;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
@@ -11,6 +10,7 @@ use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side, lost_label};
 use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
+use crate::export::MatchKind;
 use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
 use crate::inspect::words::sentence;
 use crate::matching::TwoViewModel;
@@ -47,10 +47,10 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], q
 }
 
 fn verdict_ui(ui: &mut Ui, row: &MatchRow<'_>, only_pointed_at: bool) {
-    let word = match LineKind::of(row.inlier) {
-        LineKind::Inlier => "inlier",
-        LineKind::Outlier => "outlier",
-        LineKind::Unverified => "not verified",
+    let word = match MatchKind::of(row.inlier) {
+        MatchKind::Inlier => "inlier",
+        MatchKind::Outlier => "outlier",
+        MatchKind::Unverified => "not verified",
     };
     let pointed = if only_pointed_at { "  (click to keep)" } else { "" };
     ui.horizontal(|ui| {
