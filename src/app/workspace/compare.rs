@@ -58,7 +58,7 @@ fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.compare.running() {
             let text = format!("{}: {}", method.label(), progress_text(&running));
-            progress_ui(ui, &running, None, text);
+            progress_ui(ui, &running, None, &text);
             button_ui(ui, model, queue, ActionId::Cancel, None);
         } else if MethodId::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));

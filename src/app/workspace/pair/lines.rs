@@ -177,7 +177,7 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
     let error = row.error_px.map_or_else(String::new, |e| format!("  error {} px", crate::app::canvas::number(e, 3)));
     let text = format!(
         "Match {}{verdict}\ndistance {:.1}  ratio {:.3}{error}\nslopes ({}) and ({}) px/frame{}",
-        row.index + 1,
+        row.index,
         row.found.distance,
         row.found.ratio,
         signed_slope(row.a.slope, 2),
