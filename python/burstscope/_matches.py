@@ -122,7 +122,7 @@ class Matches(Made):
         return params
 
     def png(self) -> bytes:
-        """Both bursts with the matches between them, at full size, as ``burstscope match`` draws them (PNG)."""
+        """The figure of both bursts with the matches between them, as ``burstscope match`` draws it (PNG)."""
         picture = self._raw.picture((self.a.burst._raw, self.a._raw), (self.b.burst._raw, self.b._raw))
         return bytes(picture)
 

@@ -5,9 +5,11 @@ use crate::detection::RawDetection;
 use crate::failure::raised;
 use crate::parameters::{Given, match_params};
 use crate::work::run;
-use burstscope::dataset::{DetectedBurst, ImageKind, burst_picture, match_bursts};
-use burstscope::export::{MatchLine, write_match_picture};
+use burstscope::app::figure::write_drawing;
+use burstscope::dataset::{DetectedBurst, match_bursts};
+use burstscope::export::FigureAmount;
 use burstscope::matching::{MatchResult, TwoViewModel};
+use burstscope::requests::{MatchFigure, MatchPictures};
 use burstscope::{Burst, Plane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -83,32 +85,31 @@ impl RawMatches {
         &self.params
     }
 
-    /// The picture of both bursts with the matches between them, as PNG.
+    /// The figure of both bursts with the matches between them, as PNG.
     fn picture(
         &self,
         py: Python<'_>,
         a: (PyRef<'_, RawBurst>, PyRef<'_, RawDetection>),
         b: (PyRef<'_, RawBurst>, PyRef<'_, RawDetection>),
     ) -> PyResult<Vec<u8>> {
-        let place = |detection: &RawDetection, index: usize| {
-            let feature = &detection.searched.detection.features[index];
-            [f64::from(feature.u), f64::from(feature.v)]
-        };
-        let inlier = |k: usize| self.result.verification.as_ref().is_none_or(|v| v.inlier[k]);
-        let matches = self.result.matches.iter().enumerate();
-        let lines: Vec<MatchLine> =
-            matches.map(|(k, m)| MatchLine { a: place(&a.1, m.a), b: place(&b.1, m.b), inlier: inlier(k) }).collect();
         let side = |(burst, detection): &(PyRef<'_, RawBurst>, PyRef<'_, RawDetection>)| {
-            (burst.burst.clone(), detection.searched.params.clone())
+            (burst.burst.clone(), detection.searched.clone())
         };
-        let (a, b) = (side(&a), side(&b));
-        run(py, None, move |monitor| {
-            let picture = |(burst, params): &(_, _)| burst_picture(burst, ImageKind::Middle, params, monitor);
-            let (a, b) = (picture(&a)?, picture(&b)?);
-            let folder = tempfile::tempdir().map_err(|e| burstscope::cli::Failure::Failed(e.into()))?;
+        let pair = [side(&a), side(&b)];
+        run(py, None, |monitor| {
+            let figure =
+                MatchFigure { pictures: MatchPictures::Stack, matches: FigureAmount::Strongest(100), width_mm: 181.0 };
+            let pair = pair.each_ref().map(|(burst, searched)| DetectedBurst {
+                burst,
+                params: &searched.params,
+                detection: &searched.detection,
+            });
+            let drawing = figure.drawing(pair, &self.result, monitor)?;
+            let failed = burstscope::cli::Failure::Failed;
+            let folder = tempfile::tempdir().map_err(|error| failed(error.into()))?;
             let file = folder.path().join("matches.png");
-            write_match_picture(&file, a.picture(), b.picture(), &lines)?;
-            std::fs::read(&file).map_err(|e| burstscope::cli::Failure::Failed(e.into()))
+            write_drawing(&file, &drawing).map_err(|problem| failed(anyhow::anyhow!(problem)))?;
+            std::fs::read(&file).map_err(|error| failed(error.into()))
         })
     }
 }

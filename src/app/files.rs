@@ -5,7 +5,7 @@
 use super::dialogs::Question;
 use super::document::Action;
 use super::session::Session;
-use crate::app::figure::{drawing_of, rasterise, write_drawing_pdf};
+use crate::app::figure::{drawing_of, rasterise, write_drawing};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::profiles_of;
 use crate::app::panel::lab::curves::shown_plots;
@@ -333,14 +333,7 @@ fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
 
 fn figure_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     let drawing = drawing_of(model, widgets, &model.figure)?;
-    Ok(Box::new(move |path| {
-        let written = match ending_of(path, ExportKind::Figure)? {
-            "pdf" => write_drawing_pdf(path, &drawing),
-            "svg" => export::write_drawing_svg(path, &drawing),
-            _ => export::write_png(path, picture_of(&rasterise(&drawing)?)),
-        };
-        written.map_err(|error| error.to_string())
-    }))
+    Ok(Box::new(move |path| write_drawing(path, &drawing)))
 }
 
 fn methods_work(model: &Model) -> Work {

@@ -36,7 +36,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     args.plot.iter().try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_table(&report))?;
-    write_plot(&console, args.plot.as_deref(), &rules, || roc_svg(&report))?;
+    write_plot(&console, args.plot.as_deref(), &rules, || roc_svg(&report, 0))?;
     console.say_document("evaluate chart", &report)
 }
 

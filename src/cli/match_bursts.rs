@@ -1,7 +1,7 @@
 //! `match`: finds the features of two bursts and matches them.
 
 use super::args::{BurstSearchArgs, OverwriteArgs};
-use super::choices::{IMAGE_KINDS, words};
+use super::choices::{FIGURE_FORMATS, MATCH_PICTURES, words};
 use super::console::Console;
 use super::detect::{DetectJob, detect_burst};
 use super::evaluate_tables::or_dash;
@@ -10,13 +10,14 @@ use super::inputs::{open_options, resolve_pair};
 use super::matching_args::MatchingArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
-use crate::dataset::{DetectedBurst, ImageKind, burst_picture, match_bursts};
+use crate::dataset::{DetectedBurst, match_bursts};
 use crate::detector::params::Word;
 use crate::detector::{Detection, SearchParams};
-use crate::export::{ExportFormat, MatchLine, MatchRow, safe_file_name, write_match_picture, write_matches_csv};
+use crate::export::{Drawing, ExportFormat, FigureAmount, FigureFormat, MatchRow, safe_file_name, write_matches_csv};
 use crate::files::serialize_path;
 use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel};
 use crate::monitor::Stage;
+use crate::requests::{MatchFigure, MatchPictures};
 use clap::Args;
 use nalgebra::Matrix3;
 use serde::Serialize;
@@ -63,6 +64,7 @@ struct Files<'a> {
 }
 
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
+    check_format(args.picture)?;
     let params = args.run.search.params()?;
     let matching = args.matching.params()?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?.of_camera(matching.camera.clone());
@@ -70,7 +72,8 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let inputs = resolve_pair(&args.a, &args.b, &args.run.calibration.options())?;
     let options = open_options(&inputs, &args.run.calibration)?;
     let name = safe_file_name(&format!("{}_{}", inputs[0].name, inputs[1].name));
-    let [matches, picture] = ["csv", "png"].map(|end| args.out.join(format!("{name}.matches.{end}")));
+    let [matches, picture] =
+        ["csv", args.picture.extension()].map(|end| args.out.join(format!("{name}.matches.{end}")));
     let settings = [args.run.search.file.params.as_ref(), args.matching.camera_file()];
     job.rules = args.overwrite.rules(&inputs, &options, &settings);
     let folder = job.take_folder(&inputs, &[matches.clone(), picture.clone()])?;
@@ -83,21 +86,15 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };
     let of = |burst, detection| DetectedBurst { burst, params: &params.detector, detection };
     let result = match_bursts([of(burst_a, a), of(burst_b, b)], &matching, &console.monitor)?;
-    let pictures =
-        [burst_a, burst_b].map(|burst| burst_picture(burst, args.images, &params.detector, &console.monitor.silent()));
-    let [picture_a, picture_b] = pictures;
-    let (picture_a, picture_b) = (picture_a?, picture_b?);
+    let figure = MatchFigure { pictures: args.images, matches: args.drawn, width_mm: args.width };
+    let drawing = figure.drawing([of(burst_a, a), of(burst_b, b)], &result, &console.monitor.silent())?;
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     let rows = match_rows(a, b, &result);
     folder.check()?;
     [&matches, &picture].into_iter().try_for_each(|file| job.rules.check(file))?;
     write_matches_csv(&matches, &rows)?;
-    let lines: Vec<MatchLine> = rows
-        .iter()
-        .map(|r| MatchLine { a: r.a, b: r.b, inlier: r.verified.is_none_or(|(_, inlier)| inlier) })
-        .collect();
-    write_match_picture(&picture, picture_a.picture(), picture_b.picture(), &lines)?;
+    write_figure(&picture, &drawing)?;
     folder.check()?;
     let model = result.verification.as_ref().and_then(|v| v.model.as_ref());
     let why_none = match result.counts.refused {
@@ -120,6 +117,41 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
         files: Files { matches: &matches, picture: &picture },
     };
     console.say_document("match", &document)
+}
+
+/// Refuses a format that this build cannot draw, before anything is computed.
+fn check_format(format: FigureFormat) -> Result<(), Failure> {
+    if cfg!(feature = "app") || format == FigureFormat::Svg {
+        return Ok(());
+    }
+    let format = format.extension();
+    Err(Failure::usage(format!(
+        "--picture {format}: the letters of PNG and PDF are drawn by the window, which this build does not have; give svg"
+    )))
+}
+
+#[cfg(feature = "app")]
+fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
+    crate::app::figure::write_drawing(path, drawing).map_err(|problem| Failure::Failed(anyhow::anyhow!(problem)))
+}
+
+#[cfg(not(feature = "app"))]
+fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
+    Ok(crate::export::write_drawing_svg(path, drawing)?)
+}
+
+/// Reads how many matches are drawn.
+fn parse_drawn(text: &str) -> Result<FigureAmount, String> {
+    let bad = || format!("'{text}' is no number of matches; give 'all' or a whole number from 1 on");
+    match text {
+        "all" => Ok(FigureAmount::All),
+        _ => text.parse().ok().filter(|count| *count > 0).map(FigureAmount::Strongest).ok_or_else(bad),
+    }
+}
+
+fn parse_width(text: &str) -> Result<f32, String> {
+    let bad = || format!("'{text}' is no width of a figure; give 10 to 2000 mm, such as 88 for one column");
+    text.parse().ok().filter(|width| (10.0..=2000.0).contains(width)).ok_or_else(bad)
 }
 
 fn match_rows(a: &Detection, b: &Detection, result: &MatchResult) -> Vec<MatchRow> {
@@ -175,10 +207,21 @@ pub struct MatchArgs {
     /// Formats of the features, separated by commas: csv, colmap, npz.
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv")]
     pub format: Vec<ExportFormat>,
-    /// What the picture shows of each burst: middle, its middle frame, or merged, its frames merged; stretched to 8
-    /// bit.
-    #[arg(long, value_name = "KIND", default_value = "middle", value_parser = words::<ImageKind>(IMAGE_KINDS))]
-    pub images: ImageKind,
+    /// Format of the picture: PDF and SVG are vectors, PNG has 300 pixels an inch. A build without the window draws
+    /// SVG alone.
+    #[arg(long, value_name = "FORMAT", default_value = if cfg!(feature = "app") { "png" } else { "svg" },
+          value_parser = words::<FigureFormat>(FIGURE_FORMATS))]
+    pub picture: FigureFormat,
+    /// What the picture shows of each burst: its motion stack at the slope with most features, its middle frame, or its
+    /// frames merged; dark ones are stretched.
+    #[arg(long, value_name = "KIND", default_value = "stack", value_parser = words::<MatchPictures>(MATCH_PICTURES))]
+    pub images: MatchPictures,
+    /// Matches that the picture shows: so many of the smallest distance, or 'all'.
+    #[arg(long, value_name = "N", default_value = "100", value_parser = parse_drawn)]
+    pub drawn: FigureAmount,
+    /// Width of the picture on paper, millimetres: 88 for one column, 181 for two. Letters have 8 points.
+    #[arg(long, value_name = "MM", default_value = "181", value_parser = parse_width)]
+    pub width: f32,
     #[command(flatten)]
     pub matching: MatchingArgs,
     #[command(flatten)]
@@ -192,7 +235,8 @@ Files in DIR, for bursts A and B:
   A.csv, B.csv       features, as 'detect' writes them
   A_B.matches.csv    a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation; a and b count the features from 0. What A's
                      place shows lies at (u_b + shift_u_b, v_b + shift_v_b) in B: nan where the pictures do not tell, or were not compared (--align false)
-  A_B.matches.png    both pictures, inliers solid and yellow, other matches dashed and vermilion
+  A_B.matches.png    both pictures with their names, lines between the matches of the smallest distance, and the numbers of inliers (solid, yellow) and outliers
+                     (dashed, vermilion): the figure that the window exports of two bursts. --picture makes it .svg or .pdf
 
 Numbers, as in the paper's tables: match ratio = putative matches over keypoints, match score = inliers over keypoints (each the mean of A's and B's), precision =
 inliers over putative matches.

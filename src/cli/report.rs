@@ -9,7 +9,7 @@ use crate::detector::{
     Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test, explain,
 };
 use crate::files::path_text;
-use crate::inspect::spectrum::SlopeJudgement;
+use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -193,12 +193,7 @@ impl BurstReport {
 }
 
 pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
-    let mut counts = vec![0; detection.slopes.len()];
-    for feature in &detection.features {
-        if let Some(count) = counts.get_mut(feature.slope_index) {
-            *count += 1;
-        }
-    }
+    let counts = features_at_slopes(detection);
     detection.slopes.slopes().zip(counts).map(|(s, features)| SlopeCount { u: s.u, v: s.v, features }).collect()
 }
 

@@ -12,6 +12,7 @@ use crate::export::{
     Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth,
     IN_A_CELL, LegendEntry, curve_height, draw_curve, lay_out,
 };
+use crate::inspect::spectrum::is_at_slope;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
@@ -334,7 +335,7 @@ impl Film {
             dashed: true,
             ..FigureMark::circle(place.at, 9.0, MARK)
         });
-        let (colours, burst) = (SlopeColours::of(&self.params.used_slopes()), &self.burst.burst);
+        let (colours, burst) = (self.colours(), &self.burst.burst);
         let positions = burst.positions.part(self.params.used_frames(burst.len()));
         let mark = |feature: &&Feature| FigureMark::of(feature, &positions, colours.colour(feature.motion().0));
         let marks = drawn.iter().map(mark).chain(place);
@@ -351,6 +352,11 @@ impl Film {
             legend: legend.unwrap_or_default(),
             bar: Some(ColourBar::of(&display, low, format!("{high} % of full scale"))),
         }
+    }
+
+    fn colours(&self) -> SlopeColours {
+        let features = self.detection.as_ref().map_or(&[][..], |found| &found.features);
+        SlopeColours::of(&self.params.used_slopes(), features)
     }
 
     fn title(&self, step: &FilmStep, drawn: usize, features: usize) -> String {
@@ -374,15 +380,11 @@ impl Film {
     /// The features of a step: of its scale, or moving as its slope.
     fn features(&self, step: &FilmStep) -> impl Iterator<Item = &Feature> {
         let grid = self.params.used_slopes();
-        let near = 0.75 * grid.u.step().max(grid.v.step()).max(0.1);
         let all = self.detection.iter().flat_map(|detection| &detection.features);
         let (scale, slope) = (step.scale, step.slope);
         all.filter(move |feature| match scale {
             Some(scale) => (feature.octave, feature.level) == scale,
-            None => {
-                let (motion, _) = feature.motion();
-                (motion.u - slope.u).hypot(motion.v - slope.v) <= near
-            }
+            None => is_at_slope(&grid, feature, slope),
         })
     }
 

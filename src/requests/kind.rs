@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RangeClass {
-    /// Brightnesses.
+    /// Brightnesses of frames, with all their noise.
+    Frame,
+    /// Brightnesses of what is made of several frames.
     Intensity,
     /// DoG responses.
     Response,
@@ -24,7 +26,8 @@ pub enum RangeClass {
 impl RangeClass {
     pub fn label(self) -> &'static str {
         match self {
-            Self::Intensity => "frames and motion stacks",
+            Self::Frame => "frames",
+            Self::Intensity => "motion stacks and merged frames",
             Self::Response => "DoG responses",
             Self::Difference => "differences",
             Self::Noise => "noise maps",
@@ -82,12 +85,13 @@ const FRAME: AboutView = AboutView {
     stage: None,
     of_slope: false,
     of_scale: false,
-    range: RangeClass::Intensity,
+    range: RangeClass::Frame,
     is_slow: false,
     combine: None,
 };
 
-const MAP: AboutView = AboutView { stage: Some(Stage::Search), of_slope: true, is_slow: true, ..FRAME };
+const MAP: AboutView =
+    AboutView { stage: Some(Stage::Search), of_slope: true, range: RangeClass::Intensity, is_slow: true, ..FRAME };
 
 const fn combined(
     combine: Combine,
@@ -133,6 +137,7 @@ impl ViewKind {
                 help: "The mean of the frames, shifted by the slope",
                 stage: Some(Stage::Stack),
                 of_slope: true,
+                range: Intensity,
                 ..FRAME
             },
             Self::Dog => AboutView {
@@ -150,6 +155,7 @@ impl ViewKind {
                 label: "Merged frames",
                 help: "The frames aligned tile by tile and merged into one image",
                 stage: Some(Stage::Frames),
+                range: Intensity,
                 is_slow: true,
                 ..FRAME
             },

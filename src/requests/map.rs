@@ -1,7 +1,7 @@
 //! Pictures of the motion: winning slopes, and the field of motion.
 
 use crate::detector::quantity::BRIGHT;
-use crate::detector::{MotionField, Slope, SlopeAxis, SlopeGrid};
+use crate::detector::{Feature, MotionField, Slope, SlopeAxis, SlopeGrid};
 use crate::inspect::candidates::WinningSlopes;
 use crate::plane::display::{Rgb, direction_colour};
 use image::{Rgba, RgbaImage};
@@ -29,10 +29,47 @@ pub struct SlopeColours {
     table: [Rgb; 256],
 }
 
+/// Part of the motions, by their SNR, that lie on a line where all are said to.
+const ON_LINE: f64 = 0.98;
+
+/// The line along which `grid` was searched, or on which the motions of `features` lie in a plane of slopes, as those of
+/// a still scene before a moving camera do: its direction, degrees from +u towards +v, and its part, from the first
+/// slope to the last.
+pub fn line_of(grid: &SlopeGrid, features: &[Feature]) -> Option<(f32, SlopeAxis)> {
+    if !grid.is_plane() || features.len() < 3 {
+        return grid.as_line();
+    }
+    let seen: Vec<([f64; 2], f64)> = features
+        .iter()
+        .map(|feature| (feature.motion().0, f64::from(feature.snr)))
+        .map(|(motion, snr)| ([motion.u, motion.v].map(f64::from), snr))
+        .filter(|(at, weight)| at.iter().chain([weight]).all(|x| x.is_finite()))
+        .collect();
+    let total = seen.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mean = |of: &dyn Fn([f64; 2]) -> f64| seen.iter().map(|(at, weight)| weight * of(*at)).sum::<f64>() / total;
+    let centre = [mean(&|at| at[0]), mean(&|at| at[1])];
+    let spread = |i: usize, j: usize| mean(&|at| (at[i] - centre[i]) * (at[j] - centre[j]));
+    let (uu, uv, vv) = (spread(0, 0), spread(0, 1), spread(1, 1));
+    let angle = 0.5 * (2.0 * uv).atan2(uu - vv);
+    let (sin, cos) = angle.sin_cos();
+    let step = f64::from(grid.u.step().max(grid.v.step()));
+    let is_on = |at: &[f64; 2]| ((at[1] - centre[1]) * cos - (at[0] - centre[0]) * sin).abs() <= step;
+    let on = seen.iter().filter(|(at, _)| is_on(at));
+    let (mut share, mut min, mut max) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+    for (at, weight) in on {
+        let along = at[0] * cos + at[1] * sin;
+        (share, min, max) = (share + weight / total, min.min(along), max.max(along));
+    }
+    // Motions that are all alike lie on any line.
+    let is_line = share >= ON_LINE && max - min > 2.0 * step;
+    let count = (((max - min) / step).round() as usize + 1).max(2);
+    is_line.then_some((angle.to_degrees() as f32, SlopeAxis { min: min as f32, max: max as f32, count }))
+}
+
 impl SlopeColours {
-    pub fn of(grid: &SlopeGrid) -> Self {
+    pub fn of(grid: &SlopeGrid, features: &[Feature]) -> Self {
         let max_px_per_frame = grid.max_magnitude().max(f32::MIN_POSITIVE);
-        Self { line: grid.as_line(), max_px_per_frame, table: BRIGHT.map.lut() }
+        Self { line: line_of(grid, features), max_px_per_frame, table: BRIGHT.map.lut() }
     }
 
     pub fn colour(&self, slope: Slope) -> Rgb {
@@ -69,7 +106,7 @@ impl MotionMap {
 
     fn new((width, height): (usize, usize), grid: &SlopeGrid, at: impl Fn(usize, usize) -> (Slope, f32)) -> Self {
         let motions: Vec<(Slope, f32)> = (0..width * height).map(|place| at(place % width, place / width)).collect();
-        let of_slopes = SlopeColours::of(grid);
+        let of_slopes = SlopeColours::of(grid, &[]);
         // Most places share their slope with the one before.
         let mut last = None;
         let colours = RgbaImage::from_fn(width as u32, height as u32, |x, y| {
@@ -92,5 +129,31 @@ impl MotionMap {
     /// The motion at a pixel (column, row), and its certainty, 0 … 1.
     pub fn at(&self, (x, y): (usize, usize)) -> (Slope, f32) {
         self.motions[y * self.colours.width() as usize + x]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moving(u: f32, v: f32) -> Feature {
+        Feature { slope: Slope::new(u, v), slope_sigma: 0.1, snr: 10.0, ..Feature::default() }
+    }
+
+    #[test]
+    fn motions_on_a_line_of_a_plane_have_its_colours_and_others_those_of_directions() {
+        let plane = SlopeGrid::plane(-4.0..=4.0, 9, -4.0..=4.0, 9);
+        // A camera that moves at 30°, and a hundred depths.
+        let still: Vec<Feature> = (0..100).map(|i| 0.04 * i as f32).map(|d| moving(0.866 * d, 0.5 * d)).collect();
+        let (degrees, axis) = line_of(&plane, &still).expect("a line");
+        assert!((degrees - 30.0).abs() < 0.1 && axis.min.abs() < 0.01 && (axis.max - 3.96).abs() < 0.01, "{axis:?}");
+        let colours = SlopeColours::of(&plane, &still);
+        assert_eq!(colours.colour(Slope::new(0.866, 0.5)), colours.colour(Slope::new(0.866 - 0.5, 0.5 + 0.866)));
+        assert_ne!(colours.colour(Slope::new(0.866, 0.5)), colours.colour(Slope::new(3.0, 1.8)));
+        // Five of them rise: too many for a line, as lanterns in a street.
+        let lanterns: Vec<Feature> = still.iter().copied().chain((0..5).map(|_| moving(0.0, -3.0))).collect();
+        assert_eq!(line_of(&plane, &lanterns), None);
+        assert_eq!(line_of(&plane, &vec![moving(1.0, 1.0); 50]), None, "all alike");
+        assert_eq!(line_of(&SlopeGrid::line(-3.0..=2.0, 6), &lanterns).map(|(degrees, _)| degrees), Some(0.0));
     }
 }

@@ -12,6 +12,7 @@ mod explain;
 mod film;
 mod kind;
 mod map;
+mod match_figure;
 mod open;
 mod picture;
 mod pictures;
@@ -39,7 +40,8 @@ pub use explain::{
 };
 pub use film::{Film, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
-pub use map::{MotionMap, SlopeColours};
+pub use map::{MotionMap, SlopeColours, line_of};
+pub use match_figure::{MatchFigure, MatchPictures, are_stacked, titled};
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
 pub use picture::{Picture, PictureRequest};

@@ -86,12 +86,29 @@ fn two_bursts_are_matched_verified_and_drawn() {
     );
 
     let picture = image::open(out("a_b.matches.png")).expect("a picture").to_rgb8();
-    assert_eq!(picture.dimensions(), (320 + 8 + 320, 240));
-    assert!(picture.pixels().any(|p| p.0 == burstscope::export::INLIER_COLOR));
+    assert_eq!(picture.width(), 2138, "181 mm with 300 pixels an inch");
+    assert!(picture.pixels().any(|p| p.0 == burstscope::export::MatchKind::Inlier.color()), "the legend's line");
     // The number of threads changes nothing; --images changes the picture.
     let read = |folder: &str, file: &str| std::fs::read(home.path().join(folder).join(file)).expect("a file");
     assert_eq!(read("m", "a_b.matches.csv"), read("n", "a_b.matches.csv"));
     assert_ne!(read("m", "a_b.matches.png"), read("n", "a_b.matches.png"));
+    figure_as_vectors(home.path(), &rows);
+}
+
+/// As SVG the figure has the names, the matches that were asked for, of the smallest distance, and their numbers.
+fn figure_as_vectors(home: &Path, rows: &[Vec<f64>]) {
+    let vectors = ["--picture", "svg", "--drawn", "40", "--width", "88", "--slopes-u", "-2:2:9"];
+    run_well(home, &[&["match", "a", "b", "--out", "v"], &vectors[..]].concat());
+    let svg = std::fs::read_to_string(home.join("v/a_b.matches.svg")).expect("a file");
+    let mut nearest: Vec<&Vec<f64>> = rows.iter().collect();
+    nearest.sort_by(|a, b| a[6].total_cmp(&b[6]));
+    let inliers = nearest[..40].iter().filter(|row| row[9] == 1.0).count();
+    let all = rows.iter().filter(|row| row[9] == 1.0).count();
+    for text in ["(a) A: a · motion", "(b) B: b · motion", &format!("{inliers} of {all} inliers"), "of full scale"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert_eq!(svg.matches("class=\"match\"").count(), 40);
+    assert!(!home.join("v/a_b.matches.png").exists());
 }
 
 #[test]
@@ -111,7 +128,9 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
     );
     let text = std::fs::read_to_string(home.path().join("m/demo_demo_2.matches.csv")).expect("a file");
     assert!(text.lines().skip(1).all(|line| line.ends_with(",nan,nan")));
-    let cases: [(&[&str], i32, &str); 6] = [
+    let cases: [(&[&str], i32, &str); 8] = [
+        (&["match", "demo", "demo", "--out", "x", "--drawn", "0"], 2, "give 'all' or"),
+        (&["match", "demo", "demo", "--out", "x", "--width", "3"], 2, "88 for one column"),
         (&["match", "demo", "--out", "x"], 2, "<B>"),
         (&["match", "demo", "demo"], 2, "--out"),
         (&["match", "demo", "demo", "--out", "x", "--ratio", "2"], 2, "0.8 is usual"),

@@ -28,7 +28,7 @@ fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
     window.settle();
     let strongest = &window.app().model.features()[0];
     let in_picture = window.app().ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
-    let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 2").rect().center();
+    let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 1").rect().center();
     let elsewhere = egui::pos2(640.0, 790.0);
     for (pos, wanted) in [(in_picture, true), (elsewhere, false), (in_table, true), (elsewhere, false)] {
         window.harness.hover_at(pos);
@@ -69,9 +69,9 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     assert!(window.shows(&format!("{:.2}, {:.2} px", feature.u, feature.v)), "the panel shows its numbers");
     assert!(window.harness.query_by_role_and_label(Role::Image, "Descriptor").is_some());
     assert!(window.harness.query_by_role_and_label(Role::Image, "Patch in the motion stack").is_some());
-    // The table scrolls to the feature with the row above visible. Rows count from 1.
+    // The table scrolls to the feature with the row above visible.
     // The row is wider than what is seen of it.
-    let row = window.harness.get_by_role_and_label(Role::Row, &format!("Feature {index}")).rect();
+    let row = window.harness.get_by_role_and_label(Role::Row, &format!("Feature {}", index - 1)).rect();
     window.click_at(row.left_center() + egui::vec2(80.0, 0.0));
     window.harness.run_steps(2);
     assert_eq!(window.app().model.selected, Some(index - 1));

@@ -39,7 +39,7 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     let index = (0..found.lost.len()).find(is_listed).expect("some have no match");
     let outliers = found.request.result.counts.putative - found.request.result.counts.inliers.unwrap();
     assert_eq!((count(Lost::Geometry), window.app().model.pair.lost.count(Lost::Geometry)), (outliers, outliers));
-    window.harness.get_by_role_and_label(Role::Row, &format!("Unmatched feature {}", index + 1)).click();
+    window.harness.get_by_role_and_label(Role::Row, &format!("Unmatched feature {index}")).click();
     window.settle();
     assert_eq!(window.app().model.asked_feature(), Some(index));
     let why = losses.of(index, 5);
@@ -183,5 +183,5 @@ fn a_match_tells_its_second_best() {
     assert_eq!(why.feature, row.found.a);
     assert_eq!(why.unmatched.candidates[0].feature, row.found.b);
     let second = why.unmatched.candidates[1];
-    assert!(window.shows(&format!("#{}", second.feature + 1)));
+    assert!(window.shows(&format!("#{}", second.feature)));
 }

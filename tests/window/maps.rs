@@ -66,7 +66,7 @@ fn the_local_noise_is_a_picture_of_its_own() {
     let (own, frames) = (model.display_of(model.focus()), model.look.ranges.intensity);
     assert!(own.max < 0.1 * frames.max && own.map != frames.map, "{own:?} {frames:?}");
     assert!(window.shows("One range for all noise maps") && window.shows("Local noise"));
-    assert!(window.harness.query_by_label_contains("Colour bar: σ of the noise in D").is_some());
+    assert!(window.harness.query_by_label_contains("Colour bar: Noise (σ) of the response").is_some());
     // The value has its unit.
     let at = window.app().ui_from_image(pos2(180.0, 80.0)).unwrap();
     window.harness.hover_at(at);

@@ -73,7 +73,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     window.click_at(pos);
     window.settle();
     let chosen = window.app().model.selected_match.expect("a line is there");
-    assert!(window.shows(&format!("Match {}: ", chosen + 1)));
+    assert!(window.shows(&format!("Match {chosen}: ")));
     for name in ["Patch in A", "Patch in B", "Descriptor in A", "Descriptor in B"] {
         assert!(window.harness.query_by_role_and_label(Role::Image, name).is_some(), "{name}");
     }
@@ -84,7 +84,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     assert_eq!(patches[1].request.kind, PictureKind::Stack { slope: row.b.slope });
     assert!(window.shows(&format!("{:.3}", row.found.ratio)) && window.shows("Epipolar error"));
     // Rows and keys select too.
-    window.harness.get_by_role_and_label(Role::Row, &format!("Match {}", chosen + 1)).click();
+    window.harness.get_by_role_and_label(Role::Row, &format!("Match {chosen}")).click();
     window.harness.run_steps(2);
     assert_eq!(window.app().model.selected_match, Some(chosen), "a click on the selected row keeps it selected");
     window.key(Key::Home);

@@ -15,7 +15,7 @@ use burstscope::detector::{DetectorParams, FrameRange, Slope, SlopeGrid, Test};
 use burstscope::inspect::candidates::{SurveyOptions, survey};
 use burstscope::inspect::decoys::{DecoyStudy, decoys};
 use burstscope::inspect::probe::Wanted;
-use burstscope::inspect::words::{counted_from_one, number};
+use burstscope::inspect::words::number;
 use burstscope::inspect::{ProbeCache, ProbeOptions, ReasonKind, probe};
 use burstscope::requests::{BurstSource, Probed};
 use egui::accesskit::Role;
@@ -53,7 +53,7 @@ fn a_feature_says_why_it_was_kept() {
     let fate = answer(&window).probe.subject_fate().expect("it is a candidate").clone();
     assert!(fate.features.contains(&0), "{fate:?}");
     // The window counts features from 1.
-    let verdict = burstscope::inspect::words::counted_from_one(&fate.verdict);
+    let verdict = fate.verdict.clone();
     assert!(verdict.contains("feature 1") && window.shows(&verdict["kept as".len()..]), "{verdict}");
     for image in ["Response over slope and scale", "Patch of each frame", "Response of each frame"] {
         rect_of(&window, image);
@@ -147,7 +147,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         let options = ProbeOptions { wanted: Wanted::Best, in_view, ..ProbeOptions::default() };
         assert_eq!(answer.probe.fates, probe(&cache, place, &options, &Monitor::default()).unwrap().fates);
         let title = format!("Place ({}, {}) of {}", number(place[0], 1), number(place[1], 1), side.name());
-        assert!(window.shows(&title) && window.shows(&counted_from_one(&answer.probe.summary)), "{title}");
+        assert!(window.shows(&title) && window.shows(&answer.probe.summary), "{title}");
     }
     assert_eq!(names(&window), ["demo", "demo-later"], "nothing is swapped");
     // A click in the map moves B's cursor.
@@ -212,13 +212,13 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     probe(&mut window, 238.0, 36.0);
     let reasons = answer(&window).probe.reasons.clone();
     let other = reasons.iter().find(|reason| reason.kind == ReasonKind::AtAnotherSlope).expect("it was found");
-    assert!(window.shows(&counted_from_one(&other.sentence)["found ".len()..]), "{}", other.sentence);
+    assert!(window.shows(&other.sentence["found ".len()..]), "{}", other.sentence);
     assert!(!window.shows("It is shown under All"), "no features are shown at all");
     window.app_mut().model.look.overlay = FeaturesShown::ThisSlope;
     window.harness.run_steps(2);
     assert!(window.shows("It is shown under All, not under This slope."));
     let feature = other.feature.expect("a feature");
-    window.click(&format!("Go to feature {}", feature + 1));
+    window.click(&format!("Go to feature {feature}"));
     window.settle();
     let model = &window.app().model;
     assert_eq!((model.selected, model.cursor().slope), (Some(feature), model.features()[feature].slope));
@@ -253,7 +253,7 @@ fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
     });
     assert!(dot.is_some(), "{count} features, none a dot");
     let shown = window.app().model.probed.as_dots[0];
-    assert!(window.shows(&format!("Feature {} was found here, but is drawn as a dot", shown + 1)));
+    assert!(window.shows(&format!("Feature {} was found here, but is drawn as a dot", shown)));
     window.app_mut().model.clear_probe();
     window.settle();
     assert!(!window.shows("drawn as a dot"));

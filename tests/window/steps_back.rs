@@ -112,7 +112,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
 #[test]
 fn rows_and_features_have_menus() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    let row = window.harness.get_by_role_and_label(Role::Row, "Feature 3").rect().center();
+    let row = window.harness.get_by_role_and_label(Role::Row, "Feature 2").rect().center();
     second_click_at(&mut window, row);
     window.click("Go to feature");
     window.settle();

@@ -10,6 +10,7 @@ use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Content of a burst's picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -53,6 +54,20 @@ pub fn burst_picture(
     params: &DetectorParams,
     monitor: &Monitor,
 ) -> Result<BurstPicture, Error> {
+    let plane = burst_plane(burst, kind, params, monitor)?;
+    Ok(BurstPicture::of(&plane))
+}
+
+/// Values of the picture of `burst`, as [`burst_picture`].
+///
+/// # Errors
+/// Frames that the burst does not have, or cancellation.
+pub fn burst_plane(
+    burst: &Burst,
+    kind: ImageKind,
+    params: &DetectorParams,
+    monitor: &Monitor,
+) -> Result<Arc<Plane>, Error> {
     monitor.check()?;
     let method = match kind {
         ImageKind::Middle => Method::Sift,
@@ -60,7 +75,7 @@ pub fn burst_picture(
     };
     let params = DetectorParams { method, ..params.clone() };
     let (burst, params) = prepare(burst, &params, monitor)?;
-    Ok(BurstPicture::of(&burst.frames[params.used_frames(burst.len()).start]))
+    Ok(burst.frames[params.used_frames(burst.len()).start].clone())
 }
 
 /// The middle frame of `source`, opened with `options` and reduced by a whole factor so that no side is longer than

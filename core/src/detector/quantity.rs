@@ -201,7 +201,9 @@ impl Quantity {
     /// The record of the quantity.
     pub fn record(self) -> Record {
         match self {
-            Self::Rank => Record { width: 34.0, ..named("rank", "#", "", "Rank by strength of the response, from 1") },
+            Self::Rank => {
+                Record { width: 34.0, ..named("rank", "#", "", "Number in the order of strength, from 0, as in files") }
+            }
             Self::U => Record {
                 place: Place::Real(|f| &mut f.u),
                 form: Form::Fixed(2),

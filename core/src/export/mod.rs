@@ -14,7 +14,6 @@ mod figure;
 pub mod film;
 mod format;
 mod kept;
-mod match_picture;
 mod npz;
 mod outputs;
 mod pfm;
@@ -36,13 +35,13 @@ pub use csv::{
 };
 pub use density::{Cells, IN_A_CELL};
 pub use figure::{
-    Colour, ColourBar, DASH, Drawing, FAN_OPACITY, FigureCurve, FigureLink, FigureMark, FigureMatches, FigureOptions,
-    FigurePanel, FigureRect, FigureShape, FigureStroke, FigureUnit, FigureWidth, LegendEntry, LegendMark, curve_height,
-    draw_curve, fan, lay_out, motion_over, round_length, sigma_over, write_drawing_svg,
+    Colour, ColourBar, DASH, Drawing, FAN_OPACITY, FigureAmount, FigureCurve, FigureFormat, FigureLink, FigureMark,
+    FigureMatches, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke, FigureUnit, FigureWidth,
+    LegendEntry, LegendMark, MatchKind, curve_height, draw_curve, fan, lay_out, motion_over, round_length, sigma_over,
+    write_drawing_svg,
 };
 pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};
 pub use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};
-pub use match_picture::{INLIER_COLOR, MatchLine, OUTLIER_COLOR, PICTURE_GAP_PX, write_match_picture};
 pub use npz::{write_field_npz, write_npz};
 pub use outputs::{OpenedFiles, OutputRules, Overwrite, is_ours};
 pub use pfm::write_field_pfm;

@@ -189,7 +189,7 @@ impl Sheet {
 
     /// Draws the label of a vertical axis.
     pub fn label_left(&mut self, area: Area, label: &str) {
-        let (x, y) = (Number(area.x - 50.0), Number(area.y + 0.5 * area.height));
+        let (x, y) = (Number(area.x - 44.0), Number(area.y + 0.5 * area.height));
         let turned = format!("translate({x} {y}) rotate(-90)");
         self.body.text("text", &[("transform", &turned), ("text-anchor", &"middle")], "", label).expect(IN_MEMORY);
     }

@@ -228,7 +228,7 @@ impl<'a> Losses<'a> {
 
 /// Name of a feature by its rank in strength, from 1, as in tables.
 fn rank_name(index: usize) -> String {
-    format!("feature #{}", index + 1)
+    format!("feature {index}")
 }
 
 /// Reason, from the motions, why a feature that the sure matches left has no match; empty where there is none.

@@ -72,29 +72,9 @@ pub fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}s") }
 }
 
-/// A sentence in which features are counted from 1, as in the window; commands count them from 0.
-pub fn counted_from_one(text: &str) -> String {
-    const WORD: &str = "feature ";
-    let mut parts = text.split(WORD);
-    let start = parts.next().unwrap_or_default().to_owned();
-    parts.fold(start, |text, part| {
-        let (digits, rest) = part.split_at(part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len()));
-        let number = digits.parse::<usize>().map_or_else(|_| digits.to_owned(), |index| (index + 1).to_string());
-        text + WORD + &number + rest
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn features_are_counted_from_one_and_nothing_else_is() {
-        let text = "the same blob as feature 9 at (3, 4); feature 0, which is stronger; 2 features, a feature here";
-        let expected =
-            "the same blob as feature 10 at (3, 4); feature 1, which is stronger; 2 features, a feature here";
-        assert_eq!(counted_from_one(text), expected);
-    }
 
     #[test]
     fn numbers_are_short() {

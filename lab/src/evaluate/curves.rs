@@ -246,8 +246,8 @@ pub(crate) const LINE: f64 = 2.2;
 
 /// The ROC curves of a study in the dark as a figure, one plot for each ratio. A grey line is where the requested share
 /// of the detections is false: the numbers of the table are read near it. The dot at the end of a curve is the method's
-/// default threshold.
-pub fn roc_svg(report: &ChartReport) -> String {
+/// default threshold. Several plots have letters, of which the first is that at `first_letter`, 0 for (a).
+pub fn roc_svg(report: &ChartReport, first_letter: usize) -> String {
     let discs = report.chart.discs;
     let plot = |row: &ChartRow| {
         let title = if row.snr.is_finite() { format!("SNR {}", row.snr) } else { "no noise".to_owned() };
@@ -259,7 +259,7 @@ pub fn roc_svg(report: &ChartReport) -> String {
     let chart = &report.chart;
     let frames = format!("{discs} discs in {} frames of {}×{}", chart.frames, chart.width, chart.height);
     let caption = format!("{frames}, moving in {}; {}", chart.motion.to_uppercase(), charts(report.setup.seeds));
-    figure("Discs found against false features", &caption, &plots)
+    figure("Discs found against false features", &caption, &plots, first_letter)
 }
 
 /// The line on which the requested share of the detections is false; none for a share of 0 or 1.
@@ -278,22 +278,32 @@ pub fn frames_svg(report: &FramesReport) -> String {
     let discs = format!("{} discs of {}×{} pixels", chart.discs, chart.width, chart.height);
     let charts = charts(report.setup.seeds);
     let caption = format!("SNR {}, {charts} each; {discs}, moving in {}", report.snr, chart.motion.to_uppercase());
-    figure("The number of frames of a burst", &caption, &frames_plots(report, usize::MAX))
+    figure("The number of frames of a burst", &caption, &frames_plots(report, usize::MAX), 0)
 }
 
 /// Features, discs and matches of a burst over the number of frames as a figure.
 pub fn burst_frames_svg(report: &BurstFramesReport) -> String {
     let caption = format!("{}: the middle frames as a burst", report.burst);
-    figure("The number of frames of a burst", &caption, &burst_frames_plots(report))
+    figure("The number of frames of a burst", &caption, &burst_frames_plots(report), 0)
 }
 
 fn charts(seeds: u64) -> String {
     if seeds == 1 { "one chart".to_owned() } else { format!("mean of {seeds} charts") }
 }
 
-fn figure(title: &str, caption: &str, plots: &[StudyPlot]) -> String {
-    let with_series = |plot| (plot, series_of(plot, None));
-    drawn(title, caption, &plots.iter().map(with_series).collect::<Vec<_>>())
+/// Title of a part of a figure with its letter: (a), (b), … for 0, 1, …
+pub(crate) fn lettered(index: usize, title: &str) -> String {
+    format!("({}) {title}", char::from(b'a' + (index % 26) as u8))
+}
+
+fn figure(title: &str, caption: &str, plots: &[StudyPlot], first_letter: usize) -> String {
+    let has_letters = plots.len() > 1 || first_letter > 0;
+    let titled = |(index, plot): (usize, &StudyPlot)| {
+        let title = if has_letters { lettered(first_letter + index, &plot.title) } else { plot.title.clone() };
+        StudyPlot { title, ..plot.clone() }
+    };
+    let plots: Vec<StudyPlot> = plots.iter().enumerate().map(titled).collect();
+    drawn(title, caption, &plots.iter().map(|plot| (plot, series_of(plot, None))).collect::<Vec<_>>())
 }
 
 /// All plots of named sets as an SVG figure, those of one title laid over one another.
@@ -349,8 +359,10 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
                     series,
                 },
             );
-            let note = format!(r#"fill="{FAINT}""#);
-            sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &note, plot.spread);
+            let style = format!(r#"fill="{FAINT}""#);
+            let has_dots = series.iter().any(|one| one.dot.is_some());
+            let note = if has_dots { "dots: default threshold, mean of the charts" } else { plot.spread };
+            sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &style, note);
         }
         top = below + HEIGHT + 78.0;
     }

@@ -3,6 +3,7 @@
 use super::drawing::Panel;
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
+use crate::evaluate::curves::lettered;
 use crate::synth::demo_burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::view::{dog_view, stack_view};
@@ -76,7 +77,8 @@ impl MakeFigure for Architecture {
         sheet.styled_text((20.0, 30.0), 15.0, Anchor::Start, r#"font-weight="bold""#, title);
         let column = |index: usize| 20.0 + STEP * index as f64;
         let heading = |sheet: &mut Sheet, index: usize, text: &str, below: &str| {
-            sheet.styled_text((column(index), 58.0), 13.0, Anchor::Start, r#"font-weight="bold""#, text);
+            let text = lettered(index, text);
+            sheet.styled_text((column(index), 58.0), 13.0, Anchor::Start, r#"font-weight="bold""#, &text);
             sheet.text((column(index), 74.0), 11.0, Anchor::Start, below);
         };
         let frames = [0, burst.len() / 2, burst.len() - 1];
@@ -88,7 +90,7 @@ impl MakeFigure for Architecture {
         for index in self.shown {
             let slope = slope_of(index);
             let plane = stack_view(&burst, &self.detector, slope, &silent)?;
-            stacks.push((format!("λ = {} px/frame", short(f64::from(slope.u))), std::sync::Arc::new(plane)));
+            stacks.push((format!("slope {} px/frame", short(f64::from(slope.u))), std::sync::Arc::new(plane)));
         }
         let range = Display::stretched(&stacks[1].1);
         self.column(&mut sheet, column(1), stacks.into_iter().map(|(text, plane)| (text, plane, range)));

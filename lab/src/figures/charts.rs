@@ -4,7 +4,7 @@
 use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
-use crate::evaluate::curves::{frames_svg, roc_svg};
+use crate::evaluate::curves::{frames_svg, lettered, roc_svg};
 use crate::evaluate::statistics::Mean;
 use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, FramesStudy, Ranking, Searches, motion_name};
 use crate::synth::{ChartParams, Motion, synth_chart};
@@ -63,7 +63,7 @@ impl MakeFigure for RocFigure {
             let motion = motion_name(study.chart.motion);
             write_curves(&mut csv, motion, &report);
             notes.push(format!("Motion in {}: {}.", motion.to_uppercase(), counts(&report)));
-            drawn.push(roc_svg(&report));
+            drawn.push(roc_svg(&report, index * study.snrs.len()));
         }
         Ok(Made { svg: stacked("Discs found against false features", &drawn), csv, notes })
     }
@@ -218,6 +218,7 @@ impl TestTarget {
                 let mark = if found.has_threshold { "" } else { "*" };
                 let wrong = found.kept.len() - right;
                 let title = format!("{}: {right} of {discs} discs, {wrong} false{mark}", found.label);
+                let title = lettered(3 * row + column, &title);
                 let at = (GAP + (third + GAP) * column as f64, y);
                 let panel = Panel::draw_part(
                     &mut sheet,
@@ -236,8 +237,10 @@ impl TestTarget {
                 end = panel.area.bottom();
             }
         }
+        let is_marked = all.iter().any(|(found, _)| !found.has_threshold);
+        let mark = if is_marked { " (*: there is none, so at the default)" } else { "" };
         let text = format!(
-            "The middle frame, SNR {} (stretched), its upper left {}×{} of {}×{} pixels; numbers are of the whole chart, at the threshold where {} % are false (*: there is none, so at the default)",
+            "The middle frame, SNR {} (stretched), its upper left {}×{} of {}×{} pixels; numbers are of the whole chart, at the threshold where {} % are false{mark}",
             self.chart.snr,
             self.part.0.min(self.chart.width),
             self.part.1.min(self.chart.height),

@@ -4,6 +4,7 @@
 use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
+use crate::evaluate::curves::lettered;
 use crate::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD, disc_place};
 use crate::synth::{Example, FrameLevels, Trajectory, TrajectoryParams};
 use burstscope_core::burst::Burst;
@@ -77,7 +78,11 @@ fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f6
         write_feature(csv, "aliasing", f, is);
     }
     let count = detection.features.iter().filter(is_false).count();
-    let text = format!("orange: {count} features at that slope; the lamps move by {ALIASING_SLOPE} px/frame");
+    // Bright blobs are minima of D: what is positive is darker than what lies around it.
+    let dark = detection.features.iter().filter(is_false).filter(|f| f.response > 0.0).count();
+    let text = format!(
+        "orange: {count} features at that slope, {dark} of them dark gaps between lamps; all moves by {ALIASING_SLOPE} px/frame"
+    );
     sheet.text((2.0 * GAP + half(), panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
     Ok(panel.area.bottom())
 }
@@ -160,7 +165,7 @@ impl MakeFigure for Light {
                 y = end + 60.0;
             }
             let at = (GAP + (half + GAP) * (index % 2) as f64, y);
-            let panel = Panel::draw(&mut sheet, at, half, plane, &display, title);
+            let panel = Panel::draw(&mut sheet, at, half, plane, &display, &lettered(index, title));
             end = panel.area.bottom();
             let range = summary(plane, &Region::whole(plane)).range();
             let mut levels = FrameLevels::default();

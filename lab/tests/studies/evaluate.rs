@@ -129,7 +129,7 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
     let methods = BurstMethod::ALL.to_vec();
     let study = ChartStudy { snrs: vec![0.3, 0.6, f64::INFINITY], methods, ..small_study() };
     let report = study.run(&Monitor::default());
-    let svg = roc_svg(&report.expect("a report"));
+    let svg = roc_svg(&report.expect("a report"), 0);
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
     assert_eq!(count("path"), 3 * (BurstMethod::ALL.len() + 1), "and the line of the share");

@@ -6,6 +6,7 @@ use crate::app::document::{Action, Document};
 use crate::app::pane::Content;
 use crate::app::project::look::Look;
 use crate::app::project::pair::PairTab;
+use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model, Visibility};
 use crate::engine::Engine;
 use crate::requests::ViewKind;
@@ -72,6 +73,10 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::SearchDecoys => model.want_decoys(),
         A::Probe(side, question) => model.ask_probe(side, question),
         A::ProbeFeature(side, index) => model.probe_feature(side, index),
+        // The open probe speaks of what is selected.
+        A::Select(Some(index)) if model.probe.is_open && model.probe.is_on() => {
+            model.probe_feature(Side::A, index);
+        }
         A::ProbeSubject(subject) => model.look_at(subject),
         A::CompareWith(side, with) => model.show_comparison(side, with),
         A::SelectRow(side, row) => model.select_row(side, row),
@@ -180,7 +185,6 @@ fn set_pane(action: Action, document: &mut Document) {
 mod tests {
     use super::*;
     use crate::app::document::Pointed;
-    use crate::app::project::side::Side;
     use crate::app::project::tests::Bench;
 
     #[test]

@@ -162,7 +162,7 @@ actions! {
     ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
     ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack, which the detector searches";
     ShowMerge, View 1, "Show merged frames", [NONE Num4], "Show the frames aligned tile by tile and merged into one image";
-    ShowNoise, View 1, "Show local noise", [SHIFT N], "Show σ of the noise in D at each place, at the slope, octave and level, as the noise gate uses it";
+    ShowNoise, View 1, "Show local noise", [SHIFT N], "Show the noise of the response at each place, at the slope, octave and level, as the noise gate uses it";
     ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show the share of the frames that see each place, at the slope";
     ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show the slope of the strongest response at each place, at the octave and level: a picture of the motion";
     ShowField, View 1, "Show field of motion", [SHIFT U], "Show the motion of every place, from all that lies around it; grey where it is unknown";

@@ -7,11 +7,12 @@ mod pdf;
 mod raster;
 
 pub use film::FilmDialog;
-pub use pdf::write_drawing_pdf;
 pub use raster::rasterise;
 
+use pdf::write_drawing_pdf;
+
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::overlay::{ColourBy, ColourScale, LineKind};
+use crate::app::canvas::overlay::{ColourBy, ColourScale};
 use crate::app::canvas::{self, number};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
@@ -19,21 +20,41 @@ use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
 use crate::app::project::Model;
 use crate::app::project::compare::MethodId;
-use crate::app::project::figure::{FigureAmount, FigureChoice, FigureFormat, ONE_COLUMN_MM, TWO_COLUMNS_MM};
+use crate::app::project::figure::{FigureChoice, ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::project::look::RangeClass;
-use crate::app::project::pair::{MatchRow, Matches, OPACITY};
+use crate::app::project::pair::{MatchRow, Matches};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, Feature};
 use crate::export::{
-    ColourBar, Drawing, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth, LegendEntry, LegendMark,
-    lay_out, motion_over,
+    self, ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel,
+    FigureWidth, LegendEntry, MatchKind, lay_out, motion_over, write_drawing_svg,
 };
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
-use crate::requests::{Picture, slope_legend};
+use crate::requests::{Picture, slope_legend, titled};
 use egui::{DragValue, Ui};
+use std::path::Path;
 use std::sync::Arc;
+
+/// Writes a drawing in the format that the ending of `path` names.
+pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), String> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let format = FigureFormat::ALL.into_iter().find(|format| format.extension() == ending);
+    let written = match format {
+        Some(FigureFormat::Pdf) => write_drawing_pdf(path, drawing),
+        Some(FigureFormat::Svg) => write_drawing_svg(path, drawing),
+        Some(FigureFormat::Png) => {
+            let picture = rasterise(drawing)?;
+            let (width, height) = picture.dimensions();
+            export::write_png(path, export::Picture::rgba(width as usize, height as usize, picture.as_raw()))
+        }
+        None => {
+            return Err(format!("{}: figures are PDF, SVG or PNG; end the name in .pdf, .svg or .png", path.display()));
+        }
+    };
+    written.map_err(|error| error.to_string())
+}
 
 /// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
 fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
@@ -50,28 +71,22 @@ fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &F
         _ => Vec::new(),
     };
     let mut links = Vec::new();
-    let (mut all, mut drawn) = ([0; LineKind::ALL.len()], [0; LineKind::ALL.len()]);
+    let (mut all, mut drawn) = (Vec::new(), Vec::new());
     for (method, matches, shown) in shown {
         let mut rows: Vec<MatchRow<'_>> = shown.into_iter().filter_map(|index| matches.row(index)).collect();
         rows.sort_by(|a, b| a.found.distance.total_cmp(&b.found.distance).then(a.index.cmp(&b.index)));
-        rows.iter().for_each(|row| all[LineKind::of(row.inlier) as usize] += 1);
+        all.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
         let rows = choice.matches.of(rows);
-        rows.iter().for_each(|row| drawn[LineKind::of(row.inlier) as usize] += 1);
+        drawn.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
         links.extend(links_between(model, widgets, panes, (method, matches), &rows));
     }
-    let entry = |kind: LineKind| {
-        let (drawn, all, name) = (drawn[kind as usize], all[kind as usize], kind.label());
-        let label = match model.workspace {
-            // The title of each method has its count.
-            Workspace::Methods => name.to_owned(),
-            _ if drawn < all => format!("{drawn} of {all} {name}"),
-            _ => format!("{all} {name}"),
-        };
-        let mark = if kind.is_dashed() { LegendMark::Dashes } else { LegendMark::Line };
-        (drawn > 0).then_some(LegendEntry { mark, color: rgb(kind.colour()), label })
+    let label = |kind: MatchKind, drawn, all| match model.workspace {
+        // The title of each method has its count.
+        Workspace::Methods => kind.label().to_owned(),
+        _ => kind.counted(drawn, all),
     };
     let has_legend = choice.legend && !links.is_empty();
-    let legend = LineKind::ALL.into_iter().filter(|_| has_legend).filter_map(entry).collect();
+    let legend = if has_legend { MatchKind::legend(&drawn, &all, label) } else { Vec::new() };
     FigureMatches { links, legend }
 }
 
@@ -98,16 +113,10 @@ fn links_between(
         let (a, b) = (places[a].0, places[b].0);
         let shifts = [shift(a, Side::A), shift(b, Side::B)];
         for row in rows {
-            let kind = LineKind::of(row.inlier);
-            let ends = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])];
-            links.push(FigureLink {
-                panels: [panel(a), panel(b)],
-                ends_image: ends.map(|feature| [feature.u, feature.v]),
-                color: rgb(kind.colour()),
-                opacity: OPACITY,
-                weight: if method.is_none() && model.selected_match == Some(row.index) { 2.0 } else { 0.8 },
-                dashed: kind.is_dashed(),
-            });
+            let ends = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])].map(|feature| [feature.u, feature.v]);
+            let link = FigureLink::of_match([panel(a), panel(b)], ends, MatchKind::of(row.inlier));
+            let is_selected = method.is_none() && model.selected_match == Some(row.index);
+            links.push(FigureLink { weight: if is_selected { 2.0 } else { link.weight }, ..link });
         }
     }
     links
@@ -193,7 +202,7 @@ fn title_of(model: &Model, id: PaneId, picture: &Picture) -> String {
             let inliers = counts.map_or_else(String::new, |count| format!(" · {count} inliers"));
             format!("{}{inliers} · {shown}", method.label())
         }
-        (Workspace::Pair, _, Some(burst)) => format!("{}: {} · {shown}", pane.side.name(), burst.burst.name),
+        (Workspace::Pair, _, Some(burst)) => titled(pane.side.name(), &burst.burst.name, &shown),
         _ => shown,
     }
 }
@@ -232,11 +241,8 @@ fn marks(model: &Model, layer: &FeatureLayer, amount: FigureAmount) -> Vec<Figur
 }
 
 fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
-    let high = match class {
-        RangeClass::Share => format!("{} of the frames", number(display.max, 3)),
-        _ => format!("{} of full scale", number(display.max, 3)),
-    };
-    ColourBar::of(display, number(display.min, 3), high)
+    let of = if class == RangeClass::Share { "the frames" } else { "full scale" };
+    ColourBar::of(display, number(display.min, 3), format!("{} of {of}", number(display.max, 3)))
 }
 
 /// Of the slopes of the grid that have features (at most 12), or of five steps through the range.

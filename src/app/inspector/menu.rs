@@ -210,7 +210,7 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets:
 
 fn feature_menu_ui(ui: &mut Ui, model: &Model, index: usize, queue: &mut Queue) {
     let Some(feature) = model.features().get(index).copied() else { return };
-    ui.label(RichText::new(format!("Feature {}", index + 1)).small().weak());
+    ui.label(RichText::new(format!("Feature {index}")).small().weak());
     if ui.button("Select").clicked() {
         queue.push(Action::Select(Some(index)));
     }
@@ -233,7 +233,7 @@ pub(in crate::app) fn copy_ui(ui: &mut Ui, label: &str, text: impl FnOnce() -> S
 /// Draws the items for one match; returns whether to go to it.
 pub(in crate::app) fn match_menu_ui(ui: &mut Ui, row: &MatchRow<'_>) -> bool {
     ui.set_min_width(150.0);
-    ui.label(RichText::new(format!("Match {}", row.index + 1)).small().weak());
+    ui.label(RichText::new(format!("Match {}", row.index)).small().weak());
     let go = ui.button("Go to match").on_hover_text("Show both features, each in the motion stack at its own slope");
     copy_ui(ui, "Copy row", || clipboard::match_text(row));
     go.clicked()

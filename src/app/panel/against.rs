@@ -56,7 +56,7 @@ fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
         button_ui(ui, model, queue, id, Some(text));
     }
     if let Some(running) = &model.slots[side].comparison.wanted.running() {
-        progress_ui(ui, running, Some(220.0), progress_text(running));
+        progress_ui(ui, running, Some(220.0), &progress_text(running));
     }
 }
 
@@ -168,7 +168,7 @@ fn table_ui(
                     ui.add(Label::new(&row.note).selectable(false).truncate());
                 });
                 let response = table_row.response();
-                named(&response, egui::Role::Row, format!("{} {}", shown.label(row.kind), index + 1));
+                named(&response, egui::Role::Row, format!("{} {index}", shown.label(row.kind)));
                 if response.hovered() {
                     hovered = Some(index);
                 }
@@ -198,7 +198,7 @@ fn cells(row: &Row) -> [String; 5] {
         fixed(row.pos_image[1], 1),
         format!("{:.2}", row.sigma),
         row.slope.map_or_else(|| "–".to_owned(), |s| signed_slope(s, 2)),
-        row.feature.map_or_else(|| "–".to_owned(), |index| format!("#{}", index + 1)),
+        row.feature.map_or_else(|| "–".to_owned(), |index| format!("#{index}")),
     ]
 }
 
@@ -329,7 +329,7 @@ mod tests {
         };
         assert_eq!(cells(&row), ["10.0", "20.0", "2.35", "–", "–"]);
         let ours = Row { slope: Some(Slope::new(-1.0, 0.25)), feature: Some(4), kind: Kind::Ours, ..row };
-        assert_eq!(cells(&ours)[3..], ["-1.00, +0.25", "#5"], "features are counted from one");
+        assert_eq!(cells(&ours)[3..], ["-1.00, +0.25", "#4"], "features are counted from 0, as in files");
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::app::project::cursor::{level_range, octave_range, slope_limit};
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeChoice};
+use crate::inspect::spectrum::features_at_slopes;
 use egui::{CursorIcon, Id, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 pub fn cursor_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
@@ -155,11 +156,8 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let axis = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
     painter.hline(rect.x_range(), rect.center().y, axis);
     painter.vline(rect.center().x, rect.y_range(), axis);
-    let mut counts = vec![0usize; grid.len()];
     let found = model.found_of(model.focused().side).filter(|f| f.detection.slopes == grid);
-    for feature in found.iter().flat_map(|found| &found.detection.features) {
-        counts.get_mut(feature.slope_index).into_iter().for_each(|count| *count += 1);
-    }
+    let counts = found.map_or_else(|| vec![0; grid.len()], |found| features_at_slopes(&found.detection));
     let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
     let largest = (0.45 * grid.u.step().min(grid.v.step()) * scale).clamp(2.0, 8.0);
     for (slope, &count) in grid.slopes().zip(&counts) {

@@ -50,7 +50,10 @@ fn range_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Q
     ui.weak(format!("{whose} {}", class.label()))
         .on_hover_text("It stays fixed until you change it, so that pictures can be compared");
     if class == RangeClass::Motion {
-        ui.add(egui::Label::new("Colour: direction of the motion; bright where it is certain").wrap());
+        let motion = model.picture().and_then(|picture| picture.motion.as_ref());
+        let is_line = motion.is_some_and(|motion| motion.grid.as_line().is_some());
+        let what = if is_line { "slope along the searched line" } else { "direction and length of the motion" };
+        ui.add(egui::Label::new(format!("Colour: {what}; bright where it is certain")).wrap());
         return;
     }
     let mut display = model.ranges_of(model.focused()).display(class);
@@ -116,8 +119,8 @@ const SIZE: egui::Vec2 = vec2(196.0, 50.0);
 pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     let title = match model.range_class(id) {
         _ if !model.has_colour_bar(id) => return,
-        RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => return,
-        RangeClass::Noise => "σ of the noise in D, of full scale",
+        RangeClass::Frame | RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => return,
+        RangeClass::Noise => "Noise (σ) of the response, of full scale",
         RangeClass::Share => "Share of the frames",
         RangeClass::Motion => return motion_key_ui(ui, model, id, rect),
     };

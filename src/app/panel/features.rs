@@ -10,13 +10,14 @@ use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
 use crate::app::project::explained::{coherence_words, verdict_words};
-use crate::app::project::filter::{moves_by, near_slope};
+use crate::app::project::filter::moves_by;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::method::MethodId;
 use crate::app::project::pair::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::view::{Known, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Slope};
+use crate::inspect::spectrum::is_at_slope;
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
@@ -57,10 +58,13 @@ impl FeatureLayer {
         let is_stale = pane.method.is_none() && !model.features_are_current(pane.side);
         let dt = frames_from_middle(model.picture_in(id), &detection);
         let slope = model.slope_in_picture(id).filter(|_| inspected);
-        let near = model.filter.near_slope.filter(|_| is_listed).unwrap_or_else(|| near_slope(&detection.slopes));
-        let elsewhere = slope.map_or_else(Vec::new, |slope| {
-            detection.features.iter().map(|feature| !moves_by(feature, slope, near)).collect()
-        });
+        let near = model.filter.near_slope.filter(|_| is_listed);
+        let is_at = |feature: &Feature, slope: Slope| match near {
+            Some(limit) => moves_by(feature, slope, limit),
+            None => is_at_slope(&detection.slopes, feature, slope),
+        };
+        let elsewhere = slope
+            .map_or_else(Vec::new, |slope| detection.features.iter().map(|feature| !is_at(feature, slope)).collect());
         let shown = if is_listed { model.listed_flags() } else { vec![true; detection.features.len()] };
         let mut layer = Self {
             in_frame: dt.map(|dt| detection.features.iter().map(|f| at_time(f, dt)).collect()),
@@ -178,12 +182,14 @@ pub fn features_ui(
     if let Some(i) = pointed
         && !output.response.dragged()
     {
-        let name = layer.method.map_or_else(|| format!("#{}", i + 1), |method| method.label().to_owned());
+        let name = layer.method.map_or_else(|| format!("#{i}"), |method| method.label().to_owned());
         let judged = model.coherence.of(&layer.detection).and_then(|values| values.get(i));
         let feature = &layer.placed()[i];
         feature_tip_ui(ui, &name, feature, model.set_up.known(feature, judged));
     }
-    if has_legend && !layer.placed().is_empty() {
+    // Where one slope was searched, as by SIFT on a frame, no colour of a slope means anything.
+    let has_meaning = !scale.by.is_of_slope() || layer.detection.slopes.len() > 1;
+    if has_legend && has_meaning && !layer.placed().is_empty() {
         let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         let notes: Vec<String> = notes.into_iter().flatten().collect();

@@ -140,7 +140,7 @@ pub(in crate::app) fn readout_of(
 ) -> Option<Readout> {
     let readout = canvas::readout(shown, pos_image, full_scale)?;
     let quantity = match RangeClass::of(&picture.request) {
-        RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => Quantity::Value,
+        RangeClass::Frame | RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => Quantity::Value,
         RangeClass::Noise => Quantity::Sigma,
         RangeClass::Share => Quantity::FramesShare,
         RangeClass::Motion => match &picture.motion {

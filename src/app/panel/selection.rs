@@ -83,7 +83,7 @@ fn verdict_ui(ui: &mut Ui, feature: &Feature, judged: &Judged) {
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: &[MotionLayer]) {
     egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
-        row("Rank", "By |D|·√SNR, from 1", format!("{}", index + 1));
+        row("Number", "By |D|·√SNR, the strongest first, from 0 as in files", index.to_string());
         row(
             "Place (u, v)",
             "At mid-burst, pixels; the centre of the first pixel is (0, 0)",

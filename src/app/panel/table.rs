@@ -55,7 +55,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         }
         copy_ui(ui, "Copy row", || feature_text(feature));
     };
-    let name = |index: usize| format!("Feature {}", index + 1);
+    let name = |index: usize| format!("Feature {index}");
     let pointed = sorted_table_ui(ui, &columns, model.order, &listed, text, name, menu);
     queue.set(&model.order, pointed.order, Action::SetOrder);
     queue.set(&model.selected, chosen.or(pointed.selected), Action::Select);

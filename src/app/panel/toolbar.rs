@@ -49,7 +49,7 @@ fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some((who, running)) = activity(model) {
         button_ui(ui, model, queue, ActionId::Cancel, None);
-        progress_ui(ui, &running, Some(260.0), format!("{who}{}", progress_text(&running)));
+        progress_ui(ui, &running, Some(260.0), &format!("{who}{}", progress_text(&running)));
         return;
     }
     let action = ActionId::Detect.action();

@@ -45,10 +45,23 @@ pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
 }
 
 /// Draws a bar, as wide as the space without a `width`.
-pub fn progress_ui(ui: &mut Ui, running: &Running, width: Option<f32>, text: impl Into<WidgetText>) {
+/// Draws a bar of progress, `width` points wide or as there is room, with as much of `text` as it holds; its parts are two
+/// spaces apart.
+pub fn progress_ui(ui: &mut Ui, running: &Running, width: Option<f32>, text: &str) {
     let fraction = running.progress.map_or(0.0, |p| p.fraction);
     let width = width.unwrap_or_else(|| ui.available_size_before_wrap().x.max(96.0));
-    ui.add(ProgressBar::new(fraction).desired_width(width).text(text));
+    let response = ui.add(ProgressBar::new(fraction).desired_width(width).text(fitting(ui, text, width)));
+    response.on_hover_text(text);
+}
+
+/// The parts of `text`, which two spaces separate, that a bar of `width` points holds, the first ones first.
+fn fitting(ui: &Ui, text: &str, width: f32) -> String {
+    let room = width - 2.0 * ui.spacing().item_spacing.x;
+    let mut text = text;
+    while let Some((shorter, _)) = text.rsplit_once("  ").filter(|_| text_width(ui, text) > room) {
+        text = shorter.trim_end();
+    }
+    text.to_owned()
 }
 
 /// Draws a list that unfolds, `width` points wide or as its texts need. Returns whether a choice was clicked.
@@ -328,6 +341,17 @@ pub fn name_field(response: &Response, name: &str, text: &str) {
 mod tests {
     use super::*;
     use crate::monitor::Stage;
+
+    #[test]
+    fn a_bar_holds_whole_parts_of_its_text() {
+        let context = egui::Context::default();
+        let text = "Search  45 %  about 1 s left";
+        drop(context.run_ui(egui::RawInput::default(), |ui| {
+            let whole = text_width(ui, text) + 2.0 * ui.spacing().item_spacing.x;
+            let held = [whole + 1.0, whole - 1.0, 1.0].map(|width| fitting(ui, text, width));
+            assert_eq!(held, [text, "Search  45 %", "Search"]);
+        }));
+    }
 
     #[test]
     fn a_number_is_not_broken_over_lines_and_no_time_is_said_for_what_was_kept() {

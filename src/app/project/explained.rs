@@ -13,7 +13,7 @@ use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions};
 use crate::inspect::decoys::{DecoyReport, DecoyStudy};
 use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
 use crate::inspect::verdict::{Judged, Verdict};
-use crate::inspect::words::{capitalised, counted_from_one};
+use crate::inspect::words::capitalised;
 use crate::requests::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, JobError, Running,
 };
@@ -229,7 +229,7 @@ pub fn verdict_words(feature: Option<&Feature>, judged: &Judged) -> String {
     let moves = feature.map(|feature| feature.moves).filter(|_| judged.verdict == Verdict::Real);
     let moves = moves.filter(|moves| matches!(moves, Moves::ByItself | Moves::Edge));
     let moves = moves.map_or_else(String::new, |moves| format!(", {}", moves.words()));
-    format!("{}{moves}: {}.", capitalised(judged.verdict.clause()), counted_from_one(&judged.why))
+    format!("{}{moves}: {}.", capitalised(judged.verdict.clause()), judged.why)
 }
 
 pub fn coherence_words(coherence: Option<f32>) -> String {

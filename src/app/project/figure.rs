@@ -2,63 +2,11 @@
 
 use crate::app::project::{Effect, Model};
 use crate::engine::{Ended, Engine};
-use crate::export::{FigureOptions, FigureWidth};
+use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};
 use crate::figures::{FigureSize, FiguresJob, find_colmap};
 use crate::requests::JobError;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-
-/// Format of the file of a figure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FigureFormat {
-    #[default]
-    Pdf,
-    Svg,
-    Png,
-}
-
-impl FigureFormat {
-    pub const ALL: [Self; 3] = [Self::Pdf, Self::Svg, Self::Png];
-
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Pdf => "pdf",
-            Self::Svg => "svg",
-            Self::Png => "png",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Pdf => "Vectors, with the font in the file: as journals ask for it",
-            Self::Svg => "Vectors that drawing programs edit",
-            Self::Png => "Pixels, 300 an inch on paper",
-        }
-    }
-}
-
-/// Part of the features or matches that a figure shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FigureAmount {
-    #[default]
-    All,
-    Strongest(u32),
-    /// One of so many, evenly along the order of strength.
-    OneOf(u32),
-}
-
-impl FigureAmount {
-    /// Those shown of `all`, the strongest first.
-    pub fn of<T>(self, all: Vec<T>) -> Vec<T> {
-        match self {
-            Self::All => all,
-            Self::Strongest(count) => all.into_iter().take(count as usize).collect(),
-            Self::OneOf(every) => all.into_iter().step_by(every.max(1) as usize).collect(),
-        }
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default)]

@@ -1,6 +1,6 @@
 //! Look of pictures and features: value ranges, colour maps, and drawings over the picture. A class of pictures shares
-//! a range, so that slopes or frames can be compared. It is set once, from the first picture of its class (of several
-//! panes, that in focus); after that only by the user.
+//! a range, so that slopes, or frames, can be compared. It is set once, from the first picture of its class (of several
+//! panes, that in focus), and again when the window goes to the first slope with features; after that only by the user.
 
 use crate::detector::params::Bounds;
 use crate::error::Error;
@@ -13,12 +13,14 @@ use std::ops::Bound;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ranges {
+    pub frame: Display,
     pub intensity: Display,
     pub response: Display,
     pub difference: Display,
     pub noise: Display,
     pub share: Display,
     /// Whether the range was set since the burst was opened.
+    pub frame_fixed: bool,
     pub intensity_fixed: bool,
     pub response_fixed: bool,
     pub difference_fixed: bool,
@@ -28,11 +30,13 @@ pub struct Ranges {
 impl Default for Ranges {
     fn default() -> Self {
         Self {
+            frame: Display::default(),
             intensity: Display::default(),
             response: Display::symmetric(0.02),
             difference: Display::symmetric(0.05),
             noise: Display { map: ColourMap::Viridis, ..Display::default() }.with_range(0.0, 0.01),
             share: Display { map: ColourMap::Cividis, ..Display::default() },
+            frame_fixed: false,
             intensity_fixed: false,
             response_fixed: false,
             difference_fixed: false,
@@ -40,6 +44,9 @@ impl Default for Ranges {
         }
     }
 }
+
+/// Percentiles of a picture that are black and white.
+const PERCENTILES: [f32; 2] = [0.1, 99.9];
 
 impl Ranges {
     pub fn display(&self, class: RangeClass) -> Display {
@@ -49,6 +56,7 @@ impl Ranges {
 
     pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
         match class {
+            RangeClass::Frame => &mut self.frame,
             RangeClass::Intensity => &mut self.intensity,
             RangeClass::Response => &mut self.response,
             RangeClass::Difference => &mut self.difference,
@@ -58,7 +66,7 @@ impl Ranges {
     }
 
     pub fn forget(&mut self) {
-        (self.intensity_fixed, self.response_fixed) = (false, false);
+        (self.frame_fixed, self.intensity_fixed, self.response_fixed) = (false, false, false);
         (self.difference_fixed, self.noise_fixed) = (false, false);
     }
 
@@ -77,12 +85,24 @@ impl Ranges {
             return;
         }
         let display = self.display_mut(class);
-        *display = display.over_percentiles(&picture.drawn, [0.1, 99.9]);
+        *display = display.over_percentiles(&picture.drawn, PERCENTILES);
+    }
+
+    /// Lets another picture set the range if this one did: not where the user chose another.
+    pub fn forget_that_of(&mut self, picture: &Picture) {
+        let class = RangeClass::of(&picture.request);
+        let display = self.display(class);
+        if display == display.over_percentiles(&picture.drawn, PERCENTILES)
+            && let Some(fixed) = self.fixed_mut(class)
+        {
+            *fixed = false;
+        }
     }
 
     /// `None` for a class whose range is known beforehand.
     fn fixed_mut(&mut self, class: RangeClass) -> Option<&mut bool> {
         match class {
+            RangeClass::Frame => Some(&mut self.frame_fixed),
             RangeClass::Intensity => Some(&mut self.intensity_fixed),
             RangeClass::Response => Some(&mut self.response_fixed),
             RangeClass::Difference => Some(&mut self.difference_fixed),
@@ -94,8 +114,8 @@ impl Ranges {
     /// The ranges with all displays made valid: a file may contain any values.
     #[must_use]
     pub fn sanitised(mut self) -> Self {
-        use RangeClass::{Difference, Intensity, Noise, Response, Share};
-        for class in [Intensity, Response, Difference, Noise, Share] {
+        use RangeClass::{Difference, Frame, Intensity, Noise, Response, Share};
+        for class in [Frame, Intensity, Response, Difference, Noise, Share] {
             *self.display_mut(class) = self.display(class).sanitised();
         }
         self

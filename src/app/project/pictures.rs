@@ -285,8 +285,8 @@ impl Model {
     }
 
     pub fn has_colour_bar(&self, id: PaneId) -> bool {
-        use RangeClass::{Difference, Intensity, Response};
-        self.picture_in(id).is_some() && !matches!(self.range_class(id), Intensity | Response | Difference)
+        use RangeClass::{Difference, Frame, Intensity, Response};
+        self.picture_in(id).is_some() && !matches!(self.range_class(id), Frame | Intensity | Response | Difference)
     }
 
     pub fn display_of(&self, id: PaneId) -> Display {

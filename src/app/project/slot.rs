@@ -4,7 +4,6 @@
 use crate::app::pane::PaneId;
 use crate::app::project::comparison::ComparisonResults;
 use crate::app::project::cursor::{Cursor, ViewKind};
-use crate::app::project::filter::{moves_by, near_slope};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Effect, Model, Project};
@@ -432,6 +431,12 @@ impl Model {
         let alone = own != leader && !self.panes.shown().contains(&own);
         for id in [Some(leader), alone.then_some(own)].into_iter().flatten() {
             if self.panes.get(id).is_some_and(|pane| !pane.slope_chosen) {
+                // The range of the slope before, at which all may be smeared, does not suit.
+                if let Some(picture) = self.picture_in(id).cloned() {
+                    let crate::app::document::Document { panes, look, .. } = &mut self.project.document;
+                    let own = panes.get_mut(id).and_then(|pane| pane.own_ranges.as_mut());
+                    own.unwrap_or(&mut look.ranges).forget_that_of(&picture);
+                }
                 self.go_to_busiest_slope(id);
             }
         }
@@ -442,9 +447,8 @@ impl Model {
         let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };
         let grid = found.detection.slopes;
-        if let Some((index, _)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
-            let (slope, near) = (grid.slope(index), near_slope(&grid));
-            let count = found.detection.features.iter().filter(|feature| moves_by(feature, slope, near)).count();
+        if let Some((index, count)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
+            let slope = grid.slope(index);
             self.lead(id, |pane| pane.cursor.slope = slope);
             let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
             self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame"));

@@ -2,13 +2,14 @@
 //! stays selected.
 
 use crate::app::pane::{PaneId, Preset};
+use crate::app::project::look::Ranges;
 use crate::app::project::*;
 use crate::burst::Burst;
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeChoice, SlopeGrid, StageTimes, Tally};
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
-use crate::requests::{BurstSource, Detected, PictureKind, PictureRequest};
+use crate::requests::{BurstSource, Detected, Picture, PictureKind, PictureRequest};
 use crate::requests::{OpenBurst, Request, Work};
 use crate::synth::ChartParams;
 use crate::teach::Workspace;
@@ -195,6 +196,37 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
         model.look.ranges
     };
     assert_eq!(ranges(&|_| {}), ranges(&|ids| ids.reverse()));
+}
+
+#[test]
+fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it_was_chosen() {
+    let mut model = with_features();
+    model.lay_out(Preset::FrameAndStack);
+    let mut pictures = Vec::new();
+    for id in model.panes.shown() {
+        let wanted = model.wanted(id).expect("its burst is open");
+        let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
+        model.take_picture(id, picture.clone());
+        pictures.push((id, picture));
+    }
+    for (id, picture) in &pictures {
+        let (display, values) = (model.display_of(*id), picture.plane.data());
+        let clipped = values.iter().filter(|value| !(display.min..=display.max).contains(*value)).count();
+        assert!(clipped * 100 <= values.len(), "{clipped} of {} are black or white", values.len());
+    }
+    let [(_, frame), (_, stack)] = &pictures[..] else { panic!("two panes") };
+    let mut ranges = model.look.ranges;
+    assert_ne!(ranges.frame, ranges.intensity);
+    // The first slope with features is shown: its stack may set the range, the frame's stays.
+    let brighter = Picture { drawn: Arc::new(Plane::from_fn(8, 8, |u, v| (8 * v + u) as f32)), ..stack.clone() };
+    ranges.forget_that_of(stack);
+    ranges.fix_once(&brighter);
+    assert!(ranges.intensity.max > 60.0 && ranges.frame == model.look.ranges.frame);
+    let mut chosen = Ranges { intensity: ranges.intensity.with_range(0.1, 0.2), ..ranges };
+    chosen.forget_that_of(&brighter);
+    chosen.fix_once(stack);
+    assert_eq!((chosen.intensity.min, chosen.intensity.max), (0.1, 0.2), "a hand chose it");
+    assert!(frame.request.minus().is_none());
 }
 
 #[test]

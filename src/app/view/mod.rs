@@ -61,6 +61,11 @@ impl ColourBy {
         }
     }
 
+    /// Whether it shows the searched slopes.
+    pub fn is_of_slope(self) -> bool {
+        matches!(self, Self::SlopeDirection | Self::SlopeU | Self::SlopeV | Self::Limit)
+    }
+
     pub fn name(self) -> &'static str {
         self.quantity().map_or("Slope", |quantity| quantity.record().title)
     }
@@ -91,7 +96,7 @@ pub fn shown_quantities(with_depths: bool) -> impl Iterator<Item = Quantity> {
 /// The value of `quantity` of the feature at `index`, by which tables sort; `None` while it is not known.
 pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> Option<f32> {
     match quantity {
-        Quantity::Rank => Some((index + 1) as f32),
+        Quantity::Rank => Some(index as f32),
         Quantity::Depth => known.depth_m.map(|[metres, _]| metres as f32),
         Quantity::Coherence => known.judged.and_then(|judged| judged.coherence),
         Quantity::Verdict => known.judged.map(|judged| judged.verdict as u8 as f32),

@@ -10,11 +10,12 @@ use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, progress_ui, section_ui};
 use crate::app::project::Model;
 use crate::app::project::compare::MethodId;
-use crate::app::project::pair::{OPACITY, Side};
+use crate::app::project::pair::Side;
 use crate::app::project::panes::Change;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
 use crate::evaluate::curves::percent;
+use crate::export::MatchKind;
 use egui::{Align, Align2, CentralPanel, Frame, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
@@ -67,7 +68,7 @@ fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.compare.running() {
             let text = format!("{}: {}", method.label(), progress_text(&running));
-            progress_ui(ui, &running, None, text);
+            progress_ui(ui, &running, None, &text);
             button_ui(ui, model, queue, ActionId::Cancel, None);
         } else if MethodId::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));
@@ -128,7 +129,7 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
     let look = &model.match_look;
     let style = MatchLineStyle {
-        opacity: OPACITY,
+        opacity: MatchKind::OPACITY,
         selected: None,
         hovered: None,
         others_faint: false,

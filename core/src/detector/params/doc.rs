@@ -140,7 +140,7 @@ params! {
         .within((Included(0.0), Unbounded), "give 0 or more, as a fraction of full scale")
         .dragged(0.0001, 5);
 
-    NOISE_GATE: "noise-gate", "Noise gate", "σ of the noise in D", "noise-gate";
+    NOISE_GATE: "noise-gate", "Noise gate", "times the noise", "noise-gate";
     "Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and level; auto, matching and strict derive it from the size of the search, 0 switches it off.",
     "Raise it to eliminate more noise; lower it to see fainter features among more false ones. On noise alone strict gives at most one false feature a megapixel, auto about eight and matching, for COLMAP, about three hundred.",
     Param::<DetectorParams>::new("K", Stage::Search, |p| Field::Gate(&mut p.noise_gate))

@@ -1,9 +1,104 @@
 //! Lines from a place of one panel to a place of another: matches.
+//!
+//! Inliers are solid and yellow, outliers dashed and vermilion (of M. Okabe and K. Ito's palette, which colour-blind
+//! readers can tell apart), so that the colours alone need not be told apart.
 
-use super::{Colour, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry};
+use super::{Colour, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry, LegendMark};
+use serde::{Deserialize, Serialize};
 
 /// Radius of the ring at an end, as a multiple of the stroke's width.
 const RING: f32 = 2.0;
+
+/// How the geometry of two views judged a match.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MatchKind {
+    /// It agrees with the geometry.
+    Inlier,
+    /// It does not agree.
+    Outlier,
+    /// No geometry was looked for.
+    Unverified,
+}
+
+impl MatchKind {
+    /// Opacity of the lines of matches, 0 … 1.
+    pub const OPACITY: f32 = 0.7;
+    /// All kinds, in the order of legends.
+    pub const ALL: [Self; 3] = [Self::Inlier, Self::Outlier, Self::Unverified];
+
+    /// Kind of a match that is (or is not) an inlier; `None` means not verified.
+    pub fn of(inlier: Option<bool>) -> Self {
+        match inlier {
+            Some(true) => Self::Inlier,
+            Some(false) => Self::Outlier,
+            None => Self::Unverified,
+        }
+    }
+
+    /// Name of several.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Inlier => "inliers",
+            Self::Outlier => "outliers",
+            Self::Unverified => "matches, not verified",
+        }
+    }
+
+    /// Colour of the line.
+    pub fn color(self) -> Colour {
+        match self {
+            Self::Inlier => [240, 228, 66],
+            Self::Outlier => [213, 94, 0],
+            Self::Unverified => [226, 150, 200],
+        }
+    }
+
+    /// Whether the line is dashed.
+    pub fn is_dashed(self) -> bool {
+        self == Self::Outlier
+    }
+
+    /// Entries of the kinds of `drawn` matches, with `label` of each kind, its number there, and its number in `all`.
+    pub fn legend(drawn: &[Self], all: &[Self], label: impl Fn(Self, usize, usize) -> String) -> Vec<LegendEntry> {
+        let count = |of: &[Self], kind| of.iter().filter(|other| **other == kind).count();
+        let entry = |kind: Self| {
+            let mark = if kind.is_dashed() { LegendMark::Dashes } else { LegendMark::Line };
+            let (drawn, all) = (count(drawn, kind), count(all, kind));
+            (drawn > 0).then(|| LegendEntry { mark, color: kind.color(), label: label(kind, drawn, all) })
+        };
+        Self::ALL.into_iter().filter_map(entry).collect()
+    }
+
+    /// Label with the number of those `drawn`, of `all` where that is more.
+    pub fn counted(self, drawn: usize, all: usize) -> String {
+        let of = if drawn < all { format!("{drawn} of ") } else { String::new() };
+        format!("{of}{all} {}", self.label())
+    }
+}
+
+/// Part of the features or matches that a figure shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FigureAmount {
+    /// All that are shown.
+    #[default]
+    All,
+    /// So many of the strongest.
+    Strongest(u32),
+    /// One of so many, evenly along the order of strength.
+    OneOf(u32),
+}
+
+impl FigureAmount {
+    /// Those shown of `all`, the strongest first.
+    pub fn of<T>(self, all: Vec<T>) -> Vec<T> {
+        match self {
+            Self::All => all,
+            Self::Strongest(count) => all.into_iter().take(count as usize).collect(),
+            Self::OneOf(every) => all.into_iter().step_by(every.max(1) as usize).collect(),
+        }
+    }
+}
 
 /// A line between two panels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +115,14 @@ pub struct FigureLink {
     pub weight: f32,
     /// Whether the line is dashed.
     pub dashed: bool,
+}
+
+impl FigureLink {
+    /// The line of a match of this kind between two panels, from end to end in image pixels.
+    pub fn of_match(panels: [usize; 2], ends_image: [[f32; 2]; 2], kind: MatchKind) -> Self {
+        let (color, opacity, dashed) = (kind.color(), MatchKind::OPACITY, kind.is_dashed());
+        Self { panels, ends_image, color, opacity, weight: 0.8, dashed }
+    }
 }
 
 /// Matches of a figure: the lines between its panels, and what these mean.

@@ -18,7 +18,7 @@ mod svg;
 pub use curve::{FigureCurve, curve_height, draw_curve};
 pub use fan::{FAN_OPACITY, fan};
 pub use layout::{lay_out, round_length};
-pub use links::{FigureLink, FigureMatches};
+pub use links::{FigureAmount, FigureLink, FigureMatches, MatchKind};
 pub use svg::write_drawing_svg;
 
 use crate::burst::Positions;
@@ -182,6 +182,42 @@ pub enum FigureUnit {
 
 /// Points in a millimetre.
 const POINTS_PER_MM: f32 = 72.0 / 25.4;
+
+/// Format of the file of a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FigureFormat {
+    /// Vectors, with the font in the file.
+    #[default]
+    Pdf,
+    /// Vectors.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl FigureFormat {
+    /// All formats.
+    pub const ALL: [Self; 3] = [Self::Pdf, Self::Svg, Self::Png];
+
+    /// Ending of the file's name.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Pdf => "pdf",
+            Self::Svg => "svg",
+            Self::Png => "png",
+        }
+    }
+
+    /// The format in a few words.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Pdf => "Vectors, with the font in the file: as journals ask for it",
+            Self::Svg => "Vectors that drawing programs edit",
+            Self::Png => "Pixels, 300 an inch on paper",
+        }
+    }
+}
 
 /// Width of a figure, which decides its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -132,7 +132,25 @@ pub fn coverage_share(slope: Slope, positions: &Positions, size: (usize, usize))
 /// Coordinates in the grid, or in its continuation beyond the rim.
 fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
     let (i, j) = grid.position(slope);
-    [i.round() as i64, j.round() as i64]
+    [i, j].map(rounded)
+}
+
+/// The nearest whole number; of two the larger one, so that each place belongs to one.
+fn rounded(x: f32) -> i64 {
+    (x + 0.5).floor() as i64
+}
+
+/// Whether a feature of a search over `grid` is at `slope`, which may lie between the grid's slopes: whether its
+/// [motion](Feature::motion) is within half a step on each axis, as for [`features_at_slopes`]. Motions beyond the grid
+/// are at its rim; none are at a slope beside a line of slopes by more than half a step (0.1 px/frame for one slope).
+pub fn is_at_slope(grid: &SlopeGrid, feature: &Feature, slope: Slope) -> bool {
+    let rim = |x: f32, count: usize| x.clamp(0.0, count.max(1) as f32 - 1.0);
+    let ((i, j), (at_i, at_j)) = (grid.position(feature.motion().0), grid.position(slope));
+    let on_grid = grid.at(at_i, at_j);
+    let beside = (slope.u - on_grid.u).hypot(slope.v - on_grid.v);
+    beside <= 0.5 * grid.u.step().max(grid.v.step()).max(0.2)
+        && rounded(rim(i, grid.u.count) - at_i) == 0
+        && rounded(rim(j, grid.v.count) - at_j) == 0
 }
 
 /// For each slope of the search, in its order, the number of features whose [motion](Feature::motion) is nearest to it.
@@ -141,10 +159,13 @@ pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
 }
 
 fn counts_at_slopes(detection: &Detection, counts_too: impl Fn(&Feature) -> bool) -> Vec<usize> {
-    let grid = &detection.slopes;
+    counts_of(&detection.slopes, &detection.features, counts_too)
+}
+
+fn counts_of(grid: &SlopeGrid, features: &[Feature], counts_too: impl Fn(&Feature) -> bool) -> Vec<usize> {
     let (nu, nv) = (grid.u.count as i64, grid.v.count as i64);
     let mut counts = vec![0usize; grid.len()];
-    for feature in detection.features.iter().filter(|feature| counts_too(feature)) {
+    for feature in features.iter().filter(|feature| counts_too(feature)) {
         let [i, j] = nearest(grid, feature.motion().0);
         counts[(j.clamp(0, nv - 1) * nu + i.clamp(0, nu - 1)) as usize] += 1;
     }
@@ -306,8 +327,33 @@ fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32
 
 #[cfg(test)]
 mod tests {
-    use crate::burst::Positions;
+    use super::*;
     use crate::detector::limit::response_loss;
+
+    #[test]
+    fn each_feature_is_at_one_slope_and_all_counts_of_it_agree() {
+        let single = SlopeGrid::line(0.0..=0.0, 1);
+        let grids =
+            [SlopeGrid::plane(-2.0..=2.0, 5, -1.0..=1.0, 3), SlopeGrid::line_along(30.0, -2.0..=2.0, 9), single];
+        // Motions on a lattice, also half-way between slopes and beyond the grid.
+        let motions = (0..400).map(|i| Slope::new(0.25 * (i % 20) as f32 - 2.5, 0.25 * (i / 20) as f32 - 2.5));
+        let features: Vec<Feature> =
+            motions.map(|slope| Feature { slope, field_sigma: f32::INFINITY, ..Feature::default() }).collect();
+        for grid in grids {
+            let mut counts = vec![0usize; grid.len()];
+            for feature in &features {
+                let at: Vec<usize> = (0..grid.len()).filter(|i| is_at_slope(&grid, feature, grid.slope(*i))).collect();
+                let [own] = at[..] else { panic!("{:?} is at {at:?}", feature.slope) };
+                counts[own] += 1;
+            }
+            assert_eq!(counts_of(&grid, &features, |_| true), counts);
+        }
+        let still = Feature::default();
+        assert!(
+            is_at_slope(&single, &still, Slope::new(0.05, 0.0)) && !is_at_slope(&single, &still, Slope::new(1.0, 0.0))
+        );
+        assert!(!is_at_slope(&SlopeGrid::line(-2.0..=2.0, 5), &still, Slope::new(0.0, 1.0)), "beside the line");
+    }
 
     #[test]
     fn the_loss_grows_with_step_and_frames_and_not_with_scale() {

@@ -6,6 +6,7 @@ use crate::detector::{Feature, Moves, Slope, SlopeGrid};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 use crate::plane::display::direction_colour;
+use crate::requests::line_of;
 use egui::{Color32, Label, Mesh, Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
 
@@ -31,8 +32,8 @@ const UNKNOWN: Color32 = Color32::from_gray(150);
 impl ColourScale {
     /// Over the searched range for slopes on a line, over all features for σ and SNR, ± the largest |response|.
     pub fn of(by: ColourBy, features: &[Feature], grid: &SlopeGrid) -> Self {
-        if by == ColourBy::SlopeDirection && grid.as_line().is_some() {
-            return Self::of_slopes(grid);
+        if by == ColourBy::SlopeDirection && line_of(grid, features).is_some() {
+            return Self::of_slopes(grid, features);
         }
         let stored = |feature: &Feature| by.quantity().and_then(|by| quantity_value(by, 0, feature, Known::default()));
         let of = |value: &dyn Fn(&Feature) -> f32| {
@@ -55,9 +56,9 @@ impl ColourScale {
         Self { lacks_some, ..Self::with_range(by, min, max) }
     }
 
-    /// The slopes of `grid`, by direction and length, along a line from its first to its last.
-    pub fn of_slopes(grid: &SlopeGrid) -> Self {
-        let Some((line_deg, axis)) = grid.as_line() else {
+    /// The slopes of `grid`, by direction and length; where they or those of `features` lie on a line, along it.
+    pub fn of_slopes(grid: &SlopeGrid, features: &[Feature]) -> Self {
+        let Some((line_deg, axis)) = line_of(grid, features) else {
             return Self::with_range(ColourBy::SlopeDirection, 0.0, grid.max_magnitude());
         };
         let along = Self::with_range(ColourBy::SlopeU, axis.min, axis.max);
@@ -266,7 +267,7 @@ impl ColourScale {
     }
 }
 
-pub(super) fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+pub fn rgb([r, g, b]: [u8; 3]) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 

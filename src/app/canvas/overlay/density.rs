@@ -4,9 +4,10 @@
 //! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] features are drawn, and the next of the
 //! strongest [`SEEN_IN_A_CELL`] as dots.
 
-use super::match_lines::{LineKind, MatchLine, Pane};
+use super::match_lines::{MatchLine, Pane};
 use crate::app::canvas::RectTransform;
 use crate::detector::feature::Feature;
+use crate::export::MatchKind;
 use crate::export::{Cells, IN_A_CELL};
 use egui::{Rect, pos2};
 
@@ -70,7 +71,7 @@ pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, are_vectors: bool, always
     let mut cells = cells(scale, view_image);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
-        for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == LineKind::Inlier) == is_inlier) {
+        for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == MatchKind::Inlier) == is_inlier) {
             *flag = cells.add(line.a.into()).is_some_and(|before| before < in_a_cell) || always(line.index);
         }
     }

@@ -1,60 +1,19 @@
 //! Match lines between features of two pictures: drawing, and finding the line under the pointer.
 //!
-//! Inliers are solid and yellow, outliers dashed and vermilion, so that the colours alone need not be told apart. An
-//! end whose other end is outside its pane is marked by a small ring.
+//! Their colours and dashes are those of [`MatchKind`]. An end whose other end is outside its pane is marked by a small
+//! ring.
 
 use super::super::RectTransform;
-use super::colour_by::rgb;
 use super::strokes::Strokes;
-use crate::export::{INLIER_COLOR, OUTLIER_COLOR};
+use crate::export::MatchKind;
 use egui::{Color32, Painter, Pos2, Rect};
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LineKind {
-    Inlier,
-    Outlier,
-    Unverified,
-}
-
-impl LineKind {
-    pub const ALL: [Self; 3] = [Self::Inlier, Self::Outlier, Self::Unverified];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Inlier => "inliers",
-            Self::Outlier => "outliers",
-            Self::Unverified => "matches, not verified",
-        }
-    }
-
-    /// Kind of a match that is (or is not) an inlier; `None` means not verified.
-    pub fn of(inlier: Option<bool>) -> Self {
-        match inlier {
-            Some(true) => Self::Inlier,
-            Some(false) => Self::Outlier,
-            None => Self::Unverified,
-        }
-    }
-
-    pub fn colour(self) -> Color32 {
-        match self {
-            Self::Inlier => rgb(INLIER_COLOR),
-            Self::Outlier => rgb(OUTLIER_COLOR),
-            Self::Unverified => Color32::from_rgb(226, 150, 200),
-        }
-    }
-
-    pub fn is_dashed(self) -> bool {
-        self == Self::Outlier
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchLine {
     pub index: usize,
     pub a: Pos2,
     pub b: Pos2,
-    pub kind: LineKind,
+    pub kind: MatchKind,
     pub colour: Color32,
 }
 
@@ -102,7 +61,7 @@ pub fn draw_match_lines(painter: &Painter, panes: &[Pane; 2], lines: &[MatchLine
     let lifted = |line: &MatchLine| [style.selected, style.hovered].contains(&Some(line.index));
     let opacity = style.opacity * if style.others_faint { 0.22 } else { 1.0 };
     // Outliers lie below: there may be many, and they matter less.
-    for kind in [LineKind::Outlier, LineKind::Unverified, LineKind::Inlier] {
+    for kind in [MatchKind::Outlier, MatchKind::Unverified, MatchKind::Inlier] {
         for line in lines.iter().filter(|line| line.kind == kind && !lifted(line)) {
             draw_one(&mut strokes, panes, line, style, WIDTH, line.colour.gamma_multiply(opacity));
         }
@@ -169,6 +128,7 @@ fn distance_to_segment(pos: Pos2, from: Pos2, to: Pos2) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::colour_by::rgb;
     use super::*;
     use egui::{pos2, vec2};
 
@@ -179,15 +139,15 @@ mod tests {
         })
     }
 
-    fn line(index: usize, a: (f32, f32), b: (f32, f32), kind: LineKind) -> MatchLine {
-        MatchLine { index, a: a.into(), b: b.into(), kind, colour: kind.colour() }
+    fn line(index: usize, a: (f32, f32), b: (f32, f32), kind: MatchKind) -> MatchLine {
+        MatchLine { index, a: a.into(), b: b.into(), kind, colour: rgb(kind.color()) }
     }
 
     #[test]
     fn ends_are_hit_before_lines_and_lines_only_where_they_are() {
         let lines = [
-            line(4, (10.0, 50.0), (90.0, 50.0), LineKind::Inlier),
-            line(7, (50.0, 53.0), (50.0, 90.0), LineKind::Outlier),
+            line(4, (10.0, 50.0), (90.0, 50.0), MatchKind::Inlier),
+            line(7, (50.0, 53.0), (50.0, 90.0), MatchKind::Outlier),
         ];
         let at = |u: f32, v: f32| match_at(&lines, &panes(), pos2(u, v));
         assert_eq!(at(30.0, 51.0), Some(4));
@@ -195,7 +155,7 @@ mod tests {
         assert_eq!(at(198.0, 50.5), Some(4));
         assert_eq!(at(30.0, 60.0), None);
         // Of a line with one end out of sight only the other end is there.
-        let lines = [line(0, (10.0, 10.0), (500.0, 10.0), LineKind::Inlier)];
+        let lines = [line(0, (10.0, 10.0), (500.0, 10.0), MatchKind::Inlier)];
         assert_eq!(match_at(&lines, &panes(), pos2(12.0, 12.0)), Some(0));
         assert_eq!(match_at(&lines, &panes(), pos2(60.0, 10.0)), None);
     }

@@ -11,10 +11,10 @@ mod match_lines;
 mod strokes;
 
 pub use crate::app::view::ColourBy;
-pub use colour_by::ColourScale;
+pub use colour_by::{ColourScale, rgb};
 pub use density::{Drawn, Group, drawn, drawn_lines};
 pub use fans::{add_fan, draw_field};
-pub use match_lines::{LineKind, MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
+pub use match_lines::{MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};
 use crate::burst::Positions;

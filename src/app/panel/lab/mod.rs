@@ -67,7 +67,7 @@ fn question_ui(ui: &mut Ui, lab: &mut Lab) {
 
 fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some(running) = model.studies.wanted.running() {
-        progress_ui(ui, &running, None, progress_text(&running));
+        progress_ui(ui, &running, None, &progress_text(&running));
         button_ui(ui, model, queue, ActionId::CancelStudy, None);
         return;
     }

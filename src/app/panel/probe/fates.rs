@@ -9,7 +9,7 @@ use crate::app::style;
 use crate::detector::Test;
 use crate::inspect::fate::{Outcome, TestReport};
 use crate::inspect::probe::Wanted;
-use crate::inspect::words::{counted_from_one, number, sentence, slope_text, snr_text, value_text};
+use crate::inspect::words::{number, sentence, slope_text, snr_text, value_text};
 use crate::inspect::{Fate, Outlook, Probe};
 use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
@@ -143,13 +143,13 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
         fate.level,
         fate.value,
         fate.sigma_d,
-        counted_from_one(&fate.verdict)
+        fate.verdict.clone()
     ));
     clicked
 }
 
 fn fate_ui(ui: &mut Ui, model: &Model, fate: &Fate, outlook: Option<&Outlook>, queue: &mut Queue) {
-    let verdict = counted_from_one(&fate.verdict);
+    let verdict = &fate.verdict;
     ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {
         let rejected = |test: Test| format!(" It would then be rejected as {}.", test.reason());
@@ -185,7 +185,7 @@ fn test_ui(ui: &mut Ui, report: &TestReport, first: bool) {
     let (record, limit, margin) = (report.test.record(), report.limit_text(), report.margin_text());
     let tip = format!("{}: {says} {value} {limit} {margin}", record.name);
     let is_weak = matches!(report.outcome, Outcome::NotAsked | Outcome::Unknown);
-    let text = format!("{}: {}", record.short, counted_from_one(&report.sentence()));
+    let text = format!("{}: {}", record.short, report.sentence());
     let mut text = RichText::new(text).size(12.0);
     text = if is_weak { text.weak() } else { text };
     text = if first { text.strong() } else { text };

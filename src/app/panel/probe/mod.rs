@@ -22,7 +22,7 @@ use crate::detector::{ParamChange, Slope};
 use crate::inspect::ReasonKind;
 use crate::inspect::suspicion::{Kind, Suspicion};
 use crate::inspect::verdict::{Judged, Verdict};
-use crate::inspect::words::{counted_from_one, number, sentence, slope_text};
+use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::Probed;
@@ -88,7 +88,7 @@ fn probe_ui(ui: &mut Ui, model: &Model, panel: &mut ProbePanel, queue: &mut Queu
         ui.label(RichText::new(format!("Place ({}, {}){burst}", number(u, 1), number(v, 1))).strong())
             .on_hover_text("At mid-burst, pixels; the centre of the first pixel is (0, 0)");
         stale_ui(ui, model, queue);
-        ui.add(Label::new(counted_from_one(&answer.probe.summary)).wrap());
+        ui.add(Label::new(&answer.probe.summary).wrap());
         reasons_ui(ui, model, answer, queue);
         ui.add_space(4.0);
         suspicions_ui(ui, model, answer, queue);
@@ -122,7 +122,7 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
     match (model.probed.wanted_trail.running(), model.slots[model.probe.side].detecting.running()) {
         (Some(running), _) | (None, Some(running)) if model.probe.is_on() => {
             let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
-            progress_ui(ui, &running, None, format!("Searching  {percent:.0} %"));
+            progress_ui(ui, &running, None, &format!("Searching  {percent:.0} %"));
         }
         _ if waits => {
             ui.weak("Probing…");
@@ -150,7 +150,7 @@ fn reasons_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
             ReasonKind::AtAnotherSlope => "Switch the features shown to All to see those of other slopes, or go there",
             ReasonKind::Ghost => "A blob with another motion crosses here: see the responses of the frames below",
         };
-        ui.add(Label::new(sentence(&counted_from_one(&reason.sentence))).wrap()).on_hover_text(help);
+        ui.add(Label::new(sentence(&reason.sentence)).wrap()).on_hover_text(help);
         ui.horizontal_wrapped(|ui| {
             if let Some(change) = &reason.change {
                 apply_ui(ui, model, change, queue);
@@ -164,8 +164,7 @@ fn reasons_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
         }
     }
     for &feature in &model.probed.as_dots {
-        let text =
-            format!("Feature {} was found here, but is drawn as a dot: stronger ones take the room.", feature + 1);
+        let text = format!("Feature {} was found here, but is drawn as a dot: stronger ones take the room.", feature);
         ui.add(Label::new(text).wrap()).on_hover_text("Zoom in, or select it, to see it in full");
         go_to_feature_ui(ui, model, answer, feature, queue);
     }
@@ -179,8 +178,7 @@ fn go_to_feature_ui(ui: &mut Ui, model: &Model, answer: &Probed, feature: usize,
 
 /// Draws a button that shows a place at a slope, and selects the feature there if there is one.
 fn go_to_ui(ui: &mut Ui, model: &Model, feature: Option<usize>, ([u, v], slope): ([f32; 2], Slope), queue: &mut Queue) {
-    let label =
-        feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {}", index + 1));
+    let label = feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {index}"));
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(slope));
     if ui.button(label).on_hover_text(tip).clicked() {
         let side = model.probe.side;
@@ -277,7 +275,7 @@ fn suspicion_ui(ui: &mut Ui, model: &Model, suspicion: &Suspicion, queue: &mut Q
         Kind::Alias => ("An alias?", "The texture repeats, and another slope shows it as well"),
     };
     ui.label(RichText::new(name).strong().color(style::warning(ui))).on_hover_text(help);
-    ui.add(Label::new(sentence(&counted_from_one(&suspicion.evidence))).wrap());
+    ui.add(Label::new(sentence(&suspicion.evidence)).wrap());
     if suspicion.change.is_none() && suspicion.other.is_none() {
         return;
     }
@@ -286,10 +284,7 @@ fn suspicion_ui(ui: &mut Ui, model: &Model, suspicion: &Suspicion, queue: &mut Q
             apply_ui(ui, model, change, queue);
         }
         if let Some(other) = suspicion.other
-            && ui
-                .button(format!("Probe feature {}", other + 1))
-                .on_hover_text("Show why that feature was kept")
-                .clicked()
+            && ui.button(format!("Probe feature {other}")).on_hover_text("Show why that feature was kept").clicked()
         {
             queue.push(Action::ProbeFeature(model.probe.side, other));
         }

@@ -112,7 +112,7 @@ fn rows_of_changes(with: Reference, changes: &Changes, before: &[Spot], features
     let whose = if with == Reference::File { "of theirs" } else { "of the pinned result" };
     let lost = changes.lost.iter().map(|&index| {
         let spot = &before[index];
-        theirs(spot.pos_image, spot.sigma, spot.slope, format!("number {} {whose}", index + 1))
+        theirs(spot.pos_image, spot.sigma, spot.slope, format!("number {index} {whose}"))
     });
     let same = changes.same.iter().map(|same| {
         let was = &before[same.before];

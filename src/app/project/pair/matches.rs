@@ -312,6 +312,3 @@ impl MatchLook {
         Self { max_motion: self.max_motion.filter(|max| *max >= 0.0), ..self }
     }
 }
-
-/// Opacity of the lines of matches, 0 … 1.
-pub const OPACITY: f32 = 0.7;

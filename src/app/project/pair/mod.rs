@@ -6,7 +6,7 @@ mod matches;
 mod sides;
 
 pub use lost::{LostFeatures, PATCHES, lost_label};
-pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, MatchesAs, OPACITY, SavedMatch};
+pub use matches::{MatchColumn, MatchLook, MatchRow, Matches, MatchesAs, SavedMatch};
 
 use crate::app::pane::{Content, Pane};
 use crate::app::project::comparison::{Comparison, Reference};
@@ -18,7 +18,7 @@ use crate::app::project::{FoundFeatures, Model, Project};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::{Ended, Wanted};
 use crate::error::Error;
-use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest};
+use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest, are_stacked};
 use serde::{Deserialize, Serialize};
 
 pub use crate::app::project::side::Side;
@@ -31,9 +31,6 @@ pub enum PairTab {
     Unmatched,
     Compared,
 }
-
-/// Width over height from which on two pictures are larger one above the other.
-const STACKED: f32 = 1.6;
 
 #[derive(Debug, Default)]
 pub struct PairState {
@@ -175,7 +172,7 @@ impl Model {
         (self.compare.gold.b, self.document.gold.b) = (None, None);
         let Pane { cursor, view, .. } = *self.panes.of(Side::A);
         let sizes = Side::BOTH.map(|side| self.burst_of(side).map_or((1, 1), |open| open.burst.size()));
-        self.panes.place_by_shape(sizes.into_iter().all(|(width, height)| width as f32 > STACKED * height as f32));
+        self.panes.place_by_shape(are_stacked(sizes));
         let linked = self.panes.of(Side::B).links.cursor;
         self.start_panes(Side::B, |_| {
             if linked { cursor } else { Cursor { frame: middle, kind: cursor.kind, ..Cursor::default() } }

@@ -2,7 +2,6 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
-use crate::app::canvas::overlay::LineKind;
 use crate::app::document::Action;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
@@ -11,6 +10,7 @@ use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side, lost_label};
 use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
+use crate::export::MatchKind;
 use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
 use crate::inspect::words::sentence;
 use crate::matching::TwoViewModel;
@@ -47,14 +47,14 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], q
 }
 
 fn verdict_ui(ui: &mut Ui, row: &MatchRow<'_>, only_pointed_at: bool) {
-    let word = match LineKind::of(row.inlier) {
-        LineKind::Inlier => "inlier",
-        LineKind::Outlier => "outlier",
-        LineKind::Unverified => "not verified",
+    let word = match MatchKind::of(row.inlier) {
+        MatchKind::Inlier => "inlier",
+        MatchKind::Outlier => "outlier",
+        MatchKind::Unverified => "not verified",
     };
     let pointed = if only_pointed_at { "  (click to keep)" } else { "" };
     ui.horizontal(|ui| {
-        ui.label(RichText::new(format!("Match {}: {word}", row.index + 1)).strong());
+        ui.label(RichText::new(format!("Match {}: {word}", row.index)).strong());
         ui.weak(pointed);
     });
 }
@@ -119,9 +119,9 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
                 let help = "Distance of the measured place from where the keypoint's other matches put it";
                 line("Contradiction", help, format!("{} px", number(aligned.residual_px as f32, 2)));
             }
-            let rank = |i: usize, side| format!("{} of {}", i + 1, matches.detection(side).features.len());
-            line("Feature in A", "Rank by strength", rank(row.found.a, Side::A));
-            line("Feature in B", "Rank by strength", rank(row.found.b, Side::B));
+            let place_in = |i: usize, side| format!("{i} of {}", matches.detection(side).features.len());
+            line("Feature in A", "Number in the order of strength, from 0, as in files", place_in(row.found.a, Side::A));
+            line("Feature in B", "Number in the order of strength, from 0, as in files", place_in(row.found.b, Side::B));
             let place = |f: &Feature| format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2));
             line("Place in A", "(u, v) at mid-burst", place(row.a));
             line("Place in B", "(u, v) at mid-burst", place(row.b));
@@ -168,7 +168,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         let sides = &found.request.request;
         let Some(own) = sides.a.features.get(why.feature) else { return };
         let unmatched = &why.unmatched;
-        let title = format!("Feature {} of A: {}", why.feature + 1, state_words(unmatched.lost));
+        let title = format!("Feature {} of A: {}", why.feature, state_words(unmatched.lost));
         ui.label(RichText::new(title).strong());
         ui.add(Label::new(sentence(&unmatched.sentence)).wrap());
         for line in notes(own, unmatched, sides) {
@@ -177,7 +177,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         if let Some(twin) = model.pair.lost.twin(why.feature) {
             let is_matched = found.lost[twin] == Lost::Not;
             let fate = if is_matched { ", which is matched" } else { "" };
-            weak_ui(ui, format!("Another orientation of feature {}{fate}.", twin + 1));
+            weak_ui(ui, format!("Another orientation of feature {}{fate}.", twin));
         }
         ui.add_space(4.0);
         candidate_patches_ui(ui, model, own, unmatched, sides, textures);
@@ -230,13 +230,13 @@ fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) -> Vec<Stri
     if let Some(second) = unmatched.candidates.get(1).filter(|second| second.is_same_blob) {
         notes.push(format!(
             "The second nearest, feature #{}, is a duplicate: it lies on the same blob as the nearest.",
-            second.feature + 1
+            second.feature
         ));
     }
     if let Some(other) = best.and_then(|best| sides.b.features.get(best.feature)) {
         let apart = (own.slope.u - other.slope.u).hypot(own.slope.v - other.slope.v);
         if apart > SLOPES_APART {
-            let nearest = unmatched.candidates[0].feature + 1;
+            let nearest = unmatched.candidates[0].feature;
             notes.push(format!("The slope of the nearest, #{nearest}, differs by {apart:.2} px/frame."));
         }
     }
@@ -314,7 +314,7 @@ fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
     let twin = if candidate.is_same_blob { "=" } else { "" };
     let error = candidate.error_px.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3)));
     [
-        (format!("#{}{twin}", candidate.feature + 1), false),
+        (format!("#{}{twin}", candidate.feature), false),
         (format!("{:.0}", candidate.distance), false),
         (format!("{:.2}", candidate.ratio), false),
         (error, candidate.error_px.is_some_and(|e| e <= max_error_px)),
@@ -336,8 +336,8 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
         None => format!("{place}; no keypoint of its size is there."),
         Some((feature, rank)) => {
             let count = crate::inspect::words::counted(unmatched.there.len(), "keypoint");
-            let (number, rank) = (feature + 1, rank + 1);
-            format!("{place}; {count} of its size there, the nearest #{number} (rank {rank} by descriptor).")
+            let rank = rank + 1;
+            format!("{place}; {count} of its size there, the nearest #{feature} (rank {rank} by descriptor).")
         }
     }
 }

@@ -10,9 +10,10 @@ use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
 use crate::app::project::method::MethodId;
-use crate::app::project::pair::{MatchRow, Matches, MatchesAs, OPACITY, PATCHES, Side};
+use crate::app::project::pair::{MatchRow, Matches, MatchesAs, PATCHES, Side};
 use crate::app::view::signed_slope;
 use crate::detector::Feature;
+use crate::export::MatchKind;
 use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
 
@@ -22,7 +23,7 @@ pub(super) const CANDIDATE_COLOURS: [Color32; PATCHES] =
 
 /// Colour of a difference of motions that is this part of the largest one: also colour-blind people see the ends apart.
 pub(super) fn motion_colour(part: f32) -> Color32 {
-    overlay::LineKind::Inlier.colour().lerp_to_gamma(Color32::from_rgb(230, 60, 170), part.clamp(0.0, 1.0))
+    overlay::rgb(MatchKind::Inlier.color()).lerp_to_gamma(Color32::from_rgb(230, 60, 170), part.clamp(0.0, 1.0))
 }
 
 /// Draws the matches over the drawn panes of A and B and lets the pointer choose among them. Returns the hovered match;
@@ -63,7 +64,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     {
         locus_ui(model, matches, &row, &views);
     }
-    let (opacity, selected, others_faint) = (OPACITY, model.selected_match, focus.is_some());
+    let (opacity, selected, others_faint) = (MatchKind::OPACITY, model.selected_match, focus.is_some());
     let style = MatchLineStyle { opacity, selected, hovered, others_faint, are_vectors };
     let always = |index| [model.selected_match, hovered].contains(&Some(index));
     // An unmatched feature that is asked about stands alone.
@@ -113,7 +114,7 @@ fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<us
 /// `shifts` are frames after mid-burst. The line has the colour of its kind, or of the difference of the motions beside
 /// the `largest` one.
 pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2], largest: Option<f32>) -> MatchLine {
-    let kind = overlay::LineKind::of(row.inlier);
+    let kind = MatchKind::of(row.inlier);
     let place = |f: &Feature, dt: f32| {
         let f = at_time(f, dt);
         pos2(f.u, f.v)
@@ -123,7 +124,7 @@ pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2], l
         a: place(row.a, shifts[0]),
         b: place(row.b, shifts[1]),
         kind,
-        colour: largest.map_or(kind.colour(), |largest| motion_colour(row.motion_apart() / largest)),
+        colour: largest.map_or(overlay::rgb(kind.color()), |largest| motion_colour(row.motion_apart() / largest)),
     }
 }
 
@@ -176,7 +177,7 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
     let error = row.error_px.map_or_else(String::new, |e| format!("  error {} px", crate::app::canvas::number(e, 3)));
     let text = format!(
         "Match {}{verdict}\ndistance {:.1}  ratio {:.3}{error}\nslopes ({}) and ({}) px/frame{}",
-        row.index + 1,
+        row.index,
         row.found.distance,
         row.found.ratio,
         signed_slope(row.a.slope, 2),

@@ -7,7 +7,7 @@ mod table;
 
 use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue, button_ui, checked, tooltip};
-use crate::app::canvas::overlay::LineKind;
+use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::pane::PaneId;
@@ -20,6 +20,7 @@ use crate::app::project::pair::{MatchLook, MatchesAs, PATCHES, PairTab, Side};
 use crate::app::workspace::{
     LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
 };
+use crate::export::MatchKind;
 use crate::teach::Part;
 use egui::{CentralPanel, Color32, DragValue, Frame, Margin, Panel, Sense, Stroke, Ui, vec2};
 
@@ -162,12 +163,12 @@ pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let outliers = counts.and_then(|c| c.inliers.map(|inliers| c.putative - inliers));
         let mut changed = model.match_look;
         let look = &mut changed;
-        let (kind, label) = if verified { (LineKind::Inlier, "Inliers") } else { (LineKind::Unverified, "Putative") };
+        let (kind, label) = if verified { (MatchKind::Inlier, "Inliers") } else { (MatchKind::Unverified, "Putative") };
         let tip = "Matches that agree with the geometry of the two views  (I)";
         kind_ui(ui, &mut look.inliers, kind, label, inliers, tip);
         if verified {
             let tip = "Matches that do not agree with the geometry of the two views  (U)";
-            kind_ui(ui, &mut look.outliers, LineKind::Outlier, "Outliers", outliers, tip);
+            kind_ui(ui, &mut look.outliers, MatchKind::Outlier, "Outliers", outliers, tip);
         }
         ui.horizontal_wrapped(|ui| {
             let ways = [
@@ -217,14 +218,14 @@ fn motion_ui(ui: &mut Ui, look: &mut MatchLook, largest: f32) {
     });
 }
 
-fn kind_ui(ui: &mut Ui, on: &mut bool, kind: LineKind, label: &str, count: Option<usize>, tip: &str) {
+fn kind_ui(ui: &mut Ui, on: &mut bool, kind: MatchKind, label: &str, count: Option<usize>, tip: &str) {
     ui.horizontal(|ui| {
         ui.checkbox(on, label).on_hover_text(tip);
         let (rect, _) = ui.allocate_exact_size(vec2(42.0, 14.0), Sense::hover());
         // Dark as the pictures, so that it looks alike in the light theme.
         ui.painter().rect_filled(rect, 3.0, Color32::from_gray(40));
         let (from, to) = (rect.left_center() + vec2(4.0, 0.0), rect.right_center() - vec2(4.0, 0.0));
-        let stroke = Stroke::new(2.0, kind.colour());
+        let stroke = Stroke::new(2.0, rgb(kind.color()));
         if kind.is_dashed() {
             ui.painter().extend(egui::Shape::dashed_line(&[from, to], stroke, 6.0, 4.5));
         } else {

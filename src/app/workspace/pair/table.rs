@@ -41,7 +41,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
             chosen = Some(index);
         }
     };
-    let name = |index: usize| format!("Match {}", index + 1);
+    let name = |index: usize| format!("Match {index}");
     let pointed = sorted_table_ui(ui, &MatchColumn::ALL, model.match_order, &listed, text, name, menu);
     queue.set(&model.match_order, pointed.order, Action::SetMatchOrder);
     queue.set(&model.selected_match, chosen.or(pointed.selected), Action::SelectMatch);
@@ -136,8 +136,8 @@ pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let f = &found.request.request.a.features[index];
         match column {
             0 => match model.pair.lost.others(index) {
-                0 => format!("{}", index + 1),
-                more => format!("{} +{more}", index + 1),
+                0 => index.to_string(),
+                more => format!("{index} +{more}"),
             },
             1 => lost_label(found.lost[index]).to_owned(),
             2 => fixed(f.u, 1),
@@ -148,7 +148,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         }
     };
     let heading = |(text, width)| Heading { text, width, is_exact: text != "SNR", is_left: true, ..Heading::default() };
-    let name = |index| format!("Unmatched feature {}", index + 1);
+    let name = |index| format!("Unmatched feature {index}");
     rows_ui(ui, &LOST_COLUMNS.map(heading), None, &listed, text, name, |row, index| {
         if row.clicked() {
             clicked = Some(index);

@@ -1,0 +1,125 @@
+//! The matches of two bursts as a figure for print: both pictures with their names, lines between them, and the numbers
+//! of inliers and outliers. The window draws such a figure of its panes, the command and Python of what they computed.
+
+use crate::dataset::{DetectedBurst, ImageKind, burst_plane};
+use crate::detector::Method;
+use crate::detector::view::stack_view;
+use crate::error::Error;
+use crate::export::{
+    ColourBar, Drawing, FigureAmount, FigureLink, FigureMatches, FigureOptions, FigurePanel, FigureWidth, MatchKind,
+    lay_out,
+};
+use crate::inspect::spectrum::{features_at_slopes, slope_with_most_features};
+use crate::inspect::words::{number, slope_text};
+use crate::matching::MatchResult;
+use crate::monitor::Monitor;
+use crate::plane::display::{Display, to_rgba8};
+use serde::Deserialize;
+use std::sync::Arc;
+
+/// Pictures of the bursts in the figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MatchPictures {
+    /// Motion stack at the slope with most features; the middle frame of a burst without slopes.
+    #[default]
+    Stack,
+    Middle,
+    Merged,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MatchFigure {
+    pub pictures: MatchPictures,
+    /// Matches that are drawn, in the order of their distance.
+    pub matches: FigureAmount,
+    pub width_mm: f32,
+}
+
+/// Width over height from which on two pictures are larger one above the other.
+const STACKED: f32 = 1.6;
+
+/// Whether two pictures of these sizes (columns, rows) stand one above the other.
+pub fn are_stacked(sizes: [(usize, usize); 2]) -> bool {
+    sizes.into_iter().all(|(width, height)| width as f32 > STACKED * height as f32)
+}
+
+/// Title of what a figure shows of one of two bursts.
+pub fn titled(side: &str, burst: &str, shown: &str) -> String {
+    format!("{side}: {burst} · {shown}")
+}
+
+impl MatchFigure {
+    /// The figure of the matches of two bursts, A first.
+    ///
+    /// # Errors
+    /// Cancellation, or frames that a burst does not have.
+    pub fn drawing(
+        &self,
+        pair: [DetectedBurst<'_>; 2],
+        result: &MatchResult,
+        monitor: &Monitor,
+    ) -> Result<Drawing, Error> {
+        let inlier = |k: usize| result.verification.as_ref().map(|verification| verification.inlier[k]);
+        let mut order: Vec<usize> = (0..result.matches.len()).collect();
+        order.sort_by(|&i, &j| result.matches[i].distance.total_cmp(&result.matches[j].distance).then(i.cmp(&j)));
+        let kind = |k: &usize| MatchKind::of(inlier(*k));
+        let all: Vec<MatchKind> = order.iter().map(kind).collect();
+        let mut drawn = self.matches.of(order);
+        let kinds: Vec<MatchKind> = drawn.iter().map(kind).collect();
+        // Outliers lie below: they matter less.
+        drawn.sort_by_key(|k| inlier(*k) != Some(false));
+        let link = |k: &usize| {
+            let found = &result.matches[*k];
+            let of = |side: usize, index: usize| &pair[side].detection.features[index];
+            let ends = [of(0, found.a), of(1, found.b)].map(|feature| [feature.u, feature.v]);
+            FigureLink::of_match([0, 1], ends, kind(k))
+        };
+        let matches = FigureMatches {
+            links: drawn.iter().map(link).collect(),
+            legend: MatchKind::legend(&kinds, &all, MatchKind::counted),
+        };
+        let [a, b] = [("A", &pair[0]), ("B", &pair[1])].map(|(side, burst)| self.panel(side, burst, monitor));
+        let (a, b) = (a?, b?);
+        let rows = if are_stacked([a.size, b.size]) { vec![vec![a], vec![b]] } else { vec![vec![a, b]] };
+        let options = FigureOptions {
+            width: FigureWidth::Millimetres(self.width_mm),
+            stroke_width: 0.75,
+            font_size: 8.0,
+            letters: true,
+            scale_bar: true,
+        };
+        Ok(lay_out(&rows, &matches, &options))
+    }
+
+    fn panel(&self, side: &str, of: &DetectedBurst<'_>, monitor: &Monitor) -> Result<FigurePanel, Error> {
+        let DetectedBurst { burst, params, detection } = of;
+        let slope = || {
+            let grid = &detection.slopes;
+            let most = slope_with_most_features(grid, &features_at_slopes(detection));
+            most.filter(|_| params.method == Method::Buff).map(|(index, _)| grid.slope(index))
+        };
+        let (plane, shown) = match (self.pictures, slope()) {
+            (MatchPictures::Stack, Some(slope)) => {
+                let shown = format!("motion stack, slope {} px/frame", slope_text(slope));
+                (Arc::new(stack_view(burst, params, slope, monitor)?), shown)
+            }
+            (MatchPictures::Merged, _) => {
+                (burst_plane(burst, ImageKind::Merged, params, monitor)?, "merged frames".to_owned())
+            }
+            _ => (burst_plane(burst, ImageKind::Middle, params, monitor)?, "middle frame".to_owned()),
+        };
+        let display = Display::stretched(&plane);
+        let (low, high) = (number(display.min, 3), format!("{} of full scale", number(display.max, 3)));
+        Ok(FigurePanel {
+            size: plane.size(),
+            rgba: Arc::new(to_rgba8(&plane, &display).into_raw()),
+            origin_image: [-0.5, -0.5],
+            image_px_per_px: 1.0,
+            marks: Vec::new(),
+            title: Some(titled(side, &burst.name, &shown)),
+            legend: Vec::new(),
+            bar: Some(ColourBar::of(&display, low, high)),
+        })
+    }
+}
