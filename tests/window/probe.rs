@@ -52,9 +52,8 @@ fn a_feature_says_why_it_was_kept() {
     window.settle();
     let fate = answer(&window).probe.subject_fate().expect("it is a candidate").clone();
     assert!(fate.features.contains(&0), "{fate:?}");
-    // The window counts features from 1.
     let verdict = fate.verdict.clone();
-    assert!(verdict.contains("feature 1") && window.shows(&verdict["kept as".len()..]), "{verdict}");
+    assert!(verdict.contains("feature 0") && window.shows(&verdict["kept as".len()..]), "{verdict}");
     for image in ["Response over slope and scale", "Patch of each frame", "Response of each frame"] {
         rect_of(&window, image);
     }

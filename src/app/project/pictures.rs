@@ -272,6 +272,14 @@ impl Model {
         self.settle_ranges();
     }
 
+    /// Lets another picture set the range that the picture of a pane set: that of a slope at which all may be smeared.
+    pub(super) fn forget_range_of(&mut self, id: PaneId) {
+        let Some(picture) = self.picture_in(id).cloned() else { return };
+        let Document { panes, look, .. } = &mut self.project.document;
+        let own = panes.get_mut(id).and_then(|pane| pane.own_ranges.as_mut());
+        own.unwrap_or(&mut look.ranges).forget_that_of(&picture);
+    }
+
     pub fn lay_out(&mut self, preset: Preset) {
         let params = self.cursor_params().clone();
         self.panes.lay_out(preset, &params);

@@ -431,12 +431,7 @@ impl Model {
         let alone = own != leader && !self.panes.shown().contains(&own);
         for id in [Some(leader), alone.then_some(own)].into_iter().flatten() {
             if self.panes.get(id).is_some_and(|pane| !pane.slope_chosen) {
-                // The range of the slope before, at which all may be smeared, does not suit.
-                if let Some(picture) = self.picture_in(id).cloned() {
-                    let crate::app::document::Document { panes, look, .. } = &mut self.project.document;
-                    let own = panes.get_mut(id).and_then(|pane| pane.own_ranges.as_mut());
-                    own.unwrap_or(&mut look.ranges).forget_that_of(&picture);
-                }
+                self.forget_range_of(id);
                 self.go_to_busiest_slope(id);
             }
         }

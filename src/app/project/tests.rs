@@ -190,7 +190,7 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
         for id in ids {
             let wanted = model.wanted(id).expect("its burst is open");
             model.take_picture(id, wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled"));
-            let seen = model.look.ranges.intensity;
+            let seen = model.display_of(id);
             assert_ne!((seen.min, seen.max), (0.0, 1.0), "what is seen first is seen in a range of its own");
         }
         model.look.ranges

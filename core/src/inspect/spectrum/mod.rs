@@ -147,6 +147,8 @@ pub fn is_at_slope(grid: &SlopeGrid, feature: &Feature, slope: Slope) -> bool {
     let rim = |x: f32, count: usize| x.clamp(0.0, count.max(1) as f32 - 1.0);
     let ((i, j), (at_i, at_j)) = (grid.position(feature.motion().0), grid.position(slope));
     let on_grid = grid.at(at_i, at_j);
+    // Slopes of the grid are at whole numbers but for rounding, by which a place half-way would be at two.
+    let [at_i, at_j] = [at_i, at_j].map(|at| if (at - at.round()).abs() < 1e-3 { at.round() } else { at });
     let beside = (slope.u - on_grid.u).hypot(slope.v - on_grid.v);
     beside <= 0.5 * grid.u.step().max(grid.v.step()).max(0.2)
         && rounded(rim(i, grid.u.count) - at_i) == 0

@@ -143,14 +143,14 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
         fate.level,
         fate.value,
         fate.sigma_d,
-        fate.verdict.clone()
+        fate.verdict
     ));
     clicked
 }
 
 fn fate_ui(ui: &mut Ui, model: &Model, fate: &Fate, outlook: Option<&Outlook>, queue: &mut Queue) {
     let verdict = &fate.verdict;
-    ui.add(Label::new(RichText::new(sentence(&verdict)).strong()).wrap());
+    ui.add(Label::new(RichText::new(sentence(verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {
         let rejected = |test: Test| format!(" It would then be rejected as {}.", test.reason());
         let then = remedy.then_fails.map_or_else(String::new, rejected);
