@@ -4,9 +4,9 @@
 //! Writes the middle frames of its scene and of its burst by day as 8-bit PNG files `scene.png` and `day.png` to the
 //! folder given as the first argument, then reads commands from standard input, one a line: `METHOD THREADS
 //! [PEAK_THRESHOLD]`, with METHOD one of `1d`, `2d`, `2d-field`, `1d-doubled`, `sift` on the scene, or `1d-day`,
-//! `2d-day`, `2d-day-field`: the defaults by day, the 3000 strongest kept. Those with `field` search around the field of
-//! motion. Answers each with a line of `METHOD features cpu_secs wall_secs peak_bytes_over_burst`. The burst by day is
-//! made of a picture of `../shared` (or `BURSTSCOPE_SHARED`); without it there is none.
+//! `2d-day`, `2d-day-field`: the defaults by day, the 3000 strongest kept. Those with `field` search around the field
+//! of motion. Answers each with a line of `METHOD features cpu_secs wall_secs peak_bytes_over_burst`. The burst by day
+//! is made of a picture of `../shared` (or `BURSTSCOPE_SHARED`); without it there is none.
 
 mod common;
 

@@ -82,8 +82,8 @@ impl Calibration {
     }
 }
 
-/// Name, names of the frames, full scale, quantisation step, suggested full scale, encoding, binning, notes, sources, and
-/// the positions of uneven frames with the frame interval.
+/// Name, names of the frames, full scale, quantisation step, suggested full scale, encoding, binning, notes, sources,
+/// and the positions of uneven frames with the frame interval.
 type About =
     (String, Vec<String>, (f32, f32, Option<f32>), String, usize, Vec<String>, Vec<PathBuf>, (Vec<f64>, Option<f64>));
 

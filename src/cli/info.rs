@@ -10,7 +10,8 @@ use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Say what an input is: its bursts, and of each the kind, the frames, their size, bits and times, and what was guessed.
+/// Say what an input is: its bursts, and of each the kind, the frames, their size, bits and times, and what was
+/// guessed.
 ///
 /// Headers are read, no pixels (of a raw file, which declares little, the frame). The options that say how files are
 /// opened are those of the other commands.

@@ -1,7 +1,7 @@
 //! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it. A
 //! trail costs as much as its detection, so the detection makes it in the same search. If it was not kept, the search
-//! is repeated once for all askers; one that differs only in its thresholds is judged from what a kept one left, and one
-//! of other slopes goes on from it.
+//! is repeated once for all askers; one that differs only in its thresholds is judged from what a kept one left, and
+//! one of other slopes goes on from it.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;

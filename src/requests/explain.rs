@@ -1,5 +1,5 @@
-//! Explanations of a detection: the spectrum of slopes, the survey of candidates and the false rate by decoys, the losses
-//! of features whose truth is known, and the fate of single places and candidates.
+//! Explanations of a detection: the spectrum of slopes, the survey of candidates and the false rate by decoys, the
+//! losses of features whose truth is known, and the fate of single places and candidates.
 
 use super::detect::MatchRequest;
 use super::error::JobError;

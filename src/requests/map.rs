@@ -32,8 +32,8 @@ pub struct SlopeColours {
 /// Part of the motions, by their SNR, that lie on a line where all are said to.
 const ON_LINE: f64 = 0.98;
 
-/// The line along which `grid` was searched, or on which the motions of `features` lie in a plane of slopes, as those of
-/// a still scene before a moving camera do: its direction, degrees from +u towards +v, and its part, from the first
+/// The line along which `grid` was searched, or on which the motions of `features` lie in a plane of slopes, as those
+/// of a still scene before a moving camera do: its direction, degrees from +u towards +v, and its part, from the first
 /// slope to the last.
 pub fn line_of(grid: &SlopeGrid, features: &[Feature]) -> Option<(f32, SlopeAxis)> {
     if !grid.is_plane() || features.len() < 3 {

@@ -1,6 +1,6 @@
-//! Teaching material, which a teacher can write without knowing the program: a [`Lesson`] is a TOML file whose steps say
-//! what is set up, highlighted, explained (in CommonMark) and to be tried; the [`glossary`] explains every term of the
-//! window. This module reads and checks them, and writes a lesson as a sheet for a class.
+//! Teaching material, which a teacher can write without knowing the program: a [`Lesson`] is a TOML file whose steps
+//! say what is set up, highlighted, explained (in CommonMark) and to be tried; the [`glossary`] explains every term of
+//! the window. This module reads and checks them, and writes a lesson as a sheet for a class.
 
 pub mod glossary;
 mod goal;

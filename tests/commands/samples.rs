@@ -5,8 +5,8 @@
 //!
 //! A number in a sentence or a table has its source in a comment of its paragraph: `<!-- $ burstscope slopes demo | 25;
 //! 0.95 ± 0.1 -->` says that the command writes 25, and a number within 0.1 of 0.95. With `--json` a number may have a
-//! place in the document: `25 = /spectrum/features`. With `> FILE` the numbers are those of a file that the command wrote; of
-//! a figure (SVG) those of its texts. Measurements that take too long to be repeated by a test stand below
+//! place in the document: `25 = /spectrum/features`. With `> FILE` the numbers are those of a file that the command
+//! wrote; of a figure (SVG) those of its texts. Measurements that take too long to be repeated by a test stand below
 //! the words `measured with version X.Y.Z`, which count up to the next heading.
 
 use super::house::documents::documents;

@@ -84,7 +84,8 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Lines of a CSV file of features as numbers, without the header and the words of the last column; NaN for empty cells.
+/// Lines of a CSV file of features as numbers, without the header and the words of the last column; NaN for empty
+/// cells.
 pub fn features(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("a file");
     let mut lines = text.lines();

@@ -172,7 +172,8 @@ fn an_outlier_says_the_limit_and_motions_filter_the_matches() {
 #[test]
 fn a_match_tells_its_second_best() {
     let mut window = two_bursts();
-    // The nearest descriptor of all is the match of the ratio test; a predicted one is the nearest where it is expected.
+    // The nearest descriptor of all is the match of the ratio test; a predicted one is the nearest where it is
+    // expected.
     window.app_mut().model.matching.predict = false;
     window.settle();
     window.key(Key::Home);

@@ -71,8 +71,9 @@ impl Combine {
     }
 }
 
-/// Combines `frames` (one size, in time order) at `positions`, at `slope`: of each pixel x the values F_t(x + (t − t0)·λ) of the frames
-/// that cover it, as [`motion_stack`] takes their mean. Size and unit are those of the frames. Rows in parallel.
+/// Combines `frames` (one size, in time order) at `positions`, at `slope`: of each pixel x the values
+/// F_t(x + (t − t0)·λ) of the frames that cover it, as [`motion_stack`] takes their mean. Size and unit are those of the
+/// frames. Rows in parallel.
 pub fn combined_stack(
     frames: &[&Plane],
     positions: &Positions,

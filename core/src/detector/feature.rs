@@ -118,9 +118,9 @@ pub(super) const DEFINED_SIGMA: f32 = 0.75;
 const BY_ITSELF_SIGMAS: f32 = 3.0;
 
 impl Feature {
-    /// Motion to be said of it, and its standard deviation, pixels per frame: its own where it moves by itself, where the
-    /// motion of its place is unknown, and where it is surer and within one standard deviation of that; else that of its
-    /// place, on which more of the picture decides.
+    /// Motion to be said of it, and its standard deviation, pixels per frame: its own where it moves by itself, where
+    /// the motion of its place is unknown, and where it is surer and within one standard deviation of that; else that
+    /// of its place, on which more of the picture decides.
     pub fn motion(&self) -> (Slope, f32) {
         let (own, of_place) = ((self.slope, self.slope_sigma), (self.field, self.field_sigma));
         let apart = (self.slope.u - self.field.u).hypot(self.slope.v - self.field.v);

@@ -367,8 +367,8 @@ impl Quantity {
         }
     }
 
-    /// Whether `feature` lacks this quantity: its field where the motion of its place is unknown, and its layer where it
-    /// has none.
+    /// Whether `feature` lacks this quantity: its field where the motion of its place is unknown, and its layer where
+    /// it has none.
     pub fn is_empty(self, feature: &Feature) -> bool {
         match self {
             Self::FieldU | Self::FieldV | Self::FieldSigma => feature.field_sigma.is_infinite(),
@@ -394,7 +394,8 @@ impl Quantity {
     }
 
     /// The value of `feature` as files have it: with the fewest digits that read back to the same number; a flag is 1
-    /// or 0, and the way it moves a word. Empty if a feature does not hold this quantity, or [lacks](Self::is_empty) it.
+    /// or 0, and the way it moves a word. Empty if a feature does not hold this quantity, or [lacks](Self::is_empty)
+    /// it.
     pub fn cell(self, feature: &Feature) -> String {
         let mut feature = *feature;
         match self.record().place {

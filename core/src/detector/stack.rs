@@ -1,9 +1,10 @@
 //! Motion stack: frames shifted by a slope and averaged (the paper's shift-sum filter H_M).
 //!
-//! Frame `t` is sampled at `x + (t − t0)·λ`, where t is the frame's position and t0 the mean of all positions. The offset is constant over the image, so it is split once into whole
-//! pixels and a fraction. A frame covers a pixel when the sampling point lies between the centres of its first and last
-//! pixel; the sum is divided by the number of frames that do. Where none does (a corner, with diagonal slopes and an
-//! even number of frames) the frames' nearest pixels are averaged.
+//! Frame `t` is sampled at `x + (t − t0)·λ`, where t is the frame's position and t0 the mean of all positions. The
+//! offset is constant over the image, so it is split once into whole pixels and a fraction. A frame covers a pixel when
+//! the sampling point lies between the centres of its first and last pixel; the sum is divided by the number of frames
+//! that do. Where none does (a corner, with diagonal slopes and an even number of frames) the frames' nearest pixels
+//! are averaged.
 
 use crate::burst::Positions;
 use crate::detector::params::{Interpolation, Slope};

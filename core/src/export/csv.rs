@@ -37,8 +37,8 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), Error> {
     })
 }
 
-/// Reads a table that [`write_csv`] wrote, also one of an earlier version, which says nothing about the field of motion,
-/// or of ghosts and edges.
+/// Reads a table that [`write_csv`] wrote, also one of an earlier version, which says nothing about the field of
+/// motion, or of ghosts and edges.
 /// Strict: the header must be exact and every line complete. The table does not say at which of the searched slopes a
 /// feature was found: `slope_index` is 0.
 ///
@@ -119,7 +119,8 @@ pub struct MatchRow {
     pub ratio: f32,
     /// Error in pixels and whether it is an inlier; `None` where no geometry was requested.
     pub verified: Option<(f32, bool)>,
-    /// From the place in B to where A's place is seen there (u, v), pixels, and the correlation of the pictures of both;
+    /// From the place in B to where A's place is seen there (u, v), pixels, and the correlation of the pictures of
+    /// both;
     /// `None` where they were not compared or do not tell.
     pub aligned: Option<([f64; 2], f64)>,
 }

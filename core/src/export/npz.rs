@@ -13,7 +13,8 @@ use std::io;
 use std::path::Path;
 
 /// Writes a field of motion, a value for each cell of `cell_px`² pixels: `motion` `[rows, columns, 2]` float32 to the
-/// right and down and `covariance` `[rows, columns, 3]` (of u, of u with v, of v), pixels per frame; `known` and `layer`
+/// right and down and `covariance` `[rows, columns, 3]` (of u, of u with v, of v), pixels per frame; `known` and
+/// `layer`
 /// `[rows, columns]` uint8; `layers` `[n, 4]` float32, the motions of the layers, their spreads and shares.
 pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<(), Error> {
     let (columns, rows) = field.size;

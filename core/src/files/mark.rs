@@ -1,8 +1,8 @@
 //! The mark by which Burstscope recognises what it wrote, so that it replaces this alone without being told to.
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
-//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML and PDF, or a comment line, at the end of a file,
-//! and claims all bytes before; in `Software` of a TIFF, for the samples; in a file of a folder ([`Kind::file`]).
+//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML and PDF, or a comment line, at the end of a
+//! file, and claims all bytes before; in `Software` of a TIFF, for the samples; in a file of a folder ([`Kind::file`]).
 //! COLMAP's database has a number in its header alone, and tables have none, see [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
@@ -201,8 +201,8 @@ impl Place {
     }
 }
 
-/// Puts the mark of this kind into a complete PNG, GIF, ZIP, XML or PDF file, or as a comment line at the end of any other.
-/// A file that does not end as its format does is an error.
+/// Puts the mark of this kind into a complete PNG, GIF, ZIP, XML or PDF file, or as a comment line at the end of any
+/// other. A file that does not end as its format does is an error.
 pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
     let place = Place::of(&part_of(file, 0, HEAD)?);
     let length = file.seek(SeekFrom::End(0))?;

@@ -1,10 +1,10 @@
 //! False rate of a search, from decoys: copies of the burst whose frames are in another order.
 //!
 //! In a copy nothing moves as it did, while noise, clutter and each single frame stay, and so do the noise model, the
-//! gates and the slopes. The features of a copy are therefore false ones as this burst gives them, and their number over
-//! that of the features found here is the part of these that proves nothing. It tends to be too high, and may exceed 1:
-//! in a copy no true feature stands where a false one would be. A feature that stays within its own size over the burst
-//! is in every copy too, whether true or not: of such features decoys say nothing.
+//! gates and the slopes. The features of a copy are therefore false ones as this burst gives them, and their number
+//! over that of the features found here is the part of these that proves nothing. It tends to be too high, and may
+//! exceed 1: in a copy no true feature stands where a false one would be. A feature that stays within its own size over
+//! the burst is in every copy too, whether true or not: of such features decoys say nothing.
 
 use super::words::{counted, number};
 use crate::detector::stack::FrameTimes;

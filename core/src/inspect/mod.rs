@@ -2,8 +2,8 @@
 //!
 //! What happened at this place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the
 //! candidates ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
-//! ([`unmatched`])? Which true discs were missed ([`truth`])? How much of all this would be found if nothing moved as it
-//! does ([`decoys`])? Nothing is decided here: a verdict about a sample is the search's own
+//! ([`unmatched`])? Which true discs were missed ([`truth`])? How much of all this would be found if nothing moved as
+//! it does ([`decoys`])? Nothing is decided here: a verdict about a sample is the search's own
 //! ([`crate::detector::Trail`]). Where one setting would help, an explanation ends with it.
 
 pub mod candidates;
@@ -66,8 +66,8 @@ impl ProbeCache {
     }
 
     /// As [`Self::new`], but what the one of the `earlier` searches that knows most of the slopes left is not searched
-    /// again. The features are the same to the bit. A long search that begins anew gives the features of its first slope
-    /// to `first` before it searches the others.
+    /// again. The features are the same to the bit. A long search that begins anew gives the features of its first
+    /// slope to `first` before it searches the others.
     pub fn after(
         earlier: &[Arc<Self>],
         burst: &Burst,

@@ -162,8 +162,8 @@ pub(super) fn too_small(
     Ok(best.map(|(_, reason)| reason))
 }
 
-/// Scale, slope and strength of what rises beyond the smallest scale, in the octaves below, as a reason. `None` where it
-/// falls again, or does not reach the gate of a search from there.
+/// Scale, slope and strength of what rises beyond the smallest scale, in the octaves below, as a reason. `None` where
+/// it falls again, or does not reach the gate of a search from there.
 fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reason>, Cancelled> {
     let (params, first) = (trail.params(), trail.space().first_octave);
     let smallest = number(trail.space().sigma_image(first, 0.0) as f32, 1);

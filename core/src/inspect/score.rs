@@ -77,7 +77,8 @@ pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> b
 pub const MOTION_PX: f32 = 0.35;
 
 /// Largest difference of slopes, pixels per frame, that counts as the same motion for a blob of scale `sigma` (pixels)
-/// in a burst of `span` frame intervals from its first to its last frame: [`MOTION_PX`], or that by which the burst smears it over one σ, if this is more.
+/// in a burst of `span` frame intervals from its first to its last frame: [`MOTION_PX`], or that by which the burst
+/// smears it over one σ, if this is more.
 pub fn motion_limit(sigma: f32, span: f64) -> f32 {
     MOTION_PX.max(sigma / span.max(1.0) as f32)
 }

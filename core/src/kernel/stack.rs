@@ -189,8 +189,8 @@ impl<'a> RowStacker<'a> {
     }
 }
 
-/// Rows `(1 − part)·upper + part·lower` of the neighbouring rows of `from`, `width` apart: `columns` values each to rows
-/// of `out`. Two rows are too few for [`WeightedRows`], whose setting up they would wait for.
+/// Rows `(1 − part)·upper + part·lower` of the neighbouring rows of `from`, `width` apart: `columns` values each to
+/// rows of `out`. Two rows are too few for [`WeightedRows`], whose setting up they would wait for.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn mix(from: &[f32], width: usize, part: f32, columns: usize, out: &mut [f32], stride: usize) {
     for (row, out) in out.chunks_exact_mut(stride).enumerate() {

@@ -18,8 +18,8 @@ use rayon::prelude::*;
 
 /// Max error before the alignment, as a part of [`MatchParams::max_error_px`]: places are uncertain.
 const WIDE: f32 = 2.0;
-/// Max error after it, as a part of [`MatchParams::max_error_px`]; also the largest contradiction between a match and the
-/// solved places.
+/// Max error after it, as a part of [`MatchParams::max_error_px`]; also the largest contradiction between a match and
+/// the solved places.
 pub const NARROW: f32 = 0.35;
 /// Fewest matches that a pair keeps.
 const FEWEST_KEPT: usize = 30;
@@ -111,8 +111,8 @@ impl PairAlignment {
     }
 }
 
-/// Solves for the places of one pair's features, found at `places` with shapes `blobs`, from its `measured` matches, and
-/// verifies the inliers again there. Nothing is done to a pair without a geometry.
+/// Solves for the places of one pair's features, found at `places` with shapes `blobs`, from its `measured` matches,
+/// and verifies the inliers again there. Nothing is done to a pair without a geometry.
 ///
 /// # Errors
 /// Parameters that make no sense, and cancellation once `monitor` was cancelled.

@@ -1,8 +1,8 @@
 //! Matches predicted by motion: where a feature lies in the other burst, and the best match there.
 //!
-//! The field of motion knows how near the place of each feature is ([`crate::detector::field`]), and nearness decides where on its
-//! epipolar line a match lies. The sure matches of a pair, those of the ratio test that agree on a geometry, tell how
-//! inverse depths turn into parallax: one number with a known camera, four with an unknown one
+//! The field of motion knows how near the place of each feature is ([`crate::detector::field`]), and nearness decides
+//! where on its epipolar line a match lies. The sure matches of a pair, those of the ratio test that agree on a
+//! geometry, tell how inverse depths turn into parallax: one number with a known camera, four with an unknown one
 //! ([`super::geometry`]). So the place of every feature in the other burst is known to some pixels. Where sure
 //! matches and motions contradict each other, the geometry is one of chance, and the pair is refused.
 //!

@@ -5,7 +5,8 @@
 //!
 //! The searched descriptors are transposed into blocks of `LANES`, so that one lane is one descriptor. Queries go in
 //! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each product serves both
-//! ways: the mutual check needs no second search. Ties go to the lowest index, so the result does not depend on threads.
+//! ways: the mutual check needs no second search. Ties go to the lowest index, so the result does not depend on
+//! threads.
 
 use super::params::MatchParams;
 use crate::detector::Descriptor;
@@ -201,8 +202,9 @@ fn lengths_of(group: &[Descriptor]) -> [f32; GROUP] {
     std::array::from_fn(|index| group.get(index).map_or(0.0, |query| squared_length(query) as f32))
 }
 
-/// Best results so far, in each lane by itself: for one query those among the blocks, or for a block those of each of its
-/// descriptors among the queries. Scores are 2·a·b less the squared length of what is found: the larger, the nearer.
+/// Best results so far, in each lane by itself: for one query those among the blocks, or for a block those of each of
+/// its descriptors among the queries. Scores are 2·a·b less the squared length of what is found: the larger, the
+/// nearer.
 #[derive(Clone, Copy)]
 struct State {
     best: [f32; LANES],

@@ -129,8 +129,8 @@ pub fn check_camera(read_noise: f64, bits: u32) -> Result<(), Error> {
     Ok(())
 }
 
-/// Frame t takes its noise from stream t + 1 of the seed, so the result does not depend on the threads, and a frame that
-/// is left out changes no other.
+/// Frame t takes its noise from stream t + 1 of the seed, so the result does not depend on the threads, and a frame
+/// that is left out changes no other.
 fn capture_burst(
     name: &str,
     taken: &Taken,

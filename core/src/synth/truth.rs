@@ -71,7 +71,8 @@ pub struct NoiseTruth {
 const LARGEST: f64 = 1e6;
 
 impl Truth {
-    /// Truth of `frames` frames of `size` that `camera` captured over a `background` signal, without layers and features.
+    /// Truth of `frames` frames of `size` that `camera` captured over a `background` signal, without layers and
+    /// features.
     pub(super) fn captured(
         kind: TruthKind,
         (width, height): (usize, usize),

@@ -1,5 +1,5 @@
-//! Laws of aligned matches: the order of the bursts changes nothing, and a burst that is shifted by some pixels is found
-//! to be shifted by them.
+//! Laws of aligned matches: the order of the bursts changes nothing, and a burst that is shifted by some pixels is
+//! found to be shifted by them.
 
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
 use burstscope_core::matching::{Geometry, MatchParams, MatchResult};
@@ -41,8 +41,8 @@ fn from_b_to_a_they_are_those_from_a_to_b() {
     let back: BTreeSet<_> = inliers(&back).into_iter().map(|((b, a), _)| (a, b)).collect();
     let both = there.intersection(&back).count();
     println!("{} there, {} back, {both} both ways", there.len(), back.len());
-    // Samples of the search for a geometry are drawn in another order, and a match is predicted by the motion of the place
-    // that it begins from: 92 to 93 of 100 are the same with six seeds.
+    // Samples of the search for a geometry are drawn in another order, and a match is predicted by the motion of the
+    // place that it begins from: 92 to 93 of 100 are the same with six seeds.
     assert!(both > 300 && both * 100 >= there.len().max(back.len()) * 91);
 }
 

@@ -1,5 +1,5 @@
-//! Export to COLMAP holds the features of a few bursts, however many the dataset has; with the alignment, which is solved
-//! for all images at once, also the places of the others.
+//! Export to COLMAP holds the features of a few bursts, however many the dataset has; with the alignment, which is
+//! solved for all images at once, also the places of the others.
 
 use crate::peak_over;
 use burstscope_core::Monitor;

@@ -289,8 +289,8 @@ pub struct MethodReport {
     /// Ratio of the detector's estimate of a frame's noise to the true one at the background; absent for mean and
     /// merged images and for charts without noise.
     pub noise_estimate_ratio: Option<Mean>,
-    /// Peak threshold, of |response|, at which the requested share of the detections in all charts together is false, as
-    /// the paper chooses it (BuFF, IV-A); absent where no threshold leaves a feature.
+    /// Peak threshold, of |response|, at which the requested share of the detections in all charts together is false,
+    /// as the paper chooses it (BuFF, IV-A); absent where no threshold leaves a feature.
     pub peak_threshold: Option<f32>,
     /// Mean count of discs found with at most 0, 1, 2 … false features.
     pub roc: Vec<f64>,

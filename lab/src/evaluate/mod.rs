@@ -16,7 +16,8 @@
 //! the true one.
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
-//! over them and returns a report that can be written as JSON. [`score`](burstscope_core::inspect::score) decides which discs count as found,
+//! over them and returns a report that can be written as JSON. [`score`](burstscope_core::inspect::score) decides which
+//! discs count as found,
 //! [`curves`] draws the curves. The same study gives the same report for any number of threads, and
 //! memory holds at most one burst for each thread.
 

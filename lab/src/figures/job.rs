@@ -84,7 +84,8 @@ impl FiguresJob {
     /// Makes the figures that are not finished yet, and the page. `on` is called with every event.
     ///
     /// # Errors
-    /// A study, a file or COLMAP fails, or cancellation. Files are written completely or not at all; finished figures stay finished.
+    /// A study, a file or COLMAP fails, or cancellation. Files are written completely or not at all; finished figures
+    /// stay finished.
     pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport, Error> {
         check_folder(&self.out)?;
         let lock = FolderLock::take(&self.out)?;

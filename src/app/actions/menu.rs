@@ -236,8 +236,8 @@ enum Entry {
     Parameter(&'static str, Option<String>),
 }
 
-/// Actions and parameters whose names or help have the words of `text`, the best first; what is possible now before what
-/// is not. A number at the end is a value.
+/// Actions and parameters whose names or help have the words of `text`, the best first; what is possible now before
+/// what is not. A number at the end is a value.
 fn found_by(text: &str, model: &Model) -> Vec<Entry> {
     let text = text.trim().to_lowercase();
     let actions = ACTIONS.iter().filter(|action| action.id != ActionId::Palette);

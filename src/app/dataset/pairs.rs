@@ -1,5 +1,5 @@
-//! Matches of all pairs of bursts: as a matrix, whose cells show the inliers of two bursts as a colour and a number, and
-//! as a list.
+//! Matches of all pairs of bursts: as a matrix, whose cells show the inliers of two bursts as a colour and a number,
+//! and as a list.
 
 use super::filmstrip::side_colour;
 use crate::app::actions::Queue;

@@ -1,5 +1,5 @@
-//! Changes that the user asks for, as values that can be written and read. Panels and panes push them while they are drawn; they are applied after the drawing,
-//! by one function (`actions::apply`).
+//! Changes that the user asks for, as values that can be written and read. Panels and panes push them while they are
+//! drawn; they are applied after the drawing, by one function (`actions::apply`).
 
 use crate::app::actions::registry::ActionId;
 use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks};

@@ -1,5 +1,5 @@
-//! Lessons (see [`crate::teach`]) over the live window, whose content is kept whole and put back when the lesson is left.
-//! Each step sets the window up, highlights a part, explains it in a panel, and detects when its task is done.
+//! Lessons (see [`crate::teach`]) over the live window, whose content is kept whole and put back when the lesson is
+//! left. Each step sets the window up, highlights a part, explains it in a panel, and detects when its task is done.
 
 mod hall;
 mod panel;

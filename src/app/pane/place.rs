@@ -6,9 +6,9 @@ use crate::requests::PictureKind;
 use egui::{Pos2, vec2};
 use std::ops::Range;
 
-/// Maps a place of one pane to another, in image pixels; the frames `used` of those at `positions` are searched. Pictures of many frames show
-/// it where it is at mid-burst, a frame shows it moved along its slope: that of the pane that shows no frame, or that
-/// of the pane under the pointer if both show frames.
+/// Maps a place of one pane to another, in image pixels; the frames `used` of those at `positions` are searched.
+/// Pictures of many frames show it where it is at mid-burst, a frame shows it moved along its slope: that of the pane
+/// that shows no frame, or that of the pane under the pointer if both show frames.
 pub fn place_in(
     pos_image: Pos2,
     from_kind: PictureKind,

@@ -105,8 +105,8 @@ pub(in crate::app) struct TableClicks<C> {
     pub hovered: Option<usize>,
 }
 
-/// Draws a table that a click on a heading sorts; the first column has a fixed width. `text` is the content of an item's
-/// cell, `name` the item's name for screen readers, and `menu` draws the menu of its row.
+/// Draws a table that a click on a heading sorts; the first column has a fixed width. `text` is the content of an
+/// item's cell, `name` the item's name for screen readers, and `menu` draws the menu of its row.
 pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     ui: &mut Ui,
     columns: &[C],

@@ -45,8 +45,8 @@ pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
 }
 
 /// Draws a bar, as wide as the space without a `width`.
-/// Draws a bar of progress, `width` points wide or as there is room, with as much of `text` as it holds; its parts are two
-/// spaces apart.
+/// Draws a bar of progress, `width` points wide or as there is room, with as much of `text` as it holds; its parts are
+/// two spaces apart.
 pub fn progress_ui(ui: &mut Ui, running: &Running, width: Option<f32>, text: &str) {
     let fraction = running.progress.map_or(0.0, |p| p.fraction);
     let width = width.unwrap_or_else(|| ui.available_size_before_wrap().x.max(96.0));
@@ -255,7 +255,8 @@ fn time_left_text(left: Duration) -> String {
     }
 }
 
-/// Lays out a text in one line of at most `width` points, without the middle of a longer one: names differ at their ends.
+/// Lays out a text in one line of at most `width` points, without the middle of a longer one: names differ at their
+/// ends.
 pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color32, width: f32) -> Arc<Galley> {
     let lay_out = |text: String| painter.layout_no_wrap(text, font.clone(), colour);
     let whole = lay_out(text.to_owned());

@@ -9,7 +9,8 @@ use super::{Effect, Model};
 use crate::engine::{Ended, Engine, Want};
 use crate::requests::{JobError, Request, Urgency};
 
-/// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken, and a partial one.
+/// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken, and a partial
+/// one.
 macro_rules! one {
     ($ends:literal, |$m:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr) => {
         one!($ends, |$m| $wanted, |$of, $drags| $missing, |$to, $ended| $take, |_, _| ())

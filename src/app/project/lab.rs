@@ -1,5 +1,5 @@
-//! The Lab: its questions with the settings of their studies, and the studies that answer them: the curves so far, and the
-//! chart on show.
+//! The Lab: its questions with the settings of their studies, and the studies that answer them: the curves so far, and
+//! the chart on show.
 
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;

@@ -59,8 +59,8 @@ use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
 use trajectories::TrajectoryResults;
 
-/// All of the window: the project on show, and what stays when another is shown. All that is read of the project, and of
-/// its document, is read as if it were its own.
+/// All of the window: the project on show, and what stays when another is shown. All that is read of the project, and
+/// of its document, is read as if it were its own.
 #[derive(Debug, Default)]
 pub struct Model {
     pub project: Project,
@@ -138,8 +138,8 @@ impl From<Document> for Model {
 }
 
 impl Model {
-    /// Shows another project, and returns the one on show until now. The dataset, the trajectories, the Lab and the colours
-    /// of the window stay, so that their work goes on.
+    /// Shows another project, and returns the one on show until now. The dataset, the trajectories, the Lab and the
+    /// colours of the window stay, so that their work goes on.
     pub fn show(&mut self, project: Project) -> Project {
         let before = std::mem::replace(&mut self.project, project);
         let Document { theme, dataset, pairs, trajectories, lab, .. } = before.document.clone();

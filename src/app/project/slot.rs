@@ -119,7 +119,8 @@ impl Model {
         self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
     }
 
-    /// They need no search, or that of the fewer slopes, and the last ones asked for are there: a newer request would cancel them.
+    /// They need no search, or that of the fewer slopes, and the last ones asked for are there: a newer request would
+    /// cancel them.
     pub(in crate::app) fn features_can_follow(&self, side: Side) -> bool {
         let now = self.asked_of(side);
         self.slots[side].found.as_ref().filter(|_| !self.slots[side].detecting.is_pending()).is_some_and(|found| {

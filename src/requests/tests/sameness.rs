@@ -1,4 +1,5 @@
-//! Tests of the equality of requests: the engine computes an answer once, and the window repeats only requests that differ.
+//! Tests of the equality of requests: the engine computes an answer once, and the window repeats only requests that
+//! differ.
 
 use super::{detected, empty, open, params, source};
 use crate::detector::{DetectorParams, FrameRange, Method, NoiseGate, Rules, Slope};

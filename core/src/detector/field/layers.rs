@@ -4,8 +4,8 @@
 //! hills are one unless the saddle between them is lower than half of the lower one. So a floor that comes nearer is
 //! one layer with a spread, and two things before one another are two.
 //!
-//! Layers come in the order of depth, which all motions together tell ([`super::depth`]); those that move otherwise than
-//! a camera makes still things move come last.
+//! Layers come in the order of depth, which all motions together tell ([`super::depth`]); those that move otherwise
+//! than a camera makes still things move come last.
 
 use super::depth::inverse_depths;
 use crate::detector::params::slope_grid::Slope;
@@ -51,7 +51,8 @@ pub(super) struct KnownCell {
 }
 
 /// Layers of the motions of all cells (`None` where unknown), the nearest first, and the number of each cell's, from 1;
-/// 0 for none. Those that move by themselves come last, the fastest first. `last_frame` is the number of frames less one.
+/// 0 for none. Those that move by themselves come last, the fastest first. `last_frame` is the number of frames less
+/// one.
 pub(super) fn layers(
     known: &[Option<KnownCell>],
     last_frame: f32,

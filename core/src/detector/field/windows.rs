@@ -1,15 +1,15 @@
 //! Evidence of windows around each cell, beside the posterior.
 //!
 //! *Small things.* A row of cells on a thing of a few cells seldom has enough evidence to pay for two borders, and the
-//! posterior does not see that the rows beside it have it too. A small window overrules it where another motion has much
-//! more evidence in it.
+//! posterior does not see that the rows beside it have it too. A small window overrules it where another motion has
+//! much more evidence in it.
 //!
-//! *Motions between the swept slopes.* Each cell's evidence is read at its own motion plus a common offset, whose sum over
-//! a window has its peak where the window is off on average. The offset is held by a prior, as noise would move each cell
-//! where it likes.
+//! *Motions between the swept slopes.* Each cell's evidence is read at its own motion plus a common offset, whose sum
+//! over a window has its peak where the window is off on average. The offset is held by a prior, as noise would move
+//! each cell where it likes.
 //!
-//! *What a motion is worth.* How sharply such a sum over a wide window falls tells whether its structure says anything: an
-//! edge says nothing along itself, and noise nothing at all.
+//! *What a motion is worth.* How sharply such a sum over a wide window falls tells whether its structure says anything:
+//! an edge says nothing along itself, and noise nothing at all.
 
 use super::evidence::Evidence;
 use super::posterior::{Candidates, MotionEstimate};

@@ -59,7 +59,8 @@ pub(super) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize 
 }
 
 /// The keypoint with refined place, slope and scale, or unchanged where the parameters ask for the quadratic fit alone
-/// or the refinement fails; and its [width](motion_width) in slope. `raw` holds the pixels around it, of σ `from`, of the first levels `bases` of all octaves.
+/// or the refinement fails; and its [width](motion_width) in slope. `raw` holds the pixels around it, of σ `from`, of
+/// the first levels `bases` of all octaves.
 pub(super) fn located(
     search: &Search<'_>,
     bases: &[FirstLevels],

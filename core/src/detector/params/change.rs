@@ -43,7 +43,8 @@ impl ParamChange {
     /// Applies this change to `params` and checks the result.
     ///
     /// # Errors
-    /// A value cannot be read, the parameters make no sense with it, or it is a choice of slopes ([`super::doc::SLOPES`]).
+    /// A value cannot be read, the parameters make no sense with it, or it is a choice of slopes
+    /// ([`super::doc::SLOPES`]).
     pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams, Error> {
         Self::all_applied(std::slice::from_ref(self), params)
     }

@@ -7,7 +7,8 @@
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// Pixels that a step of an [enclosing](SlopeGrid::enclosing) grid moves a burst by, at most, where that is not too many.
+/// Pixels that a step of an [enclosing](SlopeGrid::enclosing) grid moves a burst by, at most, where that is not too
+/// many.
 const MAX_MOVED_PX: f32 = 13.0;
 
 /// Maximum number of slopes of a grid.
@@ -188,8 +189,8 @@ impl SlopeGrid {
     }
 
     /// Coarse grid around zero that encloses this one, the same for all of about the same reach: on each axis with more
-    /// than one slope to 4, 8, 16 … px/frame, in steps by which a burst of `span` frame intervals moves by about a dozen
-    /// pixels at most; in longer ones where the range is very wide.
+    /// than one slope to 4, 8, 16 … px/frame, in steps by which a burst of `span` frame intervals moves by about a
+    /// dozen pixels at most; in longer ones where the range is very wide.
     pub fn enclosing(&self, span: f32) -> Self {
         let widest = [self.u, self.v].map(|axis| axis.min.abs().max(axis.max.abs())).into_iter().fold(4.0, f32::max);
         let reach = widest.log2().ceil().exp2();
@@ -246,7 +247,8 @@ impl SlopeGrid {
         self.at(i as f32, j as f32)
     }
 
-    /// Slope (`di`, `dj`) steps from the slope `index`. Of grids that share that slope and the steps, it has the same bits.
+    /// Slope (`di`, `dj`) steps from the slope `index`. Of grids that share that slope and the steps, it has the same
+    /// bits.
     pub fn beside(&self, index: usize, di: f32, dj: f32) -> Slope {
         let (sin, cos) = f64::from(self.direction_deg).to_radians().sin_cos();
         let (a, b) = (f64::from(di * self.u.step()), f64::from(dj * self.v.step()));

@@ -154,8 +154,8 @@ impl Chooser<'_> {
         Ok(())
     }
 
-    /// Marks the features at the limit of the slopes, and says how certain their motion is, how their surroundings move,
-    /// and how they move beside these.
+    /// Marks the features at the limit of the slopes, and says how certain their motion is, how their surroundings
+    /// move, and how they move beside these.
     pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
         let grid = &self.search.grid;
         // Where nothing is known it is somewhere among the slopes.
@@ -204,9 +204,9 @@ impl Chooser<'_> {
     }
 }
 
-/// Error of the slopes of features over that of a peak that noise moves, on a line and in a plane: they are chosen among
-/// many slopes, and the noise chooses with. Measured on one scene, door; on another, entry, 68 and 63 % lie within one
-/// standard deviation.
+/// Error of the slopes of features over that of a peak that noise moves, on a line and in a plane: they are chosen
+/// among many slopes, and the noise chooses with. Measured on one scene, door; on another, entry, 68 and 63 % lie
+/// within one standard deviation.
 const CHOSEN: [f32; 2] = [2.1, 3.9];
 
 /// Order of features: the strongest first, then by place and sample. Those of one keypoint are equal.

@@ -1,8 +1,8 @@
 //! Searching only what is new: a search of the same frames at other slopes goes on from what an earlier one left.
 //!
-//! Noise, cleaned frames, and [what was found](crate::detector::search::known) at the slopes that both searches have are
-//! taken over, and the features of keypoints whose neighbouring slopes are the same too. The choice of features, their
-//! field of motion and what depends on the ends of the range are computed again.
+//! Noise, cleaned frames, and [what was found](crate::detector::search::known) at the slopes that both searches have
+//! are taken over, and the features of keypoints whose neighbouring slopes are the same too. The choice of features,
+//! their field of motion and what depends on the ends of the range are computed again.
 
 use super::outcome::{Outcome, are_as_strict, sigma_d};
 use super::trail::{SampleKey, Trail, sample_key};
@@ -16,14 +16,15 @@ use crate::detector::search::slope_window::OtherSlopes;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// An earlier search of the frames of a new one that differs from it in its slopes, and perhaps in what is judged later.
+/// An earlier search of the frames of a new one that differs from it in its slopes, and perhaps in what is judged
+/// later.
 pub(super) struct Earlier<'a> {
     trail: &'a Trail,
 }
 
 /// Number of slopes of a search with `params` that need no other search after one of the same frames with `searched`: 0
-/// where nothing can be taken over. (In noise with very light tails a higher gate may still be less strict; then all are
-/// searched.)
+/// where nothing can be taken over. (In noise with very light tails a higher gate may still be less strict; then all
+/// are searched.)
 pub fn shared_slopes(params: &DetectorParams, searched: &DetectorParams) -> usize {
     let same_slopes = DetectorParams { slopes: searched.slopes, ..params.clone() };
     let same_noise = params.noise_model == NoiseModelKind::White

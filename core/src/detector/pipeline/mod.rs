@@ -86,8 +86,8 @@ fn budget_beside_kept() -> Option<u64> {
     memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()))
 }
 
-/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. Without `keeping` the
-/// trail cannot be judged again.
+/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. Without `keeping`
+/// the trail cannot be judged again.
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,
@@ -148,7 +148,8 @@ fn search_first(
     Ok(trail)
 }
 
-/// Detects in frames whose noise is known, by what an `earlier` search of them left. `times` are those of the steps before.
+/// Detects in frames whose noise is known, by what an `earlier` search of them left. `times` are those of the steps
+/// before.
 fn search_inputs(
     inputs: Inputs,
     field: Option<Arc<MotionField>>,

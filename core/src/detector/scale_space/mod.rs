@@ -7,9 +7,9 @@
 //! 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, whose σ is twice the first
 //! level's. DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave −1 is the
 //! image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). A positive first octave o has every 2^o-th
-//! pixel of the mean of *binned* frames: each pixel the mean of those less than 2^o columns and rows away, weighted by a
-//! triangle, beyond the frame the nearest one. Binning commutes with shifts and sums, so each frame is binned once for
-//! all slopes. The codes that skip pixels instead ([`CoarseStart`]) lose their light, and alias.
+//! pixel of the mean of *binned* frames: each pixel the mean of those less than 2^o columns and rows away, weighted by
+//! a triangle, beyond the frame the nearest one. Binning commutes with shifts and sums, so each frame is binned once
+//! for all slopes. The codes that skip pixels instead ([`CoarseStart`]) lose their light, and alias.
 //!
 //! Everything is made in tiles; a tile includes the pixels around it that its filters need, so each value is bitwise
 //! independent of the tiles.

@@ -187,8 +187,9 @@ impl Inputs {
 }
 
 /// Noise of the burst by the model in the parameters, and the frames that are searched: with [`NoiseModelKind::White`],
-/// or where there is too little data for a local model, all that are used, unchanged. What the scene may move by is read
-/// off the range that [encloses](SlopeGrid::enclosing) the slopes, so that a search of a few more has the same noise.
+/// or where there is too little data for a local model, all that are used, unchanged. What the scene may move by is
+/// read off the range that [encloses](SlopeGrid::enclosing) the slopes, so that a search of a few more has the same
+/// noise.
 pub(in crate::detector) fn known_noise(
     burst: &Burst,
     params: &DetectorParams,

@@ -48,7 +48,8 @@ const STILL_LEVEL_PX: f64 = 1.25;
 /// from +u towards +v) or anywhere in the plane.
 ///
 /// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ over the time
-/// from the first to the last frame for the finest σ searched, or coarser where the range is long. Results do not depend on the number of threads, to the bit.
+/// from the first to the last frame for the finest σ searched, or coarser where the range is long. Results do not
+/// depend on the number of threads, to the bit.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

@@ -2,8 +2,9 @@
 //!
 //! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level
 //! pixels is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The
-//! product conj(F_s)·F_t is the spectrum of the cross-correlation of frames s and t; products of the same lag, the whole
-//! number of frame intervals nearest to their distance in time, are added up. A frame is never multiplied by itself, so that the frames' own noise adds nothing on average.
+//! product conj(F_s)·F_t is the spectrum of the cross-correlation of frames s and t; products of the same lag, the
+//! whole number of frame intervals nearest to their distance in time, are added up. A frame is never multiplied by
+//! itself, so that the frames' own noise adds nothing on average.
 
 use crate::burst::Positions;
 use crate::monitor::{Cancelled, Monitor};

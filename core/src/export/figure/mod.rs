@@ -98,8 +98,8 @@ impl FigureMark {
         }
     }
 
-    /// A feature of a burst with frames at `positions` with the arrow of its motion and the fan of its uncertainty; dashed at
-    /// the limit of the searched slopes, beyond which its true motion may lie.
+    /// A feature of a burst with frames at `positions` with the arrow of its motion and the fan of its uncertainty;
+    /// dashed at the limit of the searched slopes, beyond which its true motion may lie.
     pub fn of(feature: &Feature, positions: &Positions, color: Colour) -> Self {
         Self {
             motion: Some(motion_over(feature, positions)),

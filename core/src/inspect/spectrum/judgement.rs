@@ -36,8 +36,9 @@ const ENOUGH_FEATURES: usize = 10;
 /// Part of the field of motion beyond an end of the range from which a wider one is advised, where
 /// [features](FEATURES_BEYOND) bear it out: alone it is up to 0.34 on bursts whose slopes fit.
 const FIELD_BEYOND: f32 = 0.02;
-/// Number of features at an end of the range that bear out a field of motion beyond it. What the field says there is less
-/// sure than inside, as the frames were not compared farther out; noise and aliases leave one or two such features.
+/// Number of features at an end of the range that bear out a field of motion beyond it. What the field says there is
+/// less sure than inside, as the frames were not compared farther out; noise and aliases leave one or two such
+/// features.
 const FEATURES_BEYOND: usize = 3;
 /// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
 const STRAIGHT_PX: f32 = 1.4;
@@ -325,8 +326,8 @@ impl<'a> Judging<'a> {
     }
 
     /// Where a part of the picture moves, by its field and some features, beyond the slopes that the frames show most
-    /// clearly. Places whose evidence still rises at an end of the sweep, such as a near floor, have no known motion but
-    /// lie there; of places that show nothing, as many lie at either end by chance.
+    /// clearly. Places whose evidence still rises at an end of the sweep, such as a near floor, have no known motion
+    /// but lie there; of places that show nothing, as many lie at either end by chance.
     fn range_of_field(&self) -> Option<SlopeAdvice> {
         // Without clear evidence nothing moves surely.
         let field = self.detection.field.as_ref().filter(|_| !self.evidence.is_empty())?;

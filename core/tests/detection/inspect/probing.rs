@@ -228,9 +228,9 @@ fn candidates_account_for_everything_that_was_an_extremum() {
     }
 }
 
-/// On the built-in demo: candidates at the place come first, those that move as it does before the others; near a scale,
-/// each in order of their distance in place and scale together. Larger blobs are last, and nothing beyond a click's
-/// exactness is examined unasked.
+/// On the built-in demo: candidates at the place come first, those that move as it does before the others; near a
+/// scale, each in order of their distance in place and scale together. Larger blobs are last, and nothing beyond a
+/// click's exactness is examined unasked.
 #[test]
 fn on_the_demo_the_nearest_candidate_near_the_scale_in_view_comes_first_and_large_blobs_last() {
     let slopes = SlopeGrid::line(-3.0..=3.0, 13);

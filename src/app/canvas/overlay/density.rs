@@ -62,8 +62,8 @@ pub fn drawn(
     out
 }
 
-/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`. Lines
-/// from picture to picture take more room than vectors.
+/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`.
+/// Lines from picture to picture take more room than vectors.
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, are_vectors: bool, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);

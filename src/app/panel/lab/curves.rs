@@ -90,8 +90,8 @@ pub fn curves_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     queue.set(&model.lab, lab, |lab| Action::SetLab(Box::new(lab)));
 }
 
-/// Draws the button that makes all methods comparable, as the paper does: each at the peak threshold where the same share
-/// of its detections on the charts is false.
+/// Draws the button that makes all methods comparable, as the paper does: each at the peak threshold where the same
+/// share of its detections on the charts is false.
 fn same_false_rate_ui(ui: &mut Ui, model: &Model, rate: SameFalseRate, queue: &mut Queue) {
     let mut search = model.document.search();
     let method = MethodId::of_search(&search.detector);

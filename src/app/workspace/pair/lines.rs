@@ -233,8 +233,8 @@ impl<'a> MatchViews<'a> {
         self.views.iter().enumerate().find_map(|(place, view)| Some((place, view.output.pointer_ui?)))
     }
 
-    /// Canvases of each pair, A's first; for vectors each of A with itself. A pane without a partner is paired with an empty rectangle, so that the ends
-    /// of its matches are marked. The pair under the pointer comes last.
+    /// Canvases of each pair, A's first; for vectors each of A with itself. A pane without a partner is paired with an
+    /// empty rectangle, so that the ends of its matches are marked. The pair under the pointer comes last.
     pub fn canvases(&self, are_vectors: bool) -> Vec<Canvases> {
         let pane = |place: usize| {
             let output = self.views[place].output;
