@@ -25,7 +25,7 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     assert_eq!((shown.with, shown.count(Kind::Theirs)), (Reference::Pinned, expected.lost.len()));
     assert_eq!((shown.count(Kind::Ours), shown.count(Kind::Moved)), (expected.gained.len(), expected.moved().count()));
     assert!(window.shows(&expected.summary()), "the counts in a line");
-    window.harness.get_by_role_and_label(Role::Row, "Lost 1").click();
+    window.harness.get_by_role_and_label(Role::Row, "Lost 0").click();
     window.settle();
     assert_eq!(window.app().model.comparisons.a.selected, Some(0));
     assert_eq!(window.app().model.selected, None, "what is lost is none of ours");

@@ -141,12 +141,12 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     // A miss tells its reason.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);
     // The row stays in its place when it is selected, and selected when it is clicked again.
-    let place = window.harness.get_by_role_and_label(Role::Row, "Missed 1").rect();
+    let place = window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect();
     for _ in 0..2 {
-        window.harness.get_by_role_and_label(Role::Row, "Missed 1").click();
+        window.harness.get_by_role_and_label(Role::Row, "Missed 0").click();
         window.settle();
         assert_eq!(window.app().model.comparisons.a.selected, Some(0));
-        assert_eq!(window.harness.get_by_role_and_label(Role::Row, "Missed 1").rect(), place);
+        assert_eq!(window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect(), place);
     }
     assert!(window.shows(&expected.missed[0].why));
     window.snapshot("truth");

@@ -25,7 +25,8 @@ fn one_count_of_the_features_at_this_slope() {
     let model = &window.app().model;
     let slope = model.cursor().slope;
     let near = near_slope(&model.slots.a.found.as_ref().unwrap().detection.slopes);
-    let here = model.features().iter().filter(|feature| moves_by(feature, slope, near)).count();
+    let grid = &model.slots.a.found.as_ref().unwrap().detection.slopes;
+    let here = model.features().iter().filter(|feature| moves_by(grid, feature, slope, near)).count();
     let by_own = |f: &&burstscope::Feature| (f.slope.u - slope.u).hypot(f.slope.v - slope.v) <= near;
     assert!(here > model.features().iter().filter(by_own).count(), "places that move so have features of other slopes");
     let note = model.messages.last_note().expect("a note").to_owned();

@@ -150,7 +150,7 @@ fn a_display_of_its_own_is_changed_alone() {
     let mut window = laid_out(open(), Key::Num7);
     window.click("Link display of pane 1");
     window.settle();
-    assert!(window.shows("This pane's range for frames and motion stacks"));
+    assert!(window.shows("This pane's range for motion stacks and merged frames"));
     window.click("Full range");
     window.settle();
     let model = &window.app().model;

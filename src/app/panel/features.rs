@@ -60,7 +60,7 @@ impl FeatureLayer {
         let slope = model.slope_in_picture(id).filter(|_| inspected);
         let near = model.filter.near_slope.filter(|_| is_listed);
         let is_at = |feature: &Feature, slope: Slope| match near {
-            Some(limit) => moves_by(feature, slope, limit),
+            Some(limit) => moves_by(&detection.slopes, feature, slope, limit),
             None => is_at_slope(&detection.slopes, feature, slope),
         };
         let elsewhere = slope

@@ -5,6 +5,7 @@ use crate::app::project::{Model, filter};
 use crate::app::view::quantity_value;
 use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::set_up::SetUp;
+use crate::inspect::spectrum::is_at_slope;
 use crate::inspect::verdict::{Judged, Verdict};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -53,8 +54,12 @@ pub fn near_slope(grid: &SlopeGrid) -> f32 {
     (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
 }
 
-/// Whether the motion of `feature` differs from `slope` by at most `limit`.
-pub fn moves_by(feature: &Feature, slope: Slope, limit: f32) -> bool {
+/// Whether the motion of `feature` differs from `slope` by at most `limit`; at the distance of [`near_slope`], whether it
+/// is at that slope of `grid`, so that there is one count of these.
+pub fn moves_by(grid: &SlopeGrid, feature: &Feature, slope: Slope, limit: f32) -> bool {
+    if limit == near_slope(grid) {
+        return is_at_slope(grid, feature, slope);
+    }
     let (motion, _) = feature.motion();
     (motion.u - slope.u).hypot(motion.v - slope.v) <= limit
 }
@@ -73,8 +78,8 @@ impl Filter {
         self.solo_layer.map_or_else(|| !self.hidden_layers.contains(&number), |solo| number == solo)
     }
 
-    /// When the slope on show is `slope`; before `judged` is known, the feature passes.
-    pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, slope: Slope) -> bool {
+    /// When the slope on show, of `grid`, is `slope`; before `judged` is known, the feature passes.
+    pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, grid: &SlopeGrid, slope: Slope) -> bool {
         let inside = |limit: Option<Interval>, x: f32| limit.is_none_or(|i| i.holds(x));
         inside(self.slope_u, feature.slope.u)
             && inside(self.slope_v, feature.slope.v)
@@ -87,7 +92,7 @@ impl Filter {
             && !(self.hide_slope_limit && feature.at_slope_limit)
             && self.shows_layer(feature.layer)
             && self.moves.is_none_or(|moves| feature.moves == moves)
-            && self.near_slope.is_none_or(|limit| moves_by(feature, slope, limit))
+            && self.near_slope.is_none_or(|limit| moves_by(grid, feature, slope, limit))
     }
 }
 
@@ -97,11 +102,13 @@ pub fn listed(
     judged: Option<&[Judged]>,
     set_up: &SetUpState,
     filter: &Filter,
+    grid: &SlopeGrid,
     slope: Slope,
     order: Order<Quantity>,
 ) -> Vec<usize> {
     let of = |index: usize| judged.and_then(|judged| judged.get(index));
-    let mut indices: Vec<usize> = (0..features.len()).filter(|&i| filter.passes(&features[i], of(i), slope)).collect();
+    let mut indices: Vec<usize> =
+        (0..features.len()).filter(|&i| filter.passes(&features[i], of(i), grid, slope)).collect();
     indices.sort_by(|&a, &b| {
         let value = |index: usize| {
             let known = set_up.known(&features[index], of(index));
@@ -150,6 +157,7 @@ impl Model {
                 judged.map(|judged| &judged[..]),
                 &self.set_up,
                 &self.filter,
+                &found.detection.slopes,
                 slope,
                 self.order,
             );
@@ -219,18 +227,18 @@ mod tests {
     #[test]
     fn filters_add_up_and_the_order_turns_round() {
         let features = [feature(5.0, 2.0, 1.0), feature(1.0, 4.0, -2.0), feature(3.0, 8.0, 3.0)];
-        let (slope, alone) = (Slope::new(1.0, 0.0), SetUpState::default());
+        let (slope, alone, grid) = (Slope::new(1.0, 0.0), SetUpState::default(), SlopeGrid::line(-3.0..=3.0, 7));
         let mut filter = Filter::default();
         assert!(filter.is_open());
         let order = Order::default().clicked(Quantity::U);
-        assert_eq!(listed(&features, None, &alone, &filter, slope, order), [1, 2, 0]);
-        assert_eq!(listed(&features, None, &alone, &filter, slope, order.clicked(Quantity::U)), [0, 2, 1]);
+        assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, order), [1, 2, 0]);
+        assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, order.clicked(Quantity::U)), [0, 2, 1]);
         filter.sigma = Some(Interval { min: 3.0, max: 9.0 });
-        assert_eq!(listed(&features, None, &alone, &filter, slope, Order::default()), [1, 2]);
+        assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, Order::default()), [1, 2]);
         filter.hide_slope_limit = true;
-        assert_eq!(listed(&features, None, &alone, &filter, slope, Order::default()), [1]);
+        assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, Order::default()), [1]);
         let near = Filter { near_slope: Some(0.5), ..Filter::default() };
-        assert_eq!(listed(&features, None, &alone, &near, slope, Order::default()), [0]);
+        assert_eq!(listed(&features, None, &alone, &near, &grid, slope, Order::default()), [0]);
     }
 
     #[test]
@@ -243,10 +251,14 @@ mod tests {
         let unknown = Feature { field_sigma: f32::INFINITY, layer: 2, moves: Moves::Unknown, ..placed };
         let features = [Feature { layer: 1, ..placed }, by_itself, Feature { layer: 1, ..edge }, unknown];
         let passing = |filter: Filter| {
-            listed(&features, None, &SetUpState::default(), &filter, Slope::new(2.0, 0.0), Order::default())
+            let (grid, slope) = (SlopeGrid::line(-3.0..=3.0, 7), Slope::new(2.0, 0.0));
+            listed(&features, None, &SetUpState::default(), &filter, &grid, slope, Order::default())
         };
         let open = Filter::default;
-        assert_eq!(passing(Filter { near_slope: Some(0.1), ..open() }), [0, 2], "an edge moves as its surroundings");
+        for limit in [0.1, near_slope(&SlopeGrid::line(-3.0..=3.0, 7))] {
+            let near = Filter { near_slope: Some(limit), ..open() };
+            assert_eq!(passing(near), [0, 2], "an edge moves as its surroundings");
+        }
         let hidden = |layers: &[i32], solo_layer| {
             passing(Filter { hidden_layers: layers.iter().copied().collect(), solo_layer, ..open() })
         };
@@ -272,7 +284,9 @@ mod tests {
     fn depths_sort_the_features_and_unknown_ones_come_last() {
         let features = [feature(5.0, 2.0, -2.5), feature(1.0, 4.0, 2.0), feature(3.0, 8.0, -20.0)];
         let order = Order::default().clicked(Quantity::Depth);
-        let sorted = |set_up: &SetUpState| listed(&features, None, set_up, &Filter::default(), Slope::default(), order);
+        let sorted = |set_up: &SetUpState| {
+            listed(&features, None, set_up, &Filter::default(), &SlopeGrid::default(), Slope::default(), order)
+        };
         let read = SetUpState { reads_depths: true, ..SetUpState::default() };
         assert_eq!(sorted(&read), [2, 0, 1]);
         assert_eq!(sorted(&SetUpState::default()), [0, 1, 2], "without a set-up no depth is known");
