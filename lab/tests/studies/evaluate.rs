@@ -93,7 +93,7 @@ fn the_report_does_not_depend_on_the_threads() {
 fn at_the_threshold_of_the_same_false_rate_a_tenth_is_false() {
     let mut study = small_study();
     study.methods = vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d];
-    study.searches.detector.noise_gate = NoiseGate::Factor(3.5);
+    (study.snrs, study.searches.detector.noise_gate) = (vec![1.2], NoiseGate::Factor(3.5));
     study.seeds = 4;
     let run = |study: &ChartStudy| StudyReport::Chart(Box::new(study.run(&Monitor::default()).expect("a report")));
     let (plain, row) = (run(&study), study.snrs.len() - 1);

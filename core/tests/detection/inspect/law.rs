@@ -338,8 +338,8 @@ fn every_feature_was_lost_somewhere_or_not_at_all() {
             let matched = result.matches.iter().find(|m| m.a == index);
             match why.lost {
                 Lost::Not if is_predicted => assert!(matched.is_some()),
-                Lost::Motion => assert!(is_predicted && why.sentence.starts_with("motion: its match, feature #")),
-                Lost::Geometry if is_predicted => assert!(why.sentence.starts_with("geometry: its match, feature #")),
+                Lost::Motion => assert!(is_predicted && why.sentence.starts_with("motion: its match, feature ")),
+                Lost::Geometry if is_predicted => assert!(why.sentence.starts_with("geometry: its match, feature ")),
                 Lost::Not | Lost::Geometry => assert_eq!(matched.map(|m| m.b), Some(why.candidates[0].feature)),
                 Lost::MutualCheck => assert!(why.preferred.is_some_and(|other| other != index)),
                 Lost::RatioTest => {

@@ -229,7 +229,7 @@ fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) -> Vec<Stri
     let best = unmatched.candidates.first();
     if let Some(second) = unmatched.candidates.get(1).filter(|second| second.is_same_blob) {
         notes.push(format!(
-            "The second nearest, feature #{}, is a duplicate: it lies on the same blob as the nearest.",
+            "The second nearest, feature {}, is a duplicate: it lies on the same blob as the nearest.",
             second.feature
         ));
     }
