@@ -204,7 +204,7 @@ impl RawBurst {
 
     /// Positions of the frames from the first, frame intervals, and the interval in seconds, where it is known.
     fn positions(&self) -> (Vec<f64>, Option<f64>) {
-        (self.burst.positions.from_first(), self.burst.positions.interval_s())
+        (self.burst.positions.since_first(), self.burst.positions.interval_s())
     }
 
     #[getter]

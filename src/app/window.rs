@@ -68,8 +68,7 @@ impl BurstscopeApp {
         startup.end.wakes(ctx);
         let waker = ctx.clone();
         let on_update: OnUpdate = Arc::new(move || waker.request_repaint());
-        let mut model = Model::default();
-        model.document = Document::of_new_window();
+        let model = Model::from(Document::of_new_window());
         let begins = startup.actions();
         let mut app = Self {
             model,

@@ -57,8 +57,8 @@ impl Greys {
                         let [r, g, b, _] = image.get_pixel(x, y).0.map(u32::from);
                         let grey = (299 * r + 587 * g + 114 * b) / 1000;
                         (sum, count) = (sum + grey, count + 1);
-                        let from_first = u64::from(grey).saturating_sub(WIDTH / 2);
-                        let (class, beyond) = ((from_first / WIDTH) as usize, from_first % WIDTH);
+                        let since_first = u64::from(grey).saturating_sub(WIDTH / 2);
+                        let (class, beyond) = ((since_first / WIDTH) as usize, since_first % WIDTH);
                         counts[class] += WIDTH - beyond;
                         counts[(class + 1).min(CLASSES - 1)] += beyond;
                     }

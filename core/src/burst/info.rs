@@ -107,7 +107,7 @@ impl Info {
             binning,
             begins: (times.is_absolute && !times.seconds.is_empty()).then(|| time_text(begin)),
             times_s,
-            positions: positions.as_ref().map_or_else(Vec::new, Positions::from_first),
+            positions: positions.as_ref().map_or_else(Vec::new, Positions::since_first),
             are_times_used: is_used,
             interval_s: positions.and_then(|positions| positions.interval_s()),
             taken,

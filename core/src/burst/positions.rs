@@ -165,11 +165,11 @@ impl Positions {
 
     /// Positions from the first frame on, frame intervals; empty for even ones.
     pub fn list(&self) -> Vec<f64> {
-        if self.is_even() { Vec::new() } else { self.from_first() }
+        if self.is_even() { Vec::new() } else { self.since_first() }
     }
 
     /// Positions from the first frame on, frame intervals: 0, 1, 2, … for even ones.
-    pub fn from_first(&self) -> Vec<f64> {
+    pub fn since_first(&self) -> Vec<f64> {
         let first = self.offsets.first().copied().unwrap_or_default();
         self.offsets.iter().map(|offset| offset - first).collect()
     }

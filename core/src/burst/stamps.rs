@@ -163,7 +163,7 @@ impl Stamps {
     }
 
     /// Times from the first stamp on: in seconds, or in frame intervals for [`Unit::Frames`].
-    pub fn from_first(&self) -> Vec<f64> {
+    pub fn since_first(&self) -> Vec<f64> {
         let unit = match self.unit {
             Unit::Seconds | Unit::Frames => 1e-9,
             Unit::Milliseconds => 1e-12,
@@ -473,7 +473,7 @@ impl FoundTimes {
     fn of_stamps(stamps: &Stamps, lines: Vec<usize>, source: &str, file: PathBuf) -> Self {
         let are_frames = stamps.unit == Unit::Frames;
         Self {
-            times: stamps.from_first(),
+            times: stamps.since_first(),
             are_positions: are_frames && stamps.is_headed(),
             are_seconds: !are_frames,
             lines,

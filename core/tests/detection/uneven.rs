@@ -91,7 +91,7 @@ fn frames_that_stay_have_the_bits_of_the_even_burst() {
         |uneven: Uneven| synth_chart(&ChartParams { uneven, ..even.clone() }, &Monitor::default()).expect("a chart");
     let (all, truth) = made(Uneven::default());
     let (some, moved) = made(Uneven { drop: vec![1, 5], jitter: 0.0 });
-    assert_eq!(some.positions.from_first(), [0.0, 2.0, 3.0, 4.0]);
+    assert_eq!(some.positions.since_first(), [0.0, 2.0, 3.0, 4.0]);
     assert!([0, 2, 3, 4].iter().zip(&some.frames).all(|(t, frame)| all.frames[*t] == *frame));
     assert_eq!((moved.frames, moved.t0, &moved.times[..]), (4, 2.25, &[0.0, 2.0, 3.0, 4.0][..]));
     for (a, b) in truth.features.iter().zip(&moved.features) {
@@ -135,12 +135,12 @@ fn even_times_have_the_bits_of_indices() {
 #[test]
 fn gaps_are_counted_in_intervals_of_the_camera() {
     let dropped = Positions::of_seconds(&[0.0, 0.1, 0.3, 0.4, 0.6, 0.7]).expect("they increase");
-    assert_eq!(dropped.from_first(), [0.0, 1.0, 3.0, 4.0, 6.0, 7.0]);
+    assert_eq!(dropped.since_first(), [0.0, 1.0, 3.0, 4.0, 6.0, 7.0]);
     assert!(!dropped.is_even() && (dropped.interval_s().expect("known") - 0.1).abs() < 1e-12);
     assert_eq!(dropped.longest_gap(), Some((2.0, 1)));
     // Times to a millisecond, at 30 Hz.
     let rounded = Positions::of_seconds(&[0.0, 0.033, 0.067, 0.1, 0.133, 0.167, 0.2]).expect("they increase");
-    assert!(rounded.from_first().iter().zip(0..).all(|(x, t)| (x - f64::from(t)).abs() < 0.02), "{rounded:?}");
+    assert!(rounded.since_first().iter().zip(0..).all(|(x, t)| (x - f64::from(t)).abs() < 0.02), "{rounded:?}");
     assert_eq!(rounded.span(), 6.0);
 }
 

@@ -34,7 +34,7 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
             monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
         }
         if !burst.positions.is_even() {
-            let rows = burst.positions.from_first().into_iter().enumerate();
+            let rows = burst.positions.since_first().into_iter().enumerate();
             let rows: String = rows.map(|(t, position)| format!("{},{position}\n", frame_name(t))).collect();
             let path = fresh.join("times.csv");
             std::fs::write(&path, format!("name,frames\n{rows}")).map_err(io(&path))?;

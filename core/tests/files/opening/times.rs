@@ -29,7 +29,7 @@ fn with_list(names: &[&str], list: &str, times: &str) -> Result<Burst, Error> {
 fn timed(burst: Result<Burst, Error>) -> (Vec<f64>, f64, String) {
     let burst = burst.expect("a burst");
     let note = burst.taken.last().cloned().unwrap_or_default();
-    (burst.positions.from_first(), burst.positions.interval_s().unwrap_or_default(), note)
+    (burst.positions.since_first(), burst.positions.interval_s().unwrap_or_default(), note)
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn files_hold_times() {
     let info = Info::of(std::slice::from_ref(&film), &options("header"), &Monitor::default()).expect("described");
     assert!(info.are_times_used && info.interval_s.is_some(), "{info:?}");
     let burst = Burst::open_with(&[film], &options("header"), &Monitor::default()).expect("a film");
-    assert_eq!(burst.positions.from_first(), info.positions);
+    assert_eq!(burst.positions.since_first(), info.positions);
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn what_is_wrong_is_named_with_file_and_line() {
     let film = home.path().join("film.ser");
     std::fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
     std::fs::write(home.path().join("list.txt"), "3\n2\n1\n0\n").expect("written");
-    let opened = |times: &str| Burst::open_with(&[film.clone()], &options(times), &Monitor::default());
+    let opened = |times: &str| Burst::open_with(std::slice::from_ref(&film), &options(times), &Monitor::default());
     let count = opened("even").expect("a film").len();
     let falling: String = (0..count).map(|t| format!("{}\n", count - t)).collect();
     std::fs::write(home.path().join("list.txt"), falling).expect("written");
