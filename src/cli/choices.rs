@@ -2,6 +2,7 @@
 
 pub(super) use crate::synth::options::words;
 
+#[cfg(feature = "colmap")]
 pub(super) const IMAGE_KINDS: &[&str] = &["middle", "merged"];
 pub(super) const MATCH_PICTURES: &[&str] = &["stack", "middle", "merged"];
 pub(super) const FIGURE_FORMATS: &[&str] = &["png", "svg", "pdf"];
@@ -22,6 +23,7 @@ mod tests {
 
     #[test]
     fn every_word_is_known_to_its_type() {
+        #[cfg(feature = "colmap")]
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
         assert!(MATCH_PICTURES.iter().all(|w| read_word::<crate::requests::MatchPictures>(w).is_ok()));
         assert!(FIGURE_FORMATS.iter().all(|w| read_word::<crate::export::FigureFormat>(w).is_ok()));
