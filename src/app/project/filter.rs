@@ -133,7 +133,7 @@ pub(crate) struct ListedFor {
 }
 
 impl Model {
-    /// Updates [`Model::listed`]. Cheap when nothing changed.
+    /// Updates [`Project::listed`](crate::app::project::Project::listed). Cheap when nothing changed.
     pub fn refresh_listed(&mut self) {
         let Some(found) = &self.slots.a.found else {
             self.listed.clear();
