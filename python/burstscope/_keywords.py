@@ -60,10 +60,10 @@ class DetectorKeywords(TypedDict, total=False):
         and removes everything in the dark. [default: 0]
     noise_gate : float or {'auto', 'matching', 'strict'}
         Min |DoG| in standard deviations of the noise that the burst's own frames predict for that octave and
-        level; auto, matching and strict derive it from the size of the search, 0 switches it off. Unit: σ of
-        the noise in D. Raise it to eliminate more noise; lower it to see fainter features among more false
-        ones. On noise alone strict gives at most one false feature a megapixel, auto about eight and matching,
-        for COLMAP, about three hundred. [default: auto]
+        level; auto, matching and strict derive it from the size of the search, 0 switches it off. Unit: times
+        the noise. Raise it to eliminate more noise; lower it to see fainter features among more false ones. On
+        noise alone strict gives at most one false feature a megapixel, auto about eight and matching, for
+        COLMAP, about three hundred. [default: auto]
     noise_model : {'local', 'white'}
         What the gate takes for noise: local measures it in the burst, by brightness, place and scale, and
         leaves out repeated, black, noisy and blurred frames, hot pixels and stripes; white is one standard
