@@ -1,6 +1,6 @@
 //! Positions of the frames of a burst: when each was taken, or from where.
 //!
-//! What has a slope s is displaced in a frame by s times the frame's position from mid-burst. Everything that moves
+//! A thing of slope s is displaced in a frame by s times the frame's position from mid-burst. Everything that moves
 //! with the frames takes that distance from [`Positions::offset`], or the displacement from
 //! [`Positions::displacement`]; nothing else knows where a frame lies. A frame has one coordinate, its time. Views of a
 //! light field have two; these two functions are what differs for them.
@@ -146,7 +146,7 @@ impl Positions {
         }
     }
 
-    /// What a slope is in pixels per second, a clause; `None` where the frame interval is not known.
+    /// Slopes in pixels per second, a clause; `None` where the frame interval is not known.
     pub fn rate_text(&self) -> Option<String> {
         let rate = 1.0 / self.interval_s?;
         let digits = (2 - rate.log10().floor() as i32).clamp(0, 9) as usize;
@@ -158,7 +158,7 @@ impl Positions {
         self.interval_s
     }
 
-    /// The same positions, of a frame interval of `interval_s` seconds.
+    /// Positions as these, of a frame interval of `interval_s` seconds.
     pub fn with_interval(self, interval_s: Option<f64>) -> Self {
         Self { interval_s, ..self }
     }

@@ -248,7 +248,7 @@ impl State {
         both
     }
 
-    /// What was found in all lanes, for the squared length of the query.
+    /// Nearest of all lanes, for the squared length of the query.
     fn nearest(&self, squared_length: u32) -> Nearest {
         let index = |lane: usize| self.number[lane] as usize * LANES + lane;
         let mut winner = 0;
@@ -263,7 +263,7 @@ impl State {
         nearest_of(index(winner), [self.best[winner], second], squared_length)
     }
 
-    /// What was found in one lane, as a function of the squared length of its descriptor.
+    /// Nearest of one lane, as a function of the squared length of its descriptor.
     fn of_lane(&self, lane: usize) -> impl Fn(u32) -> Nearest + use<> {
         let (index, scores) = (self.number[lane] as usize, [self.best[lane], self.second[lane]]);
         move |squared_length| nearest_of(index, scores, squared_length)
@@ -288,7 +288,7 @@ struct BlockSearch<'a> {
     block: &'a Block,
     /// Numbers of the first query and of the block.
     numbers: (u32, u32),
-    /// What each query found.
+    /// Results of each query.
     states: &'a mut [State; GROUP],
     /// What each descriptor of the block found among the queries, if that is wanted.
     back: Option<&'a mut State>,
