@@ -290,7 +290,7 @@ struct BlockSearch<'a> {
     numbers: (u32, u32),
     /// Results of each query.
     states: &'a mut [State; GROUP],
-    /// What each descriptor of the block found among the queries, if that is wanted.
+    /// Results of each descriptor of the block among the queries, if they are wanted.
     back: Option<&'a mut State>,
 }
 

@@ -1,7 +1,7 @@
 //! Times of the frames of a synthetic burst: even, or with frames left out, or early and late.
 //!
-//! What is drawn in an even burst stays: an uneven one shows the same things at other times, so that it can be compared
-//! with the even one frame by frame.
+//! Things that an even burst shows stay: an uneven one shows them at other times, so that it can be compared with the
+//! even one frame by frame.
 
 use super::random::Stream;
 use super::truth::Truth;
