@@ -255,10 +255,10 @@ mod tests {
             listed(&features, None, &SetUpState::default(), &filter, &grid, slope, Order::default())
         };
         let open = Filter::default;
-        for limit in [0.1, near_slope(&SlopeGrid::line(-3.0..=3.0, 7))] {
-            let near = Filter { near_slope: Some(limit), ..open() };
-            assert_eq!(passing(near), [0, 2], "an edge moves as its surroundings");
-        }
+        let near = |limit| passing(Filter { near_slope: Some(limit), ..open() });
+        assert_eq!(near(0.1), [0, 2], "an edge moves as its surroundings");
+        let usual = near_slope(&SlopeGrid::line(-3.0..=3.0, 7));
+        assert_eq!(near(usual), [0, 2, 3], "without a field by its own slope, which is nearest to 2");
         let hidden = |layers: &[i32], solo_layer| {
             passing(Filter { hidden_layers: layers.iter().copied().collect(), solo_layer, ..open() })
         };
