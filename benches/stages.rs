@@ -10,11 +10,12 @@ use burstscope::detector::noise::frame_noise;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::detector::{DetectorParams, Method, SearchParams, Slope, SlopeGrid};
 use burstscope::inspect::ProbeCache;
+use burstscope::synth::demo_burst;
 use burstscope::{Burst, Monitor, Plane, detect};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
 
 fn line(peak_threshold: f32) -> DetectorParams {
     DetectorParams { octaves: 16, levels: 3, peak_threshold, ..DetectorParams::default() }
@@ -110,6 +111,30 @@ fn widened(c: &mut Criterion) {
     group.finish();
 }
 
+/// A long search until the features of its first slope are there, and the whole of it, as the window's: the demo, with
+/// its slopes found, and a plane of slopes.
+fn first_features(c: &mut Criterion) {
+    let (demo, larger, quiet) = (demo_burst(), common::burst(800, 600), Monitor::default());
+    let rows = SearchParams::from(plane(0.0015));
+    let mut group = c.benchmark_group("first features");
+    group.sample_size(10).measurement_time(Duration::from_secs(6));
+    for (name, burst, params) in [("demo", &demo, SearchParams::default()), ("7x7", &larger, rows)] {
+        for kind in ["first", "whole"] {
+            let search = || {
+                let (began, first) = (Instant::now(), OnceLock::new());
+                let tell = |_| _ = first.set(began.elapsed());
+                ProbeCache::after(&[], burst, &params, &tell, &quiet).expect("valid parameters");
+                let whole = began.elapsed();
+                if kind == "first" { *first.get().expect("a long search") } else { whole }
+            };
+            group.bench_function(BenchmarkId::new(name, kind), |b| {
+                b.iter_custom(|times| (0..times).map(|_| search()).sum());
+            });
+        }
+    }
+    group.finish();
+}
+
 /// How the time grows with frames, pixels and slopes.
 fn growth(c: &mut Criterion) {
     let quiet = Monitor::default();
@@ -137,5 +162,5 @@ fn growth(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, widened, pictures, searches, strongest, growth);
+criterion_group!(benches, widened, first_features, pictures, searches, strongest, growth);
 criterion_main!(benches);
