@@ -34,6 +34,7 @@ pub struct Goal {
     pub workspace: Option<Workspace>,
     pub inliers: Option<Between>,
     pub selected_match: Option<bool>,
+    pub camera: Option<bool>,
     pub reads_depths: Option<bool>,
     /// Whether features are found by themselves, as *Auto* says.
     pub detects: Option<bool>,
@@ -94,6 +95,8 @@ pub struct Situation<'a> {
     pub workspace: Workspace,
     pub inliers: Option<usize>,
     pub selected_match: bool,
+    /// Whether a camera of the trajectories is selected.
+    pub camera: bool,
     pub reads_depths: bool,
     pub detects: bool,
     pub finds_slopes: bool,
@@ -131,6 +134,7 @@ impl Goal {
             && same(self.workspace, Some(now.workspace))
             && counted(self.inliers, now.inliers)
             && self.selected_match.is_none_or(|wanted| wanted == now.selected_match)
+            && self.camera.is_none_or(|wanted| wanted == now.camera)
             && self.reads_depths.is_none_or(|wanted| wanted == now.reads_depths)
             && self.detects.is_none_or(|wanted| wanted == now.detects)
             && self.finds_slopes.is_none_or(|wanted| wanted == now.finds_slopes)
@@ -202,6 +206,7 @@ mod tests {
             workspace: Workspace::Inspect,
             inliers: None,
             selected_match: false,
+            camera: false,
             reads_depths: false,
             detects: true,
             finds_slopes: false,

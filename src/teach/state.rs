@@ -135,6 +135,8 @@ pub struct State {
     pub rings: Option<Vec<Near>>,
     #[serde(deserialize_with = "set_up")]
     pub set_up: Option<SetUp>,
+    /// Whether the built-in reconstruction is in *Trajectories*.
+    pub cameras: Option<bool>,
 }
 
 impl State {
@@ -146,7 +148,7 @@ impl State {
         }
         over! {
             burst second workspace show layout frame slope octave level view
-            params matching detect features tab probe select spot rings set_up
+            params matching detect features tab probe select spot rings set_up cameras
         }
     }
 

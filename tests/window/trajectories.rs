@@ -92,7 +92,7 @@ fn a_camera_is_pointed_at_in_the_plane() {
     window.app_mut().model.trajectories.projection = Projection::Xz;
     window.settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let scene = window.app().model.poses.scene(window.app().model.trajectories.projection);
+    let scene = window.app().model.poses.scene(window.app().model.trajectories.projection, false);
     let view = window.app().model.trajectories.view;
     let at = canvas.center() + view.points_per_pixel() * (scene.estimate[6].pos - egui::Pos2::from(view.centre_image));
     window.harness.hover_at(at);
@@ -101,6 +101,19 @@ fn a_camera_is_pointed_at_in_the_plane() {
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
     window.click_at(at);
     assert_eq!(window.app().model.trajectories.selected, Some(6));
+}
+
+#[test]
+fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    window.harness.get_by_role_and_label(Role::CheckBox, "3D points").click();
+    window.settle();
+    assert!(window.app().model.trajectories.points && window.shows("3D points"));
+    let app = window.app_mut();
+    app.model.open_trajectory(Which::Estimate, home.path().join("truth.txt"), &app.engine);
+    window.settle();
+    assert!(window.harness.query_by_role_and_label(Role::CheckBox, "3D points").is_none());
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::app::project::look::Look;
 use crate::app::project::pair::PairTab;
 use crate::app::project::side::Side;
 use crate::app::project::{Effect, Model, Visibility};
+use crate::app::view::View;
 use crate::engine::Engine;
 use crate::requests::ViewKind;
 use crate::teach::BottomTab;
@@ -138,6 +139,10 @@ fn set(action: Action, document: &mut Document) {
         A::ChooseBurst(side, place) => document.dataset.iter_mut().for_each(|dataset| dataset.choose(side, place)),
         A::SelectPair(pair) => document.dataset.iter_mut().for_each(|dataset| dataset.select(pair)),
         A::SetProjection(projection) => document.trajectories.projection = projection,
+        A::ShowPoints(points) => {
+            // The section shown is another one.
+            (document.trajectories.points, document.trajectories.view) = (points, View::fit());
+        }
         A::MoveCameras(view) => document.trajectories.view = view,
         A::SelectCamera(index) => document.trajectories.selected = index,
         action => set_pane(action, document),

@@ -11,7 +11,7 @@ use crate::app::project::trajectories::{PlaneScene, Spot};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
 use crate::export::round_length;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 /// Maximum distance of the pointer from a camera, in points.
 const REACH: f32 = 12.0;
@@ -19,6 +19,10 @@ const REACH: f32 = 12.0;
 fn colours(ui: &Ui) -> (Color32, Color32) {
     let truth = if ui.visuals().dark_mode { Color32::from_gray(225) } else { Color32::from_gray(40) };
     (truth, estimate_colour(ui))
+}
+
+fn point_colour(ui: &Ui) -> Color32 {
+    ui.visuals().weak_text_color()
 }
 
 pub fn estimate_colour(ui: &Ui) -> Color32 {
@@ -31,7 +35,7 @@ pub fn plane_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Trajectories"));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, backdrop(ui));
-    let scene = model.poses.scene(model.trajectories.projection);
+    let scene = model.poses.scene(model.trajectories.projection, model.trajectories.points);
     if scene.truth.is_empty() && scene.estimate.is_empty() {
         let text = model.poses.problem().unwrap_or("Open an estimated and a true trajectory to compare them");
         message(ui, &painter, rect, text);
@@ -110,6 +114,11 @@ fn draw(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_from_p
     let places = |spots: &[Spot]| spots.iter().map(|s| ui_from_plane.pos(s.pos)).collect::<Vec<_>>();
     let (truth, estimate) = (places(&scene.truth), places(&scene.estimate));
     let error_colour = ui.visuals().error_fg_color;
+    let mut dots = Mesh::default();
+    for point in &scene.points {
+        dots.add_colored_rect(Rect::from_center_size(ui_from_plane.pos(*point), vec2(2.0, 2.0)), point_colour(ui));
+    }
+    painter.add(dots);
     if let Some(report) = model.poses.report() {
         for pair in &report.pairs {
             let ends = [truth[pair.truth], estimate[pair.estimate]];
@@ -151,6 +160,9 @@ fn frame_ui(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_fr
             Entry::Missing => {
                 painter.circle_stroke(middle, 4.0, stroke);
             }
+            Entry::Point => {
+                painter.rect_filled(Rect::from_center_size(middle, vec2(2.5, 2.5)), 0.0, colour);
+            }
         }
         painter.text(to + vec2(8.0, 0.0), Align2::LEFT_CENTER, text, font.clone(), ui.visuals().text_color());
         y += 18.0;
@@ -163,6 +175,9 @@ fn frame_ui(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_fr
     }
     if model.poses.report().is_some() && scene.truth.iter().any(|s| s.pair.is_none()) {
         entry("Not registered", ui.visuals().error_fg_color, Entry::Missing);
+    }
+    if !scene.points.is_empty() {
+        entry(&points_text(model, scene), point_colour(ui), Entry::Point);
     }
     // The scale bar takes up to a quarter of the width.
     let points_per_unit = scene.scale * f64::from(ui_from_plane.scale());
@@ -179,11 +194,22 @@ fn frame_ui(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_fr
     painter.text(rect.right_bottom() + vec2(-10.0, -8.0), Align2::RIGHT_BOTTOM, text, font, weak);
 }
 
+/// The number of points, and how many of them are drawn if not all are.
+fn points_text(model: &Model, scene: &PlaneScene) -> String {
+    let estimate = model.poses.compared.estimate.as_ref();
+    let all = estimate.and_then(|(_, estimate)| estimate.model.as_ref()).map_or(0, |model| model.points.len());
+    match scene.points.len() {
+        drawn if drawn < all => format!("3D points, {drawn} of {all} drawn"),
+        drawn => format!("{drawn} 3D points"),
+    }
+}
+
 #[derive(Clone, Copy)]
 enum Entry {
     Truth,
     Estimate,
     Missing,
+    Point,
 }
 
 #[derive(Debug, Clone, PartialEq)]

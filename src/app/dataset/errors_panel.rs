@@ -18,7 +18,7 @@ pub fn errors_panel_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let (estimate, truth) = (path(&compared.estimate), path(&compared.truth));
         file_ui(ui, model, queue, ActionId::OpenEstimate, "Estimate", estimate.as_deref());
         file_ui(ui, model, queue, ActionId::OpenTruth, "Truth", truth.as_deref());
-        study_ui(ui, &model.trajectories, queue);
+        study_ui(ui, model, queue);
     });
     if let Some(problem) = model.poses.problem() {
         error_ui(ui, problem);
@@ -39,12 +39,20 @@ fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &s
 }
 
 /// Draws the settings: the viewing side, and how poses are paired.
-fn study_ui(ui: &mut Ui, trajectories: &Trajectories, queue: &mut Queue) {
+fn study_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+    let trajectories: &Trajectories = &model.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);
     Grid::new("study").num_columns(2).show(ui, |ui| {
         let label = ui.label("Seen from").on_hover_text("The plane in which the cameras are drawn");
         choice_ui(ui, "projection", label.id, None, &mut projection, Projection::ALL, Projection::name);
         ui.end_row();
+        if model.poses.has_points() {
+            let label = ui.label("3D points").on_hover_text("Draw the points of the estimate that the cameras saw");
+            let mut points = trajectories.points;
+            ui.checkbox(&mut points, "").labelled_by(label.id);
+            queue.set(&trajectories.points, points, Action::ShowPoints);
+            ui.end_row();
+        }
         let label = ui.label("Paired").on_hover_text("How estimated and true cameras are paired");
         let name = |by: Option<Association>| by.map_or("as it fits", Association::phrase);
         let rules = [None, Some(Association::Name), Some(Association::Time), Some(Association::Order)];

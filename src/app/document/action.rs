@@ -143,6 +143,7 @@ pub enum Action {
 
     SetPoseStudy(PoseStudy),
     SetProjection(Projection),
+    ShowPoints(bool),
     MoveCameras(View),
     SelectCamera(#[serde(with = "or_none")] Option<usize>),
     /// The burst of a camera, by its label.

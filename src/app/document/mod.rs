@@ -25,6 +25,7 @@ use crate::app::project::trajectories::Trajectories;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice, Test};
+use crate::evaluate::poses::is_built_in;
 use crate::inspect::unmatched::Lost;
 use crate::matching::MatchParams;
 use crate::requests::BurstSource;
@@ -99,7 +100,7 @@ impl Document {
         let Trajectories { estimate, truth, .. } = &mut self.trajectories;
         self.calibration.paths_mut().for_each(action::make_absolute);
         for path in [compared_a, compared_b, estimate, truth] {
-            path.iter_mut().for_each(action::make_absolute);
+            path.iter_mut().filter(|path| !is_built_in(path)).for_each(action::make_absolute);
         }
         for side in Side::BOTH {
             self.gold[side] = self.gold[side].as_ref().map(absolute);

@@ -176,6 +176,10 @@ impl Lessons {
         self.remember();
         let (of_user, opening) = self.open.take()?.of_user;
         drop(model.show(*of_user));
+        if model.poses.reading.pending().is_some() {
+            // What was read meanwhile was not taken.
+            model.read_trajectories(engine);
+        }
         if let Some(source) = opening {
             model.open(Side::A, source, engine);
         }
@@ -272,6 +276,11 @@ impl Lessons {
                     model.open(side, source, engine);
                 }
             }
+        }
+        match open.step().state.cameras {
+            Some(true) if model.poses.is_empty() => model.show_demo_cameras(engine),
+            Some(true) => {}
+            _ => model.close_trajectories(),
         }
         open.set_up(model);
         self.remember();

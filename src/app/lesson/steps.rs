@@ -7,6 +7,7 @@ use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::set_up::SetUpState;
+use crate::app::project::trajectories::Trajectories;
 use crate::app::project::{Model, Panels};
 use crate::detector::DetectorParams;
 use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
@@ -25,7 +26,7 @@ pub(super) fn panels_of(step: &Step, hall: bool) -> Panels {
         // Slices need the space that the probe's panel would take.
         right: (in_probe || (!hall && (state.select.is_some() || (state.probe.is_some() && !has_slice)))).into(),
         bottom: (state.tab.is_some()
-            || state.workspace == Some(Workspace::Pair)
+            || matches!(state.workspace, Some(Workspace::Pair | Workspace::Trajectories))
             || points_at(&[Part::Tabs, Part::Below]))
         .into(),
         filmstrip: false,
@@ -71,6 +72,7 @@ fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
         ..SetUpState::default()
     };
     let (selected, selected_match, playing) = (None, None, false);
+    let trajectories = Trajectories { selected: None, view: View::fit(), ..before.trajectories.clone() };
     let mut document = Document {
         workspace: state.workspace.unwrap_or_default(),
         matching: state.matching.clone().unwrap_or_default(),
@@ -83,6 +85,7 @@ fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
         measure: Default::default(),
         probe: Default::default(),
         set_up,
+        trajectories,
         ..Document { selected, selected_match, playing, ..before.clone() }
     };
     document.read_depths(false);
@@ -136,6 +139,7 @@ pub(super) fn seen(model: &Model) -> Situation<'_> {
         workspace: model.workspace,
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
         selected_match: model.selected_match.is_some(),
+        camera: model.trajectories.selected.is_some(),
         reads_depths: model.set_up.reads_depths,
         detects: model.auto_detect,
         finds_slopes: model.slopes.is_auto(),

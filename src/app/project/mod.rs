@@ -68,7 +68,6 @@ pub struct Model {
     pub messages: Messages,
     pub figures: Wanted<FiguresJob>,
     pub datasets: Datasets,
-    pub poses: TrajectoryResults,
     pub studies: lab::Studies,
 }
 
@@ -90,6 +89,7 @@ pub struct Project {
     pub explained: ExplainedState,
     pub coherence: CoherenceState,
     pub probed: ProbeResults,
+    pub poses: TrajectoryResults,
     pub in_lesson: bool,
     play: panes::Play,
     listed_for: Option<filter::ListedFor>,
@@ -138,13 +138,13 @@ impl From<Document> for Model {
 }
 
 impl Model {
-    /// Shows another project, and returns the one on show until now. The dataset, the trajectories, the Lab and the
-    /// colours of the window stay, so that their work goes on.
+    /// Shows another project, and returns the one on show until now. The dataset, the Lab and the colours of the window
+    /// stay, so that their work goes on.
     pub fn show(&mut self, project: Project) -> Project {
         let before = std::mem::replace(&mut self.project, project);
-        let Document { theme, dataset, pairs, trajectories, lab, .. } = before.document.clone();
+        let Document { theme, dataset, pairs, lab, .. } = before.document.clone();
         let shown = std::mem::take(&mut self.document);
-        self.document = Document { theme, dataset, pairs, trajectories, lab, ..shown };
+        self.document = Document { theme, dataset, pairs, lab, ..shown };
         self.messages.forget_note();
         before
     }

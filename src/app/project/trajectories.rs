@@ -4,7 +4,7 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{Effect, Model};
 use crate::app::view::View;
 use crate::engine::{Ended, Engine, Wanted};
-use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
+use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, PoseReport, PoseStudy, Projection, Trajectory};
 use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
 use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
@@ -29,12 +29,20 @@ pub struct Trajectories {
     pub truth: Option<PathBuf>,
     pub study: PoseStudy,
     pub projection: Projection,
+    /// Whether the points of a sparse model are drawn.
+    pub points: bool,
     pub view: View,
     pub selected: Option<usize>,
 }
 
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
 const PLANE_UNITS: f64 = 1000.0;
+
+/// Points that are drawn of a larger model, evenly spread over its list.
+const MOST_POINTS: usize = 20_000;
+
+/// Share of the points beyond each side that the section shown leaves out: those far off are often wrong.
+const POINTS_OUTSIDE: f64 = 0.02;
 
 /// Margin around the cameras, as a fraction of the longer side.
 const MARGIN: f64 = 0.06;
@@ -51,6 +59,8 @@ pub struct Spot {
 pub struct PlaneScene {
     pub truth: Vec<Spot>,
     pub estimate: Vec<Spot>,
+    /// Points of the estimate, in plane units: all, or at most [`MOST_POINTS`] of them.
+    pub points: Vec<egui::Pos2>,
     pub size: (usize, usize),
     /// Plane units for one unit of the truth.
     pub scale: f64,
@@ -61,7 +71,8 @@ pub struct TrajectoryResults {
     pub compared: ComparedPoses,
     pub hovered: Option<usize>,
     pub reading: Wanted<PosesRequest>,
-    scenes: OnceCell<[Arc<PlaneScene>; Projection::ALL.len()]>,
+    /// Without and with points.
+    scenes: [OnceCell<[Arc<PlaneScene>; Projection::ALL.len()]>; 2],
 }
 
 impl TrajectoryResults {
@@ -87,23 +98,29 @@ impl TrajectoryResults {
         self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
     }
 
-    pub fn scene(&self, projection: Projection) -> Arc<PlaneScene> {
-        let made = || Projection::ALL.map(|projection| Arc::new(PlaneScene::of(&self.compared, projection)));
-        self.scenes.get_or_init(made)[projection as usize].clone()
+    /// Whether the estimate is a sparse model, which has points.
+    pub fn has_points(&self) -> bool {
+        self.compared.estimate.as_ref().is_some_and(|(_, estimate)| estimate.model.is_some())
+    }
+
+    pub fn scene(&self, projection: Projection, points: bool) -> Arc<PlaneScene> {
+        let made = || Projection::ALL.map(|projection| Arc::new(PlaneScene::of(&self.compared, projection, points)));
+        self.scenes[usize::from(points)].get_or_init(made)[projection as usize].clone()
     }
 }
 
 impl Model {
     pub fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
-        let set = &mut self.project.document.trajectories;
-        let mut request = self.poses.request(set.study);
+        let project = &mut self.project;
+        let set = &mut project.document.trajectories;
+        let mut request = project.poses.request(set.study);
         let (of_set, of_request) = match which {
             Which::Estimate => (&mut set.estimate, &mut request.estimate),
             Which::Truth => (&mut set.truth, &mut request.truth),
         };
         *of_request = Some(TrajectorySource::Path(path.clone()));
         *of_set = Some(path);
-        self.poses.reading.ask(engine, request);
+        project.poses.reading.ask(engine, request);
         self.workspace = Workspace::Trajectories;
     }
 
@@ -114,8 +131,8 @@ impl Model {
     }
 
     pub fn close_trajectories(&mut self) {
-        let Trajectories { study, projection, .. } = self.document.trajectories;
-        self.document.trajectories = Trajectories { study, projection, ..Trajectories::default() };
+        let Trajectories { study, projection, points, .. } = self.document.trajectories;
+        self.document.trajectories = Trajectories { study, projection, points, ..Trajectories::default() };
         self.poses = TrajectoryResults::default();
     }
 
@@ -123,7 +140,8 @@ impl Model {
     /// open stay.
     pub(super) fn take_trajectories(&mut self, ended: Ended<PosesRequest>) -> Vec<Effect> {
         const TITLE: &str = "Trajectories";
-        let (set, before) = (&mut self.project.document.trajectories, &self.poses.compared);
+        let project = &mut self.project;
+        let (set, before) = (&mut project.document.trajectories, &project.poses.compared);
         match ended.result {
             Ok(compared) => {
                 self.messages.resolved(TITLE);
@@ -135,8 +153,8 @@ impl Model {
                     set.view = View::fit();
                 }
                 set.selected = None;
-                let reading = std::mem::take(&mut self.poses.reading);
-                self.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
+                let reading = std::mem::take(&mut project.poses.reading);
+                project.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
             }
             Err(error) => {
                 let path = |read: &Read| read.as_ref().map(|(path, _)| path.clone());
@@ -145,6 +163,14 @@ impl Model {
             }
         }
         Vec::new()
+    }
+
+    /// Shows the built-in cameras and points beside the true cameras.
+    pub(in crate::app) fn show_demo_cameras(&mut self, engine: &Engine) {
+        let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| Some(PathBuf::from(name)));
+        let (points, projection) = (true, Projection::Xz);
+        self.document.trajectories = Trajectories { estimate, truth, points, projection, ..Trajectories::default() };
+        self.read_trajectories(engine);
     }
 
     /// Reads the trajectories of the document.
@@ -162,7 +188,7 @@ type Read = Option<(PathBuf, Arc<Trajectory>)>;
 
 impl PlaneScene {
     /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones.
-    pub fn of(compared: &ComparedPoses, projection: Projection) -> Self {
+    pub fn of(compared: &ComparedPoses, projection: Projection, with_points: bool) -> Self {
         let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
         let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
             trajectory.poses.iter().map(|p| move_to(&p.world_from_camera)).collect::<Vec<_>>()
@@ -174,16 +200,28 @@ impl PlaneScene {
             (Some((_, e)), None) if truth.is_empty() => centres(e, &as_it_is),
             _ => Vec::new(),
         };
+        let model = compared.estimate.as_ref().and_then(|(_, e)| e.model.as_ref()).filter(|_| with_points);
+        let every = model.map_or(1, |model| model.points.len().div_ceil(MOST_POINTS).max(1));
+        let of_model = model.iter().flat_map(|model| model.points.iter().step_by(every).map(|p| p.position));
+        let points: Vec<[f64; 3]> = match report {
+            Some(r) => of_model.map(|p| r.truth_from_estimate.place(p).into()).collect(),
+            None if truth.is_empty() => of_model.collect(),
+            None => Vec::new(),
+        };
         let axes = projection.axes(if truth.is_empty() { &estimate } else { &truth });
         let pairs = report.map_or(&[][..], |r| &r.pairs);
         let of_truth: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.truth, k)).collect();
         let of_estimate: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.estimate, k)).collect();
-        let [truth, estimate] =
-            [truth, estimate].map(|centres| centres.into_iter().map(|c| axes.project(c)).collect::<Vec<_>>());
+        let [truth, estimate, points] =
+            [truth, estimate, points].map(|places| places.into_iter().map(|p| axes.project(p)).collect::<Vec<_>>());
         // The truth determines the section shown, so that a diverging estimate does not shrink the truth to a point.
         let framed = if truth.is_empty() { &estimate } else { &truth };
         let range = |k: usize| {
-            let finite = framed.iter().map(|p| p[k]).filter(|x| x.is_finite());
+            let mut along: Vec<f64> = points.iter().map(|p| p[k]).filter(|x| x.is_finite()).collect();
+            along.sort_by(f64::total_cmp);
+            let outside = (POINTS_OUTSIDE * along.len() as f64) as usize;
+            let most = along.into_iter().rev().skip(outside).rev().skip(outside);
+            let finite = framed.iter().map(|p| p[k]).filter(|x| x.is_finite()).chain(most);
             finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
         };
         let ((left, right), (down, up)) = (range(0), range(1));
@@ -207,6 +245,7 @@ impl PlaneScene {
         Self {
             truth: spots(&truth, &of_truth),
             estimate: spots(&estimate, &of_estimate),
+            points: points.iter().filter(|p| p[0].is_finite() && p[1].is_finite()).map(place).collect(),
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,
         }
@@ -216,7 +255,7 @@ impl PlaneScene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::poses::{Pose, evaluate_poses};
+    use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, Pose, evaluate_poses, read_trajectory};
     use nalgebra::{Isometry3, Vector3};
 
     fn trajectory(centres: &[[f64; 3]]) -> Arc<Trajectory> {
@@ -240,7 +279,7 @@ mod tests {
             truth: Some(("t".into(), truth)),
             report: Some(Ok(Arc::new(report))),
         };
-        let scene = PlaneScene::of(&compared, Projection::Xy);
+        let scene = PlaneScene::of(&compared, Projection::Xy, false);
         assert_eq!((scene.truth.len(), scene.estimate.len(), scene.size), (4, 3, (1120, 620)));
         for (k, spot) in scene.estimate.iter().enumerate() {
             assert!((spot.pos - scene.truth[k].pos).length() < 1e-2, "{spot:?} {:?}", scene.truth[k]);
@@ -250,16 +289,41 @@ mod tests {
         assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
         // Alone, each is drawn in its own coordinates; both without a comparison: only the truth is drawn.
         let alone = ComparedPoses { truth: None, report: None, ..compared.clone() };
-        assert_eq!(PlaneScene::of(&alone, Projection::Xy).estimate.len(), 3);
+        assert_eq!(PlaneScene::of(&alone, Projection::Xy, true).estimate.len(), 3);
         let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
-        assert_eq!(PlaneScene::of(&apart, Projection::Xy).estimate.len(), 0);
+        assert_eq!(PlaneScene::of(&apart, Projection::Xy, true).estimate.len(), 0);
+    }
+
+    #[test]
+    fn points_lie_where_their_cameras_saw_them_and_are_in_the_section_shown() {
+        let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| {
+            let path = PathBuf::from(name);
+            (path.clone(), Arc::new(read_trajectory(&path).expect("built in")))
+        });
+        let report = evaluate_poses(&estimate.1, &truth.1, &PoseStudy::default()).expect("compared");
+        let points = estimate.1.model.as_ref().expect("a model").points.len();
+        let report = Some(Ok(Arc::new(report)));
+        let compared = ComparedPoses { estimate: Some(estimate), truth: Some(truth), report };
+        let scene = PlaneScene::of(&compared, Projection::Xz, true);
+        let (width, height) = (scene.size.0 as f32, scene.size.1 as f32);
+        let section = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
+        let inside = scene.points.iter().filter(|p| section.contains(**p)).count();
+        assert!(scene.points.len() == points && inside > points * 9 / 10, "{inside} of {points}");
+        // Ahead is up, and the cameras look ahead.
+        let nearest = scene.points.iter().map(|p| p.y).fold(0.0, f32::max);
+        assert!(scene.truth.iter().all(|camera| camera.pos.y > nearest && section.contains(camera.pos)));
+        assert_eq!(PlaneScene::of(&compared, Projection::Xz, false).points, []);
+        // Not aligned, the points have no place beside the truth.
+        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
+        assert_eq!(PlaneScene::of(&apart, Projection::Xz, true).points, []);
     }
 
     #[test]
     fn cameras_in_one_place_or_on_a_line_have_a_plane() {
         for centres in [&[][..], &[[1.0, 1.0, 1.0]; 2], &[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]] {
             let truth = Some(("t".into(), trajectory(centres)));
-            let scene = PlaneScene::of(&ComparedPoses { truth, ..ComparedPoses::default() }, Projection::Principal);
+            let compared = ComparedPoses { truth, ..ComparedPoses::default() };
+            let scene = PlaneScene::of(&compared, Projection::Principal, false);
             assert!(scene.size.0 >= 300 && scene.size.1 >= 300, "{:?}", scene.size);
             assert!(scene.truth.iter().all(|s| s.pos.is_finite()));
         }

@@ -40,7 +40,8 @@ const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 /// Whether there is something for the workspace to show, or it is the open one.
 fn has_content(workspace: Workspace, model: &Model) -> bool {
     let is_filled = match workspace {
-        Workspace::Matches | Workspace::Trajectories => model.datasets.open.is_some(),
+        Workspace::Matches => model.datasets.open.is_some(),
+        Workspace::Trajectories => model.datasets.open.is_some() || !model.poses.is_empty(),
         Workspace::Lab => !model.lab_results().is_empty(),
         _ => true,
     };
@@ -279,5 +280,8 @@ fn trajectories_workspace_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             cameras::camera_list_ui(ui, model, queue);
         });
     }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| cameras::plane_ui(ui, model, queue));
+    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
+        crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());
+        cameras::plane_ui(ui, model, queue);
+    });
 }

@@ -30,8 +30,13 @@ pub struct Similarity {
 impl Similarity {
     /// Transforms a pose: its centre is moved, its directions turned.
     pub fn apply(&self, pose: &Isometry3<f64>) -> Isometry3<f64> {
-        let centre = self.rotation * pose.translation.vector * self.scale + self.translation;
+        let centre = self.place(pose.translation.vector.into());
         Isometry3::from_parts(Translation3::from(centre), self.rotation * pose.rotation)
+    }
+
+    /// Transforms a place.
+    pub fn place(&self, place: [f64; 3]) -> Vector3<f64> {
+        self.rotation * Vector3::from(place) * self.scale + self.translation
     }
 }
 

@@ -10,12 +10,14 @@
 
 pub mod align;
 pub mod associate;
+pub mod demo;
 pub mod report;
 pub mod sparse;
 pub mod tum;
 
 pub use align::{Alignment, PlaneAxes, Projection, Similarity, align};
 pub use associate::{Association, Pairing, associate};
+pub use demo::{DEMO_ESTIMATE, DEMO_TRUTH, is_built_in};
 pub use report::{ErrorSummary, PairReport, PoseErrors, PoseReport, PoseStudy, evaluate_poses};
 pub use sparse::{ModelSummary, SparseModel, read_sparse_model};
 pub use tum::read_tum;
@@ -47,12 +49,15 @@ pub struct Trajectory {
     pub model: Option<SparseModel>,
 }
 
-/// Reads the poses at `path`: the folder of a sparse model (see [`read_sparse_model`]) or a file in it, or a trajectory
-/// file (see [`read_tum`]).
+/// Reads the poses at `path`: the folder of a sparse model (see [`read_sparse_model`]) or a file in it, a trajectory
+/// file (see [`read_tum`]), or one that is [built in](demo).
 ///
 /// # Errors
 /// The file or model cannot be read, is damaged, or has no pose.
 pub fn read_trajectory(path: &Path) -> Result<Trajectory, Error> {
+    if let Some(trajectory) = demo::built_in(path) {
+        return trajectory;
+    }
     let folder = if path.is_dir() { Some(path) } else { sparse::folder_of_file(path) };
     if let Some(folder) = folder {
         let model = read_sparse_model(folder)?;

@@ -77,14 +77,14 @@ pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
 
 fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint, Error> {
     let _id = fields.u64()?;
-    fields.floats::<3>()?;
+    let position = fields.floats()?;
     fields.bytes::<3>()?;
     let [reprojection_error_px] = fields.floats()?;
     let track_length = fields.count(TRACK_BYTES)?;
     for _ in 0..track_length {
         fields.u64()?;
     }
-    Ok(SparsePoint { reprojection_error_px, track_length: track_length as usize })
+    Ok(SparsePoint { position, reprojection_error_px, track_length: track_length as usize })
 }
 
 /// The fields of a binary file, one after the other.

@@ -1,7 +1,7 @@
 //! COLMAP's sparse models: registered images with their poses, and the points that they have in common.
 //!
 //! A model is a folder of files, all in binary or all in text. Only data about poses and points is read: `images`
-//! (pose, name, the keypoints that became points) and `points3D` (reprojection error, length of the track); intrinsics,
+//! (pose, name, the keypoints that became points) and `points3D` (place, reprojection error, length of the track); intrinsics,
 //! positions of keypoints and colours are skipped. Format: <https://colmap.github.io/format.html>.
 
 mod binary;
@@ -31,6 +31,8 @@ pub struct SparseImage {
 /// A point of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SparsePoint {
+    /// Place in the model's world.
+    pub position: [f64; 3],
     /// Mean reprojection error over its keypoints, pixels.
     pub reprojection_error_px: f64,
     /// Number of keypoints in which it was seen.
@@ -67,6 +69,26 @@ pub struct ModelSummary {
 }
 
 impl SparseModel {
+    /// Parses the text of a model; `name` is for messages.
+    ///
+    /// # Errors
+    /// As [`read_sparse_model`].
+    pub fn of_text(images: &str, points: &str, name: &Path) -> Result<Self, Error> {
+        Self::of((text::images(images.as_bytes(), name)?, text::points(points.as_bytes(), name)?), name)
+    }
+
+    fn of((mut images, points): (Vec<SparseImage>, Vec<SparsePoint>), name: &Path) -> Result<Self, Error> {
+        if images.is_empty() {
+            return Err(no_pose(name));
+        }
+        images.sort_by_key(|i| i.id);
+        if let Some(pair) = images.windows(2).find(|pair| pair[0].id == pair[1].id) {
+            let problem = format!("there are two images of the id {}", pair[0].id);
+            return Err(corrupt(name, "images", problem));
+        }
+        Ok(Self { folder: name.into(), images, points, other_models: 0 })
+    }
+
     /// The poses of its images. Their order is their id minus 1, because ids count up from 1 in the order in which
     /// images came into the database.
     pub fn poses(&self) -> Vec<Pose> {
@@ -159,7 +181,7 @@ impl Format {
     }
 
     fn read(self, folder: &Path) -> Result<SparseModel, Error> {
-        let (mut images, points) = match self {
+        let read = match self {
             Self::Binary => {
                 (binary::read_images(&folder.join("images.bin"))?, binary::read_points(&folder.join("points3D.bin"))?)
             }
@@ -167,15 +189,7 @@ impl Format {
                 (text::read_images(&folder.join("images.txt"))?, text::read_points(&folder.join("points3D.txt"))?)
             }
         };
-        if images.is_empty() {
-            return Err(no_pose(folder));
-        }
-        images.sort_by_key(|i| i.id);
-        if let Some(pair) = images.windows(2).find(|pair| pair[0].id == pair[1].id) {
-            let problem = format!("there are two images of the id {}", pair[0].id);
-            return Err(corrupt(folder, "images", problem));
-        }
-        Ok(SparseModel { folder: folder.into(), images, points, other_models: 0 })
+        SparseModel::of(read, folder)
     }
 }
 
@@ -256,6 +270,7 @@ mod tests {
             let summary = model.summary();
             assert_eq!((summary.registered_images, summary.points, summary.points_per_image), (2, 2, 1.0));
             assert_eq!((summary.mean_track_length, summary.mean_reprojection_error_px), (3.0, 1.0));
+            assert!(model.points.iter().all(|p| p.position[..2] == [1.0, 2.0]), "{:?}", model.points);
             let poses = model.poses();
             assert_eq!((poses[0].order, poses[0].label.as_str(), poses[0].time), (1, "first.png", None));
         }

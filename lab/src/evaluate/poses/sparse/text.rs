@@ -98,7 +98,8 @@ fn point(line: &str) -> Result<SparsePoint, String> {
     if track % 2 != 0 {
         return Err(format!("its track has {track} values; {FORM}"));
     }
-    Ok(SparsePoint { reprojection_error_px: values[7], track_length: track / 2 })
+    let position = [values[1], values[2], values[3]];
+    Ok(SparsePoint { position, reprojection_error_px: values[7], track_length: track / 2 })
 }
 
 fn number<T: FromStr>(word: &str) -> Result<T, String> {

@@ -1,0 +1,64 @@
+//! A reconstruction that is built in, for lessons: eight dark bursts of a way forward and to the side, past four planes.
+//!
+//! Made by the program from the 300 strongest features of each burst, and by COLMAP's mapper (pycolmap 4.2.1). Stored
+//! as that wrote it, in text, but without the keypoints that became no points and with fewer digits:
+//!
+//! ```sh
+//! burstscope synth trajectory --motion 2d --bursts 8 --read-noise 80 --out way
+//! burstscope colmap way/bursts --out rec --camera way/lens.toml --max-features 300
+//! python3 -c "import pycolmap; pycolmap.incremental_mapping('rec/database.db', 'rec/images', 'rec/sparse')"
+//! ```
+
+use super::{SparseModel, Trajectory, tum::parse_tum};
+use burstscope_core::error::Error;
+use std::path::Path;
+
+/// Name of the built-in estimate; a folder of that name is given as `./demo-cameras`.
+pub const DEMO_ESTIMATE: &str = "demo-cameras";
+/// Name of the poses that it should have.
+pub const DEMO_TRUTH: &str = "demo-cameras-truth";
+
+/// Whether `path` is the name of a built-in trajectory.
+pub fn is_built_in(path: &Path) -> bool {
+    [DEMO_ESTIMATE, DEMO_TRUTH].iter().any(|name| path.as_os_str() == *name)
+}
+
+/// The built-in trajectory of the name `path`, if there is one.
+pub(super) fn built_in(path: &Path) -> Option<Result<Trajectory, Error>> {
+    let truth = || Ok(Trajectory { poses: parse_tum(include_str!("demo/truth.txt"), path)?, model: None });
+    let estimate = || {
+        let model = SparseModel::of_text(include_str!("demo/images.txt"), include_str!("demo/points3D.txt"), path)?;
+        Ok(Trajectory { poses: model.poses(), model: Some(model) })
+    };
+    match path.to_str()? {
+        DEMO_ESTIMATE => Some(estimate()),
+        DEMO_TRUTH => Some(truth()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::poses::{PoseStudy, evaluate_poses, read_trajectory};
+
+    #[test]
+    fn the_built_in_cameras_stand_near_the_true_ones_before_four_planes() {
+        let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| {
+            assert!(is_built_in(Path::new(name)));
+            read_trajectory(Path::new(name)).expect("built in")
+        });
+        let report = evaluate_poses(&estimate, &truth, &PoseStudy::default()).expect("compared");
+        assert_eq!((report.registered, truth.poses.len()), (8, 8));
+        let way = (truth.poses[7].world_from_camera.translation.vector
+            - truth.poses[0].world_from_camera.translation.vector)
+            .norm();
+        assert!(report.absolute.translation.max < 0.01 * way, "{way} {:?}", report.absolute);
+        let model = estimate.model.expect("a model");
+        let ahead = |p: &super::super::sparse::SparsePoint| {
+            report.truth_from_estimate.place(p.position).z > truth.poses[7].world_from_camera.translation.vector.z
+        };
+        assert!(model.points.iter().all(ahead), "the cameras look along z");
+        assert!(!is_built_in(Path::new("./demo-cameras")));
+    }
+}
