@@ -5,6 +5,8 @@ use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::PaneWidgets;
+use crate::app::pane::PaneId;
+use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
@@ -15,7 +17,6 @@ use crate::app::project::panes::Destination;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::view::{fixed, signed_slope};
-use crate::requests::Picture;
 use egui::{Align, Button, Color32, Label, Layout, RichText, Sense, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder};
 
@@ -209,9 +210,17 @@ fn is_in_view(model: &Model, widgets: &PaneWidgets, row: &Row) -> bool {
 }
 
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
-fn marks_of(model: &Model, side: Side, shown: &Shown, picture: Option<&Picture>) -> (Vec<usize>, Vec<ComparedMark>) {
-    let dt = frames_from_middle(picture, &shown.detection).unwrap_or(0.0);
-    let drawn = shown.rows.iter().enumerate().filter(|(_, row)| model.comparisons[side].shows(row.kind));
+fn marks_of(
+    model: &Model,
+    (side, id): (Side, PaneId),
+    shown: &Shown,
+    layer: &FeatureLayer,
+) -> (Vec<usize>, Vec<ComparedMark>) {
+    let dt = frames_from_middle(model.picture_in(id), &shown.detection).unwrap_or(0.0);
+    let pointed = [model.comparisons[side].selected, model.slots[side].comparison.hovered];
+    let drawn = shown.rows.iter().enumerate().filter(|(index, row)| {
+        model.comparisons[side].shows(row.kind) && (layer.draws(row) || pointed.contains(&Some(*index)))
+    });
     drawn
         .map(|(index, row)| {
             let slope = row.slope.unwrap_or_default();
@@ -231,13 +240,13 @@ fn marks_of(model: &Model, side: Side, shown: &Shown, picture: Option<&Picture>)
 pub fn marks_ui(
     ui: &Ui,
     model: &Model,
-    side: Side,
+    (side, id): (Side, PaneId),
     shown: &Shown,
-    picture: Option<&Picture>,
+    layer: &FeatureLayer,
     output: &CanvasOutput,
     queue: &mut Queue,
 ) {
-    let (rows, marks) = marks_of(model, side, shown, picture);
+    let (rows, marks) = marks_of(model, (side, id), shown, layer);
     let clip = output.painter.clip_rect();
     // Candidates and matches lie on top.
     let is_over_match = model.workspace == Workspace::Pair && model.pair.hovered.is_some();
@@ -279,7 +288,15 @@ fn row_tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
     });
 }
 
-pub fn legend_ui(ui: &mut Ui, model: &Model, side: Side, shown: &Shown, output: &CanvasOutput, queue: &mut Queue) {
+pub fn legend_ui(
+    ui: &mut Ui,
+    model: &Model,
+    side: Side,
+    shown: &Shown,
+    layer: &FeatureLayer,
+    output: &CanvasOutput,
+    queue: &mut Queue,
+) {
     let kinds: Vec<Kind> =
         Kind::of(shown.with).iter().copied().filter(|kind| model.comparisons[side].shows(*kind)).collect();
     let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: false };
@@ -289,7 +306,10 @@ pub fn legend_ui(ui: &mut Ui, model: &Model, side: Side, shown: &Shown, output: 
         for kind in kinds {
             ui.horizontal(|ui| {
                 key_ui(ui, shown, kind);
-                ui.label(RichText::new(format!("{} {}", shown.label(kind), shown.count(kind))).small());
+                let drawn = shown.rows.iter().filter(|row| row.kind == kind && layer.draws(row)).count();
+                let all = shown.count(kind);
+                let count = if drawn < all { format!("{drawn} of {all}") } else { all.to_string() };
+                ui.label(RichText::new(format!("{} {count}", shown.label(kind))).small());
             });
         }
     });

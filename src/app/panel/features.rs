@@ -9,6 +9,7 @@ use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::project::Model;
+use crate::app::project::comparison::Row;
 use crate::app::project::explained::{coherence_words, verdict_words};
 use crate::app::project::filter::moves_by;
 use crate::app::project::look::FeaturesShown;
@@ -40,6 +41,8 @@ pub struct FeatureLayer {
     pub motions: bool,
     pub is_listed: bool,
     pub method: Option<MethodId>,
+    /// Whether only features at `slope` are drawn, if there is one.
+    pub only_slope: bool,
 }
 
 impl FeatureLayer {
@@ -78,9 +81,10 @@ impl FeatureLayer {
             motions: model.look.motion_vectors && (inspected || pane.method.is_some_and(MethodId::is_buff)),
             is_listed,
             method: pane.method,
+            only_slope: model.look.overlay == FeaturesShown::ThisSlope,
             detection,
         };
-        if layer.slope.is_some() && model.look.overlay == FeaturesShown::ThisSlope {
+        if layer.slope.is_some() && layer.only_slope {
             for index in 0..layer.shown.len() {
                 layer.shown[index] &= !layer.is_faint(index);
             }
@@ -114,6 +118,17 @@ impl FeatureLayer {
         drawn.or_else(|| overlay::dot_at(self.placed(), &in_full.dots, output.ui_from_image, pos_ui))
     }
 
+    /// Whether a row of a comparison is drawn: where only this slope is shown, what is at it, by the motion of our feature
+    /// or by the row's own slope.
+    pub fn draws(&self, row: &Row) -> bool {
+        let Some(slope) = self.slope.filter(|_| self.only_slope) else { return true };
+        let is_at = |own| is_at_slope(&self.detection.slopes, &Feature { slope: own, ..Feature::default() }, slope);
+        match row.feature.and_then(|feature| self.elsewhere.get(feature)) {
+            Some(elsewhere) => !elsewhere,
+            None => row.slope.is_none_or(is_at),
+        }
+    }
+
     /// Whether the feature moves by another slope than that of the picture, in which it is blurred then.
     pub fn is_faint(&self, index: usize) -> bool {
         let elsewhere = self.elsewhere.get(index).is_some_and(|elsewhere| *elsewhere);
@@ -140,9 +155,9 @@ pub fn features_ui(
     let (side, is_of_burst) = (pane.side, matches!(model.workspace, Workspace::Inspect | Workspace::Pair));
     if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst) {
         // The colours now show the comparison's outcome.
-        marks_ui(ui, model, side, shown, model.picture_in(id), output, queue);
+        marks_ui(ui, model, (side, id), shown, &layer, output, queue);
         if has_legend {
-            against::legend_ui(ui, model, side, shown, output, queue);
+            against::legend_ui(ui, model, side, shown, &layer, output, queue);
         }
         return;
     }
