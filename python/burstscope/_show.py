@@ -80,6 +80,7 @@ def hand_over(folder: Path, burst: Burst, detection: Detection | None) -> Path:
     if detection is not None:
         features = detection.save(folder / "features.csv")
         lines += ["[document.comparisons.a]", 'with = "file"', f"file = {_word(str(features))}"]
+        lines += ["[document.look]", 'overlay = "this_slope"']
         params = detection.params.splitlines()
         # A new window finds the slopes of each burst.
         found = any(line.startswith("slopes = ") for line in params)

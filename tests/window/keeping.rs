@@ -112,6 +112,30 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
 }
 
 #[test]
+fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("handed_over.burstscope.toml");
+    let mut window = Start::default().open();
+    window.settle();
+    let pane = |window: &crate::support::Window| window.app().model.focused().clone();
+    let opened = pane(&window);
+    let truth = "[document.comparisons.a]\nwith = \"truth\"\n[document.look]\noverlay = \"this_slope\"\n";
+    let text = format!("version = 4\nburst = \"demo\"\ndetected = true\n{truth}");
+    std::fs::write(&file, text).unwrap();
+    window.dialogs.will_choose(&file);
+    window.run_action("open session");
+    window.settle();
+    assert!(window.app().model.messages.errors().is_empty(), "{:?}", window.app().model.messages.errors());
+    let cursor = pane(&window).cursor;
+    assert_eq!((cursor.frame, opened.cursor.frame), (5, 5));
+    assert_ne!(cursor.slope, burstscope::detector::Slope::default(), "that with most features");
+    // Of the comparison it shows what is at the slope of the picture, and how many that are.
+    let is_part = |text: &str| text.starts_with("Found ") && text.contains(" of ");
+    let by = egui_kittest::kittest::by().predicate(move |node| node.value().is_some_and(|text| is_part(&text)));
+    assert!(window.harness.query_all(by).next().is_some());
+}
+
+#[test]
 fn a_session_of_a_newer_version_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("new.burstscope.toml");

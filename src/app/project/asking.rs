@@ -182,6 +182,7 @@ mod tests {
         assert!(bench.model.slots.a.detecting.is_pending() && !bench.model.features_are_current(Side::A));
         assert_eq!(found.detection.slopes, SlopeGrid::single(bench.model.cursor().slope), "it is on show");
         assert!(found.judgement.is_none() && found.advice.is_none(), "one slope tells nothing about the range");
+        assert!(bench.model.found_source(Side::A).is_none(), "nothing is asked of features that no search finds alone");
         bench.settle();
         assert!(bench.model.features_are_current(Side::A) && bench.model.stale().is_none());
         let first = found.detection.features.len();

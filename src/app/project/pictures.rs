@@ -161,6 +161,12 @@ impl Model {
         self.slots[side].found.as_ref()
     }
 
+    /// The features of a whole search: of those of a first slope nothing can be asked, as no search of its own finds
+    /// just these.
+    pub fn whole_found_of(&self, side: Side) -> Option<&FoundFeatures> {
+        self.found_of(side).filter(|found| !found.is_first_slope)
+    }
+
     pub fn features_are_current(&self, side: Side) -> bool {
         self.found_of(side).is_some_and(|found| found.asked == self.asked_of(side))
     }

@@ -389,7 +389,7 @@ impl Model {
     }
 
     pub fn found_source(&self, side: Side) -> Option<DetectionSource> {
-        let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
+        let (burst, found) = (self.burst_of(side)?.clone(), self.whole_found_of(side)?);
         let FoundFeatures { asked, params, finding, .. } = found.clone();
         Some(DetectionSource { burst, asked, params, finding })
     }

@@ -6,6 +6,7 @@ mod restoring;
 pub use restoring::Restoring;
 
 use super::document::{Document, Steps, absolute};
+use crate::app::pane::Panes;
 use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::pair::{SavedMatch, Side};
 use crate::app::project::probe::Probe;
@@ -142,12 +143,23 @@ impl Session {
     /// Takes all but what waits for the second burst.
     pub fn apply(&self, model: &mut Model) {
         self.apply_without_burst(model);
-        model.panes = self.document.panes.clone();
+        self.set_panes(model);
         model.reselect = self.selection;
         model.keep_methods_arranged();
         self.restore_probe(Side::A, model);
         model.restore_comparison(Side::A, self.document.comparisons.a.clone());
         model.check_params();
+    }
+
+    fn has_panes(&self) -> bool {
+        self.document.panes != Panes::default()
+    }
+
+    /// A session that says nothing of panes has those of a burst that is opened: its middle frame.
+    fn set_panes(&self, model: &mut Model) {
+        if self.has_panes() {
+            model.panes = self.document.panes.clone();
+        }
     }
 
     /// The panes, and the colours of the window, stay.
@@ -168,10 +180,12 @@ impl Session {
 
     /// Takes what waits for the second burst, which is open now, or closed for good.
     pub fn apply_second(&self, model: &mut Model) {
-        model.panes = self.document.panes.clone();
+        self.set_panes(model);
         if self.second.is_none() {
             model.panes.close_side(Side::B);
-            model.panes.take_placed(Workspace::Pair, &self.document.panes);
+            if self.has_panes() {
+                model.panes.take_placed(Workspace::Pair, &self.document.panes);
+            }
         }
         model.pair.reselect = self.selected_match;
         self.restore_probe(Side::B, model);

@@ -236,7 +236,7 @@ impl Model {
                     continue;
                 }
                 let wanted = self.method_params(method, side);
-                let shared = self.found_of(side).filter(|f| f.params == wanted).cloned();
+                let shared = self.whole_found_of(side).filter(|f| f.params == wanted).cloned();
                 if let (Some(found), Some(open)) = (shared, self.burst_of(side)) {
                     let (params, detection, elapsed) = (found.params, found.detection, found.elapsed);
                     let found = MethodFound { burst: open.id, params, detection, elapsed };

@@ -7,6 +7,7 @@ mod rows;
 pub use rows::{Kind, Row};
 
 use crate::app::project::Model;
+use crate::app::project::look::FeaturesShown;
 use crate::app::project::side::Side;
 use crate::detector::{Detection, SearchParams};
 use crate::engine::{Ended, Wanted};
@@ -124,6 +125,11 @@ impl Model {
             (set.with, set.selected, set.hidden) = (with, None, hidden);
             (results.shown, results.hovered, results.problem) = (None, None, None);
             results.wanted.forget();
+            // What is compared is of all slopes, until one is asked for.
+            let overlay = &mut self.project.document.look.overlay;
+            if *overlay != FeaturesShown::None {
+                *overlay = if with.is_some() { FeaturesShown::All } else { FeaturesShown::ThisSlope };
+            }
         }
     }
 
@@ -205,7 +211,7 @@ impl Model {
     }
 
     fn wanted_comparison(&self, side: Side) -> Option<ComparisonRequest> {
-        let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
+        let (burst, found) = (self.burst_of(side)?.clone(), self.whole_found_of(side)?);
         let (set, known) = (&self.comparisons[side], &self.slots[side].comparison);
         let with = match set.with? {
             Reference::Pinned => {

@@ -190,7 +190,7 @@ impl Model {
         if self.pair.param_error.is_some() {
             return None;
         }
-        let (a, b) = (self.slots.a.found.as_ref()?, self.slots.b.found.as_ref()?);
+        let (a, b) = (self.whole_found_of(Side::A)?, self.whole_found_of(Side::B)?);
         let bursts =
             [(self.burst_of(Side::A)?.clone(), a.params.clone()), (self.burst_of(Side::B)?.clone(), b.params.clone())];
         let params = self.matching.clone();
