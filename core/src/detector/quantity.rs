@@ -120,10 +120,13 @@ pub struct Record {
     pub colours: Option<Colours>,
 }
 
-/// Turbo stands out from grey pictures and from the diverging maps of DoG responses alike.
+/// The lighter part of Viridis stands out from grey pictures and from the diverging maps of DoG responses alike, and is
+/// even for readers with a colour vision deficiency.
 pub const BRIGHT: Colours =
-    Colours { map: ColourMap::Turbo, part: [0.08, 0.92], is_log: false, span: Span::Found(-1.0, 1.0) };
-const WARM: Colours = Colours { map: ColourMap::Magma, part: [0.45, 1.0], is_log: true, span: Span::Found(1.0, 16.0) };
+    Colours { map: ColourMap::Viridis, part: [0.35, 1.0], is_log: false, span: Span::Found(-1.0, 1.0) };
+/// As [`BRIGHT`], for what has no sign.
+pub const WARM: Colours =
+    Colours { map: ColourMap::Magma, part: [0.45, 1.0], is_log: true, span: Span::Found(1.0, 16.0) };
 /// Uneven responses stand out in red; most features are at the other end, which is light enough for a dark picture.
 const REVERSED: Colours =
     Colours { map: ColourMap::Turbo, part: [0.92, 0.25], is_log: false, span: Span::Always(0.0, 1.0) };

@@ -261,6 +261,8 @@ impl Lessons {
         let Some(open) = &mut self.open else { return };
         // The burst that another step requested is not needed any more.
         model.slots.a.opening.forget();
+        // Which of two bursts was opened last says nothing.
+        model.messages.forget_note();
         let (first, second) = (open.step().state.burst(), open.step().state.second.clone());
         (open.is_ready, open.opens) = (false, Vec::new());
         for (side, source) in [(Side::A, Some(first)), (Side::B, second)] {

@@ -74,7 +74,8 @@ pub fn choice_ui<T: PartialEq + Copy>(
     choices: impl IntoIterator<Item = T>,
     name: impl Fn(T) -> &'static str,
 ) -> bool {
-    let mut list = ComboBox::from_id_salt(id).selected_text(name(*value));
+    // All choices are seen at once.
+    let mut list = ComboBox::from_id_salt(id).selected_text(name(*value)).height(400.0);
     if let Some(width) = width {
         list = list.width(width).truncate();
     }

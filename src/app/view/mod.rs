@@ -5,7 +5,7 @@ mod pan_zoom;
 
 pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
 
-use crate::detector::quantity::{BRIGHT, Colours, Form};
+use crate::detector::quantity::{BRIGHT, Colours, Form, WARM};
 use crate::detector::{Feature, MotionLayer, Quantity, Slope};
 use crate::inspect::verdict::Judged;
 use serde::{Deserialize, Serialize};
@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 pub enum ColourBy {
     #[default]
     SlopeDirection,
+    /// Length of its motion: of a camera that moves before a still scene, what is near is fast.
+    Speed,
     SlopeU,
     SlopeV,
     FieldU,
@@ -32,9 +34,24 @@ pub enum ColourBy {
 }
 
 impl ColourBy {
-    pub const ALL: [Self; 13] = {
+    pub const ALL: [Self; 14] = {
         use ColourBy::*;
-        [SlopeDirection, SlopeU, SlopeV, Scale, Response, Snr, Limit, Coherence, FieldU, FieldV, Layer, Moves, Depth]
+        [
+            SlopeDirection,
+            Speed,
+            SlopeU,
+            SlopeV,
+            Scale,
+            Response,
+            Snr,
+            Limit,
+            Coherence,
+            FieldU,
+            FieldV,
+            Layer,
+            Moves,
+            Depth,
+        ]
     };
 
     /// The choices, in the order of a picker; depths only where slopes are read as depths.
@@ -42,10 +59,10 @@ impl ColourBy {
         Self::ALL.into_iter().filter(move |by| with_depths || *by != Self::Depth)
     }
 
-    /// The quantity; `None` for the direction of the slope, which is none.
+    /// The quantity; `None` for the direction of the slope and for the speed, which are none.
     pub fn quantity(self) -> Option<Quantity> {
         match self {
-            Self::SlopeDirection => None,
+            Self::SlopeDirection | Self::Speed => None,
             Self::SlopeU => Some(Quantity::SlopeU),
             Self::SlopeV => Some(Quantity::SlopeV),
             Self::FieldU => Some(Quantity::FieldU),
@@ -63,11 +80,12 @@ impl ColourBy {
 
     /// Whether it shows the searched slopes.
     pub fn is_of_slope(self) -> bool {
-        matches!(self, Self::SlopeDirection | Self::SlopeU | Self::SlopeV | Self::Limit)
+        matches!(self, Self::SlopeDirection | Self::Speed | Self::SlopeU | Self::SlopeV | Self::Limit)
     }
 
     pub fn name(self) -> &'static str {
-        self.quantity().map_or("Slope", |quantity| quantity.record().title)
+        let motion = if self == Self::Speed { "Speed" } else { "Slope" };
+        self.quantity().map_or(motion, |quantity| quantity.record().title)
     }
 
     pub fn unit(self) -> &'static str {
@@ -75,7 +93,8 @@ impl ColourBy {
     }
 
     pub fn colours(self) -> Colours {
-        self.quantity().and_then(|quantity| quantity.record().colours).unwrap_or(BRIGHT)
+        let of_motion = if self == Self::Speed { Colours { is_log: false, ..WARM } } else { BRIGHT };
+        self.quantity().and_then(|quantity| quantity.record().colours).unwrap_or(of_motion)
     }
 }
 

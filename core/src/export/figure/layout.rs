@@ -294,22 +294,24 @@ impl Style {
         let font = self.font;
         let (mut left, mut row, mut width) = (0f32, 0usize, 0f32);
         for entry in entries {
-            let needed = 2.3 * font + self.text_width(&entry.label); // with the swatch and the gaps
+            // Two dashes of a line are seen.
+            let swatch = if entry.mark == LegendMark::Square { 0.9 * font } else { 1.75 * font };
+            let needed = swatch + 1.4 * font + self.text_width(&entry.label); // with the gaps
             if left > 0.0 && left + needed > room {
                 (left, row) = (0.0, row + 1);
             }
             let (x, baseline) = (corner[0] + left, corner[1] + font * (1.35 + 1.5 * row as f32));
-            let rect = FigureRect { min: [x, baseline - 0.8 * font], size: [0.9 * font; 2] };
+            let rect = FigureRect { min: [x, baseline - 0.8 * font], size: [swatch; 2] };
             out.push(match entry.mark {
                 LegendMark::Square => FigureShape::Fill { rect, color: entry.color },
                 mark => {
-                    let points = [x, x + 0.95 * font].map(|x| [x, baseline - 0.35 * font]).to_vec();
+                    let points = [x, x + swatch].map(|x| [x, baseline - 0.35 * font]).to_vec();
                     let width = (0.12 * font).max(self.stroke);
                     let stroke = FigureStroke { width, color: entry.color, opacity: 1.0 };
                     FigureShape::Line { points, stroke, dashed: mark == LegendMark::Dashes, class: "legend" }
                 }
             });
-            out.push(self.text([x + 1.2 * font, baseline], &entry.label));
+            out.push(self.text([x + swatch + 0.3 * font, baseline], &entry.label));
             left += needed;
             width = width.max(left);
         }

@@ -129,6 +129,9 @@ impl ColourScale {
 
     /// Of what moves by `slope`, where the colours show that.
     pub fn of_slope(&self, slope: Slope) -> Color32 {
+        if self.by == ColourBy::Speed {
+            return self.along(slope.magnitude());
+        }
         let Some(degrees) = self.line_deg else {
             return rgb(direction_colour(slope.v.atan2(slope.u), slope.magnitude() / self.max));
         };
@@ -360,6 +363,24 @@ mod tests {
             let odd = Feature { snr: f32::INFINITY, ..odd };
             empty.colour(0, &odd);
             ColourScale::of(by, &[odd], &PLANE).colour(0, &odd);
+        }
+    }
+
+    #[test]
+    fn speeds_have_no_direction_and_motions_rise_in_lightness_so_that_every_eye_tells_them_apart() {
+        let at = |slope| feature(0.0, 0.0, 2.0, slope, 0.1);
+        let features = [at((3.0, 0.0)), at((0.0, -3.0)), at((0.5, 0.0))];
+        let speed = ColourScale::of(ColourBy::Speed, &features, &PLANE);
+        let [right, up, slow] = [0, 1, 2].map(|i| speed.colour(i, &features[i]));
+        assert!(right == up && up == speed.along(3.0) && slow != up && !speed.has_wheel());
+        for by in [ColourBy::Speed, ColourBy::SlopeU, ColourBy::FieldV] {
+            let scale = ColourScale::with_range(by, 0.0, 1.0);
+            // Of a grey of the same lightness, by the weights of sRGB.
+            let lightness = |i: u8| {
+                let [r, g, b, _] = egui::Rgba::from(scale.along(f32::from(i) / 20.0)).to_array();
+                0.2126 * r + 0.7152 * g + 0.0722 * b
+            };
+            assert!((0..20).all(|i| lightness(i + 1) > lightness(i)) && lightness(0) > 0.08, "{by:?}");
         }
     }
 
