@@ -1,11 +1,15 @@
 //! `stack`, `render`, and the program without a display.
 
 use super::support::{names, program, run_badly, run_well, stderr};
+use burstscope::app::document::Action;
+use burstscope::app::document::journal::Journal;
+use burstscope::app::project::side::Side;
 use burstscope::detector::stack::motion_stack;
 use burstscope::detector::{Interpolation, Slope};
+use burstscope::requests::BurstSource;
 use burstscope::synth::demo_burst;
 use burstscope::{Monitor, Plane};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 fn read_tiff(path: &Path) -> ((u32, u32), Vec<f32>) {
     let file = std::io::BufReader::new(std::fs::File::open(path).expect("a file"));
@@ -117,6 +121,25 @@ fn what_was_done_in_a_window_is_done_again_and_drawn() {
         let error = run_badly(home.path(), &[&arguments[..], &more].concat(), 2);
         assert!(error.contains("--play") && error.contains(word), "{error}");
     }
+}
+
+#[test]
+fn what_was_opened_by_a_path_relative_to_one_folder_is_done_again_from_another() {
+    let home = tempfile::tempdir().expect("a folder");
+    run_well(home.path(), &["synth", "chart", "--out", "burst"]);
+    // From the folder of this test up to the root, and down again.
+    let names = |path: &Path| path.components().filter(|part| matches!(part, Component::Normal(_))).count();
+    let up = vec![".."; names(&std::env::current_dir().expect("a folder"))];
+    let down = home.path().components().filter(|part| matches!(part, Component::Normal(_)));
+    let relative: PathBuf = up.iter().map(Path::new).chain(down.map(|part| Path::new(part.as_os_str()))).collect();
+    let relative = relative.join("burst");
+    assert!(relative.is_relative() && relative.is_dir(), "{relative:?}");
+    let mut journal = Journal::default();
+    journal.take(&Action::Open(Side::A, BurstSource::Paths(vec![relative])), false);
+    let elsewhere = tempfile::tempdir().expect("a folder");
+    std::fs::write(elsewhere.path().join("did.toml"), journal.to_toml()).expect("written");
+    run_well(elsewhere.path(), &["render", "--play", "did.toml", "--out", "x.png", "--size", "600x400"]);
+    assert_eq!(image::open(elsewhere.path().join("x.png")).expect("a picture").width(), 600);
 }
 
 #[test]

@@ -6,7 +6,6 @@ use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
-use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
@@ -209,17 +208,20 @@ fn is_in_view(model: &Model, widgets: &PaneWidgets, row: &Row) -> bool {
     seen.is_some_and(|seen| seen.contains(pos2(u, v)))
 }
 
+/// Where a comparison is drawn, and which of its rows.
+pub struct RowsInPane {
+    pub id: PaneId,
+    pub side: Side,
+    pub drawn: Vec<bool>,
+}
+
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
-fn marks_of(
-    model: &Model,
-    (side, id): (Side, PaneId),
-    shown: &Shown,
-    layer: &FeatureLayer,
-) -> (Vec<usize>, Vec<ComparedMark>) {
+fn marks_of(model: &Model, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, Vec<ComparedMark>) {
+    let RowsInPane { side, id, .. } = *place;
     let dt = frames_from_middle(model.picture_in(id), &shown.detection).unwrap_or(0.0);
     let pointed = [model.comparisons[side].selected, model.slots[side].comparison.hovered];
     let drawn = shown.rows.iter().enumerate().filter(|(index, row)| {
-        model.comparisons[side].shows(row.kind) && (layer.draws(row) || pointed.contains(&Some(*index)))
+        model.comparisons[side].shows(row.kind) && (place.drawn[*index] || pointed.contains(&Some(*index)))
     });
     drawn
         .map(|(index, row)| {
@@ -237,16 +239,9 @@ fn marks_of(
         .unzip()
 }
 
-pub fn marks_ui(
-    ui: &Ui,
-    model: &Model,
-    (side, id): (Side, PaneId),
-    shown: &Shown,
-    layer: &FeatureLayer,
-    output: &CanvasOutput,
-    queue: &mut Queue,
-) {
-    let (rows, marks) = marks_of(model, (side, id), shown, layer);
+pub fn marks_ui(ui: &Ui, model: &Model, shown: &Shown, place: &RowsInPane, output: &CanvasOutput, queue: &mut Queue) {
+    let side = place.side;
+    let (rows, marks) = marks_of(model, shown, place);
     let clip = output.painter.clip_rect();
     // Candidates and matches lie on top.
     let is_over_match = model.workspace == Workspace::Pair && model.pair.hovered.is_some();
@@ -291,12 +286,12 @@ fn row_tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
 pub fn legend_ui(
     ui: &mut Ui,
     model: &Model,
-    side: Side,
     shown: &Shown,
-    layer: &FeatureLayer,
+    in_pane: &RowsInPane,
     output: &CanvasOutput,
     queue: &mut Queue,
 ) {
+    let side = in_pane.side;
     let kinds: Vec<Kind> =
         Kind::of(shown.with).iter().copied().filter(|kind| model.comparisons[side].shows(*kind)).collect();
     let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: false };
@@ -306,7 +301,8 @@ pub fn legend_ui(
         for kind in kinds {
             ui.horizontal(|ui| {
                 key_ui(ui, shown, kind);
-                let drawn = shown.rows.iter().filter(|row| row.kind == kind && layer.draws(row)).count();
+                let rows = shown.rows.iter().zip(&in_pane.drawn);
+                let drawn = rows.filter(|(row, drawn)| row.kind == kind && **drawn).count();
                 let all = shown.count(kind);
                 let count = if drawn < all { format!("{drawn} of {all}") } else { all.to_string() };
                 ui.label(RichText::new(format!("{} {count}", shown.label(kind))).small());

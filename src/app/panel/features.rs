@@ -4,7 +4,7 @@ use crate::app::actions::Queue;
 use crate::app::canvas::{CanvasOutput, overlay, signed_number};
 use crate::app::document::{Action, Pointed};
 use crate::app::pane::PaneId;
-use crate::app::panel::against::{self, marks_ui};
+use crate::app::panel::against::{self, RowsInPane, marks_ui};
 use crate::app::panel::legend;
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
@@ -155,9 +155,11 @@ pub fn features_ui(
     let (side, is_of_burst) = (pane.side, matches!(model.workspace, Workspace::Inspect | Workspace::Pair));
     if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst) {
         // The colours now show the comparison's outcome.
-        marks_ui(ui, model, (side, id), shown, &layer, output, queue);
+        let drawn = shown.rows.iter().map(|row| layer.draws(row)).collect();
+        let place = RowsInPane { id, side, drawn };
+        marks_ui(ui, model, shown, &place, output, queue);
         if has_legend {
-            against::legend_ui(ui, model, side, shown, &layer, output, queue);
+            against::legend_ui(ui, model, shown, &place, output, queue);
         }
         return;
     }

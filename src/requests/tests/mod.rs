@@ -1,6 +1,5 @@
 //! Tests of requests: when two are the same, that the answer is the library's, and how a request ends.
 
-mod answers;
 mod datasets;
 mod ending;
 mod sameness;
