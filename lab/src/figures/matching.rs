@@ -3,6 +3,7 @@
 use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
+use crate::evaluate::curves::lettered;
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
@@ -136,18 +137,19 @@ fn draw(bursts: &[Burst; 2], gold: &Plane, all: [&Matched; 2], found: [&Detectio
     let third = (WIDTH - 4.0 * GAP) / 3.0;
     let x = |column: usize| GAP + (third + GAP) * column as f64;
     let top = 30.0;
-    let seen = Panel::draw(&mut sheet, (x(0), top), third, gold, &Display::default(), "the scene in good light");
-    let title = format!("one frame in the dark (SNR {snr:.2}, stretched)");
+    let title = lettered(0, "the scene in good light");
+    let seen = Panel::draw(&mut sheet, (x(0), top), third, gold, &Display::default(), &title);
+    let title = lettered(1, &format!("one frame in the dark (SNR {snr:.2}, stretched)"));
     Panel::draw(&mut sheet, (x(1), top), third, &frames[0], &Display::stretched(&frames[0]), &title);
-    let title = "SIFT (orange), BuFF (blue): 150 strongest";
-    let both = Panel::draw(&mut sheet, (x(2), top), third, gold, &Display { max: 1.6, ..Display::default() }, title);
+    let title = lettered(2, "SIFT (orange), BuFF (blue): 150 strongest");
+    let both = Panel::draw(&mut sheet, (x(2), top), third, gold, &Display { max: 1.6, ..Display::default() }, &title);
     sheet.clipped(both.area, |sheet| {
         for (detection, colour) in found.into_iter().zip([WRONG, RIGHT]) {
             detection.features.iter().take(150).for_each(|feature| both.feature(sheet, feature, colour));
         }
     });
     let mut y = seen.area.bottom() + 40.0;
-    for matched in all {
+    for (index, matched) in all.into_iter().enumerate() {
         let half = (WIDTH - 3.0 * GAP) / 2.0;
         let right = matched.right();
         let title = format!(
@@ -157,6 +159,7 @@ fn draw(bursts: &[Burst; 2], gold: &Plane, all: [&Matched; 2], found: [&Detectio
             matched.keypoints[1],
             matched.matches.len(),
         );
+        let title = lettered(3 + index, &title);
         let panels = [0, 1].map(|side| {
             let at = (GAP + (half + GAP) * side as f64, y);
             let title = if side == 0 { title.as_str() } else { "" };

@@ -26,7 +26,11 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
         return;
     };
     let judged = spectrum.judgement.as_ref().map_or("", |judgement| judgement.sentence.as_str());
-    let text = format!("{} features at {} slopes  ·  {judged}", spectrum.features, spectrum.cost.slopes);
+    let text = format!(
+        "{} features at {} slopes  ·  {judged}",
+        grouped(spectrum.features as u64),
+        grouped(spectrum.cost.slopes as u64)
+    );
     let tip = format!("{}\nThe frames: {}", sentence_of(judged), spectrum.finding.summary());
     ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }
