@@ -59,7 +59,7 @@ pub struct Spot {
 pub struct PlaneScene {
     pub truth: Vec<Spot>,
     pub estimate: Vec<Spot>,
-    /// Points of the estimate, in plane units: all, or at most [`MOST_POINTS`] of them.
+    /// Points of the estimate, in plane units: all, or at most 20 000 of them.
     pub points: Vec<egui::Pos2>,
     pub size: (usize, usize),
     /// Plane units for one unit of the truth.

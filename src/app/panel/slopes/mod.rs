@@ -26,11 +26,8 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
         return;
     };
     let judged = spectrum.judgement.as_ref().map_or("", |judgement| judgement.sentence.as_str());
-    let text = format!(
-        "{} features at {} slopes  ·  {judged}",
-        grouped(spectrum.features as u64),
-        grouped(spectrum.cost.slopes as u64)
-    );
+    let features = grouped(spectrum.features as u64);
+    let text = format!("{features} features at {} slopes  ·  {judged}", spectrum.cost.slopes);
     let tip = format!("{}\nThe frames: {}", sentence_of(judged), spectrum.finding.summary());
     ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }
