@@ -34,7 +34,7 @@ pub fn place_text(readout: &Readout) -> String {
 pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
     let picture = model.picture_in(id)?;
     let (width, height) = picture.plane.size();
-    let rgba = picture.rgba(&model.display_of(id));
+    let rgba = picture.rgba(&model.display_of(id), model.features_of_motion(id));
     Some(egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw()))
 }
 

@@ -6,15 +6,14 @@ use crate::inspect::candidates::WinningSlopes;
 use crate::plane::display::{Rgb, direction_colour};
 use image::{Rgba, RgbaImage};
 
-/// Motion of each pixel, and its colours.
+/// Motion of each pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionMap {
     /// Each pixel's slope and its certainty (0 … 1), row by row.
     motions: Vec<(Slope, f32)>,
-    /// Slopes that were searched, which decide the [colours](SlopeColours).
+    width: usize,
+    /// Slopes that were searched, which with the features decide the [colours](SlopeColours).
     pub grid: SlopeGrid,
-    /// The slopes' colours, the brighter the more certain, dark where nothing is known.
-    pub colours: RgbaImage,
     /// The field of motion, in its picture.
     pub field: Option<MotionField>,
 }
@@ -105,12 +104,18 @@ impl MotionMap {
     }
 
     fn new((width, height): (usize, usize), grid: &SlopeGrid, at: impl Fn(usize, usize) -> (Slope, f32)) -> Self {
-        let motions: Vec<(Slope, f32)> = (0..width * height).map(|place| at(place % width, place / width)).collect();
-        let of_slopes = SlopeColours::of(grid, &[]);
+        let motions = (0..width * height).map(|place| at(place % width, place / width)).collect();
+        Self { motions, width, grid: *grid, field: None }
+    }
+
+    /// The slopes' colours, those of `features`, which were found with its slopes; the brighter the more certain, dark
+    /// where nothing is known.
+    pub fn colours(&self, features: &[Feature]) -> RgbaImage {
+        let of_slopes = SlopeColours::of(&self.grid, features);
         // Most places share their slope with the one before.
         let mut last = None;
-        let colours = RgbaImage::from_fn(width as u32, height as u32, |x, y| {
-            let (slope, sure) = motions[y as usize * width + x as usize];
+        RgbaImage::from_fn(self.width as u32, (self.motions.len() / self.width) as u32, |x, y| {
+            let (slope, sure) = self.at((x as usize, y as usize));
             if sure <= 0.0 {
                 return Rgba([NOTHING, NOTHING, NOTHING, 255]);
             }
@@ -122,13 +127,12 @@ impl MotionMap {
             let brightness = MIN_BRIGHTNESS + (1.0 - MIN_BRIGHTNESS) * sure.sqrt();
             let [r, g, b] = colour.map(|c: u8| (f32::from(c) * brightness) as u8);
             Rgba([r, g, b, 255])
-        });
-        Self { motions, grid: *grid, colours, field: None }
+        })
     }
 
     /// The motion at a pixel (column, row), and its certainty, 0 … 1.
     pub fn at(&self, (x, y): (usize, usize)) -> (Slope, f32) {
-        self.motions[y * self.colours.width() as usize + x]
+        self.motions[y * self.width + x]
     }
 }
 
@@ -150,6 +154,9 @@ mod tests {
         let colours = SlopeColours::of(&plane, &still);
         assert_eq!(colours.colour(Slope::new(0.866, 0.5)), colours.colour(Slope::new(0.866 - 0.5, 0.5 + 0.866)));
         assert_ne!(colours.colour(Slope::new(0.866, 0.5)), colours.colour(Slope::new(3.0, 1.8)));
+        let map = MotionMap::new((1, 1), &plane, |_, _| (Slope::new(0.866, 0.5), 1.0));
+        let [r, g, b] = colours.colour(Slope::new(0.866, 0.5));
+        assert!(map.colours(&still).get_pixel(0, 0).0 == [r, g, b, 255] && map.colours(&[]) != map.colours(&still));
         // Five of them rise: too many for a line, as lanterns in a street.
         let lanterns: Vec<Feature> = still.iter().copied().chain((0..5).map(|_| moving(0.0, -3.0))).collect();
         assert_eq!(line_of(&plane, &lanterns), None);

@@ -5,7 +5,7 @@ use super::kind::{PictureKind, RangeClass, ViewKind};
 use super::map::MotionMap;
 use super::open::{BurstId, OpenBurst};
 use crate::detector::params::Stage;
-use crate::detector::{DetectorParams, FrameRange, Method};
+use crate::detector::{DetectorParams, Feature, FrameRange, Method};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
@@ -129,21 +129,22 @@ pub struct Picture {
     pub plane: Arc<Plane>,
     /// Its pixels as they are shown: the same, or smoothed.
     pub drawn: Arc<Plane>,
-    /// The motions and their colours, for a picture of the motion.
+    /// The motions, for a picture of the motion.
     pub motion: Option<Arc<MotionMap>>,
 }
 
 impl Picture {
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
-        // The plane, the motions and their colours.
+        // The plane and the motions.
         let drawn = if Arc::ptr_eq(&self.plane, &self.drawn) { 0 } else { pixels };
-        drawn + if self.motion.is_some() { 5 * pixels } else { pixels }
+        drawn + if self.motion.is_some() { 4 * pixels } else { pixels }
     }
 
-    /// One opaque pixel for each value, in `display`'s range and colours unless the picture has its own colours.
-    pub fn rgba(&self, display: &Display) -> RgbaImage {
-        self.motion.as_ref().map_or_else(|| to_rgba8(&self.drawn, display), |motion| motion.colours.clone())
+    /// One opaque pixel for each value, in `display`'s range and colours; motions in the colours of those of
+    /// `features`.
+    pub fn rgba(&self, display: &Display, features: &[Feature]) -> RgbaImage {
+        self.motion.as_ref().map_or_else(|| to_rgba8(&self.drawn, display), |motion| motion.colours(features))
     }
 
     /// Between the pixels `other` is taken linearly; beside it the difference is NaN.

@@ -76,7 +76,7 @@ fn a_session_brings_everything_back() {
     assert_eq!(model.features(), features, "the same burst and parameters give the same bits");
     assert_eq!(model.selected, Some(1));
     assert!(!model.look.motion_vectors);
-    assert_eq!(other.app().model.focused().view.zoom, view.zoom);
+    assert_eq!(other.app().model.focused().view, view, "also beside the panel of the selection");
 }
 
 #[test]

@@ -57,6 +57,19 @@ fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
 }
 
 #[test]
+fn in_a_narrow_window_two_bursts_stay_until_the_panel_is_asked_for() {
+    let mut window = demos([960.0, 640.0]);
+    let before = panes(&window);
+    window.key(Key::Home);
+    window.settle();
+    assert!(window.app().model.selected_match.is_some() && !window.shows("Selected match"));
+    assert_eq!(panes(&window), before, "a match is selected");
+    window.click("Unfold Feature and display");
+    window.settle();
+    assert!(window.shows("Selected match"));
+}
+
+#[test]
 fn wide_bursts_stand_one_above_the_other() {
     let home = tempfile::tempdir().unwrap();
     let path = crate::support::noisy_stack(home.path(), 5, 60, 150);

@@ -127,9 +127,9 @@ pub const BRIGHT: Colours =
 /// As [`BRIGHT`], for what has no sign.
 pub const WARM: Colours =
     Colours { map: ColourMap::Magma, part: [0.45, 1.0], is_log: true, span: Span::Found(1.0, 16.0) };
-/// Uneven responses stand out in red; most features are at the other end, which is light enough for a dark picture.
+/// As [`BRIGHT`], from light to dark: few responses are uneven, and those stand out.
 const REVERSED: Colours =
-    Colours { map: ColourMap::Turbo, part: [0.92, 0.25], is_log: false, span: Span::Always(0.0, 1.0) };
+    Colours { map: ColourMap::Viridis, part: [1.0, 0.35], is_log: false, span: Span::Always(0.0, 1.0) };
 
 /// The record of a whole number that is not in a feature, without colours and without an entry of the glossary.
 fn named(key: &'static str, heading: &'static str, unit: &'static str, help: &'static str) -> Record {

@@ -169,7 +169,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
         Some(motion) => {
             let (u, v) = (region.columns.start as u32, region.rows.start as u32);
             let (width, height) = (region.columns.len() as u32, region.rows.len() as u32);
-            image::imageops::crop_imm(&motion.colours, u, v, width, height).to_image()
+            image::imageops::crop_imm(&motion.colours(model.features_of_motion(id)), u, v, width, height).to_image()
         }
         None => to_rgba8(&part, &display),
     };

@@ -8,11 +8,14 @@ use egui::Rect;
 pub struct HeldPlace {
     last: Option<(Rect, bool)>,
     moved: Option<(View, View)>,
+    /// View as the last pass left it.
+    left: Option<View>,
 }
 
 impl HeldPlace {
     /// Adapts `view` to the canvas `rect_ui` of this pass, beside which a panel came by itself (`is_beside`) or not.
-    /// When the panel comes, the picture keeps its place and size; when it goes, an untouched view is as before.
+    /// When the panel comes, the picture keeps its place and size; when it goes, an untouched view is as before. A
+    /// view that was set as the panel came, such as that of a session, is one beside it.
     pub fn keep(&mut self, view: &mut View, rect_ui: Rect, is_beside: bool) {
         let Some((before, was_beside)) = self.last.replace((rect_ui, is_beside)) else { return };
         let untouched = self.moved.filter(|(after, _)| after == view).map(|(_, original)| original);
@@ -21,8 +24,10 @@ impl HeldPlace {
         if before == rect_ui || (was_beside == is_beside && !is_growing) {
             return;
         }
+        let is_set = self.left.is_some_and(|left| left != *view);
         match untouched.filter(|_| !is_beside) {
             Some(original) => *view = original,
+            None if is_beside && is_set => self.moved = None,
             // One that was fitted while the panel was there is fitted without it.
             None if !is_beside && !matches!(view.zoom, Zoom::PointsPerPixel(_)) => self.moved = None,
             None => {
@@ -31,6 +36,10 @@ impl HeldPlace {
                 self.moved = is_beside.then_some((*view, original));
             }
         }
+    }
+
+    pub fn leave(&mut self, view: View) {
+        self.left = Some(view);
     }
 }
 
@@ -78,6 +87,17 @@ mod tests {
         aside.keep(&mut view, rect(1040.0), false);
         let after = view.settle(rect(1040.0), SIZE, 1.0).pos(place);
         assert!((after - before).length() < 0.6 && !view.is_fit());
+    }
+
+    #[test]
+    fn a_view_that_is_restored_with_the_panel_is_the_one_beside_it() {
+        let (mut aside, mut view) = (HeldPlace::default(), View::fit());
+        aside.keep(&mut view, rect(1040.0), false);
+        aside.leave(view);
+        let restored = View::new(Zoom::PointsPerPixel(2.0), [100.0, 50.0]);
+        let mut view = restored;
+        aside.keep(&mut view, rect(780.0), true);
+        assert_eq!(view, restored);
     }
 
     #[test]

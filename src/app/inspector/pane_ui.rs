@@ -73,9 +73,10 @@ pub(super) fn picture_ui(
         ..canvas_of(model, shown, name)
     };
     let output = canvas.show(ui, &mut view);
+    widgets.of(id).aside.leave(view);
     let state = &mut widgets.of(shown).picture;
     let picture = model.picture_in(shown);
-    state.paint_colours(ui, picture, filter_of(model, shown), &output);
+    state.paint_colours(ui, picture, model.features_of_motion(shown), filter_of(model, shown), &output);
     state.readout = match (picture, state.shown(), output.hover_image) {
         (Some(picture), Some(canvas), Some(pos)) => readout_of(picture, canvas, pos, full_scale(model, shown)),
         _ => None,
@@ -107,7 +108,7 @@ pub(super) fn over_ui(
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
     let canvas = Canvas { picture: state.shown(), ..canvas_of(model, other, "Wipe, right side") };
     let over = canvas.show_over(ui, &drawn.output, right);
-    state.paint_colours(ui, picture, filter_of(model, other), &over);
+    state.paint_colours(ui, picture, model.features_of_motion(other), filter_of(model, other), &over);
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false, queue);
     drawn.right = Some((other, over));

@@ -12,6 +12,7 @@ use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui};
 use crate::app::project::Model;
 use crate::app::project::look::{FeaturesShown, Look, RangeClass, SMOOTHING_PX};
 use crate::plane::display::Display;
+use crate::requests::line_of;
 use egui::{
     Align2, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2,
 };
@@ -51,8 +52,9 @@ fn range_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Q
         .on_hover_text("It stays fixed until you change it, so that pictures can be compared");
     if class == RangeClass::Motion {
         let motion = model.picture().and_then(|picture| picture.motion.as_ref());
-        let is_line = motion.is_some_and(|motion| motion.grid.as_line().is_some());
-        let what = if is_line { "slope along the searched line" } else { "direction and length of the motion" };
+        let features = model.features_of_motion(model.focus());
+        let is_line = motion.is_some_and(|motion| line_of(&motion.grid, features).is_some());
+        let what = if is_line { "slope along the line of the motions" } else { "direction and length of the motion" };
         ui.add(egui::Label::new(format!("Colour: {what}; bright where it is certain")).wrap());
         return;
     }

@@ -32,7 +32,7 @@ pub const KEY_ROOM: Vec2 = vec2(430.0, 150.0);
 pub fn motion_key(model: &Model, id: PaneId, rect: Rect) -> Option<ColourScale> {
     let motion = model.picture_in(id)?.motion.as_ref()?;
     let has_room = rect.width() >= KEY_ROOM.x && rect.height() >= KEY_ROOM.y;
-    has_room.then(|| ColourScale::of_slopes(&motion.grid, &[]))
+    has_room.then(|| ColourScale::of_slopes(&motion.grid, model.features_of_motion(id)))
 }
 
 const CHIP: Vec2 = vec2(62.0, 20.0);

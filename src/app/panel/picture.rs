@@ -8,15 +8,17 @@ use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::app::project::{Model, Stale};
 use crate::app::style;
 use crate::app::view::fixed;
-use crate::detector::{Detection, Feature, MotionField, Slope};
+use crate::detector::{Detection, Feature, MotionField, Slope, SlopeAxis};
 use crate::inspect::verdict::Judged;
-use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest};
+use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest, line_of};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
 /// Colours of a picture of motions on the card.
 struct Colours {
     of: Arc<MotionMap>,
+    /// Line along which the colours run, if they do.
+    line: Option<(f32, SlopeAxis)>,
     /// Layers of the field that are drawn dark.
     hidden: Vec<u8>,
     texture: egui::TextureHandle,
@@ -57,11 +59,12 @@ impl PictureState {
         self.shown.as_ref()
     }
 
-    /// Of a field of motion, layers that `filter` hides are dark.
+    /// Motions have the colours of those of `features`; of a field of motion, layers that `filter` hides are dark.
     pub(in crate::app) fn paint_colours(
         &mut self,
         ui: &Ui,
         picture: Option<&Picture>,
+        features: &[Feature],
         filter: Option<&Filter>,
         output: &canvas::CanvasOutput,
     ) {
@@ -77,22 +80,25 @@ impl PictureState {
             let of = |field: &MotionField| hidden.contains(&field.layer_at(u, v));
             !hidden.is_empty() && motion.field.as_ref().is_some_and(of)
         };
-        if self.colours.as_ref().is_none_or(|last| !Arc::ptr_eq(&last.of, motion) || last.hidden != hidden) {
+        let line = line_of(&motion.grid, features);
+        let is_same = |last: &Colours| Arc::ptr_eq(&last.of, motion) && last.hidden == hidden && last.line == line;
+        if !self.colours.as_ref().is_some_and(is_same) {
+            let colours = motion.colours(features);
             // Only every n-th pixel, where the card cannot hold a picture of this size.
             let most = ui.ctx().input(|i| i.max_texture_side).max(1) as u32;
-            let (width, height) = motion.colours.dimensions();
+            let (width, height) = colours.dimensions();
             let every = width.max(height).div_ceil(most).max(1);
             let size = [width.div_ceil(every) as usize, height.div_ceil(every) as usize];
             let pixels = (0..size[0] * size[1]).map(|i| {
                 let (x, y) = ((i % size[0]) as u32 * every, (i / size[0]) as u32 * every);
-                let [r, g, b, _] = motion.colours.get_pixel(x, y).0;
+                let [r, g, b, _] = colours.get_pixel(x, y).0;
                 let brightness = if is_hidden(x as f32, y as f32) { HIDDEN } else { 1.0 };
                 let [r, g, b] = [r, g, b].map(|channel| (brightness * f32::from(channel)) as u8);
                 egui::Color32::from_rgb(r, g, b)
             });
             let image = egui::ColorImage::new(size, pixels.collect());
             let texture = ui.ctx().load_texture("winning slopes", image, egui::TextureOptions::NEAREST);
-            self.colours = Some(Colours { of: motion.clone(), hidden: hidden.clone(), texture });
+            self.colours = Some(Colours { of: motion.clone(), line, hidden: hidden.clone(), texture });
         }
         if let Some(colours) = &self.colours {
             paint(&output.painter, colours.texture.id(), output.ui_from_image.rect(rect_image));

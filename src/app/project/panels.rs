@@ -91,12 +91,22 @@ impl Model {
         self.panels.left != Visibility::Closed && !self.shows_left() && !self.panels.hall
     }
 
+    /// Whether the panel of a match would take the room of two pictures, so that it is opened on demand.
+    fn is_narrow_pair(&self) -> bool {
+        self.workspace == Workspace::Pair && self.window_width_points < MIN_WIDTH_WITH_LEFT
+    }
+
+    pub fn folds_right(&self) -> bool {
+        self.is_narrow_pair() && self.panels.right == Visibility::Auto && !self.shows_right() && !self.panels.hall
+    }
+
     pub fn shows_right(&self) -> bool {
         self.panels.right.or(match self.workspace {
-            Workspace::Inspect => self.selected.is_some() || self.probe.is_open,
+            // That of a session comes with its features.
+            Workspace::Inspect => self.selected.is_some() || self.reselect.is_some() || self.probe.is_open,
             Workspace::Pair => {
-                let is_asked = self.asked_feature().is_some() || self.probe.is_open;
-                is_asked || self.window_width_points >= MIN_WIDTH_WITH_PAIR
+                let is_asked = self.asked_feature().is_some() && !self.is_narrow_pair();
+                is_asked || self.probe.is_open || self.window_width_points >= MIN_WIDTH_WITH_PAIR
             }
             Workspace::Methods => false,
             Workspace::Matches | Workspace::Trajectories | Workspace::Lab => true,

@@ -11,7 +11,7 @@ use crate::app::project::pair::Side;
 use crate::app::project::part::{Part, Pass};
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model};
-use crate::detector::{Detection, DetectorParams, Slope};
+use crate::detector::{Detection, DetectorParams, Feature, Slope};
 use crate::engine::{Ended, Want};
 use crate::plane::display::Display;
 use crate::requests::{JobError, OpenBurst, Picture, PictureKind, PictureRequest, Request, Urgency};
@@ -131,6 +131,13 @@ impl Model {
     pub fn picture_in(&self, id: PaneId) -> Option<&Picture> {
         let pane = self.panes.get(id)?;
         self.pictures.get(&id)?.picture.as_ref().filter(|picture| self.fits(pane, picture))
+    }
+
+    /// Features with whose motions those in the picture of pane `id` share their colours.
+    pub fn features_of_motion(&self, id: PaneId) -> &[Feature] {
+        let grid = self.picture_in(id).and_then(|picture| picture.motion.as_ref()).map(|motion| motion.grid);
+        let found = self.panes.get(id).and_then(|pane| self.found_of(pane.side));
+        found.filter(|found| grid == Some(found.detection.slopes)).map_or(&[], |found| &found.detection.features)
     }
 
     /// Whether `picture` is of the burst that `pane` shows; the difference of two panes may be of any open burst.

@@ -163,13 +163,20 @@ const FOLDED_WIDTH: f32 = 22.0;
 
 /// Draws the panel on the left as a strip with its name where it is folded; a click opens it.
 pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if !model.folds_left() {
-        return;
+    if model.folds_left() {
+        strip_ui(ui, Panel::left("left folded"), ActionId::ToggleLeft, "slope, scale, parameters", queue);
     }
+    if model.folds_right() {
+        strip_ui(ui, Panel::right("right folded"), ActionId::ToggleRight, "the selected match, and display", queue);
+    }
+}
+
+/// A narrow strip in place of a panel, which a click opens.
+fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: &mut Queue) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::ZERO);
-    Panel::left("left folded").frame(frame).exact_size(FOLDED_WIDTH).resizable(false).show(ui, |ui| {
+    panel.frame(frame).exact_size(FOLDED_WIDTH).resizable(false).show(ui, |ui| {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
-        let name = ActionId::ToggleLeft.action().label;
+        let name = toggle.action().label;
         named(&response, egui::Role::Button, format!("Unfold {name}"));
         let visuals = ui.style().interact(&response);
         let galley =
@@ -178,8 +185,8 @@ pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &Model, queue: &m
         let text = egui::epaint::TextShape::new(anchor, galley, visuals.text_color())
             .with_angle_and_anchor(std::f32::consts::FRAC_PI_2, Align2::LEFT_CENTER);
         ui.painter().add(Shape::Text(text));
-        if response.on_hover_text("Open the panel: slope, scale, parameters").clicked() {
-            queue.push(ActionId::ToggleLeft);
+        if response.on_hover_text(format!("Open the panel: {contents}")).clicked() {
+            queue.push(toggle);
         }
     });
 }

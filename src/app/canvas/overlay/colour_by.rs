@@ -373,11 +373,13 @@ mod tests {
         let speed = ColourScale::of(ColourBy::Speed, &features, &PLANE);
         let [right, up, slow] = [0, 1, 2].map(|i| speed.colour(i, &features[i]));
         assert!(right == up && up == speed.along(3.0) && slow != up && !speed.has_wheel());
-        for by in [ColourBy::Speed, ColourBy::SlopeU, ColourBy::FieldV] {
+        for by in [ColourBy::Speed, ColourBy::SlopeU, ColourBy::FieldV, ColourBy::Coherence] {
             let scale = ColourScale::with_range(by, 0.0, 1.0);
+            // Uneven responses, the few, are light.
+            let at = |i: u8| if by == ColourBy::Coherence { 20 - i } else { i };
             // Of a grey of the same lightness, by the weights of sRGB.
             let lightness = |i: u8| {
-                let [r, g, b, _] = egui::Rgba::from(scale.along(f32::from(i) / 20.0)).to_array();
+                let [r, g, b, _] = egui::Rgba::from(scale.along(f32::from(at(i)) / 20.0)).to_array();
                 0.2126 * r + 0.7152 * g + 0.0722 * b
             };
             assert!((0..20).all(|i| lightness(i + 1) > lightness(i)) && lightness(0) > 0.08, "{by:?}");
