@@ -182,7 +182,7 @@ fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> Stri
     let (score, precision) = (or_dash(counts.match_score(), number), or_dash(counts.precision(), number));
     format!(
         "matches\n  keypoints    {keypoints_a} and {keypoints_b}\n  putative     {putative}\n  inliers      {inliers}\n  \
-         match ratio  {:.3}\n  match score  {score}\n  precision    {precision}\n",
+         match ratio  {:.3}\n  match score  {score}\n  inlier ratio {precision}\n",
         counts.match_ratio()
     )
 }
@@ -238,7 +238,7 @@ Files in DIR, for bursts A and B:
   A_B.matches.png    both pictures with their names, lines between the matches of the smallest distance, and the numbers of inliers (solid, yellow) and outliers
                      (dashed, vermilion): the figure that the window exports of two bursts. --picture makes it .svg or .pdf
 
-Numbers, as in the paper's tables: match ratio = putative matches over keypoints, match score = inliers over keypoints (each the mean of A's and B's), precision =
+Numbers, as in the paper's tables: match ratio = putative matches over keypoints, match score = inliers over keypoints (each the mean of A's and B's), inlier ratio =
 inliers over putative matches.
 
 JSON (--json):

@@ -81,7 +81,7 @@ fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f6
     // Bright blobs are minima of D: what is positive is darker than what lies around it.
     let dark = detection.features.iter().filter(is_false).filter(|f| f.response > 0.0).count();
     let text = format!(
-        "orange: {count} features at that slope, {dark} of them dark gaps between lamps; all moves by {ALIASING_SLOPE} px/frame"
+        "orange: {count} features at that slope, {dark} of them dark gaps; all moves by {ALIASING_SLOPE} px/frame"
     );
     sheet.text((2.0 * GAP + half(), panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
     Ok(panel.area.bottom())

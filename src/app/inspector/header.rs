@@ -59,7 +59,7 @@ pub fn header_ui(
                     numbers_ui(ui, model, id, has_range);
                 }
                 if !is_slice && (!many || width >= ONE_LINE) {
-                    drawn_ui(ui, model, widgets.of(id).picture.drawn_of, !many && width >= ROOM_FOR_FEATURES, queue);
+                    drawn_ui(ui, model, id, widgets, !many && width >= ROOM_FOR_FEATURES, queue);
                 }
                 let current = model.is_current(id);
                 let has_picture = model.picture_in(id).is_some();
@@ -76,7 +76,7 @@ pub fn header_ui(
                 ui.spacing_mut().item_spacing.x = 2.0;
                 links_ui(ui, model, id, false, queue);
                 if !is_slice {
-                    drawn_ui(ui, model, widgets.of(id).picture.drawn_of, false, queue);
+                    drawn_ui(ui, model, id, widgets, false, queue);
                 }
             });
         }
@@ -107,15 +107,15 @@ fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> He
 }
 
 /// Draws how many features are drawn in full of those in view, and where there is room the switch of features.
-fn drawn_ui(ui: &mut Ui, model: &Model, drawn_of: Option<(usize, usize)>, has_switch: bool, queue: &mut Queue) {
-    if let Some((drawn, in_view)) = drawn_of.filter(|(drawn, in_view)| drawn < in_view) {
+fn drawn_ui(ui: &mut Ui, model: &Model, id: PaneId, widgets: &mut PaneWidgets, has_switch: bool, queue: &mut Queue) {
+    if let Some((drawn, in_view)) = widgets.of(id).picture.drawn_of.filter(|(drawn, in_view)| drawn < in_view) {
         ui.weak(format!("{drawn} of {in_view} drawn"))
             .on_hover_text("The strongest features of each part of the view; the others are dots. Zoom in for more");
     }
     if has_switch && model.workspace == Workspace::Inspect {
         // From the right end of the line the buttons are drawn in reverse.
         let mut look = model.look.clone();
-        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL.into_iter().rev());
+        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL.into_iter().rev(), model, id);
         queue.set(&model.look, look, Action::SetLook);
     }
 }

@@ -26,7 +26,7 @@ pub fn display_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: 
         let mut look = model.look.clone();
         smoothing_ui(ui, &mut look);
         ui.add_space(4.0);
-        overlay_ui(ui, &mut look);
+        overlay_ui(ui, model, &mut look);
         queue.set(&model.look, look, Action::SetLook);
         colouring_ui(ui, model, queue);
     });
@@ -77,7 +77,7 @@ fn smoothing_ui(ui: &mut Ui, look: &mut Look) {
     });
 }
 
-fn overlay_ui(ui: &mut Ui, look: &mut Look) {
+fn overlay_ui(ui: &mut Ui, model: &Model, look: &mut Look) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         ui.spacing_mut().icon_spacing = 3.0;
@@ -92,14 +92,28 @@ fn overlay_ui(ui: &mut Ui, look: &mut Look) {
     });
     ui.horizontal(|ui| {
         label_ui(ui, "Features", 69.0);
-        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL);
+        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL, model, model.focus());
     });
 }
 
-pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown, choices: impl IntoIterator<Item = FeaturesShown>) {
+/// Choice of the features that are drawn in pane `id`; over a picture without a slope of its own, those of all.
+pub fn features_shown_ui(
+    ui: &mut Ui,
+    shown: &mut FeaturesShown,
+    choices: impl IntoIterator<Item = FeaturesShown>,
+    model: &Model,
+    id: PaneId,
+) {
+    let has_slope = model.picture_in(id).is_none() || model.slope_in_picture(id).is_some();
     for choice in choices {
-        let button = ui.selectable_value(shown, choice, RichText::new(choice.label()).small());
-        button.on_hover_text(format!("{} (O)", choice.help()));
+        let is_possible = has_slope || choice != FeaturesShown::ThisSlope;
+        let is_shown = *shown == choice || (*shown == FeaturesShown::ThisSlope && choice == FeaturesShown::All);
+        let is_lit = if has_slope { *shown == choice } else { is_possible && is_shown };
+        let button = egui::Button::selectable(is_lit, RichText::new(choice.label()).small());
+        let button = ui.add_enabled(is_possible, button).on_hover_text(format!("{} (O)", choice.help()));
+        if button.on_disabled_hover_text("The picture is of no single slope: features of all are drawn").clicked() {
+            *shown = choice;
+        }
     }
 }
 

@@ -118,7 +118,7 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: 
             "Interpolated DoG value; bright blobs are negative",
             format!("{} of full scale", signed_number(f.response, 4)),
         );
-        row("SNR", "|response| over the noise in D", format!("{:.1}", f.snr));
+        row("SNR", "|response| over the noise of the DoG at its scale", format!("{:.1}", f.snr));
         if let Some(judged) = known.judged {
             row(
                 "Coherence",

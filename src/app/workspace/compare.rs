@@ -160,7 +160,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
 const COLUMNS: [(&str, &str); 9] = [
     ("Features A", "Features found in A"),
     ("Features B", "Features found in B"),
-    ("SNR", "Median of |response| over the noise in D, of A's features"),
+    ("SNR", "Median of |response| over the noise of the DoG, of A's features"),
     ("Putative", "Matches by descriptors alone"),
     ("Inliers", "Putative matches that agree with the geometry of the two views"),
     ("Match ratio", "Putative matches over keypoints, mean of A and B"),

@@ -217,7 +217,10 @@ impl<'a> Judging<'a> {
         (fewer > 0).then(|| SlopeAdvice {
             subject: Subject::Frames,
             number: fewer as f64,
-            sentence: format!("{why}; {fewer} of the {frames} frames add nothing but blur"),
+            sentence: format!(
+                "{why}; {fewer} of the {frames} frames {} nothing but blur",
+                if fewer == 1 { "adds" } else { "add" }
+            ),
             changes: vec![self.middle_frames(left)],
         })
     }

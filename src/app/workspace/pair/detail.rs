@@ -134,7 +134,7 @@ fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
             let turn = (row.b.orientation - row.a.orientation).to_degrees();
             let turn = (turn + 180.0).rem_euclid(360.0) - 180.0;
             line("Rotation A to B", "Difference of the orientations", format!("{}°", signed(turn, 1)));
-            line("SNR A, B", "|response| over the noise in D", format!("{:.1}, {:.1}", row.a.snr, row.b.snr));
+            line("SNR A, B", "|response| over the noise of the DoG at its scale", format!("{:.1}, {:.1}", row.a.snr, row.b.snr));
         },
     );
 }
