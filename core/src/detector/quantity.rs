@@ -260,12 +260,7 @@ impl Quantity {
                 term: Some("snr"),
                 width: 40.0,
                 colours: Some(Colours { span: Span::Found(1.0, 100.0), ..WARM }),
-                ..named(
-                    "snr",
-                    "SNR",
-                    "σ",
-                    "|response| over the standard deviation of the noise of the DoG at its scale",
-                )
+                ..named("snr", "SNR", "σ", "|response| over the σ of the noise of the DoG")
             },
             Self::Octave => Record {
                 place: Place::Whole(|f| &mut f.octave),

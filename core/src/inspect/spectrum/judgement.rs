@@ -213,14 +213,11 @@ impl<'a> Judging<'a> {
             _ => return None,
         };
         let left = left.clamp(2, frames);
-        let fewer = frames - left;
+        let (fewer, add) = (frames - left, if frames - left == 1 { "adds" } else { "add" });
         (fewer > 0).then(|| SlopeAdvice {
             subject: Subject::Frames,
             number: fewer as f64,
-            sentence: format!(
-                "{why}; {fewer} of the {frames} frames {} nothing but blur",
-                if fewer == 1 { "adds" } else { "add" }
-            ),
+            sentence: format!("{why}; {fewer} of the {frames} frames {add} nothing but blur"),
             changes: vec![self.middle_frames(left)],
         })
     }
