@@ -324,10 +324,10 @@ fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
 
 fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
     let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
-    let rgba = picture.rgba(&model.display_of(model.focus()), model.features_of_motion(model.focus()));
+    let (display, features) = (model.display_of(model.focus()), model.features_of_motion(model.focus()).to_vec());
     Ok(match kind {
         ExportKind::Tiff => work(move |path| export::write_tiff(path, &picture.plane)),
-        _ => work(move |path| export::write_png(path, picture_of(&rgba))),
+        _ => work(move |path| export::write_png(path, picture_of(&picture.rgba(&display, &features)))),
     })
 }
 
