@@ -298,7 +298,8 @@ def open(
         Array of an ``.npz`` archive, or image of a FITS file, that holds the frames.
     times : str or path, optional
         Times of the frames: a list in a file, ``"names"`` for stamps in the names of files, ``"header"`` for times that
-        the files hold (EXIF, FITS, SER). Without, frames are even.
+        the files hold (EXIF, FITS, SER), ``"found"`` for those in which the images move uniformly. Without, frames are
+        even.
     progress : callable, False or None
         See `burstscope.detect`.
 

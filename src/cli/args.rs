@@ -210,8 +210,9 @@ pub struct CalibrationArgs {
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
     /// Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for stamps in
-    /// the names of the files, header or exif for times that the files hold, even for none [default: even].
-    #[arg(long, value_name = "FILE|names|header|even")]
+    /// the names of the files, header or exif for times that the files hold, found for those in which the images move
+    /// uniformly, even for none [default: even].
+    #[arg(long, value_name = "FILE|names|header|found|even")]
     pub times: Option<TimesChoice>,
 }
 

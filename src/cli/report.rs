@@ -222,10 +222,9 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     }
     if let Some(SlopeJudgement { sentence, advice }) = &report.slopes_judged {
         line(if report.slopes_found.is_some() { "" } else { "slopes" }, sentence);
-        let changes = advice.iter().flat_map(|advice| &advice.changes).map(|change| change.option());
-        let options: Vec<String> = changes.collect();
+        let options = advice.as_ref().map_or(String::new(), |advice| advice.options());
         if !options.is_empty() {
-            line("", &format!("try {}", options.join(" ")));
+            line("", &format!("try {options}"));
         }
     }
     line("features", &report.features.to_string());

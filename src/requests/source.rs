@@ -1,6 +1,7 @@
 //! Source of a burst, and how the burst is read or made from it: the same for the window and the commands.
 
 use crate::burst::{Burst, Info, OpenOptions, files_at};
+use crate::detector::open_burst;
 use crate::error::Error;
 use crate::export::case::{is_case, read_case};
 use crate::monitor::Monitor;
@@ -138,7 +139,7 @@ impl BurstSource {
             }
             Self::Paths(paths) => match paths.as_slice() {
                 [path] if is_case(path) => read_case(path, &options.limits, monitor)?.1,
-                paths => Burst::open_with(paths, options, monitor)?,
+                paths => open_burst(paths, options, monitor)?,
             },
         };
         monitor.check()?;

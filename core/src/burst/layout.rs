@@ -220,15 +220,19 @@ pub enum TimesChoice {
     Names,
     /// Times that the files hold: EXIF, the date of a TIFF, DATE-OBS of FITS, those of SER and films.
     Header,
+    /// Order and times in which the motion of the images is uniform. [`Burst::open_with`](super::Burst::open_with),
+    /// which does not know it, leaves the frames even: [`open_burst`](crate::detector::open_burst) takes them so.
+    Found,
     /// A list in a file, or in one of that name beside the frames.
     List(PathBuf),
 }
 
-const TIMES: [(&str, TimesChoice); 4] = [
+const TIMES: [(&str, TimesChoice); 5] = [
     ("even", TimesChoice::Even),
     ("names", TimesChoice::Names),
     ("header", TimesChoice::Header),
     ("exif", TimesChoice::Header),
+    ("found", TimesChoice::Found),
 ];
 
 impl FromStr for TimesChoice {
@@ -237,7 +241,7 @@ impl FromStr for TimesChoice {
     fn from_str(text: &str) -> Result<Self, String> {
         match TIMES.iter().find(|(name, _)| *name == text) {
             Some((_, choice)) => Ok(choice.clone()),
-            None if text.is_empty() => Err("give a list of times, names, header or even".to_owned()),
+            None if text.is_empty() => Err("give a list of times, names, header, found or even".to_owned()),
             None => Ok(Self::List(text.into())),
         }
     }
@@ -297,7 +301,7 @@ mod tests {
         for text in ["T", "Z,C=1", "T,C=0,Z=12", "last"] {
             assert_eq!(text.parse::<AxisChoice>().map(|axis| axis.to_string()), Ok(text.to_owned()));
         }
-        for text in ["even", "names", "header", "logs/rgb.txt"] {
+        for text in ["even", "names", "header", "found", "logs/rgb.txt"] {
             assert_eq!(text.parse::<TimesChoice>().map(|times| times.to_string()), Ok(text.to_owned()));
         }
         assert_eq!(("exif".parse(), "".parse::<TimesChoice>().is_err()), (Ok(TimesChoice::Header), true));

@@ -86,6 +86,21 @@ impl Burst {
         }
     }
 
+    /// The burst of some `frames` alone, in this order, at `positions`.
+    ///
+    /// # Panics
+    /// If there is no such frame, or not one position a frame.
+    pub fn of_frames(mut self, frames: &[usize], positions: Positions) -> Self {
+        assert_eq!(frames.len(), positions.len(), "a frame has one position");
+        self.remarks.retain_mut(|remark| {
+            let place = frames.iter().position(|frame| *frame == remark.frame);
+            place.map(|place| remark.frame = place).is_some()
+        });
+        self.frame_names = frames.iter().map(|frame| self.frame_names[*frame].clone()).collect();
+        self.frames = frames.iter().map(|frame| self.frames[*frame].clone()).collect();
+        Self { positions, ..self }
+    }
+
     /// Number of frames, N.
     pub fn len(&self) -> usize {
         self.frames.len()

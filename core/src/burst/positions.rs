@@ -66,10 +66,17 @@ impl Positions {
     /// # Panics
     /// If the range reaches past the frames.
     pub fn part(&self, range: Range<usize>) -> Self {
-        let part = &self.offsets[range];
-        let first = part.first().copied().unwrap_or_default();
+        self.of(&range.collect::<Vec<_>>())
+    }
+
+    /// Positions of some `frames` alone, in their order; their mean is that of these frames.
+    ///
+    /// # Panics
+    /// If there is no such frame.
+    pub fn of(&self, frames: &[usize]) -> Self {
+        let first = frames.first().map_or(0.0, |t| self.offsets[*t]);
         // Differences of even positions are whole numbers, and stay so.
-        Self { interval_s: self.interval_s, ..Self::about_mean(part.iter().map(|x| x - first)) }
+        Self { interval_s: self.interval_s, ..Self::about_mean(frames.iter().map(|t| self.offsets[*t] - first)) }
     }
 
     /// Number of frames.

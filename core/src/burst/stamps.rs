@@ -388,7 +388,7 @@ impl Timing {
     /// # Errors
     /// There is no such list, it has no time for a frame, files or names have none, or two are equal.
     pub fn of(files: &mut [PathBuf], frames: usize, options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
-        let choice = options.times.as_ref().filter(|choice| **choice != TimesChoice::Even);
+        let choice = options.times.as_ref().filter(|choice| !matches!(choice, TimesChoice::Even | TimesChoice::Found));
         let Some(choice) = choice.filter(|_| frames > 1) else { return Ok(Self::even(frames)) };
         let found = FoundTimes::of(choice, files, frames, options, monitor)?;
         let mut order: Vec<usize> = (0..frames).collect();
@@ -448,7 +448,7 @@ impl FoundTimes {
                 let problem = format!("this one file holds all {frames} frames, so its name says no times");
                 Err(wrong(problem, "give a list of times", &first))
             }
-            TimesChoice::Header | TimesChoice::Even => {
+            TimesChoice::Header | TimesChoice::Even | TimesChoice::Found => {
                 let seconds = of_headers(files, options, monitor)?.seconds;
                 if seconds.len() != frames {
                     let problem = match files.get(seconds.len()).filter(|_| files.len() == frames) {

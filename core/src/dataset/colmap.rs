@@ -7,7 +7,8 @@
 use super::CameraChoice;
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::pairs::{BurstSide, MatchedPair, match_pairs};
-use crate::burst::{Burst, BurstFiles};
+use crate::burst::BurstFiles;
+use crate::detector::open_burst;
 use crate::error::{Error, ErrorKind};
 use crate::export::{
     ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database,
@@ -139,7 +140,7 @@ pub fn export_colmap(
         }
         let with_pictures = |index: usize, side: BurstSide| {
             let silent = monitor.silent();
-            let burst = Burst::open_with(&bursts[done[index].0].paths, &job.features.open, &silent)?;
+            let burst = open_burst(&bursts[done[index].0].paths, &job.features.open, &silent)?;
             side.with_pictures(&burst, &job.features.detector.detector, &silent)
         };
         match_all(database, (&pairs, &blobs), &matching, &with_pictures, &mut report, monitor)

@@ -7,7 +7,7 @@ use super::picture::{ImageKind, burst_picture};
 use super::stamp::{Comparison, FileStamp};
 use crate::burst::{Burst, BurstFiles, OpenOptions, files_at};
 use crate::detect::{Searched, check_memory, search};
-use crate::detector::{Descriptor, SearchParams, SlopeFinding};
+use crate::detector::{Descriptor, SearchParams, SlopeFinding, open_burst};
 use crate::error::{Error, ErrorKind};
 use crate::export::{
     ColmapKeypoint, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records, may_begin,
@@ -337,7 +337,7 @@ impl FeatureStore {
             self.begin_writing()?;
             of.picture_content
         } else {
-            let burst = Burst::open_with(&source.paths, &self.job.open, monitor)?;
+            let burst = open_burst(&source.paths, &self.job.open, monitor)?;
             self.begin_writing()?;
             self.write_picture_of(&image_name, &burst, monitor)?
         };
@@ -376,7 +376,7 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<(BurstFeatures, Burst), Error> {
         let started = Instant::now();
-        let burst = Burst::open_with(&source.paths, &self.job.open, monitor)?;
+        let burst = open_burst(&source.paths, &self.job.open, monitor)?;
         camera.for_images(burst.size())?;
         let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
         let found = BurstFeatures {

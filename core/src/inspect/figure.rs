@@ -224,10 +224,10 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
     }
     for advice in &spectrum.advice {
         end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &format!("• {}.", advice.sentence));
-        let options: Vec<String> = advice.changes.iter().map(|change| change.option()).collect();
+        let options = advice.options();
         if !options.is_empty() {
             let style = format!(r#"font-family="monospace" fill="{BLUE}""#);
-            sheet.styled_text((38.0, end), 12.0, Anchor::Start, &style, &options.join(" "));
+            sheet.styled_text((38.0, end), 12.0, Anchor::Start, &style, &options);
             end += 20.0;
         }
     }

@@ -281,9 +281,9 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
     }
     for advice in &spectrum.advice {
         writeln!(out, "  → {}", advice.sentence)?;
-        if !advice.changes.is_empty() {
-            let options: Vec<String> = advice.changes.iter().map(|change| change.option()).collect();
-            writeln!(out, "    try {}", options.join(" "))?;
+        let options = advice.options();
+        if !options.is_empty() {
+            writeln!(out, "    try {options}")?;
         }
     }
     writeln!(out)

@@ -20,10 +20,15 @@ const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Blue, "Blue", "Blue pixel of each 2 × 2 square"),
 ];
 
-const TIMES: [(TimesChoice, &str, &str); 3] = [
+const TIMES: [(TimesChoice, &str, &str); 4] = [
     (TimesChoice::Even, "Even", "Frames are evenly spaced, whatever their files say"),
     (TimesChoice::Names, "Names", "Stamps in the names of the files: dates, seconds, nanoseconds, running numbers"),
     (TimesChoice::Header, "Files", "Times that the files hold: EXIF, the date of a TIFF, FITS, SER, films"),
+    (
+        TimesChoice::Found,
+        "Found",
+        "Order and times in which the motion is uniform: of frames exchanged, missing, late or copied",
+    ),
 ];
 
 fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) {

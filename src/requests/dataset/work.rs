@@ -1,11 +1,11 @@
 //! Work on a dataset: opening, detecting and matching.
 
 use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
-use crate::burst::{Burst, BurstFiles, Entries, OpenOptions};
+use crate::burst::{BurstFiles, Entries, OpenOptions};
 use crate::dataset::{
     BurstEvent, BurstSide, CameraChoice, DatasetSource, FeatureStore, MatchedPair, detect_all, match_pairs,
 };
-use crate::detector::SearchParams;
+use crate::detector::{SearchParams, open_burst};
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Stage};
 use crate::requests::error::JobError;
@@ -113,7 +113,7 @@ fn match_all(
         if !matching.align {
             return Ok(Some(side));
         }
-        let burst = Burst::open_with(&source.paths, &keeping.open, &monitor.silent())?;
+        let burst = open_burst(&source.paths, &keeping.open, &monitor.silent())?;
         side.with_pictures(&burst, &keeping.params.detector, &monitor.silent()).map(Some)
     };
     let mut on = |matched: MatchedPair<'_>| {

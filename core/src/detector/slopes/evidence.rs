@@ -8,7 +8,7 @@
 //! that the grid of a burst and that of a part of it have their points in common.
 
 use super::peak::{SearchTable, Track};
-use super::spectra::{CrossSpectra, Fourier, Lags, SIDE, Scratch};
+use super::spectra::{CrossSpectra, Fourier, Lags, PairSpectra, SIDE, Scratch};
 use crate::detector::params::{Slope, SlopeAxis, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -39,13 +39,15 @@ pub(super) struct Seen {
     /// Evidence of every window that has any signal.
     pub evidence: Vec<SlopeEvidence>,
     /// For each level, the products summed over the whole image.
-    pub wholes: Vec<CrossSpectra>,
+    pub wholes: Vec<Sum>,
+    /// For each level, the products of the blocks that show anything, and what these show.
+    pub blocks: Vec<Vec<(Sum, SlopeEvidence)>>,
 }
 
 /// Number of blocks along each axis in which windows are summed first.
 const BLOCKS: usize = 4;
 /// Variance of a sum of half-overlapping windows, which share noise, divided by the sum of their variances.
-const SHARED_NOISE: f64 = 1.37;
+pub(super) const SHARED_NOISE: f64 = 1.37;
 
 pub(super) struct Looking<'a> {
     pub fourier: &'a Fourier,
@@ -86,23 +88,28 @@ impl Looking<'_> {
                 Ok(answer)
             })
             .collect::<Result<_, Cancelled>>()?;
-        let mut seen = Seen { evidence: Vec::new(), wholes: Vec::new() };
-        for (level, blocks) in blocks.chunks(BLOCKS * BLOCKS).enumerate() {
+        let mut seen = Seen { evidence: Vec::new(), wholes: Vec::new(), blocks: Vec::new() };
+        let mut blocks = blocks.into_iter();
+        for level in 0..self.levels.len() {
             monitor.check()?;
+            let mut shown = Vec::new();
             let mut scratch = self.fourier.scratch(self.levels[level].len());
             let mut whole = Sum::new(self.lags);
             let mut quarters: Vec<Sum> = (0..4).map(|_| Sum::new(self.lags)).collect();
-            for (block, (evidence, sum)) in blocks.iter().enumerate() {
-                seen.evidence.extend(evidence);
-                quarters[block / BLOCKS / 2 * 2 + block % BLOCKS / 2].add(sum);
-                seen.evidence.extend(self.of_sum(level, sum, &mut scratch));
+            for (block, (evidence, sum)) in blocks.by_ref().take(BLOCKS * BLOCKS).enumerate() {
+                seen.evidence.extend(&evidence);
+                quarters[block / BLOCKS / 2 * 2 + block % BLOCKS / 2].add(&sum);
+                let of_sum = self.of_sum(level, &sum, &mut scratch);
+                seen.evidence.extend(of_sum);
+                shown.extend(of_sum.or(evidence.last().copied()).map(|evidence| (sum, evidence)));
             }
             for quarter in &quarters {
                 whole.add(quarter);
                 seen.evidence.extend(self.of_sum(level, quarter, &mut scratch));
             }
             seen.evidence.extend(self.of_sum(level, &whole, &mut scratch));
-            seen.wholes.push(whole.products);
+            seen.wholes.push(whole);
+            seen.blocks.push(shown);
         }
         Ok(seen)
     }
@@ -121,6 +128,7 @@ impl Looking<'_> {
                 let area = [u..u + SIDE, v..v + SIDE];
                 evidence.extend(self.evidence(level, &products, 1.0, &area, &mut scratch));
                 sum.products.add(&products);
+                self.fourier.add_pairs(&mut sum.pairs, self.lags, &scratch);
                 sum.widen(area, 1);
             }
         }
@@ -165,8 +173,10 @@ fn starts(length: usize) -> Vec<usize> {
     (0..=steps).map(|i| (i * room).checked_div(steps).unwrap_or(0)).collect()
 }
 
-struct Sum {
-    products: CrossSpectra,
+/// Products of one or more windows.
+pub(super) struct Sum {
+    pub products: CrossSpectra,
+    pub pairs: PairSpectra,
     windows: usize,
     /// Columns and rows that the windows cover, level pixels.
     area: [Range<usize>; 2],
@@ -174,11 +184,13 @@ struct Sum {
 
 impl Sum {
     fn new(lags: &Lags) -> Self {
-        Self { products: CrossSpectra::zeros(lags), windows: 0, area: [0..0, 0..0] }
+        let (products, pairs) = (CrossSpectra::zeros(lags), PairSpectra::zeros(lags));
+        Self { products, pairs, windows: 0, area: [0..0, 0..0] }
     }
 
     fn add(&mut self, other: &Self) {
         self.products.add(&other.products);
+        self.pairs.add(&other.pairs);
         if other.windows > 0 {
             self.widen(other.area.clone(), other.windows);
         }

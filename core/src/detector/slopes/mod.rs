@@ -3,31 +3,38 @@
 //! Where the band-passed motion stack at a slope has power there are features. That power is a sum, over pairs of
 //! frames, of their correlation at the shift that the slope gives them; without each frame's product with itself it
 //! lacks the power of its noise. `spectra` computes the correlations of small windows, `peak` finds a window's slope
-//! and the path of the picture, `regularity` what is irregular in it, and `evidence` looks at windows of many places
-//! and sizes and chooses the slopes to search. A histogram of features would not work: in the dark it is flat.
+//! and the path of the picture, and `evidence` looks at windows of many places and sizes and chooses the slopes to
+//! search. `order` finds what happened to the frames (`event`), `regularity` whether the picture turns or grows. A
+//! histogram of features would not work: in the dark it is flat.
 
+mod event;
 mod evidence;
+mod order;
 mod peak;
 mod regularity;
 mod spectra;
 #[cfg(test)]
 mod tests;
 
+pub use event::UniformTimes;
 pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
 use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
-use crate::burst::{Burst, Positions};
+use crate::burst::{Burst, OpenOptions, Positions, TimesChoice};
 use crate::detector::scale_space::ScaleSpace;
 use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
+use event::Event;
 use evidence::{
     LINE_SLOPES, PLANE_SLOPES, Seen, Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, look, turned,
 };
+use order::Blocks;
 use peak::{Path, SearchTable, Track};
 use serde::Serialize;
 use spectra::{Fourier, Lags, MAX_LAG, SIDE};
+use std::path::PathBuf;
 
 /// Smear of the outermost frames, in pixels, below which two slopes are equal: about the σ of the finest features.
 const SAME_SMEAR_PX: f64 = 1.9;
@@ -61,18 +68,24 @@ pub fn find_slopes(
 ) -> Result<SlopeFinding, Cancelled> {
     monitor.report(Stage::Slopes, 0.0);
     let used = burst.frames.get(params.used_frames(burst.len())).unwrap_or_default();
-    let frames: Vec<&Plane> = used.iter().map(|f| &**f).collect();
-    if frames.len() < 2 {
+    let all: Vec<&Plane> = used.iter().map(|f| &**f).collect();
+    if all.len() < 2 {
         let grid = SlopeGrid::single(Slope::default());
         return Ok(SlopeFinding { grid, verdict: SlopeVerdict::Still, ..SlopeFinding::default() });
     }
+    let positions = burst.positions.part(params.used_frames(burst.len()));
+    let copies = event::copies(&all);
+    let kept: Vec<usize> = (0..all.len()).filter(|t| !copies.contains(t)).collect();
+    let frames: Vec<&Plane> = kept.iter().map(|t| all[*t]).collect();
+    // With times of their own, frames are in their order and the gaps are known.
+    let is_even = positions.is_even();
+    let positions = if is_even { Positions::even(kept.len()) } else { positions.of(&kept) };
     let fourier = Fourier::new();
     let track = direction_deg.map_or(Track::Plane, |degrees| {
         let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
         Track::Line([cos, sin])
     });
     let levels = spectra::levels_for(burst.size(), SIDE);
-    let positions = burst.positions.part(params.used_frames(burst.len()));
     let lags = Lags::of(&positions);
     let (mut seen, mut table) = look((&frames, &lags), (levels.clone(), 0), track, &fourier, monitor)?;
     let shared = seen.wholes.first().map_or(0, |whole| peak::lags_of_shared_noise(whole, &lags, &fourier));
@@ -83,23 +96,52 @@ pub fn find_slopes(
     let size = Size { gaps: positions.span(), pixels: burst.size() };
     let finding = conclude(&seen, steps, direction_deg, size);
     let path = path_of(&seen, &fourier, levels.start).filter(|_| shared == 0);
-    let mut warnings = regularity::of_places(&seen.evidence, steps, size);
-    // With times of their own, frames are in their order and the gaps are known.
-    let ordered = path.as_ref().filter(|_| positions.is_even());
-    let order = ordered.and_then(|path| regularity::of_order(&path.way, path.error));
+    let is_told = is_even && (event::MIN_FRAMES..=event::MAX_FRAMES).contains(&frames.len());
+    let blocks = seen.blocks.first().filter(|_| is_told);
+    let blocks = blocks.map(|blocks| Blocks::of(blocks, (&lags, shared), levels.start, &fourier));
+    let event = blocks.and_then(|blocks| blocks.event());
+    let uniform = (event.is_some() || is_even && !copies.is_empty())
+        .then(|| UniformTimes::of(event.as_ref().unwrap_or(&Event::Nothing), &kept));
+    let order = event.and_then(|event| event.warning_of(&kept));
     let still = finding.verdict == SlopeVerdict::Still && order.is_none();
-    warnings.extend(order);
+    let is_irregular = order.is_some();
+    let mut warnings = regularity::of_places(&seen.evidence, steps, size);
+    warnings.extend(order.into_iter().chain(event::copies_warning(copies)));
     let deviation = path.map(|path| (peak::distance_from_a_line(&path.way, positions.offsets()), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
     let verdict = match finding.verdict {
-        SlopeVerdict::Found | SlopeVerdict::Still if deviation.is_some_and(|(distance, limit)| distance > limit) => {
+        SlopeVerdict::Found | SlopeVerdict::Still
+            if is_irregular || deviation.is_some_and(|(distance, limit)| distance > limit) =>
+        {
             SlopeVerdict::NotStraight
         }
         verdict => verdict,
     };
     let deviation_px = deviation.map(|(distance, _)| distance as f32);
     let spectrum = spectrum(&seen, &table, levels.start);
-    Ok(SlopeFinding { verdict, deviation_px, spectrum, warnings, ..finding })
+    Ok(SlopeFinding { verdict, deviation_px, spectrum, warnings, uniform, ..finding })
+}
+
+/// Opens a burst as [`Burst::open_with`] does; where the choice of times says so, with its frames in the order and at
+/// the times in which their motion is uniform.
+///
+/// # Errors
+/// Those of [`Burst::open_with`].
+pub fn open_burst(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Burst, Error> {
+    if options.times != Some(TimesChoice::Found) {
+        return Burst::open_with(inputs, options, monitor);
+    }
+    let mut burst = Burst::open_with(inputs, options, &monitor.part(0.0, 0.8))?;
+    let finding = find_slopes(&burst, &DetectorParams::default(), None, &monitor.part(0.8, 0.2))?;
+    let positions = finding.uniform.as_ref().and_then(|uniform| Positions::new(&uniform.times));
+    burst.taken.push(match &positions {
+        Some(_) => format!("times found: {}; the frames are taken so", finding.irregularities()),
+        None => "times found: nothing shows that the frames are not even".to_owned(),
+    });
+    Ok(match finding.uniform.zip(positions) {
+        Some((uniform, positions)) => burst.of_frames(&uniform.frames, positions),
+        None => burst,
+    })
 }
 
 fn steps_of(params: &DetectorParams, positions: &Positions) -> Steps {
@@ -271,7 +313,7 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
 fn path_of(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<Path> {
     let mut levels = seen.wholes.iter().zip(first_level..);
     levels.find_map(|(whole, level)| {
-        let Path { way, error, noise, .. } = peak::path(whole, fourier)?;
+        let Path { way, error, noise, .. } = peak::path(&whole.pairs, fourier)?;
         let unit = f64::from(1u32 << level);
         let way = way.iter().map(|x| x.map(|x| x * unit)).collect();
         Some(Path { way, error: error * unit, noise: noise * unit, pixel: unit })
@@ -284,9 +326,9 @@ fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum
     };
     let unit = f64::from(1u32 << first_level);
     let fourier = Fourier::new();
-    let planes = fourier.correlations(&whole.lags, &mut fourier.scratch(0));
+    let planes = fourier.correlations(&whole.products.lags, &mut fourier.scratch(0));
     let slopes = table.slopes.iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
-    let significance = table.scores(&planes, &whole.variance).into_iter().map(|s| s as f32).collect();
+    let significance = table.scores(&planes, &whole.products.variance).into_iter().map(|s| s as f32).collect();
     SlopeSpectrum { slopes, significance }
 }
 
@@ -333,8 +375,11 @@ pub struct SlopeFinding {
     pub moved_px: f32,
     /// Largest distance of the picture's path from a uniform motion, pixels; `None` where frames are too noisy.
     pub deviation_px: Option<f32>,
-    /// Irregularities of the motion: frames out of order, missing frames, a picture that turns or grows.
+    /// Irregularities of the motion: frames out of order, missing, late or copied, a picture that turns or grows.
     pub warnings: Vec<MotionWarning>,
+    /// Order and times in which the motion is uniform, where the frames show that those they have are wrong.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uniform: Option<UniformTimes>,
     /// Evidence of each window.
     #[serde(skip)]
     pub evidence: Vec<SlopeEvidence>,

@@ -9,7 +9,8 @@
 //! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a
 //! whole. The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
-use super::spectra::{CrossSpectra, Fourier, Lags, SIDE};
+use super::evidence::Sum;
+use super::spectra::{Fourier, Lags, PairSpectra, SIDE};
 
 /// Largest shift used, level pixels: at larger ones little of the window overlaps.
 const REACH: f64 = 0.4 * SIDE as f64;
@@ -17,7 +18,7 @@ const REACH: f64 = 0.4 * SIDE as f64;
 const SEARCH_LAGS: usize = 5;
 /// Largest shift between neighbouring slopes of the grid, level pixels.
 const SEARCH_STEP: f64 = 0.8;
-const MIN_OVERLAP: f32 = 0.03;
+pub(super) const MIN_OVERLAP: f32 = 0.03;
 /// Part of P by which texture may shift its peak, in addition to the noise.
 const TEXTURE_PART: f64 = 0.01;
 const STEPS: usize = 5;
@@ -204,7 +205,7 @@ fn index(u: i64, v: i64) -> usize {
 }
 
 /// Overlap of the window with itself at `shift`; 0 beyond the reach.
-fn overlap_at(overlap: &[f32], shift: [f64; 2]) -> f32 {
+pub(super) fn overlap_at(overlap: &[f32], shift: [f64; 2]) -> f32 {
     if shift.iter().any(|d| d.abs() > REACH + 1.0) {
         return 0.0;
     }
@@ -292,13 +293,13 @@ impl Path {
 }
 
 /// Path of the picture as a whole, level pixels; `None` where single pairs of frames are too noisy to measure it.
-pub(super) fn path(products: &CrossSpectra, fourier: &Fourier) -> Option<Path> {
-    let frame_count = products.neighbours.len() + 1;
-    let variance = products.variance.first()? / products.neighbours.len() as f64;
-    if frame_count < 3 || variance <= 0.0 {
+pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
+    let neighbours = pairs.neighbours();
+    let variance = pairs.variance[..neighbours.len()].iter().sum::<f64>() / neighbours.len() as f64;
+    if neighbours.len() < 2 || variance <= 0.0 {
         return None;
     }
-    let planes = fourier.correlations(&products.neighbours, &mut fourier.scratch(0));
+    let planes = fourier.correlations(neighbours, &mut fourier.scratch(0));
     let (mut way, mut min) = (vec![[0.0, 0.0]], f64::INFINITY);
     for plane in &planes {
         let ([u, v], significance) = peak_of(plane, &fourier.overlap, variance)?;
@@ -321,8 +322,8 @@ fn largest_at(plane: &[f32]) -> usize {
 
 /// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
 /// pairs of neighbours too (where a scene moves to and fro they show the shifts), and far smaller at the next lag.
-pub(super) fn lags_of_shared_noise(products: &CrossSpectra, lags: &Lags, fourier: &Fourier) -> usize {
-    let pairs = fourier.correlations(&products.neighbours, &mut fourier.scratch(0));
+pub(super) fn lags_of_shared_noise(Sum { products, pairs, .. }: &Sum, lags: &Lags, fourier: &Fourier) -> usize {
+    let pairs = fourier.correlations(pairs.neighbours(), &mut fourier.scratch(0));
     if 2 * pairs.iter().filter(|pair| largest_at(pair) == 0).count() <= pairs.len() {
         return 0;
     }
@@ -340,7 +341,7 @@ pub(super) fn lags_of_shared_noise(products: &CrossSpectra, lags: &Lags, fourier
     (1..planes.len()).take_while(|lag| is_noise(*lag)).count()
 }
 
-fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f64)> {
+pub(super) fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<([f64; 2], f64)> {
     let largest = largest_at(plane);
     let significance = f64::from(plane[largest]) / variance.sqrt();
     // Frames with values that are not finite have no significance either.

@@ -1,10 +1,8 @@
-//! Irregularities of a burst that its motion shows.
+//! Irregularities of a burst that its motion shows: of time ([`super::event`]), and of place.
 //!
-//! Order: the path of the picture gives each frame a position. If the frames, sorted by it, are equally far apart but
-//! not in their own order, they are out of order; if they are in order and a few distances are multiples of the others,
-//! frames are missing there. Turning and growing: slopes then change linearly with place, so an affine map from place
-//! to slope is fitted robustly. Its antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear,
-//! as a plane seen at an angle makes it, and must be smaller.
+//! Where the picture turns or grows, slopes change linearly with place, so an affine map from place to slope is fitted
+//! robustly. Its antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear, as a plane seen at an
+//! angle makes it, and must be smaller.
 
 use super::evidence::{Steps, is_clear};
 use super::{Size, SlopeEvidence};
@@ -15,11 +13,12 @@ use serde::Serialize;
 pub struct MotionWarning {
     /// Kind of irregularity.
     pub kind: MotionWarningKind,
-    /// Those out of order, or after which frames are missing, counted from the first one used.
+    /// Those out of order, late or copied, or after which frames are missing, counted from the first one used.
     pub frames: Vec<usize>,
-    /// Size of the effect: number of frames out of order or missing, degrees from +u towards +v, or percent.
+    /// Size of the effect: number of frames out of order, missing or copied, frame intervals late, degrees from +u
+    /// towards +v, or percent.
     pub number: f32,
-    /// Finding and remedy, in one sentence.
+    /// Finding, in one sentence.
     pub text: String,
 }
 
@@ -31,92 +30,14 @@ pub enum MotionWarningKind {
     OutOfOrder,
     /// Frames are missing between others.
     MissingFrames,
+    /// A frame was taken late or early.
+    Late,
+    /// Frames are copies of those before.
+    Doubled,
     /// The picture turns.
     Turns,
     /// The picture grows or shrinks.
     Grows,
-}
-
-const MIN_FRAMES: usize = 4;
-/// Difference from a whole number of steps, in steps, up to which a distance is regular.
-const REGULAR: f64 = 0.3;
-/// Minimum step, in errors of the path.
-const MIN_STEP: f64 = 3.0;
-/// Share of the distances that may be longer than the others.
-const MAX_LONGER: f64 = 0.34;
-
-/// Irregularity of the order of frames that lie at `way`, with the error `noise`, both in pixels.
-pub(super) fn of_order(way: &[[f64; 2]], noise: f64) -> Option<MotionWarning> {
-    if way.len() < MIN_FRAMES {
-        return None;
-    }
-    let (along, across) = main_axis(way);
-    let mut order: Vec<usize> = (0..way.len()).collect();
-    order.sort_by(|&a, &b| along[a].total_cmp(&along[b]));
-    // Of both directions that in which more pairs of frames are in order.
-    let in_order = |order: &[usize]| order.windows(2).filter(|w| w[0] < w[1]).count();
-    let reversed: Vec<usize> = order.iter().rev().copied().collect();
-    if in_order(&reversed) > in_order(&order) {
-        order = reversed;
-    }
-    let distances: Vec<f64> = order.windows(2).map(|w| (along[w[1]] - along[w[0]]).abs()).collect();
-    let step = median(distances.clone());
-    if step <= MIN_STEP * noise || across.iter().any(|off| off.abs() > REGULAR * step) {
-        return None;
-    }
-    let steps = |distance: f64| {
-        let steps = (distance / step).round();
-        ((distance / step - steps).abs() <= REGULAR && steps >= 1.0).then_some(steps as usize)
-    };
-    let steps: Vec<usize> = distances.iter().map(|d| steps(*d)).collect::<Option<_>>()?;
-    let wrong: Vec<usize> = (0..order.len()).filter(|&i| order[i] != i).collect();
-    let longer: Vec<usize> = (0..steps.len()).filter(|&i| steps[i] > 1).collect();
-    match (wrong.is_empty(), longer.is_empty()) {
-        (false, true) => Some(out_of_order(wrong, &order)),
-        (true, false) if longer.len() as f64 <= MAX_LONGER * steps.len() as f64 => {
-            let missing = longer.iter().map(|&i| steps[i] - 1).sum();
-            Some(missing_frames(longer, missing))
-        }
-        _ => None,
-    }
-}
-
-fn out_of_order(frames: Vec<usize>, order: &[usize]) -> MotionWarning {
-    let list = |frames: &[usize]| frames.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-    let text = match frames[..] {
-        [a, b] => {
-            format!("frames {a} and {b}, counted from 0, are exchanged: the other way round the motion is uniform")
-        }
-        _ => format!(
-            "frames {} are out of order: the motion is uniform in the order {}, counted from 0; give them in that order",
-            list(&frames),
-            list(order)
-        ),
-    };
-    MotionWarning { kind: MotionWarningKind::OutOfOrder, number: frames.len() as f32, frames, text }
-}
-
-fn missing_frames(after: Vec<usize>, missing: usize) -> MotionWarning {
-    let places: Vec<String> = after.iter().map(|t| format!("{t} and {}", t + 1)).collect();
-    let (frames, are) = if missing == 1 { ("frame", "is") } else { ("frames", "are") };
-    let text = format!(
-        "{missing} {frames} {are} missing between frames {}, counted from 0: the picture moves there by as many more steps; give all \
-         frames, or only those on one side",
-        places.join(", ")
-    );
-    MotionWarning { kind: MotionWarningKind::MissingFrames, number: missing as f32, frames: after, text }
-}
-
-fn main_axis(way: &[[f64; 2]]) -> (Vec<f64>, Vec<f64>) {
-    let mean = |axis: usize| way.iter().map(|x| x[axis]).sum::<f64>() / way.len() as f64;
-    let mean = [mean(0), mean(1)];
-    let moment = |a: usize, b: usize| way.iter().map(|x| (x[a] - mean[a]) * (x[b] - mean[b])).sum::<f64>();
-    let (sin, cos) = (0.5 * (2.0 * moment(0, 1)).atan2(moment(0, 0) - moment(1, 1))).sin_cos();
-    let turned = |x: &[f64; 2]| {
-        let (u, v) = (x[0] - mean[0], x[1] - mean[1]);
-        (u * cos + v * sin, v * cos - u * sin)
-    };
-    way.iter().map(turned).unzip()
 }
 
 const MIN_WINDOWS: usize = 8;
@@ -237,40 +158,6 @@ fn solve(at: &[[f64; 3]], slopes: &[[f64; 2]], weights: &[f64], axis: usize) -> 
 mod tests {
     use super::*;
     use crate::detector::params::Slope;
-
-    fn way(positions: &[f64]) -> Vec<[f64; 2]> {
-        positions.iter().enumerate().map(|(t, x)| [1.6 * x + 0.05 * (t % 2) as f64, -1.2 * x]).collect()
-    }
-
-    fn order(positions: &[f64]) -> Option<(MotionWarningKind, Vec<usize>, f32)> {
-        of_order(&way(positions), 0.05).map(|w| (w.kind, w.frames, w.number))
-    }
-
-    #[test]
-    fn frames_out_of_order_are_told_from_missing_ones() {
-        use MotionWarningKind::*;
-        assert_eq!(order(&[0.0, 1.0, 2.0, 4.0, 3.0, 5.0]), Some((OutOfOrder, vec![3, 4], 2.0)));
-        assert_eq!(order(&[0.0, 3.0, 2.0, 1.0, 4.0, 5.0, 6.0]), Some((OutOfOrder, vec![1, 3], 2.0)));
-        // Of ten frames, frame_10 was sorted after frame_1.
-        assert_eq!(order(&[0.0, 9.0, 1.0, 2.0, 3.0, 4.0]), None, "there is no frame between 4 and 9");
-        assert_eq!(order(&[0.0, 5.0, 1.0, 2.0, 3.0, 4.0]).map(|w| w.0), Some(OutOfOrder));
-        assert_eq!(order(&[0.0, 1.0, 2.0, 4.0, 5.0, 6.0]), Some((MissingFrames, vec![2], 1.0)));
-        assert_eq!(order(&[0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0]), Some((MissingFrames, vec![3], 2.0)));
-        let warning = of_order(&way(&[0.0, 1.0, 2.0, 4.0, 3.0, 5.0]), 0.05).expect("exchanged");
-        assert!(warning.text.starts_with("frames 3 and 4, counted from 0, are exchanged"), "{}", warning.text);
-        let warning = of_order(&way(&[0.0, 1.0, 2.0, 4.0, 5.0, 6.0]), 0.05).expect("missing");
-        assert!(warning.text.starts_with("1 frame is missing between frames 2 and 3"), "{}", warning.text);
-    }
-
-    #[test]
-    fn a_uniform_a_bent_and_a_still_way_are_in_order() {
-        assert_eq!(order(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), None);
-        assert_eq!(order(&[0.0, -1.0, -2.0, -3.0, -4.0]), None);
-        assert_eq!(order(&[0.0, 1.0, 2.2, 3.7, 5.5, 7.6]), None, "it speeds up");
-        assert_eq!(order(&[0.0, 1.0, 2.0, 1.5, 0.4, -0.7]), None, "it turns back");
-        assert_eq!(order(&[0.0, 0.01, 0.0, 0.02, 0.01]), None);
-        assert_eq!(order(&[0.0, 2.0, 1.0]), None, "there are too few frames");
-    }
 
     const SIZE: Size = Size { gaps: 9.0, pixels: (640, 480) };
     const STEPS: Steps = Steps { search: 0.4, same: 0.4 };

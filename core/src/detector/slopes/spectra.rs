@@ -26,15 +26,19 @@ const BAND_SIGMA: f64 = 1.0;
 const BAND_RATIO: f64 = 1.6;
 /// Largest lag that is used: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
+/// Largest number of frames between those of pairs whose products are kept one by one.
+const MAX_NEAR: usize = 6;
 
 /// Pairs of frames by their lag: the whole number of frame intervals that is nearest to their distance in time.
 pub(super) struct Lags {
     /// Number of frames.
-    frames: usize,
+    pub frames: usize,
     /// Pairs of lag 1, 2, …; pairs of frames closer than half an interval, and those too far apart, are in none.
     pairs: Vec<Vec<(usize, usize)>>,
     /// Mean distance of the pairs of each lag, frame intervals; the lag itself where it has no pair.
     pub distances: Vec<f64>,
+    /// Pairs of frames that follow one another, t and t + 1, and then those with more and more frames between them.
+    pub near: Vec<(usize, usize)>,
 }
 
 impl Lags {
@@ -54,7 +58,9 @@ impl Lags {
             n => of.iter().map(|pair| apart(*pair)).sum::<f64>() / n as f64,
         };
         let distances = pairs.iter().zip(1..).map(distance).collect();
-        Self { frames: positions.len(), pairs, distances }
+        let frames = positions.len();
+        let near = (1..frames.min(MAX_NEAR + 1)).flat_map(|apart| (apart..frames).map(move |t| (t - apart, t)));
+        Self { frames, pairs, distances, near: near.collect() }
     }
 
     /// Number of pairs of `lag`, from 1.
@@ -102,18 +108,38 @@ pub(super) struct CrossSpectra {
     pub lags: Vec<Spectrum>,
     /// For each lag, the variance of a value of the correlation if the frames had nothing in common.
     pub variance: Vec<f64>,
-    /// Products of frames t and t + 1, one for each pair.
-    pub neighbours: Vec<Spectrum>,
+}
+
+/// Products of the pairs of [`Lags::near`], one by one, over one or many windows.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PairSpectra {
+    pub products: Vec<Spectrum>,
+    /// For each pair, the variance of a value of its correlation if the frames had nothing in common.
+    pub variance: Vec<f64>,
+    frames: usize,
+}
+
+impl PairSpectra {
+    pub fn zeros(of: &Lags) -> Self {
+        let pairs = of.near.len();
+        Self { products: vec![Spectrum::zeros(); pairs], variance: vec![0.0; pairs], frames: of.frames }
+    }
+
+    pub fn add(&mut self, other: &Self) {
+        self.products.iter_mut().zip(&other.products).for_each(|(a, b)| a.add(b));
+        self.variance.iter_mut().zip(&other.variance).for_each(|(a, b)| *a += b);
+    }
+
+    /// Products of frames t and t + 1.
+    pub fn neighbours(&self) -> &[Spectrum] {
+        &self.products[..self.frames.saturating_sub(1)]
+    }
 }
 
 impl CrossSpectra {
     pub fn zeros(of: &Lags) -> Self {
         let lags = of.pairs.len();
-        Self {
-            lags: vec![Spectrum::zeros(); lags],
-            variance: vec![0.0; lags],
-            neighbours: vec![Spectrum::zeros(); of.frames.saturating_sub(1)],
-        }
+        Self { lags: vec![Spectrum::zeros(); lags], variance: vec![0.0; lags] }
     }
 
     /// Removes the first `count` lags, at which frames have noise in common; at others it then repeats itself.
@@ -127,7 +153,6 @@ impl CrossSpectra {
 
     pub fn add(&mut self, other: &Self) {
         self.lags.iter_mut().zip(&other.lags).for_each(|(a, b)| a.add(b));
-        self.neighbours.iter_mut().zip(&other.neighbours).for_each(|(a, b)| a.add(b));
         self.variance.iter_mut().zip(&other.variance).for_each(|(a, b)| *a += b);
     }
 }
@@ -215,10 +240,16 @@ impl Fourier {
             }
             *of_lag = variance / (AREA * AREA) as f64;
         }
-        for (t, pair) in out.neighbours.iter_mut().enumerate() {
-            pair.add_product(&scratch.frames[t], &scratch.frames[t + 1]);
-        }
         out
+    }
+
+    /// Adds the products of single pairs for the window of which [`Self::products`] left the spectra.
+    pub fn add_pairs(&self, sums: &mut PairSpectra, lags: &Lags, scratch: &Scratch) {
+        let sums = sums.products.iter_mut().zip(&mut sums.variance);
+        for ((sum, variance), &(s, t)) in sums.zip(&lags.near) {
+            sum.add_product(&scratch.frames[s], &scratch.frames[t]);
+            *variance += whole_sum_of_products(&scratch.energy[s], &scratch.energy[t]) / (AREA * AREA) as f64;
+        }
     }
 
     fn pack(&self, a: &Plane, b: Option<&Plane>, (u, v): (usize, usize), packed: &mut [Complex32]) {
@@ -379,9 +410,13 @@ mod tests {
         let fourier = Fourier::new();
         let frames = moving((2.0, -1.0), 3);
         let mut scratch = fourier.scratch(3);
-        let products = fourier.products(&frames, &Lags::of(&Positions::even(3)), (4, 3), &mut scratch);
+        let lags = Lags::of(&Positions::even(3));
+        let products = fourier.products(&frames, &lags, (4, 3), &mut scratch);
+        let mut pairs = PairSpectra::zeros(&lags);
+        fourier.add_pairs(&mut pairs, &lags, &scratch);
         let correlations = fourier.correlations(&products.lags, &mut scratch);
-        assert_eq!((products.lags.len(), correlations.len(), products.neighbours.len()), (2, 2, 2));
+        assert_eq!((products.lags.len(), correlations.len(), pairs.neighbours().len()), (2, 2, 2));
+        assert_eq!((lags.near, &pairs.products[2]), (vec![(0, 1), (1, 2), (0, 2)], &products.lags[1]));
         // The band-passed windows themselves, one at a time.
         let band_passed = |frame: &Plane| {
             let mut packed = vec![Complex32::default(); AREA];

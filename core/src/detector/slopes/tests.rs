@@ -273,3 +273,105 @@ fn parameters_are_checked_before_slopes_are_searched() {
     let past = SearchParams { detector, ..SearchParams::default() };
     assert!(resolve(&demo_burst(), &past, &Monitor::default()).is_err_and(|error| error.subject == "frames"));
 }
+
+/// Frames of a scene in the dark at `quarters` of frame intervals; its layers move along a line or in the plane.
+fn taken(quarters: &[usize], seed: u64) -> Burst {
+    let frames = quarters.iter().max().map_or(0, |last| last + 1);
+    let motion = if seed.is_multiple_of(2) { Motion::OneD } else { Motion::TwoD };
+    let max_slope = SceneParams::default().max_slope / 4.0;
+    let params = SceneParams {
+        width: 480,
+        height: 360,
+        frames,
+        snr: std::env::var("SNR").ok().and_then(|x| x.parse().ok()).unwrap_or(0.5),
+        seed,
+        motion,
+        max_slope,
+        ..Default::default()
+    };
+    let (burst, _) = synth_scene(&params, &Monitor::default()).expect("a scene");
+    Burst::from_planes("taken", quarters.iter().map(|t| (*burst.frames[*t]).clone()).collect())
+}
+
+/// What may have happened to ten frames, and the quarters of frame intervals at which they were taken then.
+fn happened(seed: u64) -> [(Option<MotionWarningKind>, Vec<usize>, Vec<usize>); 6] {
+    use MotionWarningKind::*;
+    const FRAMES: usize = 10;
+    let mut stream = Stream::new(seed, 77);
+    let mut any = |range: std::ops::Range<usize>| range.start + stream.below(range.len());
+    let even = |frames: usize| (0..frames).map(|t| 4 * t).collect::<Vec<usize>>();
+    let a = any(0..FRAMES);
+    let b = (a + any(1..FRAMES)) % FRAMES;
+    let mut exchanged = even(FRAMES);
+    exchanged.swap(a, b);
+    let (from, by) = (any(0..FRAMES - 3), any(2..4));
+    let mut moved = even(FRAMES);
+    let frame = moved.remove(from);
+    moved.insert(from + by, frame);
+    let (after, count) = (any(1..FRAMES - 2), any(1..4));
+    let mut missing = even(FRAMES + count);
+    missing.drain(after + 1..after + 1 + count);
+    let (frame, is_early, quarters) = (any(1..FRAMES - 1), any(0..2) == 1, any(2..4));
+    let mut late = even(FRAMES);
+    late[frame] = if is_early { late[frame] - quarters } else { late[frame] + quarters };
+    let speeds_up = (0..FRAMES).map(|t| 2 * t + 2 * t * t / (FRAMES - 1)).collect();
+    [
+        (None, vec![], even(FRAMES)),
+        (None, vec![], speeds_up),
+        (Some(OutOfOrder), vec![a.min(b), a.max(b)], exchanged),
+        (Some(OutOfOrder), (from..=from + by).collect(), moved),
+        (Some(MissingFrames), vec![after], missing),
+        (Some(Late), vec![frame], late),
+    ]
+}
+
+#[test]
+fn what_happened_to_frames_in_the_dark_is_told_and_nothing_of_good_ones() {
+    // More: `HAPPENED_BURSTS=100 cargo test --workspace --lib what_happened -- --nocapture`.
+    let bursts = std::env::var("HAPPENED_BURSTS").ok().map(|count| count.parse::<u64>().expect("a number"));
+    let mut counts = [[0; 3]; 6];
+    for seed in 0..bursts.unwrap_or(2) {
+        for (case, (kind, frames, quarters)) in happened(seed).into_iter().enumerate() {
+            let finding = find(&taken(&quarters, seed));
+            let told = finding
+                .warnings
+                .iter()
+                .find(|warning| !matches!(warning.kind, MotionWarningKind::Turns | MotionWarningKind::Grows));
+            let is_right = told.map(|told| (told.kind, &told.frames)) == kind.map(|kind| (kind, &frames));
+            // In order: right, nothing told, wrong.
+            counts[case][if is_right { 0 } else { 1 + usize::from(told.is_some()) }] += 1;
+            let is_uniform = finding.uniform.is_some();
+            assert!(is_uniform == told.is_some() && (!is_uniform || finding.verdict == SlopeVerdict::NotStraight));
+            if bursts.is_some() {
+                println!("{seed} {kind:?} {frames:?}: {:?}", told.map(|told| &told.text));
+            }
+        }
+    }
+    println!("right, silent, wrong: {counts:?}");
+    let [right, silent, wrong] = [0, 1, 2].map(|at| counts.iter().map(|count| count[at]).sum::<usize>());
+    assert!(counts[0][2] == 0 && 20 * wrong <= right && 10 * silent <= right, "{counts:?}");
+}
+
+#[test]
+fn frames_in_no_order_and_copies_are_put_in_order() {
+    for order in [[4, 0, 1, 3, 2], [2, 0, 4, 1, 3]] {
+        let burst = moved((320, 240), 0.02, 5, |t| (1.7 * order[t] as f64, -0.6 * order[t] as f64));
+        let uniform = find(&burst).uniform.expect("out of order");
+        let mut at: Vec<usize> = uniform.frames.iter().map(|t| order[*t]).collect();
+        if at[0] > at[4] {
+            at.reverse();
+        }
+        assert_eq!(at, [0, 1, 2, 3, 4], "{uniform:?}");
+    }
+    let burst = moved((320, 240), 0.05, 8, |t| (1.7 * t as f64, 0.4 * t as f64));
+    // A copy between frames, and one in place of a frame.
+    for (frames, left, times) in [
+        (vec![0, 1, 2, 2, 3, 4, 5], vec![0, 1, 2, 4, 5, 6], vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0]),
+        (vec![0, 1, 2, 2, 4, 5, 6], vec![0, 1, 2, 4, 5, 6], vec![0.0, 1.0, 2.0, 4.0, 5.0, 6.0]),
+    ] {
+        let copied = burst.clone().of_frames(&frames, Positions::even(frames.len()));
+        let finding = find(&copied);
+        assert_eq!(finding.uniform.clone(), Some(UniformTimes { frames: left, times }), "{}", finding.summary());
+        assert!(finding.summary().contains("frame 3, counted from 0, is a copy"), "{}", finding.summary());
+    }
+}

@@ -3,6 +3,7 @@
 
 use super::judgement::Judging;
 use super::{Alias, Spectrum, coverage_share};
+use crate::burst::TimesChoice;
 use crate::detector::params::doc;
 use crate::detector::{ParamChange, Slope, SlopeAxis, SlopeVerdict};
 use crate::inspect::ProbeCache;
@@ -42,6 +43,17 @@ pub struct SlopeAdvice {
     pub sentence: String,
     /// Changes that apply it: one setting, or more where one alone makes no sense.
     pub changes: Vec<ParamChange>,
+    /// Source of the frames' times that applies it, where the frames are at fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub times: Option<TimesChoice>,
+}
+
+impl SlopeAdvice {
+    /// Options of the command line that apply it; empty where none does.
+    pub fn options(&self) -> String {
+        let times = self.times.iter().map(|times| format!("--times {times}"));
+        self.changes.iter().map(ParamChange::option).chain(times).collect::<Vec<_>>().join(" ")
+    }
 }
 
 pub(super) fn advice(cache: &ProbeCache, spectrum: &Spectrum) -> Vec<SlopeAdvice> {
@@ -91,6 +103,7 @@ impl Telling<'_> {
             number: f64::from(alias.period_px),
             sentence,
             changes: self.within_a_period(alias).into_iter().collect(),
+            times: None,
         })
     }
 
@@ -151,6 +164,7 @@ impl Telling<'_> {
             number: f64::from(share),
             sentence,
             changes: vec![self.judging.middle_frames(enough)],
+            times: None,
         })
     }
 }

@@ -3,7 +3,7 @@
 //! (`limit`) only where the frames show nothing clear.
 
 use super::{SlopeAdvice, Subject};
-use crate::burst::{Burst, Positions};
+use crate::burst::{Burst, Positions, TimesChoice};
 use crate::detector::advice::grouped;
 use crate::detector::limit::response_loss;
 use crate::detector::params::doc;
@@ -129,8 +129,8 @@ impl<'a> Judging<'a> {
         if is_still && self.grid.len() > 1 {
             return Some(self.still());
         }
-        if let Some(fewer) = self.frames() {
-            return Some(fewer);
+        if let Some(advice) = self.order().or_else(|| self.frames()) {
+            return Some(advice);
         }
         if found.is_some_and(|(grid, _)| grid == self.grid) {
             return self.range_of_field();
@@ -186,7 +186,16 @@ impl<'a> Judging<'a> {
             number: 1.0 / slopes as f64,
             sentence: format!("nothing moves, so one slope, 0, is enough: {} were searched", counted(slopes, "slope")),
             changes: self.changes_to(SlopeGrid { direction_deg: self.grid.direction_deg, ..one }),
+            times: None,
         }
+    }
+
+    /// The times found, where those of the frames are wrong.
+    fn order(&self) -> Option<SlopeAdvice> {
+        let finding = self.finding.filter(|finding| finding.uniform.is_some())?;
+        let number = finding.warnings.iter().map(|warning| warning.frames.len()).sum::<usize>() as f64;
+        let (sentence, times) = (finding.irregularities(), Some(TimesChoice::Found));
+        Some(SlopeAdvice { subject: Subject::Frames, number, sentence, changes: Vec::new(), times })
     }
 
     /// Fewer frames, where the motion is not straight or carries the picture away.
@@ -219,6 +228,7 @@ impl<'a> Judging<'a> {
             number: fewer as f64,
             sentence: format!("{why}; {fewer} of the {frames} frames {add} nothing but blur"),
             changes: vec![self.middle_frames(left)],
+            times: None,
         })
     }
 
@@ -264,7 +274,7 @@ impl<'a> Judging<'a> {
             )
         };
         let changes = self.changes_to(found);
-        Some(SlopeAdvice { subject: Subject::Direction, number: f64::from(part), sentence, changes })
+        Some(SlopeAdvice { subject: Subject::Direction, number: f64::from(part), sentence, changes, times: None })
     }
 
     fn range(&self) -> Option<SlopeAdvice> {
@@ -295,7 +305,7 @@ impl<'a> Judging<'a> {
             _ => SlopeGrid { u: widened(&grid.u, finding.grid.u), v: widened(&grid.v, finding.grid.v), ..grid },
         };
         let changes = self.changes_to(wanted);
-        Some(SlopeAdvice { subject: Subject::Range, number: f64::from(part), sentence, changes })
+        Some(SlopeAdvice { subject: Subject::Range, number: f64::from(part), sentence, changes, times: None })
     }
 
     /// The part of the sentence about one axis, some of whose evidence lies beyond its range.
@@ -375,6 +385,7 @@ impl<'a> Judging<'a> {
                 ends.join(" and ")
             ),
             changes: self.changes_to(wanted),
+            times: None,
         })
     }
 
@@ -412,7 +423,13 @@ impl<'a> Judging<'a> {
             ends.join(" and ")
         );
         let changes = self.changes_to(wanted);
-        (!changes.is_empty()).then_some(SlopeAdvice { subject: Subject::Range, number: part, sentence, changes })
+        (!changes.is_empty()).then_some(SlopeAdvice {
+            subject: Subject::Range,
+            number: part,
+            sentence,
+            changes,
+            times: None,
+        })
     }
 
     fn step(&self) -> Option<SlopeAdvice> {
@@ -435,7 +452,7 @@ impl<'a> Judging<'a> {
             100.0 * loss(&finer)
         );
         let changes = self.changes_to(wanted);
-        Some(SlopeAdvice { subject: Subject::Step, number: f64::from(loss(&axis)), sentence, changes })
+        Some(SlopeAdvice { subject: Subject::Step, number: f64::from(loss(&axis)), sentence, changes, times: None })
     }
 
     fn cost(&self) -> Option<SlopeAdvice> {
@@ -450,7 +467,13 @@ impl<'a> Judging<'a> {
             counted(grid.len(), "slope"),
             found.len()
         );
-        Some(SlopeAdvice { subject: Subject::Cost, number: part, sentence, changes: self.changes_to(found) })
+        Some(SlopeAdvice {
+            subject: Subject::Cost,
+            number: part,
+            sentence,
+            changes: self.changes_to(found),
+            times: None,
+        })
     }
 }
 

@@ -11,6 +11,7 @@ use crate::app::panel::widgets::{named, warning_ui, weak_ui, with_whole_numbers}
 use crate::app::project::Model;
 use crate::app::project::side::Side;
 use crate::app::style;
+use crate::burst::OpenOptions;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
 use crate::inspect::spectrum::{SlopeAdvice, Spectrum, Subject};
@@ -112,7 +113,7 @@ fn sentence_of(clause: &str) -> String {
 /// Draws one piece of advice; `name` is that of its button.
 fn piece_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
     warning_ui(ui, sentence_of(&advice.sentence));
-    if !advice.changes.is_empty() {
+    if !advice.options().is_empty() {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
             apply_ui(ui, model, name, advice, queue);
@@ -123,8 +124,8 @@ fn piece_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue:
 }
 
 fn changes_of(advice: &SlopeAdvice) -> String {
-    let changes: Vec<String> = advice.changes.iter().map(|change| change.label()).collect();
-    changes.join(", ")
+    let times = advice.times.iter().map(|times| format!("Times {times}"));
+    advice.changes.iter().map(|change| change.label()).chain(times).collect::<Vec<_>>().join(", ")
 }
 
 fn apply_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
@@ -133,7 +134,10 @@ fn apply_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue:
     let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
     named(&button, egui::Role::Button, name);
     if button.clicked() {
-        queue.push(Action::ApplyChanges(Side::A, advice.changes.clone()));
+        queue.push(match &advice.times {
+            None => Action::ApplyChanges(Side::A, advice.changes.clone()),
+            times => Action::Calibrate(OpenOptions { times: times.clone(), ..model.calibration.clone() }),
+        });
     }
 }
 

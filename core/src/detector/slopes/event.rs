@@ -1,0 +1,257 @@
+//! Events that happen to the frames of a burst between the camera and the file, and the sentences that tell them.
+
+use super::{MotionWarning, MotionWarningKind};
+use crate::plane::Plane;
+use serde::Serialize;
+
+/// Least number of frames of which an event is told: three lie on a line at some times or other.
+pub(super) const MIN_FRAMES: usize = 4;
+/// Largest number of frames of which events are sought, of which there are as many as its square.
+pub(super) const MAX_FRAMES: usize = 64;
+/// Largest number of frames of which every order is tried; of more only those with one frame moved, or two exchanged.
+pub(super) const MAX_SCRAMBLED: usize = 7;
+/// Largest number of frames missing at one place.
+pub(super) const MAX_MISSING: usize = 3;
+/// Distances of a frame from its even time, frame intervals.
+const LATE: [f64; 4] = [-0.75, -0.5, 0.5, 0.75];
+
+/// Event that may have happened to frames that were even once.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Event {
+    Nothing,
+    /// The frames were taken in this order.
+    Order(Vec<usize>),
+    /// So many frames are missing after a frame.
+    Missing {
+        after: usize,
+        count: usize,
+    },
+    /// A frame was taken so many frame intervals late.
+    Late {
+        frame: usize,
+        by: f64,
+    },
+    /// The frames were taken at any times.
+    Free(Vec<f64>),
+}
+
+/// Frames and times in which the motion is uniform.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UniformTimes {
+    /// Frames in their order, counted from the first one used. Copies of others are left out.
+    pub frames: Vec<usize>,
+    /// Time of each of these from the first one on, frame intervals.
+    pub times: Vec<f64>,
+}
+
+impl Event {
+    /// Time of each of so many `frames`, frame intervals.
+    pub fn times(&self, frames: usize) -> Vec<f64> {
+        let mut times: Vec<f64> = (0..frames).map(|t| t as f64).collect();
+        match self {
+            Self::Nothing => {}
+            Self::Order(order) => order.iter().zip(0..).for_each(|(frame, at)| times[*frame] = f64::from(at)),
+            Self::Missing { after, count } => times[after + 1..].iter_mut().for_each(|time| *time += *count as f64),
+            Self::Late { frame, by } => times[*frame] += by,
+            Self::Free(free) => times.clone_from(free),
+        }
+        times
+    }
+
+    pub fn is_order(&self) -> bool {
+        matches!(self, Self::Order(_))
+    }
+
+    /// Whether it is the same event of another size.
+    pub fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Late { frame, by }, Self::Late { frame: of, by: than }) => frame == of && by * than > 0.0,
+            _ => self == other,
+        }
+    }
+
+    /// All events that may have happened to so many `frames`.
+    pub fn all(frames: usize) -> Vec<Self> {
+        let orders = if frames <= MAX_SCRAMBLED { permutations(frames) } else { single_moves(frames) };
+        let orders = orders.into_iter().map(Self::Order);
+        let missing =
+            (1..frames).flat_map(|t| (1..=MAX_MISSING).map(move |count| Self::Missing { after: t - 1, count }));
+        let late = (0..frames).flat_map(|frame| LATE.map(|by| Self::Late { frame, by }));
+        orders.chain(missing).chain(late).collect()
+    }
+
+    /// Warning of the event, which happened to the frames `kept` of all; `None` where nothing did.
+    pub fn warning_of(&self, kept: &[usize]) -> Option<MotionWarning> {
+        let (kind, frames, number, text) = match self {
+            Self::Nothing | Self::Free(_) => return None,
+            Self::Order(order) => {
+                let order: Vec<usize> = order.iter().map(|t| kept[*t]).collect();
+                let wrong: Vec<usize> =
+                    kept.iter().zip(&order).filter(|(own, is)| own != is).map(|(t, _)| *t).collect();
+                let text = order_text(&wrong, &order);
+                (MotionWarningKind::OutOfOrder, wrong.clone(), wrong.len() as f32, text)
+            }
+            Self::Missing { after, count } => {
+                let are = if *count == 1 { "frame is" } else { "frames are" };
+                let [after, next] = [kept[*after], kept[after + 1]];
+                let text = format!(
+                    "{count} {are} missing between frames {after} and {next}, counted from 0: the picture moves there by as many \
+                     more steps"
+                );
+                (MotionWarningKind::MissingFrames, vec![after], *count as f32, text)
+            }
+            Self::Late { frame, by } => {
+                let (frame, which) = (kept[*frame], if *by > 0.0 { "late" } else { "early" });
+                let text =
+                    format!("frame {frame}, counted from 0, was taken about {} frame intervals {which}", by.abs());
+                (MotionWarningKind::Late, vec![frame], *by as f32, text)
+            }
+        };
+        Some(MotionWarning { kind, frames, number, text })
+    }
+}
+
+impl UniformTimes {
+    /// Times of the frames `kept`, to which `event` happened.
+    pub(super) fn of(event: &Event, kept: &[usize]) -> Self {
+        let mut taken: Vec<(f64, usize)> = event.times(kept.len()).into_iter().zip(kept.iter().copied()).collect();
+        taken.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let first = taken.first().map_or(0.0, |first| first.0);
+        Self {
+            frames: taken.iter().map(|taken| taken.1).collect(),
+            times: taken.iter().map(|taken| taken.0 - first).collect(),
+        }
+    }
+}
+
+fn order_text(wrong: &[usize], order: &[usize]) -> String {
+    let list = |frames: &[usize]| frames.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    match wrong {
+        [a, b] => {
+            format!("frames {a} and {b}, counted from 0, are exchanged: the other way round the motion is uniform")
+        }
+        _ => format!(
+            "frames {} are out of order: the motion is uniform in the order {}, counted from 0",
+            list(wrong),
+            list(order)
+        ),
+    }
+}
+
+/// Orders in which one of so many `frames` is elsewhere, or two are exchanged, each once.
+fn single_moves(frames: usize) -> Vec<Vec<usize>> {
+    let all: Vec<usize> = (0..frames).collect();
+    let moved = |from: usize, to: usize| {
+        let mut order = all.clone();
+        let frame = order.remove(from);
+        order.insert(to, frame);
+        order
+    };
+    let exchanged = |a: usize, b: usize| {
+        let mut order = all.clone();
+        order.swap(a, b);
+        order
+    };
+    let pairs = || all.iter().flat_map(|a| all.iter().map(move |b| (*a, *b)));
+    // To the place before is the same as from there to the one after.
+    let moves = pairs().filter(|(from, to)| from != to && to + 1 != *from).map(|(from, to)| moved(from, to));
+    moves.chain(pairs().filter(|(a, b)| a + 1 < *b).map(|(a, b)| exchanged(a, b))).collect()
+}
+
+/// Orders of so many `frames` but their own, of each and its reverse the one in which more frames follow one another.
+fn permutations(frames: usize) -> Vec<Vec<usize>> {
+    let mut all = vec![Vec::new()];
+    for _ in 0..frames {
+        let longer = |start: &Vec<usize>| {
+            let rest = (0..frames).filter(|frame| !start.contains(frame));
+            rest.map(|frame| [&start[..], &[frame]].concat()).collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    let is_own_way = |order: &Vec<usize>| {
+        let follow = order.windows(2).filter(|two| two[0] < two[1]).count();
+        let against = frames - 1 - follow;
+        follow > against || (follow == against && order.first() < order.last())
+    };
+    all.retain(|order| is_own_way(order) && !order.is_sorted());
+    all
+}
+
+/// Frames that are copies of the one before, bit by bit, counted from 0; none where so few others are left that all
+/// frames are the same picture.
+pub(super) fn copies(frames: &[&Plane]) -> Vec<usize> {
+    let copies: Vec<usize> = (1..frames.len()).filter(|t| frames[*t].data() == frames[*t - 1].data()).collect();
+    if frames.len() < copies.len() + MIN_FRAMES { Vec::new() } else { copies }
+}
+
+/// Warning of frames that are copies.
+pub(super) fn copies_warning(copies: Vec<usize>) -> Option<MotionWarning> {
+    let text = match copies[..] {
+        [] => return None,
+        [one] => format!("frame {one}, counted from 0, is a copy of the frame before, bit by bit"),
+        _ => {
+            let list: Vec<String> = copies.iter().map(usize::to_string).collect();
+            format!("frames {}, counted from 0, are copies of the frames before, bit by bit", list.join(", "))
+        }
+    };
+    Some(MotionWarning { kind: MotionWarningKind::Doubled, number: copies.len() as f32, frames: copies, text })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_are_told_with_their_frames() {
+        let told = |event: Event| {
+            event.warning_of(&[0, 1, 2, 3, 4, 5]).map(|w| (w.kind, w.frames, w.number, w.text)).expect("told")
+        };
+        let (kind, frames, number, text) = told(Event::Order(vec![0, 1, 2, 4, 3, 5]));
+        assert_eq!((kind, frames, number), (MotionWarningKind::OutOfOrder, vec![3, 4], 2.0));
+        assert!(text.starts_with("frames 3 and 4, counted from 0, are exchanged"), "{text}");
+        let (_, frames, _, text) = told(Event::Order(vec![0, 2, 3, 1, 4]));
+        assert!(frames == [1, 2, 3] && text.contains("in the order 0, 2, 3, 1, 4"), "{text}");
+        let (kind, frames, number, text) = told(Event::Missing { after: 2, count: 1 });
+        assert_eq!((kind, frames, number), (MotionWarningKind::MissingFrames, vec![2], 1.0));
+        assert!(text.starts_with("1 frame is missing between frames 2 and 3"), "{text}");
+        let (kind, frames, number, text) = told(Event::Late { frame: 3, by: -0.5 });
+        assert_eq!((kind, frames, number), (MotionWarningKind::Late, vec![3], -0.5));
+        assert!(text.ends_with("0.5 frame intervals early"), "{text}");
+        assert_eq!(Event::Nothing.warning_of(&[0, 1]), None);
+    }
+
+    #[test]
+    fn every_event_is_tried_once_and_has_times_of_its_own() {
+        for frames in [4, 5, 7, 9, 12] {
+            let all = Event::all(frames);
+            let mut times: Vec<Vec<i64>> =
+                all.iter().map(|event| event.times(frames).iter().map(|time| (4.0 * time) as i64).collect()).collect();
+            times.sort();
+            times.dedup();
+            assert_eq!(times.len(), all.len(), "{frames}");
+            assert!(!times.contains(&(0..frames as i64).map(|t| 4 * t).collect()), "{frames}");
+        }
+        // Of 24 orders of four frames half are the others the other way round, and one is their own.
+        assert_eq!(Event::all(4).iter().filter(|event| event.is_order()).count(), 11);
+    }
+
+    #[test]
+    fn frames_are_sorted_by_their_times() {
+        let found = UniformTimes::of(&Event::Order(vec![0, 2, 3, 1]), &[0, 1, 2, 4]);
+        assert_eq!(found, UniformTimes { frames: vec![0, 2, 4, 1], times: vec![0.0, 1.0, 2.0, 3.0] });
+        let found = UniformTimes::of(&Event::Late { frame: 0, by: -0.5 }, &[0, 1, 2, 3]);
+        assert_eq!(found.times, [0.0, 1.5, 2.5, 3.5]);
+    }
+
+    #[test]
+    fn copies_are_told_unless_everything_is_one() {
+        let planes: Vec<Plane> = (0..6).map(|t| Plane::from_fn(3, 2, |u, _| (u + t / 2) as f32)).collect();
+        let of = |which: &[usize]| copies(&which.iter().map(|t| &planes[*t]).collect::<Vec<_>>());
+        assert_eq!(of(&[0, 2, 4, 0, 0]), [4]);
+        assert_eq!(of(&[0, 1, 2, 3, 4, 5]), [] as [usize; 0], "three are left");
+        assert_eq!(of(&[0, 0, 0, 0, 0]), [] as [usize; 0]);
+        let told = copies_warning(vec![1, 4]).expect("told");
+        assert_eq!((told.kind, told.number), (MotionWarningKind::Doubled, 2.0));
+        assert_eq!(copies_warning(Vec::new()), None);
+    }
+}
