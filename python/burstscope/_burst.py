@@ -266,6 +266,7 @@ def open(
     raw: str | None = None,
     axis: str | None = None,
     array: str | None = None,
+    topic: str | None = None,
     times: str | os.PathLike[str] | None = None,
     progress: Progress = None,
 ) -> Burst:
@@ -275,7 +276,7 @@ def open(
     ----------
     *paths : path
         A folder of frames (in natural order), several image files (in the order given), a multi-page TIFF, raw files
-        (DNG and others), a ``.npy`` stack [N, H, W], ``.npz``, FITS, SER, Y4M, a film (with ``ffmpeg``), or the name of a built-in burst: ``demo``, ``demo-later``.
+        (DNG and others), a ``.npy`` stack [N, H, W], ``.npz``, FITS, SER, Y4M, a film (with ``ffmpeg``), a ROS bag or MCAP, or the name of a built-in burst: ``demo``, ``demo-later``.
     bias, flat : path, optional
         Bias and flat frame, or stacks or folders of them, which are averaged.
     full_scale : float, optional
@@ -296,9 +297,11 @@ def open(
         Axis of the frames in a file that has others than time: ``"T"``, ``"Z"``, ``"C"``, ``"T,C=1"``, ``"first"``.
     array : str, optional
         Array of an ``.npz`` archive, or image of a FITS file, that holds the frames.
+    topic : str, optional
+        Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures.
     times : str or path, optional
         Times of the frames: a list in a file, ``"names"`` for stamps in the names of files, ``"header"`` for times that
-        the files hold (EXIF, FITS, SER), ``"found"`` for those in which the images move uniformly. Without, frames are
+        the files hold (EXIF, FITS, SER, bags), ``"found"`` for those in which the images move uniformly. Without, frames are
         even.
     progress : callable, False or None
         See `burstscope.detect`.
@@ -323,7 +326,7 @@ def open(
         "accept_damaged": bool(accept_damaged),
         "raw_colour": needed("raw_colour", raw_colour, str, "give luma, green, red or blue"),
     }
-    for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array}.items():
+    for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array, "topic": topic}.items():
         calibration[name] = None if word is None else needed(name, word, str, "see the documentation")
     calibration["times"] = None if times is None else path("times", times)
     with shown(progress) as tell:

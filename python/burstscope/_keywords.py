@@ -412,6 +412,9 @@ class NoisyKeywords(TypedDict, total=False):
         such as T,C=1; first or last of an array
     array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
+    topic : str or float
+        Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
+        /camera/image_raw
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, even for none [default:
@@ -439,6 +442,7 @@ class NoisyKeywords(TypedDict, total=False):
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]
+    topic: Union[str, float]
     times: Union[str, float]
     threads: Union[str, float]
     memory: str
@@ -726,6 +730,9 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         such as T,C=1; first or last of an array
     array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
+    topic : str or float
+        Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
+        /camera/image_raw
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, even for none [default:
@@ -786,6 +793,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]
+    topic: Union[str, float]
     times: Union[str, float]
     threads: Union[str, float]
     memory: str
@@ -1237,6 +1245,9 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         such as T,C=1; first or last of an array
     array : str or float
         Array of an .npz archive, or image of a FITS file, that holds the frames
+    topic : str or float
+        Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
+        /camera/image_raw
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, even for none [default:
@@ -1303,6 +1314,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]
+    topic: Union[str, float]
     times: Union[str, float]
     threads: Union[str, float]
     memory: str

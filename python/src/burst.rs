@@ -46,6 +46,8 @@ pub(crate) struct Calibration {
     #[pyo3(item)]
     array: Option<String>,
     #[pyo3(item)]
+    topic: Option<String>,
+    #[pyo3(item)]
     times: Option<String>,
 }
 
@@ -76,6 +78,7 @@ impl Calibration {
             raw: raw.transpose()?,
             axis: axis.transpose()?,
             array: self.array,
+            topic: self.topic,
             times: times.transpose()?,
             ..OpenOptions::default()
         })

@@ -11,7 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], .npz, FITS, SER, Y4M, film (with ffmpeg), file without header (--raw), 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-crossing', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
+pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], .npz, FITS, SER, Y4M, film (with ffmpeg), ROS bag or MCAP, file without header (--raw), 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-crossing', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
 
 /// How long sequences of frames are cut into bursts.
 #[derive(Debug, Clone, Copy, Default, Args)]
@@ -209,6 +209,9 @@ pub struct CalibrationArgs {
     /// Array of an .npz archive, or image of a FITS file, that holds the frames.
     #[arg(long, value_name = "NAME")]
     pub array: Option<String>,
+    /// Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as /camera/image_raw.
+    #[arg(long, value_name = "TOPIC")]
+    pub topic: Option<String>,
     /// Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for stamps in
     /// the names of the files, header or exif for times that the files hold, found for those in which the images move
     /// uniformly, even for none [default: even].
@@ -230,6 +233,7 @@ impl CalibrationArgs {
             raw: self.raw,
             axis: self.axis.clone(),
             array: self.array.clone(),
+            topic: self.topic.clone(),
             times: self.times.clone(),
             ..OpenOptions::default()
         }

@@ -201,6 +201,7 @@ mod tests {
             raw: "1600x1200:mono12p+16".parse().ok(),
             axis: "T,C=1".parse().ok(),
             array: Some("left eye".to_owned()),
+            topic: Some("/left/image_raw".to_owned()),
             times: "logs/rgb.txt".parse().ok(),
             ..OpenOptions::default()
         };

@@ -200,6 +200,7 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
         ("raw", options.raw.is_some()),
         ("axis", options.axis.is_some()),
         ("array", options.array.is_some()),
+        ("topic", options.topic.is_some()),
         ("times", options.times.is_some()),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {

@@ -36,6 +36,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         raw,
         axis,
         array,
+        topic,
         times,
         limits: _,
     } = calibration;
@@ -54,6 +55,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         ("raw", raw.map(|raw| Some(raw.to_string()))),
         ("axis", axis.as_ref().map(|axis| Some(axis.to_string()))),
         ("array", array.clone().map(Some)),
+        ("topic", topic.clone().map(Some)),
         ("times", times.as_ref().map(|times| Some(times.to_string()))),
     ];
     all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()

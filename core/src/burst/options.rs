@@ -49,6 +49,9 @@ pub struct OpenOptions {
     /// Array of an archive, or image of a FITS file, that holds the frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub array: Option<String>,
+    /// Topic of a bag that holds the frames, where several hold pictures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub topic: Option<String>,
     /// Source of the frames' times. `None` takes the frames as even, whatever their files say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times: Option<TimesChoice>,

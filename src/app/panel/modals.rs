@@ -4,7 +4,7 @@ use crate::app::panel::widgets::named;
 use crate::app::project::effect::Purpose;
 use crate::burst::{OpenOptions, RawColour, TimesChoice};
 use crate::requests::BurstSource;
-use egui::{DragValue, RichText, ScrollArea, Ui, vec2};
+use egui::{DragValue, RichText, ScrollArea, TextEdit, Ui, vec2};
 use std::path::PathBuf;
 
 #[derive(Debug)]
@@ -23,7 +23,7 @@ const COLOURS: [(RawColour, &str, &str); 4] = [
 const TIMES: [(TimesChoice, &str, &str); 4] = [
     (TimesChoice::Even, "Even", "Frames are evenly spaced, whatever their files say"),
     (TimesChoice::Names, "Names", "Stamps in the names of the files: dates, seconds, nanoseconds, running numbers"),
-    (TimesChoice::Header, "Files", "Times that the files hold: EXIF, the date of a TIFF, FITS, SER, films"),
+    (TimesChoice::Header, "Files", "Times that the files hold: EXIF, the date of a TIFF, FITS, SER, films, bags"),
     (
         TimesChoice::Found,
         "Found",
@@ -48,6 +48,17 @@ fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) {
     })
     .response
     .labelled_by(name.id);
+    ui.end_row();
+}
+
+fn topic_ui(ui: &mut Ui, topic: &mut Option<String>) {
+    let tip = "Topic of a ROS bag or MCAP file that holds the frames, where several have pictures";
+    let name = ui.label("Topic").on_hover_text(tip);
+    let mut text = topic.clone().unwrap_or_default();
+    let field = ui.add(TextEdit::singleline(&mut text).hint_text("of a bag with several"));
+    if field.labelled_by(name.id).changed() {
+        *topic = Some(text).filter(|text| !text.is_empty());
+    }
     ui.end_row();
 }
 
@@ -88,6 +99,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             .labelled_by(name.id);
             ui.end_row();
             times_ui(ui, &mut options.times);
+            topic_ui(ui, &mut options.topic);
         });
         ui.checkbox(&mut options.linearise, "Linear light")
             .on_hover_text("Undo the sRGB encoding of 8-bit and 16-bit pictures");

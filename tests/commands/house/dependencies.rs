@@ -57,7 +57,7 @@ fn the_library_holds_no_window_and_no_command_line() {
     let database = ["rusqlite", "libsqlite3_sys"];
     let has = |tree: &BTreeSet<String>, names: &[&str]| names.iter().any(|name| tree.contains(*name));
 
-    let core = tree("burstscope-core", &["colmap", "raw"]);
+    let core = tree("burstscope-core", &["bags", "colmap", "raw"]);
     assert!(core.contains("burstscope_core") && core.contains("rayon"), "{core:?}");
     assert!(has(&core, &database) && core.contains("rawler"), "{core:?}");
     assert!(!has(&core, &window) && !has(&core, &commands), "{core:?}");
@@ -70,7 +70,7 @@ fn the_library_holds_no_window_and_no_command_line() {
     assert!(!has(&none, &window) && !has(&none, &commands) && !has(&none, &database) && !none.contains("rawler"));
     let cli = tree("burstscope", &["cli"]);
     assert!(has(&cli, &commands) && !has(&cli, &window) && !has(&cli, &database) && !cli.contains("rawler"));
-    let all = tree("burstscope", &["app", "cli", "colmap", "raw"]);
+    let all = tree("burstscope", &["app", "bags", "cli", "colmap", "raw"]);
     for name in commands.iter().chain(&database).chain(&["rawler", "egui", "eframe", "wgpu", "winit", "rfd"]) {
         assert!(all.contains(*name), "{name} is not in the program's tree, so that it proves nothing elsewhere");
     }

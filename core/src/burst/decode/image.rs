@@ -26,7 +26,18 @@ const PIXELS_A_BYTE: u64 = 8 * 1040;
 
 pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, Error> {
     let bytes = jpeg_bytes(path, format, limits)?;
-    let mut decoder = decoder(path, file, &bytes, format, limits)?;
+    header_of(path, BufReader::with_capacity(1 << 16, file), &bytes, format, limits)
+}
+
+/// Header of the picture that `reader` gives; `bytes` are all of it, of a JPEG.
+pub(super) fn header_of(
+    path: &Path,
+    reader: impl BufRead + Seek,
+    bytes: &[u8],
+    format: ImageFormat,
+    limits: &Limits,
+) -> Result<Header, Error> {
+    let mut decoder = decoder(path, reader, bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
     let color = decoder.color_type();
@@ -43,16 +54,39 @@ pub(super) fn frame(
     options: &OpenOptions,
     monitor: &Monitor,
 ) -> Result<RawFrame, Error> {
-    let limits = &options.limits;
-    let bytes = jpeg_bytes(path, format, limits)?;
+    let bytes = &jpeg_bytes(path, format, &options.limits)?;
     if format == ImageFormat::Pnm {
         check_end_of_text(path, &input.file)?;
     }
-    let mut decoder = decoder(path, input.file, &bytes, format, limits)?;
+    let reader = BufReader::with_capacity(1 << 16, input.file);
+    decoded(Source { path, reader, bytes, length: input.length, format, part: Part::Only }, expected, options, monitor)
+}
+
+/// A picture, and where it lies.
+pub(super) struct Source<'a, R> {
+    pub path: &'a Path,
+    pub reader: R,
+    /// All bytes of a JPEG.
+    pub bytes: &'a [u8],
+    /// Number of its bytes.
+    pub length: u64,
+    pub format: ImageFormat,
+    pub part: Part,
+}
+
+pub(super) fn decoded(
+    source: Source<'_, impl BufRead + Seek>,
+    expected: Option<Expected<'_>>,
+    options: &OpenOptions,
+    monitor: &Monitor,
+) -> Result<RawFrame, Error> {
+    let limits = &options.limits;
+    let Source { path, reader, bytes, length, format, part } = source;
+    let mut decoder = decoder(path, reader, bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
     // Of WebP a few bytes can be a large picture of one colour.
-    let is_too_short = too_few_bytes(input.length, width.into(), height.into(), PIXELS_A_BYTE);
+    let is_too_short = too_few_bytes(length, width.into(), height.into(), PIXELS_A_BYTE);
     if let Some(reason) = is_too_short.filter(|_| format != ImageFormat::WebP) {
         return Err(Error::corrupt(path, name(format), reason));
     }
@@ -64,10 +98,10 @@ pub(super) fn frame(
     let taken = pixels * bytes_per_pixel(format, color);
     if child::takes(taken) {
         drop(decoder);
-        let budget = Budget::new(input.length, pixels, 2 * taken);
-        return child::decode(path, name(format), Part::Only, expected, options, budget, monitor);
+        let budget = Budget::new(length, pixels, 2 * taken);
+        return child::decode(path, name(format), part, expected, options, budget, monitor);
     }
-    let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(&bytes, true)) {
+    let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(bytes, true)) {
         None => (None, None),
         Some(Ok(samples)) => (Some(samples), None),
         Some(Err(reason)) if options.accept_damaged => (None, Some(reason)),
@@ -165,12 +199,11 @@ fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u
 
 fn decoder<'a>(
     path: &Path,
-    file: File,
+    reader: impl BufRead + Seek + 'a,
     bytes: &'a [u8],
     format: ImageFormat,
     limits: &Limits,
 ) -> Result<Box<dyn ImageDecoder + 'a>, Error> {
-    let file = BufReader::with_capacity(1 << 16, file);
     // `Limits` checks sizes before pixels are read; this bounds the decoder's other memory: at most four channels of
     // four bytes.
     let max_bytes = limits.max_pixels.saturating_mul(16).saturating_add(BESIDES_BYTES);
@@ -178,14 +211,14 @@ fn decoder<'a>(
     own.max_alloc = Some(max_bytes);
     let fail = |e| failure(path, format, e);
     match format {
-        ImageFormat::Png => Ok(Box::new(PngPicture::new(file, max_bytes).map_err(fail)?)),
+        ImageFormat::Png => Ok(Box::new(PngPicture::new(reader, max_bytes).map_err(fail)?)),
         ImageFormat::Jpeg => {
             let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
             reader.limits(own);
             Ok(Box::new(reader.into_decoder().map_err(fail)?))
         }
         _ => {
-            let mut reader = ImageReader::with_format(file, format);
+            let mut reader = ImageReader::with_format(reader, format);
             reader.limits(own);
             Ok(Box::new(reader.into_decoder().map_err(fail)?))
         }

@@ -5,6 +5,8 @@
 //! child process ([`child`], [`serve`]) where they could take much memory, and always for raw files.
 
 mod axes;
+#[cfg(feature = "bags")]
+mod bag;
 mod child;
 mod dump;
 mod exif;
@@ -168,6 +170,8 @@ pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize, E
     guarded(path, input.kind, || match input.kind {
         Kind::Raw | Kind::Picture(_) => Ok(1),
         Kind::Film => Ok(2),
+        #[cfg(feature = "bags")]
+        Kind::Bag => bag::frame_count(path, &OpenOptions { limits: Limits::default(), ..options.clone() }),
         Kind::Tiff => tiff::frame_count(path, input.file),
         _ => Ok(plain(path, input, &OpenOptions { limits: Limits::default(), ..options.clone() })?.places.len()),
     })
@@ -189,6 +193,8 @@ pub(super) fn header(
             Ok((header, Some(frame)))
         }
         Kind::Film => Ok((film::header(path, options, monitor)?, None)),
+        #[cfg(feature = "bags")]
+        Kind::Bag => Ok((bag::header(path, options, monitor)?, None)),
         Kind::Tiff => Ok((tiff::header(path, input.file, options)?, None)),
         Kind::Picture(format) => Ok((image::header(path, input.file, format, &options.limits)?, None)),
         _ => Ok((plain(path, input, options)?.header(), None)),
@@ -215,6 +221,8 @@ pub(super) fn frame(
     let frame = guarded(path, input.kind, || match input.kind {
         Kind::Raw => raw_frame(path, &input, expected, options, monitor),
         Kind::Film => Err(Error::stack_among_frames(path, 2)),
+        #[cfg(feature = "bags")]
+        Kind::Bag => bag::only(path, expected, options, monitor),
         Kind::Tiff => tiff::frame(path, input, expected, options, monitor),
         Kind::Picture(format) => image::frame(path, input, format, expected, options, monitor),
         _ => plain(path, input, options)?.only(path, expected, options),
@@ -227,6 +235,8 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
     let misnamed = input.misnamed;
     let frames = match input.kind {
         Kind::Film => guarded(path, input.kind, || film::stack(path, options, ticker)),
+        #[cfg(feature = "bags")]
+        Kind::Bag => guarded(path, input.kind, || bag::stack(path, options, ticker)),
         Kind::Tiff => guarded(path, input.kind, || tiff::stack(path, input, options, ticker)),
         Kind::Raw | Kind::Picture(_) => {
             let frame = frame(path, None, options, ticker.monitor());
@@ -249,14 +259,20 @@ fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain, 
         Kind::Ser => ser::plain(path, file, length, options),
         Kind::Fits => fits::plain(path, file, length, options),
         Kind::Dump => dump::plain(path, length, options),
+        #[cfg(feature = "bags")]
+        Kind::Bag => unreachable!("it has a decoder of its own"),
         Kind::Raw | Kind::Film | Kind::Tiff | Kind::Picture(_) => unreachable!("these have decoders of their own"),
     }
 }
 
-/// Decodes one page of a TIFF, which is frame `frame` of its burst.
+/// Decodes one page of a TIFF, or one picture of a bag, which is frame `frame` of its burst.
 fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, Error> {
     let input = InputFile::open(path, usize::MAX, options)?;
-    guarded(path, Kind::Tiff, || tiff::page(path, input, page, frame, options))
+    guarded(path, input.kind, || match input.kind {
+        #[cfg(feature = "bags")]
+        Kind::Bag => bag::page(path, page, frame, options),
+        _ => tiff::page(path, input, page, frame, options),
+    })
 }
 
 fn raw_frame(

@@ -14,7 +14,7 @@ const MAX_JSON_BYTES: u32 = 1 << 20;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Part {
     Only,
-    /// A page of a TIFF, by its index in the file, which is this frame of the burst.
+    /// A page of a TIFF, or a picture of a bag's topic, by its index in the file, which is this frame of the burst.
     Page {
         page: usize,
         frame: usize,

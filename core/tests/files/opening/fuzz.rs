@@ -49,6 +49,8 @@ fn samples() -> &'static [(&'static str, Vec<u8>)] {
         samples.push(("planar.tif", raw_tiff(false, (4, 3), &[8, 8, 8], &[(262, 2), (284, 2)], &planes)));
         samples.push(("big_endian.tif", raw_tiff(true, (4, 3), &[32], &[(262, 1), (339, 3)], &[&[0; 48]])));
         samples.extend(super::plain::samples());
+        #[cfg(feature = "bags")]
+        samples.extend(super::bags::samples());
         samples
     })
 }
@@ -64,6 +66,8 @@ fn seeds() -> &'static [(&'static str, Vec<u8>)] {
         seeds.push(("packed.png", crafted::packed_chunks_png(1 << 16)));
         seeds.push(("text.tif", crafted::huge_description_tiff()));
         seeds.push(("count5.tif", crafted::huge_count_dng(5)));
+        #[cfg(feature = "bags")]
+        seeds.push(super::bags::stereo());
         #[cfg(feature = "raw")]
         seeds.extend([("count10.dng", crafted::huge_count_dng(10)), ("count12.dng", crafted::huge_count_dng(12))]);
         seeds

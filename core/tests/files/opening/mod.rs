@@ -1,6 +1,8 @@
 //! Opening bursts: every format and its values, every way to name a burst, every failure and its message, and randomly
 //! damaged files.
 
+#[cfg(feature = "bags")]
+mod bags;
 #[allow(dead_code)] // the commands' tests use more of it
 mod crafted;
 mod damaged;

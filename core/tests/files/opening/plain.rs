@@ -431,12 +431,9 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
 
 #[test]
 fn formats_of_others_are_refused_with_what_reads_them() {
-    let starts: [(&str, &[u8], &str); 6] = [
+    let starts: [(&str, &[u8], &str); 3] = [
         ("a.h5", b"\x89HDF\r\n\x1a\n\0\0", "h5py"),
         ("a.mat", b"MATLAB 5.0 MAT-file, Platform", "scipy.io"),
-        ("a.bag", b"#ROSBAG V2.0\n", "rosbags"),
-        ("a.mcap", b"\x89MCAP0\r\n\x01", "rosbags"),
-        ("a.db3", b"SQLite format 3\0", "rosbags"),
         ("a.fits.gz", b"\x1f\x8b\x08\0", "gunzip"),
     ];
     for (name, start, way) in starts {

@@ -7,6 +7,8 @@ mod directories;
 
 pub(super) use directories::Directories;
 
+#[cfg(feature = "bags")]
+use super::bag::form;
 use super::{fits, npy, ser, y4m};
 use crate::error::{Error, ErrorKind};
 use image::ImageFormat::{Bmp, Jpeg, Png, Pnm, WebP};
@@ -66,6 +68,9 @@ pub(super) enum Kind {
     Y4m,
     /// A film in a container that `ffmpeg` reads.
     Film,
+    /// A recording of a robot, of which a topic is taken.
+    #[cfg(feature = "bags")]
+    Bag,
     /// Values without a header.
     Dump,
     Picture(image::ImageFormat),
@@ -81,7 +86,7 @@ pub(in crate::burst) enum Rank {
 }
 
 /// Each kind, its name in messages, its rank and its extensions.
-const KINDS: [(Kind, &str, Rank, &[&str]); 14] = [
+const KINDS: &[(Kind, &str, Rank, &[&str])] = &[
     (Kind::Picture(Png), "PNG", Rank::Picture, &["png"]),
     (Kind::Tiff, "TIFF", Rank::Picture, &["tif", "tiff"]),
     (Kind::Npy, "NPY", Rank::Picture, &["npy"]),
@@ -102,6 +107,8 @@ const KINDS: [(Kind, &str, Rank, &[&str]); 14] = [
     (Kind::Ser, "SER", Rank::Film, &["ser"]),
     (Kind::Y4m, "Y4M", Rank::Film, &["y4m"]),
     (Kind::Npz, "NPZ", Rank::Other, &["npz"]),
+    #[cfg(feature = "bags")]
+    (Kind::Bag, "bag", Rank::Other, &["bag", "mcap", "db3"]),
     (Kind::Film, "film", Rank::Other, &["mp4", "mkv", "avi", "mov", "webm", "mpg", "gif"]),
     (Kind::Dump, "headerless", Rank::Other, &["raw", "bin", "dat"]),
 ];
@@ -114,6 +121,10 @@ pub(in crate::burst) fn extensions() -> impl Iterator<Item = &'static str> {
 
 /// Rank of a file in its folder, by its name; `None` for files that cannot be opened.
 pub(in crate::burst) fn rank(path: &Path) -> Option<Rank> {
+    #[cfg(feature = "bags")]
+    if form::is_metadata(path) {
+        return Some(Rank::Film);
+    }
     let kind = Kind::named(path).filter(|kind| cfg!(feature = "raw") || *kind != Kind::Raw)?;
     KINDS.iter().find(|(own, ..)| *own == kind).map(|(_, _, rank, _)| *rank)
 }
@@ -139,6 +150,10 @@ impl Kind {
         ];
         if let Some((_, kind)) = magics.into_iter().find(|(magic, _)| start.starts_with(magic)) {
             return Some(kind);
+        }
+        #[cfg(feature = "bags")]
+        if form::is_recording(start) {
+            return Some(Self::Bag);
         }
         if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic)) {
             return Some(Self::Tiff);

@@ -1,0 +1,93 @@
+//! MCAP: records of a kind, a length and fields. Messages stand alone or in chunks, each of which is followed by the
+//! lists of its messages; schemas and channels, which say type and topic, are repeated at the end.
+//!
+//! Format: <https://mcap.dev/spec>.
+
+use super::records::{Channel, Chunk, Contents, List, Message, Scan, Wire, corrupt};
+use std::io::{self, Read, Seek, SeekFrom};
+
+/// Bytes before the first record, and after the last.
+const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
+const START: u64 = 8;
+const FOOTER: u8 = 2;
+const SCHEMA: u8 = 3;
+const CHANNEL: u8 = 4;
+const MESSAGE: u8 = 5;
+const CHUNK: u8 = 6;
+const LIST: u8 = 7;
+/// Bytes of a message's record before the message: channel, number, and two times.
+const BEFORE_MESSAGE: u64 = 22;
+
+/// Reads the records of a file, or of the unpacked chunk `chunk`.
+pub(super) fn walk(mut reader: impl Read + Seek, length: u64, chunk: usize, found: &mut Contents) -> io::Result<()> {
+    let start = if chunk == 0 { START } else { 0 };
+    reader.seek(SeekFrom::Start(start))?;
+    let mut scan = Scan::new(reader, start, length);
+    while scan.at < length {
+        let at = scan.at;
+        let [kind] = scan.array()?;
+        let bytes = scan.u64()?;
+        let end = scan.after(bytes)?;
+        match kind {
+            // A file without one was not closed.
+            FOOTER if chunk == 0 => {
+                scan.skip_to(end)?;
+                return if &scan.array()? == MAGIC {
+                    Ok(())
+                } else {
+                    Err(corrupt("its last bytes are not those of its kind"))
+                };
+            }
+            SCHEMA => {
+                let id = scan.u16()?;
+                let name = scan.text()?;
+                found.schemas.entry(id).or_insert(name);
+            }
+            CHANNEL => {
+                let (id, schema) = (scan.u16()?, scan.u16()?);
+                let (topic, encoding) = (scan.text()?, scan.text()?);
+                let wire = [("ros1", Wire::Ros1), ("cdr", Wire::Cdr)].into_iter().find(|(name, _)| *name == encoding);
+                let of = found.schemas.get(&schema).map_or("", |name| name);
+                let channel = Channel::new(topic, of, wire.map(|(_, wire)| wire));
+                found.channels.entry(id.into()).or_insert(channel);
+            }
+            MESSAGE => {
+                let (channel, _number, recorded_ns) = (scan.u16()?, scan.u32()?, scan.u64()?);
+                found.add(channel.into(), Message { recorded_ns, chunk, at });
+            }
+            CHUNK if chunk == 0 => {
+                let (_begins, _ends, size, crc) = (scan.u64()?, scan.u64()?, scan.u64()?, scan.u32()?);
+                let packed_by = scan.text()?;
+                let bytes = scan.u64()?;
+                if scan.after(bytes)? > end {
+                    return Err(corrupt("a chunk (the field 'records') is longer than its record"));
+                }
+                found.chunks.push(Chunk { at: scan.at, bytes, size, packed_by, crc });
+            }
+            LIST if chunk == 0 => {
+                let (channel, bytes) = (scan.u16()?.into(), scan.u32()?.into());
+                if scan.after(bytes)? > end {
+                    return Err(corrupt("a list of messages (the field 'records') is longer than its record"));
+                }
+                found.lists.push(List { channel, chunk: found.chunks.len() - 1, at: scan.at, count: bytes / 16 });
+            }
+            _ => {}
+        }
+        scan.skip_to(end)?;
+    }
+    if chunk > 0 { Ok(()) } else { Err(io::ErrorKind::UnexpectedEof.into()) }
+}
+
+/// Time and place of the next message of a list.
+pub(super) fn entry(scan: &mut Scan<impl Read + Seek>) -> io::Result<(u64, u64)> {
+    Ok((scan.u64()?, scan.u64()?))
+}
+
+/// Bytes of the message of the record that follows, to the start of which `scan` goes.
+pub(super) fn message(scan: &mut Scan<impl Read + Seek>) -> io::Result<u64> {
+    let [kind] = scan.array()?;
+    let bytes = scan.u64()?.checked_sub(BEFORE_MESSAGE).filter(|_| kind == MESSAGE);
+    let bytes = bytes.ok_or_else(|| corrupt("a list of messages names a place where there is none"))?;
+    scan.skip_to(scan.at + BEFORE_MESSAGE)?;
+    Ok(bytes)
+}

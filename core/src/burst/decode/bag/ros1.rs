@@ -1,0 +1,106 @@
+//! ROS 1 bags: records of named fields and data. Chunks of messages are each followed by the lists of their messages,
+//! and the connections, which say topic and type, are repeated at the end.
+//!
+//! Format: <http://wiki.ros.org/Bags/Format/2.0>.
+
+use super::records::{Channel, Chunk, Contents, List, Message, Scan, Wire, corrupt};
+use std::io::{self, Read, Seek, SeekFrom};
+
+/// Bytes before the version.
+const START: u64 = 9;
+const VERSION: &[u8] = b"2.0\n";
+
+/// Value of a field of a header: its bytes, behind a length, the name and `=`.
+fn field<'a>(header: &'a [u8], name: &str) -> Option<&'a [u8]> {
+    let mut rest = header;
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
+        let (field, behind) = after.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        if let Some(value) = field.strip_prefix(name.as_bytes()).and_then(|value| value.strip_prefix(b"=")) {
+            return Some(value);
+        }
+        rest = behind;
+    }
+    None
+}
+
+fn text(header: &[u8], name: &str) -> io::Result<String> {
+    let value = field(header, name).ok_or_else(|| corrupt(format!("a record has no field '{name}'")))?;
+    Ok(String::from_utf8_lossy(value).into_owned())
+}
+
+fn number(header: &[u8], name: &str) -> io::Result<u32> {
+    let value = field(header, name).and_then(|value| value.try_into().ok()).map(u32::from_le_bytes);
+    value.ok_or_else(|| corrupt(format!("a record has no field '{name}' of four bytes")))
+}
+
+/// A time: seconds and nanoseconds in 32 bits each.
+fn time_ns([s, ns]: [u32; 2]) -> u64 {
+    u64::from(s) * 1_000_000_000 + u64::from(ns)
+}
+
+/// Reads the records of a file, or of the unpacked chunk `chunk`.
+pub(super) fn walk(mut reader: impl Read + Seek, length: u64, chunk: usize, found: &mut Contents) -> io::Result<()> {
+    let start = if chunk == 0 { START } else { 0 };
+    reader.seek(SeekFrom::Start(start))?;
+    let mut scan = Scan::new(reader, start, length);
+    if chunk == 0 && scan.array::<4>()? != VERSION {
+        let reason = "its version is not 2.0; record it again";
+        return Err(io::Error::new(io::ErrorKind::Unsupported, reason));
+    }
+    // Each chunk is named in a record at the end of a bag that was closed.
+    let (mut announced, mut named) = (0, 0);
+    while scan.at < length {
+        let at = scan.at;
+        let header = scan.field()?;
+        let bytes = scan.u32()?.into();
+        let (data, end) = (scan.at, scan.after(bytes)?);
+        match field(&header, "op") {
+            Some([2]) => {
+                let time = field(&header, "time").and_then(|time| time.first_chunk::<8>());
+                let [a, b, c, d, e, f, g, h] = *time.ok_or_else(|| corrupt("a message has no field 'time'"))?;
+                let recorded_ns = time_ns([[a, b, c, d], [e, f, g, h]].map(u32::from_le_bytes));
+                found.add(number(&header, "conn")?, Message { recorded_ns, chunk, at });
+            }
+            Some([3]) => announced = number(&header, "chunk_count")?,
+            Some([4]) => {
+                let (channel, count) = (number(&header, "conn")?, u64::from(number(&header, "count")?));
+                if count * 12 > bytes {
+                    return Err(corrupt("a list of messages (the field 'count') is longer than its record"));
+                }
+                found.lists.push(List { channel, chunk: found.chunks.len() - 1, at: data, count });
+            }
+            Some([5]) if chunk == 0 => {
+                let packed_by = Some(text(&header, "compression")?).filter(|name| name != "none").unwrap_or_default();
+                let size = number(&header, "size")?.into();
+                found.chunks.push(Chunk { at: data, bytes, size, packed_by, crc: 0 });
+            }
+            Some([6]) => named += 1,
+            Some([7]) => {
+                let topic = text(&header, "topic")?;
+                let of = text(&scan.bytes(bytes)?, "type")?;
+                let channel = || Channel::new(topic, &of, Some(Wire::Ros1));
+                found.channels.entry(number(&header, "conn")?).or_insert_with(channel);
+            }
+            _ => {}
+        }
+        scan.skip_to(end)?;
+    }
+    if chunk == 0 && (announced != named || found.chunks.len() as u64 != 1 + u64::from(named)) {
+        return Err(corrupt("it was not closed, or its end is missing"));
+    }
+    Ok(())
+}
+
+/// Time and place of the next message of a list.
+pub(super) fn entry(scan: &mut Scan<impl Read + Seek>) -> io::Result<(u64, u64)> {
+    Ok((time_ns([scan.u32()?, scan.u32()?]), scan.u32()?.into()))
+}
+
+/// Bytes of the message of the record that follows, to the start of which `scan` goes.
+pub(super) fn message(scan: &mut Scan<impl Read + Seek>) -> io::Result<u64> {
+    let header = scan.field()?;
+    if field(&header, "op") != Some(&[2]) {
+        return Err(corrupt("a list of messages names a place where there is none"));
+    }
+    scan.u32().map(u64::from)
+}
