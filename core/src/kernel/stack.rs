@@ -9,6 +9,7 @@
 //! divided by their number. The patches around features use the same, to the bit.
 
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
+use crate::kernel::masked_rows::MaskedRows;
 use crate::plane::Plane;
 use crate::plane::vectors::Aligned;
 use multiversion::multiversion;
@@ -23,6 +24,8 @@ pub struct RowStacker<'a> {
     mixed: Aligned,
     counts: Vec<f32>,
     sums: WeightedRows,
+    /// `None` where all samples are seen.
+    masked: Option<MaskedRows>,
 }
 
 /// Slopes that read the same rows in the same proportions.
@@ -109,7 +112,8 @@ impl<'a> RowStacker<'a> {
             }
         }
         let (mixed, counts, sums) = (Aligned::default(), Vec::new(), WeightedRows::default());
-        Self { frames, slopes, groups, mixed, counts, sums }
+        let masked = any_masked(frames).then(MaskedRows::default);
+        Self { frames, slopes, groups, mixed, counts, sums, masked }
     }
 
     /// Writes rows `rows`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, where rows are
@@ -127,11 +131,17 @@ impl<'a> RowStacker<'a> {
                 self.group_rows(index, part.clone(), outs, (part.start - rows.start) * stride, stride);
             }
         }
+        let Some(masked) = &mut self.masked else { return };
+        for (offsets, out) in self.slopes.iter().zip(outs) {
+            for (v, row) in rows.clone().zip(out.chunks_mut(stride)) {
+                masked.mend(self.frames, offsets, v, columns, &mut row[..columns.len()]);
+            }
+        }
     }
 
     /// Writes `rows`, which are of one run, from `first` on in each of `outs`.
     fn group_rows(&mut self, group: usize, rows: Range<usize>, outs: &mut [&mut [f32]], first: usize, stride: usize) {
-        let Self { frames, slopes, groups, mixed, counts, sums } = self;
+        let Self { frames, slopes, groups, mixed, counts, sums, .. } = self;
         let Group { slopes: group, run } = &groups[group];
         let width = frames[0].width();
         let Run { columns, wide, covering, .. } = run;
@@ -440,6 +450,11 @@ fn one_sum<S: Simd, const V: usize, const WEIGHTED: bool>(
     sums
 }
 
+/// Whether a sample of one of `frames` is hidden.
+pub(crate) fn any_masked(frames: &[&Plane]) -> bool {
+    frames.iter().any(|frame| frame.mask().is_some())
+}
+
 /// The bilinear sample of `frame` for pixel (u, v); beyond the frame the nearest pixel.
 pub(crate) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
     let (width, height) = frame.size();
@@ -485,7 +500,32 @@ impl FrameOffset {
     pub fn covers(&self, u: usize, v: usize, size: (usize, usize)) -> bool {
         self.covers_columns(size.0).contains(&u) && self.covers_rows(size.1).contains(&v)
     }
+
+    /// Whether `frame` covers the pixel (u, v) and its sample there is seen.
+    pub fn sees(&self, frame: &Plane, u: usize, v: usize) -> bool {
+        self.covers(u, v, frame.size()) && self.weight(frame, (u, v), 0.0) >= 0.5
+    }
+
+    /// Mean weight (0 … 1) of the samples of `frame` that are read up to `radius` pixels around pixel (u, v), which it
+    /// covers.
+    pub fn weight(&self, frame: &Plane, (u, v): (usize, usize), radius: f32) -> f32 {
+        let Some(mask) = frame.mask() else { return 1.0 };
+        let (x, y) = ((u as i64 + self.whole_u) as f32 + self.part_u, (v as i64 + self.whole_v) as f32 + self.part_v);
+        let (steps, size) = ((radius.ceil() as i32).min(DISC_STEPS), frame.size());
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (i, j) in (-steps..=steps).flat_map(|j| (-steps..=steps).map(move |i| (i, j))) {
+            let away = |step: i32| step as f32 * radius / steps.max(1) as f32;
+            let (x, y) = ((x + away(i)).round().max(0.0) as usize, (y + away(j)).round().max(0.0) as usize);
+            if i * i + j * j <= steps * steps && x < size.0 && y < size.1 {
+                (sum, count) = (sum + mask.weights().at(x, y), count + 1.0);
+            }
+        }
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
 }
+
+/// Samples of a radius at most that a weight is the mean of.
+const DISC_STEPS: i32 = 5;
 
 #[cfg(test)]
 mod tests {
