@@ -8,7 +8,7 @@ use burstscope::app::project::side::Side;
 use burstscope::app::settings::Settings;
 use burstscope::burst::Positions;
 use burstscope::detector::noise_model::NoiseModel;
-use burstscope::detector::{Detection, Slope, SlopeGrid, Tally};
+use burstscope::detector::{Detection, Slope, SlopeGrid, Tally, Test};
 use burstscope::requests::{BurstSource, Detected, OpenBurst};
 use burstscope::{Burst, Feature, Plane};
 use std::sync::Arc;
@@ -87,7 +87,11 @@ pub fn with_features(mut window: Window) -> Window {
         descriptors: (0..DISCS.len()).map(|i| std::array::from_fn(|k| (k * (i + 3) % 97) as u8)).collect(),
         tally: Tally {
             samples: 2_000_000,
-            rejected: std::array::from_fn(|k| 1000 * (k as u64 + 1)),
+            rejected: Test::ALL.map(|test| match test {
+                // Nothing is masked.
+                Test::Seen => 0,
+                test => 1000 * (test as u64 + u64::from(test < Test::Seen)),
+            }),
             kept: 4,
             ..Tally::default()
         },

@@ -11,7 +11,8 @@ use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Plane, memory};
 
-/// Mean of all frames of `burst`, as a burst of one frame: what moves is smeared.
+/// Mean of all frames of `burst`, as a burst of one frame with the middle frame's mask: what moves is
+/// smeared.
 pub fn plain_mean(burst: &Burst, monitor: &Monitor) -> Result<Burst, Cancelled> {
     let (width, height) = burst.size();
     // Sums of many 16-bit values need more than the 24 bits of f32.
@@ -22,7 +23,8 @@ pub fn plain_mean(burst: &Burst, monitor: &Monitor) -> Result<Burst, Cancelled> 
     }
     let count = burst.len() as f64;
     let mean = Plane::from_vec(width, height, sums.into_iter().map(|sum| (sum / count) as f32).collect());
-    let mut merged = Burst::from_planes(format!("mean of {}", burst.name), vec![mean]);
+    let mask = burst.frames[burst.len() / 2].mask().cloned();
+    let mut merged = Burst::from_planes(format!("mean of {}", burst.name), vec![mean.with_mask(mask)]);
     merged.full_scale = burst.full_scale;
     // The mean of N numbers on a lattice lies on a lattice N times as fine.
     merged.quantisation_step = burst.quantisation_step / count as f32;

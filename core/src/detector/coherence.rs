@@ -43,7 +43,7 @@ impl Along<'_> {
         let factor = noise.place_factor(octave, &offsets, floor_pixel((place[0], place[1]), *size), *size);
         let response = |(index, (&t, dt)): (usize, (&usize, f32))| {
             monitor.check()?;
-            let covers = offsets[index].covers(at.0, at.1, *size);
+            let covers = self.inputs.sees(index, &offsets[index], at);
             let own = index..index + 1;
             let value = if covers {
                 let (planes, offsets) = (&frames.planes[own.clone()], &in_octave[own.clone()]);

@@ -72,7 +72,7 @@ impl Combine {
 }
 
 /// Combines `frames` (one size, in time order) at `positions`, at `slope`: of each pixel x the values
-/// F_t(x + (t − t0)·λ) of the frames that cover it, as [`motion_stack`] takes their mean. Size and unit are those of the
+/// F_t(x + (t − t0)·λ) of the frames that see it, as [`motion_stack`] takes their mean. Size and unit are those of the
 /// frames. Rows in parallel.
 pub fn combined_stack(
     frames: &[&Plane],
@@ -99,7 +99,8 @@ pub fn combined_stack(
         for (u, out) in row.iter_mut().enumerate() {
             values.clear();
             let covering = covered.iter().filter(|(.., rows, columns)| rows.contains(&v) && columns.contains(&u));
-            values.extend(covering.map(|(frame, offset, ..)| sample_clamped(frame, offset, u, v)));
+            let seeing = covering.filter(|(frame, offset, ..)| offset.weight(frame, (u, v), 0.0) >= 0.5);
+            values.extend(seeing.map(|(frame, offset, ..)| sample_clamped(frame, offset, u, v)));
             if values.is_empty() {
                 values.extend(covered.iter().map(|(frame, offset, ..)| sample_clamped(frame, offset, u, v)));
             }

@@ -43,9 +43,9 @@ impl Along<'_> {
     pub(super) fn rises(&self, feature: &Feature) -> Vec<Rise> {
         let Some((rim, beyond)) = self.rim_and_beyond(feature.slope) else { return Vec::new() };
         let place = (feature.u, feature.v);
-        let on_rim = self.covering(place, rim);
+        let on_rim = self.showing(place, rim);
         let rise = |slope: Slope| {
-            let there = self.covering(place, slope);
+            let there = self.showing(place, slope);
             let both: Vec<usize> = on_rim.iter().copied().filter(|index| there.contains(index)).collect();
             if both.len() < MIN_FRAMES {
                 return None;
@@ -98,12 +98,12 @@ impl Along<'_> {
     }
 
     /// Indices, among the frames that take part, of those that show the place at a slope.
-    fn covering(&self, (u, v): (f32, f32), slope: Slope) -> Vec<usize> {
+    pub(super) fn showing(&self, (u, v): (f32, f32), slope: Slope) -> Vec<usize> {
         let size = self.inputs.size_image;
         let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
         let at = (pixel(u, size.0), pixel(v, size.1));
         let offsets = self.inputs.offsets(slope);
-        (0..offsets.len()).filter(|&index| offsets[index].covers(at.0, at.1, size)).collect()
+        (0..offsets.len()).filter(|&index| self.inputs.sees(index, &offsets[index], at)).collect()
     }
 }
 

@@ -92,7 +92,7 @@ fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
 /// Output of the filter at all places of a frame, or of a difference of two.
 struct Filtered {
     values: Vec<f32>,
-    /// Whether the filter touched a pixel whose noise was cut off.
+    /// Whether the filter touched a pixel whose noise was cut off, or that is masked.
     cut_off: Vec<bool>,
 }
 
@@ -113,6 +113,12 @@ impl Filtered {
             let end = at + columns.len();
             let (values, cut_off) = (&mut out.values[at..end], &mut out.cut_off[at..end]);
             filter_piece(row(v - 1), row(*v), row(v + 1), &whole, values, cut_off);
+            if frame.mask().is_some() {
+                for (u, cut_off) in columns.clone().zip(cut_off) {
+                    let hides = |v: usize| (u - 1..u + 2).any(|u| frame.weight_at(u, v) < 1.0);
+                    *cut_off |= (v - 1..v + 2).any(hides);
+                }
+            }
             at = end;
         }
         out

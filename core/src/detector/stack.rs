@@ -3,8 +3,8 @@
 //! Frame `t` is sampled at `x + (t − t0)·λ`, where t is the frame's position and t0 the mean of all positions. The
 //! offset is constant over the image, so it is split once into whole pixels and a fraction. A frame covers a pixel when
 //! the sampling point lies between the centres of its first and last pixel; the sum is divided by the number of frames
-//! that do. Where none does (a corner, with diagonal slopes and an even number of frames) the frames' nearest pixels
-//! are averaged.
+//! that do; where samples are masked it is the mean of those that are seen. Where no frame covers a pixel (a corner,
+//! with diagonal slopes and an even number of frames) the frames' nearest pixels are averaged.
 
 use crate::burst::Positions;
 use crate::detector::params::{Interpolation, Slope};
@@ -12,6 +12,7 @@ use crate::kernel::stack::{FrameOffset, RowStacker};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
+use std::borrow::Borrow;
 use std::ops::Range;
 
 /// Frames of a burst that take part.
@@ -117,9 +118,17 @@ pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: 
     RowStacker::new(frames, vec![offsets]).rows(v..v + 1, &columns, &mut [out], stride);
 }
 
-/// Number of frames that cover the pixel (u, v) of an image of `size`.
-pub fn coverage(offsets: &[FrameOffset], u: usize, v: usize, size: (usize, usize)) -> usize {
-    offsets.iter().filter(|o| o.covers(u, v, size)).count()
+/// Number of `frames`, read at `offsets`, that cover the pixel (u, v), and how many of them see what lies up to
+/// `radius` pixels around it: each counts as the share of these samples that is not masked.
+pub fn coverage(
+    frames: &[impl Borrow<Plane>],
+    offsets: &[FrameOffset],
+    (u, v): (usize, usize),
+    radius: f32,
+) -> (f32, f32) {
+    let covering = frames.iter().map(Borrow::borrow).zip(offsets);
+    let covering = covering.filter(|(frame, offset)| offset.covers(u, v, frame.size()));
+    covering.fold((0.0, 0.0), |(all, seen), (frame, offset)| (all + 1.0, seen + offset.weight(frame, (u, v), radius)))
 }
 
 /// Computes the motion-stack image of `frames` (one size, in time order) at `positions`, at `slope`: the mean over the
@@ -153,6 +162,8 @@ pub fn motion_stack(
 mod tests {
     use super::*;
     use crate::kernel::stack::sample_clamped;
+    use crate::plane::Mask;
+    use crate::plane::mask::HIDDEN_WEIGHT;
     use proptest::prelude::*;
 
     /// The definition, pixel by pixel.
@@ -224,6 +235,53 @@ mod tests {
                     prop_assert_eq!(&row[..columns.len()], &alone[..]);
                     prop_assert!(row[columns.len()..].iter().all(|x| x.is_nan()), "no other values are written");
                 }
+            }
+        }
+    }
+
+    /// The mean of the seen samples, pixel by pixel.
+    fn seen_by_definition(frames: &[&Plane], slope: Slope, interpolation: Interpolation) -> Plane {
+        let (width, height) = frames[0].size();
+        let offsets = frame_offsets(&Positions::even(frames.len()), slope, interpolation);
+        Plane::from_fn(width, height, |u, v| {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            let covering = || frames.iter().zip(&offsets).filter(|(_, offset)| offset.covers(u, v, (width, height)));
+            let all = || frames.iter().zip(&offsets).collect::<Vec<_>>();
+            let read = if covering().count() > 0 { covering().collect() } else { all() };
+            for ((frame, offset), (du, dv)) in
+                read.into_iter().flat_map(|of| [(0, 0), (1, 0), (0, 1), (1, 1)].map(|d| (of, d)))
+            {
+                let at =
+                    |x: usize, whole: i64, d: i64, n: usize| (x as i64 + whole + d).clamp(0, n as i64 - 1) as usize;
+                let (x, y) = (at(u, offset.whole_u, du, width), at(v, offset.whole_v, dv, height));
+                let part = |d: i64, part: f32| if d == 0 { 1.0 - part } else { part };
+                let seen = if covering().count() > 0 { frame.weight_at(x, y).max(HIDDEN_WEIGHT) } else { 1.0 };
+                let weight = part(du, offset.part_u) * part(dv, offset.part_v) * seen;
+                (sum, weights) = (sum + weight * frame.at(x, y), weights + weight);
+            }
+            sum / weights
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn masked_rows_are_the_mean_of_the_seen_samples(
+            n in 1usize..6, u in -9.0f32..9.0, v in -9.0f32..9.0, how in 0usize..3, masked in any::<u64>(),
+        ) {
+            let (slope, monitor) = (Slope::new(u, v), Monitor::default());
+            let interpolation = [Interpolation::Linear, Interpolation::Nearest, Interpolation::Truncated][how];
+            // Some frames have masks of rectangles, others of single samples, others none.
+            let mask = |t: usize| Mask::new(Plane::from_fn(37, 23, |u, v| f32::from(match masked >> (2 * t) & 3 {
+                0 => true,
+                1 => !(5 * t..20).contains(&u) || v < 7,
+                _ => !((u * 7 + v * 13 + t) as u64 ^ masked).is_multiple_of(5),
+            })));
+            let frames: Vec<Plane> = (0..n).map(|t| texture(t).masked(mask(t))).collect();
+            let frames: Vec<&Plane> = frames.iter().collect();
+            let fast = motion_stack(&frames, &Positions::even(n), slope, interpolation, &monitor).expect("not cancelled");
+            let slow = seen_by_definition(&frames, slope, interpolation);
+            for (a, b) in fast.data().iter().zip(slow.data()) {
+                prop_assert!((a - b).abs() < 1e-5, "{a} {b}");
             }
         }
     }

@@ -32,6 +32,8 @@ pub enum Test {
     Edge,
     /// The refined place is outside the image or the refined scale outside the octave.
     Outside,
+    /// Too many samples of its disc are masked.
+    Seen,
     /// A stronger keypoint shows this blob.
     Duplicate,
     /// Its features are weaker than the strongest `max_features`. Keypoints weaker than all of these come to this test
@@ -249,6 +251,16 @@ static RECORDS: [TestRecord; Test::ALL.len()] = [
         ..NONE
     },
     TestRecord {
+        reason: "masked",
+        name: "seen, share of its disc",
+        short: "seen",
+        unit: "",
+        fails: "{value} of its disc is seen; {limit} is required",
+        off: "nothing is masked",
+        verdict: "masked: {value} of its disc is seen in the frames, {limit} is required",
+        ..NONE
+    },
+    TestRecord {
         reason: "the same blob as a stronger one",
         name: "distinct, σ from another",
         short: "distinct",
@@ -296,7 +308,7 @@ pub(super) fn wider_axis(grid: &SlopeGrid) -> (Param<DetectorParams>, SlopeAxis)
 
 impl Test {
     /// All tests, in order.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::PeakThreshold,
         Self::NoiseGate,
         Self::SpaceExtremum,
@@ -306,6 +318,7 @@ impl Test {
         Self::InterpolatedContrast,
         Self::Edge,
         Self::Outside,
+        Self::Seen,
         Self::Duplicate,
         Self::MaxFeatures,
     ];

@@ -145,15 +145,15 @@ pub fn gate_noise_map(
     Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
 }
 
-/// Share (0 … 1) of the frames that take part in the search that cover each pixel of the image at `slope` (px/frame, on
-/// the grid or between). Where fewer do, the mean over them is noisier.
+/// Share (0 … 1) of the frames that take part in the search that see each pixel of the image at `slope` (px/frame, on
+/// the grid or between): they cover it, and no mask hides it. Where fewer do, the mean over them is noisier.
 ///
 /// # Errors
 /// Parameters that make no sense for the burst.
 pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Error> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let (offsets, size) = (inputs.offsets(slope), inputs.size_image);
-    let share = |u, v| coverage(&offsets, u, v, size) as f32 / offsets.len().max(1) as f32;
+    let share = |u, v| coverage(&inputs.frames, &offsets, (u, v), 0.0).1 / offsets.len().max(1) as f32;
     Ok(plane_of(size, share, monitor)?)
 }
 
@@ -243,8 +243,8 @@ mod tests {
             let slope = Slope::new(2.0, 0.0);
             let share = coverage_view(&burst, &params, slope, &monitor).expect("a map");
             for (u, v) in [(0, 3), (80, 60), (159, 119)] {
-                let count = coverage(&trail.offsets(slope), u, v, burst.size());
-                assert_eq!(share.at(u, v), count as f32 / all.len() as f32);
+                let (count, _) = coverage(&burst.frames, &trail.offsets(slope), (u, v), 0.0);
+                assert_eq!(share.at(u, v), count / all.len() as f32);
             }
             assert!(share.at(0, 3) < 1.0 && share.at(80, 60) == 1.0);
         }

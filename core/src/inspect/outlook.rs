@@ -81,10 +81,7 @@ fn exposure_needed(shot_part: f64, factor: f64) -> f64 {
 }
 
 fn frames_showing(trail: &Trail, fate: &Fate) -> usize {
-    let (width, height) = trail.size_image();
-    let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
-    let (u, v) = (pixel(fate.pos_image[0], width), pixel(fate.pos_image[1], height));
-    trail.offsets(fate.slope).iter().filter(|offset| offset.covers(u, v, (width, height))).count().max(1)
+    trail.showing((fate.pos_image[0], fate.pos_image[1]), fate.slope).len().max(1)
 }
 
 /// Number of frames for which a candidate is inside the picture, if the burst went on at both ends.

@@ -261,13 +261,8 @@ pub(super) fn snr_at(
 
 /// The frames (as indices among those used) that show the place at a slope; all of them where none does.
 pub(super) fn covering(trail: &Trail, place: [f32; 2], slope: Slope) -> Vec<usize> {
-    let (width, height) = trail.size_image();
-    let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
-    let at = (pixel(place[0], width), pixel(place[1], height));
-    let offsets = trail.offsets(slope);
-    let covering: Vec<usize> =
-        (0..offsets.len()).filter(|&index| offsets[index].covers(at.0, at.1, (width, height))).collect();
-    if covering.is_empty() { (0..offsets.len()).collect() } else { covering }
+    let showing = trail.showing((place[0], place[1]), slope);
+    if showing.is_empty() { (0..trail.offsets(slope).len()).collect() } else { showing }
 }
 
 /// The largest response at `scale` up to a step beyond the grid's rim over that at a slope on it; `None` for another.

@@ -8,7 +8,7 @@ use crate::detector::pipeline::{FIRST_PEAK_PART, compared_slopes};
 use crate::detector::refine::{Limits, MAX_OFFSET};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::extrema::scale_ease;
-use crate::detector::search::{ascends, first_gate_part};
+use crate::detector::search::{MIN_SEEN, ascends, first_gate_part};
 use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, Slope, SlopeExtrema, SlopeNeighbours, Test, Trail};
 
 /// The fate of a judged sample; `around` holds it.
@@ -94,9 +94,22 @@ impl<'a> Telling<'a> {
             Test::SpaceExtremum | Test::ScaleExtremum => self.neighbours(test),
             Test::SlopeExtremum => self.slopes(),
             Test::Refinement | Test::InterpolatedContrast | Test::Edge | Test::Outside => self.fitted(test),
+            Test::Seen => self.seen(),
             Test::Duplicate => self.duplicate(),
             Test::MaxFeatures => self.cut_off(),
         }
+    }
+
+    /// Where the fit did not settle, around the sample.
+    fn seen(&self) -> TestReport {
+        let (trail, sample) = (self.trail, self.sample);
+        let (pixel, slope) = (octave_pixel(sample.octave), trail.params().used_slopes().slope(sample.slope_index));
+        let sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
+        let own = (sample.x as f32 * pixel, sample.y as f32 * pixel, sigma);
+        let (u, v, sigma) = self.judgement.would_be.as_ref().map_or(own, Keypoint::in_image);
+        let seen = trail.seen_share((u, v), slope, sigma);
+        let outcome = outcome(seen.is_some(), seen.is_none_or(|seen| seen >= MIN_SEEN));
+        TestReport::new(Test::Seen, outcome, seen.map(f64::from), seen.map(|_| f64::from(MIN_SEEN)))
     }
 
     fn gate(&self) -> TestReport {

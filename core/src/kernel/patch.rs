@@ -8,7 +8,7 @@
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
-use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows};
+use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows, any_masked};
 use crate::plane::Plane;
 use crate::plane::blur::GaussianKernel;
 use crate::plane::vectors::Aligned;
@@ -197,7 +197,7 @@ pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
     let size = frames[0].size();
     let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
     let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
-    if !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
+    if any_masked(frames) || !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
         let out = patch.values_mut(left, top);
         return RowStacker::new(frames, vec![offsets]).rows(rows, &columns, &mut [out], stride);
     }

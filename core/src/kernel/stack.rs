@@ -9,6 +9,8 @@
 //! divided by their number. The patches around features use the same, to the bit.
 
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
+use crate::kernel::masked_rows::MaskedRows;
+pub use crate::kernel::offset::FrameOffset;
 use crate::plane::Plane;
 use crate::plane::vectors::Aligned;
 use multiversion::multiversion;
@@ -23,6 +25,8 @@ pub struct RowStacker<'a> {
     mixed: Aligned,
     counts: Vec<f32>,
     sums: WeightedRows,
+    /// `None` where all samples are seen.
+    masked: Option<MaskedRows>,
 }
 
 /// Slopes that read the same rows in the same proportions.
@@ -109,7 +113,8 @@ impl<'a> RowStacker<'a> {
             }
         }
         let (mixed, counts, sums) = (Aligned::default(), Vec::new(), WeightedRows::default());
-        Self { frames, slopes, groups, mixed, counts, sums }
+        let masked = any_masked(frames).then(MaskedRows::default);
+        Self { frames, slopes, groups, mixed, counts, sums, masked }
     }
 
     /// Writes rows `rows`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, where rows are
@@ -127,11 +132,17 @@ impl<'a> RowStacker<'a> {
                 self.group_rows(index, part.clone(), outs, (part.start - rows.start) * stride, stride);
             }
         }
+        let Some(masked) = &mut self.masked else { return };
+        for (offsets, out) in self.slopes.iter().zip(outs) {
+            for (v, row) in rows.clone().zip(out.chunks_mut(stride)) {
+                masked.mend(self.frames, offsets, v, columns, &mut row[..columns.len()]);
+            }
+        }
     }
 
     /// Writes `rows`, which are of one run, from `first` on in each of `outs`.
     fn group_rows(&mut self, group: usize, rows: Range<usize>, outs: &mut [&mut [f32]], first: usize, stride: usize) {
-        let Self { frames, slopes, groups, mixed, counts, sums } = self;
+        let Self { frames, slopes, groups, mixed, counts, sums, .. } = self;
         let Group { slopes: group, run } = &groups[group];
         let width = frames[0].width();
         let Run { columns, wide, covering, .. } = run;
@@ -440,6 +451,11 @@ fn one_sum<S: Simd, const V: usize, const WEIGHTED: bool>(
     sums
 }
 
+/// Whether a sample of one of `frames` is hidden.
+pub(crate) fn any_masked(frames: &[&Plane]) -> bool {
+    frames.iter().any(|frame| frame.mask().is_some())
+}
+
 /// The bilinear sample of `frame` for pixel (u, v); beyond the frame the nearest pixel.
 pub(crate) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
     let (width, height) = frame.size();
@@ -451,40 +467,6 @@ pub(crate) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: u
     let upper = (1.0 - offset.part_u) * at(0, 0) + offset.part_u * at(1, 0);
     let lower = (1.0 - offset.part_u) * at(0, 1) + offset.part_u * at(1, 1);
     (1.0 - offset.part_v) * upper + offset.part_v * lower
-}
-
-/// Offset of one frame: whole pixels and a fraction in [0, 1) in each direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameOffset {
-    pub whole_u: i64,
-    pub whole_v: i64,
-    pub part_u: f32,
-    pub part_v: f32,
-    /// Columns and rows before the first one that still count as it, 0 or 1: see `Interpolation::Truncated`.
-    pub before_u: i64,
-    pub before_v: i64,
-}
-
-impl FrameOffset {
-    pub(crate) fn covers_columns(&self, width: usize) -> Range<usize> {
-        Self::covered(self.whole_u, self.part_u, self.before_u, width)
-    }
-
-    pub(crate) fn covers_rows(&self, height: usize) -> Range<usize> {
-        Self::covered(self.whole_v, self.part_v, self.before_v, height)
-    }
-
-    /// Positions `0 … n−1` that stay inside at an offset; `before` positions before 0 count too.
-    fn covered(whole: i64, part: f32, before: i64, n: usize) -> Range<usize> {
-        let reach = i64::from(part > 0.0);
-        let start = (-whole - before).clamp(0, n as i64);
-        let end = (n as i64 - whole - reach).clamp(start, n as i64);
-        start as usize..end as usize
-    }
-
-    pub fn covers(&self, u: usize, v: usize, size: (usize, usize)) -> bool {
-        self.covers_columns(size.0).contains(&u) && self.covers_rows(size.1).contains(&v)
-    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! beyond the image the nearest pixel is repeated. The detector makes its levels with `crate::kernel::gaussian_bank`;
 //! [`gaussian_blur`] is the reference for its tests.
 
-use super::Plane;
+use super::{Mask, Plane};
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
@@ -83,11 +83,13 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
 }
 
 /// The plane blurred by a triangle that reaches 0 at `half_width` pixels from each pixel, along columns and rows;
-/// beyond the plane the nearest pixel is repeated.
+/// beyond the plane the nearest pixel is repeated. A mask is blurred alike.
 pub(crate) fn triangle_blur(plane: &Plane, half_width: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let area = (half_width * half_width) as f32;
     let half = (0..half_width).map(|k| (half_width - k) as f32 / area).collect();
-    blurred_by_rows(plane, &GaussianKernel::of_half(half), monitor)
+    let kernel = GaussianKernel::of_half(half);
+    let mask = plane.mask().map(|mask| blurred_by_rows(mask.weights(), &kernel, monitor)).transpose()?;
+    Ok(blurred_by_rows(plane, &kernel, monitor)?.with_mask(mask.and_then(Mask::new)))
 }
 
 fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel, monitor: &Monitor) -> Result<Plane, Cancelled> {

@@ -5,26 +5,29 @@
 
 pub mod blur;
 pub mod display;
+pub mod mask;
 pub mod memory;
 pub mod sample;
 pub mod statistics;
 pub(crate) mod tile;
 pub(crate) mod vectors;
 
+pub use mask::Mask;
 use std::sync::Arc;
 
-/// A float image, row-major, without padding between rows.
+/// A float image, row-major, without padding between rows; of a frame, with the samples that are seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
     width: usize,
     height: usize,
     data: Pixels,
+    mask: Option<Arc<Mask>>,
 }
 
 impl Plane {
     /// A plane of zeros. Unwinds as [`memory::zeroed`] where the system refuses the memory, as all constructors do.
     pub fn zeros(width: usize, height: usize) -> Self {
-        Self { width, height, data: Pixels::Own(memory::zeroed(width.saturating_mul(height))) }
+        Self { width, height, data: Pixels::Own(memory::zeroed(width.saturating_mul(height))), mask: None }
     }
 
     /// Takes `data` as the pixels, row by row.
@@ -33,7 +36,7 @@ impl Plane {
     /// When `data.len() != width * height`: a mistake of the caller, not of any input.
     pub fn from_vec(width: usize, height: usize, data: Vec<f32>) -> Self {
         assert_eq!(data.len(), width * height, "a plane's data must have width × height values");
-        Self { width, height, data: Pixels::Own(data) }
+        Self { width, height, data: Pixels::Own(data), mask: None }
     }
 
     /// Shows the pixels of `owner`, row by row, without a copy.
@@ -42,7 +45,7 @@ impl Plane {
     /// When `owner` does not have `width × height` pixels: a mistake of the caller, not of any input.
     pub fn from_shared(width: usize, height: usize, owner: Arc<dyn PixelOwner>) -> Self {
         assert_eq!(owner.pixels().len(), width * height, "a plane's data must have width × height values");
-        Self { width, height, data: Pixels::Shared(owner) }
+        Self { width, height, data: Pixels::Shared(owner), mask: None }
     }
 
     /// The plane whose value at column `u`, row `v` is `f(u, v)`.
@@ -53,7 +56,7 @@ impl Plane {
                 data.push(f(u, v));
             }
         }
-        Self { width, height, data: Pixels::Own(data) }
+        Self { width, height, data: Pixels::Own(data), mask: None }
     }
 
     /// Number of columns.
@@ -127,7 +130,7 @@ impl Plane {
                 *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
             }
         }
-        out
+        out.with_mask(self.mask.as_ref().and_then(|mask| Mask::new(mask.weights().halved())))
     }
 }
 

@@ -8,6 +8,7 @@ mod aligned;
 mod goldens;
 mod inspect;
 mod laws;
+mod masks;
 mod noise_model;
 mod rejudged;
 mod slopes;

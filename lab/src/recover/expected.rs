@@ -39,12 +39,9 @@ const SCALE_REACH: f64 = 2.0;
 pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slope: Slope) -> Option<Expected> {
     let grid = trail.params().used_slopes();
     let searched = nearest_slope(trail, slope);
-    let (width, height) = trail.size_image();
-    let (u, v) = (place.0.round().clamp(0.0, (width - 1) as f64), place.1.round().clamp(0.0, (height - 1) as f64));
     let offsets = trail.offsets(grid.slope(searched));
     let (_, kept, positions) = trail.frames();
-    let covers = |index: &usize| offsets[*index].covers(u as usize, v as usize, (width, height));
-    let chosen: Vec<usize> = (0..offsets.len()).filter(covers).collect();
+    let chosen = trail.showing((place.0 as f32, place.1 as f32), grid.slope(searched));
     if chosen.is_empty() {
         return None;
     }

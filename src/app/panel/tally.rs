@@ -61,7 +61,9 @@ pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             let row = Row { name: NOT_SEARCHED, samples: tally.not_searched, candidates: None, bar: None };
             line_ui(ui, &row, None);
         }
-        for test in Test::ALL {
+        // Without masks nothing is told of them.
+        let told = |test: &Test| *test != Test::Seen || tally.rejected_by(*test) > 0;
+        for test in Test::ALL.into_iter().filter(told) {
             let candidates = survey
                 .as_ref()
                 .and_then(|survey| survey.counts.iter().find(|count| count.test == test).map(|count| count.candidates));

@@ -60,5 +60,5 @@ fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plan
     }
     let merged = temporal::merge_tiles(reference, &others, variance, monitor)?;
     monitor.report(Stage::Merge, 1.0);
-    Ok(merged)
+    Ok(merged.with_mask(reference.mask().cloned()))
 }

@@ -8,6 +8,7 @@
 
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::stack::FrameTimes;
+use crate::kernel::stack::any_masked;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
@@ -30,6 +31,8 @@ const MAX_STEPS: [usize; 2] = [65, 17];
 const NOISE_WINDOW_CELLS: f64 = 16.0;
 /// Cells on a side of the squares that its means are taken of.
 const NOISE_CELLS: usize = 4;
+/// Share of a square's samples, in all frames, below which it is hidden.
+const MIN_SEEN: f32 = 0.8;
 /// Finest cells on a side of a cell for which evidence is kept. Only the smallest things are as small.
 pub(super) const MERGED_CELLS: usize = 2;
 
@@ -63,7 +66,8 @@ impl Evidence {
         let size = bands[0].size();
         // The residual of a wrong slope has the signal in it: the noise is that of the best slope around a place.
         let mut variance = Plane::zeros(size.0.div_ceil(NOISE_CELLS), size.1.div_ceil(NOISE_CELLS));
-        variance.data_mut().fill(f32::INFINITY);
+        variance.data_mut().fill(f32::MAX);
+        let hidden = hidden_squares(frames, fine_px * NOISE_CELLS, variance.size());
         let mut nats = Vec::with_capacity(slopes.len());
         for same_v in slopes.chunk_by(|a, b| a.v == b.v) {
             monitor.check()?;
@@ -74,7 +78,9 @@ impl Evidence {
             let shifted: Vec<Plane> = shifted.collect();
             let stacks = same_v.par_iter().map(|slope| {
                 let shifts: Vec<Shift> = times_cells.iter().map(|time| Shift::new(slope.u * time)).collect();
-                let (power, residual) = stacked(&shifted, &shifts, margin);
+                let (power, mut residual) = stacked(&shifted, &shifts, margin);
+                // NaN stays out of the windows around it, and out of the least variance.
+                hidden.iter().for_each(|&square| residual.data_mut()[square] = f32::NAN);
                 Ok((power, smoothed(&residual, NOISE_WINDOW_CELLS / NOISE_CELLS as f64, monitor)?))
             });
             for (power, residual) in stacks.collect::<Result<Vec<_>, Cancelled>>()? {
@@ -94,6 +100,23 @@ impl Evidence {
         let last_frame = times.positions.span() as f32;
         Ok(Self { size: nats[0].size(), grid, last_frame, nats })
     }
+}
+
+/// Squares of `side` pixels, numbered row by row in a plane of `size`, of whose samples in all frames too few are seen:
+/// they have no noise to compare with, and no evidence.
+fn hidden_squares(frames: &[&Plane], side: usize, (columns, rows): (usize, usize)) -> Vec<usize> {
+    if !any_masked(frames) {
+        return Vec::new();
+    }
+    let seen = |square: usize| {
+        let (first_u, first_v) = (square % columns * side, square / columns * side);
+        let end = |first: usize, n: usize| (first + side).min(n);
+        let (width, height) = frames[0].size();
+        let pixels = (first_v..end(first_v, height)).flat_map(|v| (first_u..end(first_u, width)).map(move |u| (u, v)));
+        let sum = |frame: &&Plane| pixels.clone().map(|(u, v)| frame.weight_at(u, v)).sum::<f32>();
+        frames.iter().map(sum).sum::<f32>() / (frames.len() * pixels.clone().count()).max(1) as f32
+    };
+    (0..columns * rows).filter(|&square| seen(square) < MIN_SEEN).collect()
 }
 
 /// The sweep over the range of `grid`, a step wider on each side so that its ends can be peaks, in steps that leave no

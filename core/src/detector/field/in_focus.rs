@@ -3,9 +3,11 @@
 use super::MotionField;
 use crate::detector::params::slope_grid::Slope;
 use crate::detector::stack::FrameTimes;
-use crate::plane::Plane;
+use crate::plane::mask::HIDDEN_WEIGHT;
 use crate::plane::sample::bilinear;
+use crate::plane::{Mask, Plane};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Largest difference of motions between which a place is interpolated, pixels of smear between the first and the last
 /// frame; beyond it the two sides of a border move apart, and each keeps its own.
@@ -33,7 +35,8 @@ impl MotionField {
 }
 
 /// Mean of `frames`, taken at `times`, with every place shifted by its own motion in `field`: all depths are sharp at
-/// once. Frames that do not see a place are left out of its mean. The frames' size and scale of values.
+/// once. Frames that do not see a place are left out of its mean, unless none does. The frames' size and scale of
+/// values.
 pub fn in_focus(frames: &[&Plane], times: &FrameTimes, field: &MotionField) -> Plane {
     let Some(first) = frames.first() else { return Plane::zeros(0, 0) };
     let (width, height) = first.size();
@@ -42,12 +45,13 @@ pub fn in_focus(frames: &[&Plane], times: &FrameTimes, field: &MotionField) -> P
     let row = |v: usize| {
         let at = |u: usize| {
             let slope = field.smooth_at(u as f32, v as f32, same);
-            let read = frames
-                .iter()
-                .zip(&times)
-                .filter_map(|(frame, time)| bilinear(frame, u as f32 + time * slope.u, v as f32 + time * slope.v));
-            let (sum, count) = read.fold((0.0, 0u32), |(sum, count), x| (sum + x, count + 1));
-            if count > 0 { sum / count as f32 } else { 0.0 }
+            let read = frames.iter().zip(&times).filter_map(|(frame, time)| {
+                let (u, v) = (u as f32 + time * slope.u, v as f32 + time * slope.v);
+                let weight = |mask: &Arc<Mask>| bilinear(mask.weights(), u, v).map(|weight| weight.max(HIDDEN_WEIGHT));
+                Some((bilinear(frame, u, v)?, frame.mask().map_or(Some(1.0), weight)?))
+            });
+            let (sum, weights) = read.fold((0.0, 0.0), |(sum, all), (x, weight)| (sum + weight * x, all + weight));
+            if weights > 0.0 { sum / weights } else { 0.0 }
         };
         (0..width).map(at).collect::<Vec<f32>>()
     };

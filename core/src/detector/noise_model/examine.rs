@@ -110,7 +110,8 @@ pub fn examine(
         let variances = squares.still_variances(&looked_planes, &contrasts, &times, &of_squares);
         listed(squares, variances, looked.len())
     };
-    let mut squares = measured(&squares);
+    let seen = |(list, free): (Vec<Square>, f32)| (list.into_iter().filter(|s| !s.variance.is_nan()).collect(), free);
+    let mut squares: (Vec<Square>, f32) = seen(measured(&squares));
 
     let mut model = NoiseModel {
         is_local: true,
@@ -128,7 +129,7 @@ pub fn examine(
         let dense = measured(&HighPass::on_lattice(&looked_planes, lattice));
         model.excess = ExcessMap::find(&dense.0, lattice, &model.transfer, dense.1);
         if model.excess.is_some() {
-            squares = dense;
+            squares = seen(dense);
         }
     }
     model.brightness.relative_variance =

@@ -7,6 +7,7 @@
 use super::contrast::{Contrast, shifts};
 use crate::detector::params::Slope;
 use crate::plane::Plane;
+use crate::plane::tile::Region;
 use rayon::prelude::*;
 
 /// Side of a square, halved pixels.
@@ -36,9 +37,11 @@ pub struct HighPass {
 }
 
 impl HighPass {
-    /// Filters the squares of frames of one size; none where a side is under 20 pixels.
+    /// Filters the squares of frames of one size that no mask hides; none where a side is under 20 pixels.
     pub fn new(frames: &[&Plane]) -> Self {
-        Self::at(frames, frames.first().map_or_else(Vec::new, |frame| corners(frame.size())))
+        let mut corners = frames.first().map_or_else(Vec::new, |frame| corners(frame.size()));
+        corners.retain(|&corner| !frames.iter().any(|frame| frame.hides(&around_square(corner))));
+        Self::at(frames, corners)
     }
 
     pub fn on_lattice(frames: &[&Plane], lattice: Lattice) -> Self {
@@ -101,7 +104,7 @@ impl HighPass {
     }
 
     /// Variance of one frame's noise in each square: the mean over `contrasts` of `frames`, read where the scene has
-    /// moved.
+    /// moved unless a mask hides it there. NaN in squares that are hidden themselves.
     pub fn still_variances(
         &self,
         frames: &[&Plane],
@@ -115,12 +118,19 @@ impl HighPass {
                 let shifts = |along: f32, at: usize, n: usize| shifts(contrast, times, along, &(at..at + 2 * PATCH), n);
                 let shifts_u = shifts(slopes[square].u, u, frames[0].width());
                 let shifts_v = shifts(slopes[square].v, v, frames[0].height());
-                if shifts_u.iter().chain(&shifts_v).all(|&s| s == 0) {
+                let moved = |u: usize, by: i64| u.saturating_add_signed(by as isize);
+                let places = || shifts_u.iter().zip(&shifts_v).map(|(&du, &dv)| (moved(u, du), moved(v, dv)));
+                let hides = |(t, at): (usize, (usize, usize))| frames[t].hides(&around_square(at));
+                if contrast.iter().any(|&(t, _)| hides((t, (u, v)))) {
+                    return f32::NAN;
+                }
+                if shifts_u.iter().chain(&shifts_v).all(|&s| s == 0)
+                    || contrast.iter().zip(places()).any(|(&(t, _), at)| hides((t, at)))
+                {
                     return self.power(contrast, square);
                 }
                 let mut patch = Patch::default();
-                for ((&(t, weight), du), dv) in contrast.iter().zip(shifts_u).zip(shifts_v) {
-                    let at = (u.saturating_add_signed(du as isize), v.saturating_add_signed(dv as isize));
+                for (&(t, weight), at) in contrast.iter().zip(places()) {
                     let of_frame = halved_patch(frames[t], at);
                     patch.iter_mut().flatten().zip(of_frame.iter().flatten()).for_each(|(sum, x)| *sum += weight * x);
                 }
@@ -190,6 +200,11 @@ fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
 /// Side of a square with the border that its filter needs, halved pixels.
 const PATCH: usize = SIDE + 2;
 type Patch = [[f32; PATCH]; PATCH];
+
+/// Pixels of the square at a corner, with those that its filter needs.
+fn around_square((u, v): (usize, usize)) -> Region {
+    Region { columns: u..u + 2 * PATCH, rows: v..v + 2 * PATCH }
+}
 
 fn halved_patch(frame: &Plane, (u, v): (usize, usize)) -> Patch {
     let mut patch = Patch::default();

@@ -6,7 +6,7 @@
 //! once do not cancel everywhere, and can only add: where tiles differ more than noise does, their quiet part is taken,
 //! at most what finer levels predict. Without this `correlated` has 12 991 false features a megapixel, not 6.
 
-use super::contrast::{Contrast, Pixels as Source, SceneMotion};
+use super::contrast::{Contrast, Pixels as Source, SceneMotion, shifts};
 use super::high_pass::{quantile, quiet_variance, sorted, spread};
 use crate::burst::Positions;
 use crate::detector::noise::{dog_energy, dog_noise_variance};
@@ -203,7 +203,10 @@ pub fn tiles_of_octave(
     };
     let (tile, wanted) = if is_first { (TILE, PIXELS) } else { (COARSE_TILE, COARSE_PIXELS) };
     let wanted = if sources.are_flattened { FOR_RARE * wanted } else { wanted };
-    let regions = regions(size, tile, wanted);
+    let frames = sources.frames;
+    let hidden = |region: &Region| frames.iter().any(|frame| frame.hides(&in_image(region, octave)));
+    let mut regions = regions(size, tile, wanted);
+    regions.retain(|region| !hidden(region));
     if regions.is_empty() {
         return Ok(Vec::new());
     }
@@ -223,9 +226,12 @@ pub fn tiles_of_octave(
         monitor.check()?;
         let in_image = in_image(region, octave);
         let variance = (sources.variance_in)(&in_image);
-        let slope = motion.slope_in(&in_image);
+        let of_region = motion.slope_in(&in_image);
         let of_round = |round: usize| {
             let contrast = &contrasts[(index + round) % contrasts.len()];
+            let is_seen = is_seen_along(frames, contrast, sources.motion.times, of_region, &in_image);
+            // Where a mask hides what has moved, frames are compared where they are.
+            let slope = if is_seen { of_region } else { Slope::default() };
             let Scratch { filter, dog, single, input } = &mut *scratch;
             source.contrast((contrast, sources.motion.times, slope), &filters.inputs(region), (&mut *input, single));
             dog_tile(&filters, Pixels::Stacked(input), region, filter, dog, None, &mut |_, _| ());
@@ -239,6 +245,20 @@ pub fn tiles_of_octave(
         .map_init(Scratch::default, |scratch, at| look_at(at, scratch))
         .collect::<Result<_, Cancelled>>()?;
     Ok(tiles.concat())
+}
+
+/// Whether the frames of a contrast see `region` where it has moved by `slope`.
+fn is_seen_along(frames: &[&Plane], contrast: &Contrast, times: &[f32], slope: Slope, region: &Region) -> bool {
+    let by = |along: f32, range: &Range<usize>, n: usize| shifts(contrast, times, along, range, n);
+    let (width, height) = frames[0].size();
+    let (along_u, along_v) = (by(slope.u, &region.columns, width), by(slope.v, &region.rows, height));
+    let moved = |range: &Range<usize>, by: i64| {
+        let to = |at: usize| at.saturating_add_signed(by as isize);
+        to(range.start)..to(range.end)
+    };
+    contrast.iter().zip(along_u.iter().zip(&along_v)).all(|(&(t, _), (&du, &dv))| {
+        !frames[t].hides(&Region { columns: moved(&region.columns, du), rows: moved(&region.rows, dv) })
+    })
 }
 
 #[derive(Default)]

@@ -6,7 +6,7 @@
 use super::trail::Trail;
 use crate::detector::feature::{Keypoint, Test};
 use crate::detector::params::{SlopeGrid, SlopeNeighbours};
-use crate::detector::refine::{Fit, Limits, fit, refine};
+use crate::detector::refine::{Fit, Limits, fit};
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, dog_tile, octave_pixel, stack_tiles};
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, beats_all_27, own_slope_verdict};
@@ -188,7 +188,7 @@ impl Trail {
             search.first_level(PixelView { left: *u as i64, top: *v as i64, ..PixelView::of(plane) })
         });
         let samples = (own, first.as_ref());
-        let refined = refine(samples, (x, y), level_index, around.size, search.limits(sigma_d)).map(|_| ());
+        let refined = search.refined(samples, &candidate, (octave, around.size), slope_index, sigma_d).map(|_| ());
         let rejected_by = match at_own {
             Err(test) => Some(test),
             Ok(_) if !search.passes_gate(&candidate, sigma_d) => Some(Test::NoiseGate),

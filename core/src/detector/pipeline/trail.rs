@@ -14,7 +14,6 @@ use crate::detector::pipeline::choice::{Choice, Chooser, Verdict};
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, SigmaD, sigma_d};
 use crate::detector::scale_space::{ScaleSpace, octave_size};
 use crate::detector::search::setup::{Inputs, Search};
-use crate::detector::stack::coverage;
 use crate::kernel::patch::{Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -287,7 +286,7 @@ impl Trail {
     }
 
     /// σ_D at `octave` and `level` (0 … S−1) for any slope, at the image's place (u, v): the noise of the mean over the
-    /// `chosen` frames (indices among those that took part) that cover it.
+    /// `chosen` frames (indices among those that took part) that see it.
     pub fn sigma_d_at(
         &self,
         (octave, level): (i32, i32),
@@ -295,12 +294,25 @@ impl Trail {
         chosen: &[usize],
     ) -> f32 {
         let (all, size) = (self.inputs.offsets(slope), self.inputs.size_image);
-        let offsets: Vec<_> = chosen.iter().map(|&index| all[index]).collect();
+        let chosen = chosen.iter().map(|&index| (&*self.inputs.frames[index], all[index]));
+        let (frames, offsets): (Vec<&Plane>, Vec<_>) = chosen.unzip();
         let at = floor_pixel(place, size);
         let min = self.inputs.sigma_d(octave, level, slope, &offsets);
         // The place factor samples all frames that took part.
-        let covering = coverage(&offsets, at.0, at.1, size).max(1);
-        min * ((offsets.len() as f32 / covering as f32).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size))
+        let seeing = self.inputs.seeing(&frames, octave, &offsets, at);
+        min * ((offsets.len() as f32 / seeing).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size))
+    }
+
+    /// Indices, among the frames that took part, of those that show the place (u, v), input pixels, at `slope`: they
+    /// cover it, and no mask hides it.
+    pub fn showing(&self, place: (f32, f32), slope: Slope) -> Vec<usize> {
+        self.along().showing(place, slope)
+    }
+
+    /// Share (0 … 1) of the samples of a disc of scale `sigma` px at `place` that its frames see at `slope`; `None`
+    /// where nothing is masked.
+    pub fn seen_share(&self, place: (f32, f32), slope: Slope, sigma: f32) -> Option<f32> {
+        self.inputs.seen_share(&self.inputs.offsets(slope), place, sigma)
     }
 
     /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of

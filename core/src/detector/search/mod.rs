@@ -12,7 +12,7 @@ pub(super) mod known;
 pub(super) mod setup;
 pub mod slope_window;
 
-use crate::detector::feature::{Keypoint, Tally};
+use crate::detector::feature::{Keypoint, Tally, Test};
 use crate::detector::params::{DetectorParams, Localisation, Slope, SlopeNeighbours};
 use crate::detector::refine::ascent::FirstLevel;
 use crate::detector::refine::{Fit, Limits, refine};
@@ -232,6 +232,8 @@ impl Search<'_> {
     }
 }
 
+/// Smallest share of the samples of a feature's disc that are seen, in the frames that cover its place.
+pub const MIN_SEEN: f32 = 0.8;
 /// Part of the peak threshold that the first test uses: the refinement may add to a sample's value.
 pub const FIRST_PEAK_PART: f32 = 0.8;
 /// Part of the noise gate that a sample is compared with; the refined value is compared with the whole.
@@ -423,11 +425,27 @@ impl Search<'_> {
             job.sigma_d[candidate.level_index][made] * self.place_factor(job.octave, made, candidate.x, candidate.y)
         };
         let refined = |dog: &DogTile, candidate: &Candidate| {
-            let limits = self.limits(sigma_d_at(candidate));
-            refine((dog, first.as_ref()), (candidate.x, candidate.y), candidate.level_index, job.size, limits)
+            self.refined((dog, first.as_ref()), candidate, (job.octave, job.size), made, sigma_d_at(candidate))
         };
         let passes = |candidate: &Candidate| self.passes_gate(candidate, sigma_d_at(candidate));
         window.compare(made, passes, refined, tally);
+    }
+
+    /// Refines a candidate at slope `slope_index` whose noise is `sigma_d`, in an octave of a size, and applies the
+    /// tests that follow, that of masks last.
+    pub(crate) fn refined(
+        &self,
+        samples: (&DogTile, Option<&FirstLevel<'_>>),
+        candidate: &Candidate,
+        (octave, size): (i32, (usize, usize)),
+        slope_index: usize,
+        sigma_d: f32,
+    ) -> Result<Fit, Test> {
+        let Candidate { x, y, level_index, .. } = *candidate;
+        let fit = refine(samples, (x, y), level_index, size, self.limits(sigma_d))?;
+        let (u, v, sigma) = self.keypoint(octave, candidate, &fit, (slope_index, Slope::default()), sigma_d).in_image();
+        let seen = self.inputs.seen_share(&self.offsets[slope_index], (u, v), sigma);
+        if seen.is_some_and(|seen| seen < MIN_SEEN) { Err(Test::Seen) } else { Ok(fit) }
     }
 
     /// Source of exact values of D in an octave after the first, whose first level is `pixels`.

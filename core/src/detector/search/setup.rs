@@ -22,8 +22,12 @@ use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::Tile;
+use std::borrow::Borrow;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
+
+/// Radius of a feature's disc, of whose samples a part may be masked, σ of the feature.
+const DISC_SIGMAS: f32 = 2.0;
 
 /// Number of pixels held around a tile: enough for the moves of the refinement and for the neighbours that it reads.
 pub(crate) const HELD: usize = MAX_FITS + 1;
@@ -175,14 +179,43 @@ impl Inputs {
         self.noise.sigma_d(&self.space, (octave, level), (slope, offsets), self.gate_factor)
     }
 
-    /// √(N / number of frames that cover the octave pixel (x, y) in the stack whose frames are read at `offsets`),
+    /// √(N / number of frames that see the octave pixel (x, y) in the stack whose frames are read at `offsets`),
     /// times the ratio of the noise there to its smallest value.
     pub(crate) fn place_factor(&self, octave: i32, offsets: &[FrameOffset], (x, y): (usize, usize)) -> f32 {
         let (pixel, size) = (octave_pixel(octave), self.size_image);
         let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
         let at = (to_image(x, size.0), to_image(y, size.1));
-        let covering = coverage(offsets, at.0, at.1, size);
-        (offsets.len() as f32 / covering.max(1) as f32).sqrt() * self.noise.place_factor(octave, offsets, at, size)
+        let seeing = self.seeing(&self.frames, octave, offsets, at);
+        (offsets.len() as f32 / seeing).sqrt() * self.noise.place_factor(octave, offsets, at, size)
+    }
+
+    /// Number of `frames`, read at `offsets`, that see the pixel `at` of the image and what the filters of `octave`
+    /// read around it; at least 1.
+    pub(crate) fn seeing(
+        &self,
+        frames: &[impl Borrow<Plane>],
+        octave: i32,
+        offsets: &[FrameOffset],
+        at: (usize, usize),
+    ) -> f32 {
+        coverage(frames, offsets, at, DISC_SIGMAS * self.space.sigma_image(octave, 0.0) as f32).1.max(1.0)
+    }
+
+    /// Share (0 … 1) of the samples of a feature's disc that are seen, in the frames that cover its place (u, v), input
+    /// pixels, at `offsets`. `None` where nothing is masked.
+    pub(crate) fn seen_share(&self, offsets: &[FrameOffset], (u, v): (f32, f32), sigma: f32) -> Option<f32> {
+        if self.frames.iter().all(|frame| frame.mask().is_none()) {
+            return None;
+        }
+        let pixel = |x: f32, n: usize| (x.round().max(0.0) as usize).min(n - 1);
+        let at = (pixel(u, self.size_image.0), pixel(v, self.size_image.1));
+        let (covering, seeing) = coverage(&self.frames, offsets, at, DISC_SIGMAS * sigma);
+        Some(if covering > 0.0 { seeing / covering } else { 1.0 })
+    }
+
+    /// Whether frame `index` of those that take part, read at `offset`, sees the pixel `at` of the image.
+    pub(crate) fn sees(&self, index: usize, offset: &FrameOffset, at: (usize, usize)) -> bool {
+        offset.sees(&self.frames[index], at.0, at.1)
     }
 }
 

@@ -203,6 +203,7 @@ fn candidates_account_for_everything_that_was_an_extremum() {
                 | Test::InterpolatedContrast
                 | Test::Edge
                 | Test::Outside
+                | Test::Seen
                 | Test::Duplicate => assert_eq!(count.samples, count.candidates, "{rule:?} {count:?}"),
                 // These tests reject samples that are no candidates.
                 Test::SpaceExtremum | Test::ScaleExtremum => assert_eq!(count.candidates, 0, "{count:?}"),

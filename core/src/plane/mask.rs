@@ -1,0 +1,216 @@
+//! Masks: which samples of a frame are seen, and values for those that are not.
+//!
+//! A hidden sample has no weight where frames are averaged. It has a value all the same, because filters read whole
+//! rectangles: [`Plane::masked`] fills it smoothly from the seen samples around it, so that no mask makes an edge and
+//! nothing is NaN. Values are filled from means over squares of 2, 4, 8 … pixels, the coarse ones where little is seen.
+
+use super::Plane;
+use super::sample::bilinear;
+use super::statistics::Region;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Weight of a hidden sample beside 1 for a seen one: it decides only where no frame sees a place.
+pub(crate) const HIDDEN_WEIGHT: f32 = 1.0 / 1024.0;
+/// Weight from which on a sample counts as seen.
+const SEEN: f32 = 0.5;
+/// Share of hidden samples up to which the noise of a region can be measured.
+const NOISE_SHARE: f32 = 0.02;
+/// Samples by which the mean of a coarser square counts beside those of a finer one, against noise in the fill.
+const COARSER_SAMPLES: f32 = 4.0;
+
+/// Weights of a frame's samples, of which at least one is not wholly seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mask {
+    weights: Plane,
+    /// For each row the columns from the first to the last sample that is not wholly seen.
+    spans: Vec<Range<usize>>,
+}
+
+impl Mask {
+    /// The mask with these weights, from 0 for a hidden sample to 1 for a seen one; `None` where all are seen.
+    pub fn new(weights: Plane) -> Option<Arc<Self>> {
+        let span = |v: usize| {
+            let row = weights.row(v);
+            let first = row.iter().position(|weight| *weight < 1.0)?;
+            Some(first..row.iter().rposition(|weight| *weight < 1.0)? + 1)
+        };
+        let spans: Vec<Range<usize>> = (0..weights.height()).map(|v| span(v).unwrap_or_default()).collect();
+        spans.iter().any(|span| !span.is_empty()).then(|| Arc::new(Self { weights, spans }))
+    }
+
+    /// Weights of the samples, 0 … 1.
+    pub fn weights(&self) -> &Plane {
+        &self.weights
+    }
+
+    /// Columns of row `v` from the first to the last sample that is not wholly seen.
+    pub(crate) fn span(&self, v: usize) -> Range<usize> {
+        self.spans[v].clone()
+    }
+
+    /// Share of the samples that are hidden, 0 … 1.
+    pub fn hidden_share(&self) -> f32 {
+        let weights = self.weights.data();
+        weights.iter().filter(|weight| **weight < SEEN).count() as f32 / weights.len().max(1) as f32
+    }
+}
+
+impl Plane {
+    /// Weights of the samples; `None` where all are seen.
+    pub fn mask(&self) -> Option<&Arc<Mask>> {
+        self.mask.as_ref()
+    }
+
+    /// Weight of the sample at column `u`, row `v`: 1 unless a mask hides it.
+    pub fn weight_at(&self, u: usize, v: usize) -> f32 {
+        self.mask.as_ref().map_or(1.0, |mask| mask.weights.at(u, v))
+    }
+
+    /// Whether too many samples of `region` are hidden for a measurement of the noise there.
+    pub(crate) fn hides(&self, region: &Region) -> bool {
+        let Some(mask) = &self.mask else { return false };
+        let Region { columns, rows } = region.within(self);
+        let row = |v: usize| mask.weights.row(v)[columns.clone()].iter().filter(|weight| **weight < 1.0).count();
+        let touched = rows.filter(|&v| mask.spans[v].start < columns.end && mask.spans[v].end > columns.start);
+        touched.map(row).sum::<usize>() as f32 > NOISE_SHARE * region.len() as f32
+    }
+
+    /// This plane with a mask of its size, and its hidden values filled. `None` leaves it as it is.
+    ///
+    /// # Panics
+    /// When the mask has another size.
+    #[must_use]
+    pub fn masked(mut self, mask: Option<Arc<Mask>>) -> Self {
+        if let Some(mask) = &mask {
+            assert_eq!(mask.weights.size(), self.size(), "a mask has the size of its plane");
+            fill(&mut self, &mask.weights);
+        }
+        self.with_mask(mask)
+    }
+
+    /// This plane with its NaN masked and filled; the mask that it had is dropped.
+    #[must_use]
+    pub fn with_nan_masked(self) -> Self {
+        let seen = |u: usize, v: usize| f32::from(!self.at(u, v).is_nan());
+        let mask = Mask::new(Self::from_fn(self.width, self.height, seen));
+        self.masked(mask)
+    }
+
+    /// Values of the samples, row by row, NaN for those that are masked.
+    pub fn seen_values(&self) -> Vec<f32> {
+        let mut values = self.data().to_vec();
+        if let Some(mask) = &self.mask {
+            let hidden = values.iter_mut().zip(mask.weights.data()).filter(|(_, weight)| **weight < SEEN);
+            hidden.for_each(|(value, _)| *value = f32::NAN);
+        }
+        values
+    }
+
+    /// This plane with a mask of its size; the values stay.
+    pub(crate) fn with_mask(self, mask: Option<Arc<Mask>>) -> Self {
+        Self { mask, ..self }
+    }
+}
+
+/// Means of squares of 2×2 of `values` by their numbers of samples, and the sums of these; a last odd column or row
+/// makes squares of fewer.
+fn coarser(values: &Plane, samples: &Plane) -> (Plane, Plane) {
+    let (width, height) = values.size();
+    let size = (width.div_ceil(2), height.div_ceil(2));
+    let (mut means, mut sums) = (Plane::zeros(size.0, size.1), Plane::zeros(size.0, size.1));
+    for v in 0..height {
+        let (means, sums) = (means.row_mut(v / 2), sums.row_mut(v / 2));
+        for (u, (value, count)) in values.row(v).iter().zip(samples.row(v)).enumerate() {
+            // A hidden value may be NaN.
+            if *count > 0.0 {
+                means[u / 2] += count * value;
+                sums[u / 2] += count;
+            }
+        }
+    }
+    means.data_mut().iter_mut().zip(sums.data()).for_each(|(mean, sum)| *mean /= sum.max(f32::MIN_POSITIVE));
+    (means, sums)
+}
+
+/// Fills the values of `plane` that are not seen.
+fn fill(plane: &mut Plane, weights: &Plane) {
+    let seen = Plane::from_fn(plane.width(), plane.height(), |u, v| f32::from(weights.at(u, v) >= SEEN));
+    let mut levels = vec![coarser(plane, &seen)];
+    while let Some((means, sums)) = levels.last().filter(|(means, _)| means.data().len() > 1) {
+        let next = coarser(means, sums);
+        levels.push(next);
+    }
+    let mut filled: Option<Plane> = None;
+    let upper = |filled: &Plane, u: usize, v: usize| {
+        bilinear(filled, (u as f32 - 0.5) / 2.0, (v as f32 - 0.5) / 2.0).unwrap_or_default()
+    };
+    for (mut means, sums) in levels.into_iter().rev() {
+        if let Some(coarse) = &filled {
+            let width = means.width();
+            for (at, (mean, sum)) in means.data_mut().iter_mut().zip(sums.data()).enumerate() {
+                let around = upper(coarse, at % width, at / width);
+                *mean = (sum * *mean + COARSER_SAMPLES * around) / (sum + COARSER_SAMPLES);
+            }
+        }
+        filled = Some(means);
+    }
+    let (width, Some(coarse)) = (plane.width(), filled) else { return };
+    let hidden = plane.data_mut().iter_mut().zip(seen.data()).enumerate().filter(|(_, (_, seen))| **seen == 0.0);
+    hidden.for_each(|(at, (value, _))| *value = upper(&coarse, at % width, at / width));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::Stream;
+
+    fn ramp(u: usize, v: usize) -> f32 {
+        0.2 + 0.002 * u as f32 + 0.001 * v as f32
+    }
+
+    fn disc(u: usize, v: usize) -> f32 {
+        f32::from((u as f32 - 30.0).hypot(v as f32 - 25.0) > 12.0)
+    }
+
+    #[test]
+    fn hidden_values_follow_their_surroundings_and_seen_ones_stay() {
+        let mask = Mask::new(Plane::from_fn(97, 61, disc)).expect("a disc is hidden");
+        let mut noise = Stream::new(3, 0);
+        let frame = Plane::from_fn(97, 61, |u, v| if disc(u, v) > 0.0 { ramp(u, v) } else { f32::NAN });
+        let noisy = Plane::from_fn(97, 61, |u, v| frame.at(u, v) + 0.05 * noise.normal() as f32);
+        let (filled, of_noisy) = (frame.clone().masked(Some(mask.clone())), noisy.clone().masked(Some(mask.clone())));
+        let mut largest = [0.0f32; 2];
+        for (u, v) in (0..61).flat_map(|v| (0..97).map(move |u| (u, v))) {
+            if disc(u, v) > 0.0 {
+                assert_eq!((filled.at(u, v), of_noisy.at(u, v)), (frame.at(u, v), noisy.at(u, v)));
+            } else {
+                let off = [&filled, &of_noisy].map(|plane| (plane.at(u, v) - ramp(u, v)).abs());
+                largest = [0, 1].map(|i| largest[i].max(off[i]));
+            }
+        }
+        assert!(largest[0] < 0.02 && largest[1] < 0.06, "{largest:?}");
+        assert!((mask.hidden_share() - 0.074).abs() < 0.003, "{}", mask.hidden_share());
+        assert_eq!((mask.span(25), mask.span(40)), (18..43, 0..0));
+    }
+
+    #[test]
+    fn a_transposed_frame_is_filled_as_the_frame_is() {
+        let mut noise = Stream::new(5, 0);
+        let frame = Plane::from_fn(53, 38, |_, _| noise.normal() as f32);
+        let transposed = |plane: &Plane| Plane::from_fn(plane.height(), plane.width(), |u, v| plane.at(v, u));
+        let weights = Plane::from_fn(53, 38, |u, v| f32::from((u * 7 + v * 3) % 11 > 4 && u < 40));
+        let of = |frame: Plane, weights: Plane| frame.masked(Mask::new(weights));
+        let (one, other) = (of(frame.clone(), weights.clone()), of(transposed(&frame), transposed(&weights)));
+        let apart = transposed(&one).data().iter().zip(other.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(apart < 1e-5, "{apart}");
+        assert_eq!(transposed(one.mask().expect("masked").weights()), *other.mask().expect("masked").weights());
+    }
+
+    #[test]
+    fn a_mask_of_nothing_is_none_and_one_of_everything_fills_with_nothing() {
+        assert_eq!(Mask::new(Plane::from_fn(9, 7, |_, _| 1.0)), None);
+        let blind = Plane::from_fn(9, 7, |_, _| f32::NAN).masked(Mask::new(Plane::zeros(9, 7)));
+        assert!(blind.data().iter().all(|x| *x == 0.0));
+    }
+}
