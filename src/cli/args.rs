@@ -163,7 +163,7 @@ pub struct BurstSearchArgs {
     pub output: OutputArgs,
 }
 
-/// Options that turn the values of files into linear light.
+/// Options that turn the values of files into linear light, and tell which of them count.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Calibration", allow_negative_numbers = true)]
 pub struct CalibrationArgs {
@@ -190,6 +190,13 @@ pub struct CalibrationArgs {
     /// grey. The notes say which they are [default: such a frame is an error].
     #[arg(long)]
     pub accept_damaged: bool,
+    /// Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
+    /// NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features.
+    #[arg(long, value_name = "FILE")]
+    pub mask: Option<PathBuf>,
+    /// Mask pixels at or above the full scale.
+    #[arg(long)]
+    pub mask_saturated: bool,
     /// What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean of two,
     /// red or blue [default: luma].
     #[arg(long, value_name = "COLOUR", value_parser = words::<RawColour>(RAW_COLOURS))]
@@ -224,6 +231,8 @@ impl CalibrationArgs {
             black_level: self.black_level,
             linearise: self.linearise,
             accept_damaged: self.accept_damaged,
+            mask: self.mask.clone(),
+            mask_saturated: self.mask_saturated,
             raw_colour: self.raw_colour.unwrap_or_default(),
             mosaic: self.mosaic,
             raw: self.raw,

@@ -196,6 +196,8 @@ mod tests {
             full_scale: Some(4095.0),
             black_level: Some(-2.5),
             linearise: true,
+            mask: Some("masks/night 1".into()),
+            mask_saturated: true,
             raw_colour: RawColour::Green,
             mosaic: Some(Mosaic::Grbg),
             raw: "1600x1200:mono12p+16".parse().ok(),

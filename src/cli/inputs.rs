@@ -196,6 +196,8 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
         ("full-scale", options.full_scale.is_some()),
         ("black-level", options.black_level.is_some()),
         ("linearise", options.linearise),
+        ("mask", options.mask.is_some()),
+        ("mask-saturated", options.mask_saturated),
         ("mosaic", options.mosaic.is_some()),
         ("raw", options.raw.is_some()),
         ("axis", options.axis.is_some()),

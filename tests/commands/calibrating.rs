@@ -1,4 +1,4 @@
-//! Bias and flat frames, levels and linear light on the command line.
+//! Bias and flat frames, levels, linear light and masks on the command line.
 
 use super::support::{program, run_badly, run_well};
 use image::{ImageBuffer, Luma};
@@ -64,6 +64,68 @@ fn a_bias_counts_in_whatever_file_it_comes() {
     assert!(words.contains("black level"), "{words}");
     let words = run_badly(home.path(), &["detect", "demo", "--out", "found", "--flat", "bias.png"], 2);
     assert!(words.contains("--flat"), "{words}");
+}
+
+/// A mask of the frames of [`spotted`] that shows their left half.
+fn half(home: &Path) {
+    let mask = image::GrayImage::from_fn(160, 120, |u, _| Luma([if u < 80 { 255 } else { 0 }]));
+    mask.save(home.join("half.png")).expect("written");
+}
+
+#[test]
+fn masks_hide_features_and_tally_probe_and_info_say_so() {
+    let home = tempfile::tempdir().expect("a folder");
+    spotted(home.path());
+    half(home.path());
+    let (all, burst) = features(home.path(), &[]);
+    assert_eq!(burst["tally"]["rejected"]["seen"], 0);
+    let (left, burst) = features(home.path(), &["--mask", "half.png"]);
+    assert!(3 * left > all && 5 * left < 3 * all, "{left} of {all}");
+    assert!(burst["tally"]["rejected"]["seen"].as_u64() > Some(0), "{burst}");
+    let told =
+        run_well(home.path(), &["detect", "night", "--out", "found", "--slopes-u", "-1:1:3", "--mask", "half.png"]);
+    assert!(told.contains("50.0 % of the pixels are masked by half.png"), "{told}");
+    let search = ["--slopes-u", "-1:1:3", "--noise-gate", "4", "--mask", "half.png"];
+    let place = |at: &str| run_well(home.path(), &[&["probe", "night", "--at", at][..], &search].concat());
+    assert!(place("70,50").contains("seen, share of its disc"), "{}", place("70,50"));
+    assert!(place("90,50").contains("frame   0  does not show the place"), "{}", place("90,50"));
+    assert!(run_well(home.path(), &["info", "night", "--mask", "half.png"]).contains("masked by half.png"));
+    image::GrayImage::new(16, 12).save(home.path().join("small.png")).expect("written");
+    let words = run_badly(home.path(), &["detect", "night", "--out", "found", "--mask", "small.png"], 1);
+    assert!(words.contains("small.png") && words.contains("16×12") && words.contains("160×120"), "{words}");
+    let words = run_badly(home.path(), &["detect", "demo", "--out", "found", "--mask-saturated"], 2);
+    assert!(words.contains("--mask-saturated"), "{words}");
+}
+
+#[cfg(feature = "colmap")]
+#[test]
+fn colmap_gets_the_masks_and_a_changed_mask_changes_its_burst_alone() {
+    let home = tempfile::tempdir().expect("a folder");
+    spotted(home.path());
+    half(home.path());
+    let at = |name: &str| home.path().join(name);
+    for burst in ["a", "b"] {
+        std::fs::create_dir_all(at(&format!("nights/{burst}"))).expect("made");
+        std::fs::create_dir_all(at(&format!("masks/{burst}"))).expect("made");
+        for t in 0..6 {
+            std::fs::copy(at(&format!("night/{t}.png")), at(&format!("nights/{burst}/{t}.png"))).expect("copied");
+            std::fs::copy(at("half.png"), at(&format!("masks/{burst}/{t}.png.png"))).expect("copied");
+        }
+    }
+    let search = ["--slopes-u", "-1:1:3", "--noise-gate", "4", "--octaves", "2", "--mask", "masks", "--json"];
+    let export = || {
+        let json = run_well(home.path(), &[&["colmap", "nights", "--out", "rec"][..], &search].concat());
+        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        [0, 1].map(|image| json["images"][image]["resumed"].as_bool().expect("told"))
+    };
+    assert_eq!(export(), [false; 2]);
+    for name in ["a", "b"] {
+        let mask = image::open(at(&format!("rec/masks/{name}.png.png"))).expect("written").into_luma8();
+        assert_eq!((mask.dimensions(), mask[(79, 60)], mask[(80, 60)]), ((160, 120), Luma([255]), Luma([0])));
+    }
+    assert_eq!(export(), [true; 2]);
+    image::GrayImage::from_pixel(160, 120, Luma([255])).save(at("masks/b/3.png.png")).expect("written");
+    assert_eq!(export(), [true, false]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::Burst;
 use super::decode::{FileScale, RawFrame, frame_of_plane};
+use super::masks::Masks;
 use super::open::{Measured, RawBurst, calibrated};
 use super::options::OpenOptions;
 use crate::error::Error;
@@ -63,12 +64,14 @@ pub struct Arrays {
     pub bias: Vec<ArrayFrame>,
     /// Flat frames, which are averaged; empty for none.
     pub flat: Vec<ArrayFrame>,
+    /// Masks, one for all frames or one a frame, as [`OpenOptions::mask`]; empty for none.
+    pub mask: Vec<ArrayFrame>,
 }
 
 impl Burst {
     /// Makes a burst of arrays: the bits that `.npy` files of them give ([`Burst::open_with`]); in error messages they
-    /// are named `frames`, `bias` and `flat`. Floats that need no conversion are not copied. Of the options, those
-    /// about levels and limits count.
+    /// are named `frames`, `bias`, `flat` and `mask`. Floats that need no conversion are not copied. Of the options,
+    /// those about levels, saturation and limits count.
     pub fn from_arrays(
         name: impl Into<String>,
         arrays: Arrays,
@@ -88,7 +91,9 @@ impl Burst {
             taken: Vec::new(),
             positions: super::Positions::even(count),
         };
-        calibrated(raw, calibration, Vec::new(), options, monitor)
+        let mask = decoded("mask", arrays.mask, options)?.map_or_else(Vec::new, |mask| mask.frames);
+        let masks = Masks::of_frames(&mask, (count, raw.size()), options, Path::new("mask"))?;
+        calibrated(raw, calibration, &masks, Vec::new(), options, monitor)
     }
 }
 
@@ -166,7 +171,9 @@ mod tests {
             made.expect_err("refused").to_string()
         };
         let with = |frames| Arrays { frames, ..Arrays::default() };
-        assert!(error(with(vec![plane(20, 0.5), plane(20, f32::NAN)])).contains("frames"));
+        assert!(error(with(vec![plane(20, 0.5), plane(20, f32::INFINITY)])).contains("frames"));
+        let mask = |width| Arrays { mask: vec![plane(width, 1.0)], ..with(vec![plane(20, 0.5)]) };
+        assert!(error(mask(21)).contains("this mask is 21×16, but the frames are 20×16"));
         assert!(error(with(vec![plane(20, 0.5), plane(21, 0.5)])).contains("frames (frame 1)"));
         assert!(error(Arrays { flat: vec![plane(20, 0.0)], ..with(vec![plane(20, 0.5)]) }).contains("flat"));
         assert!(error(Arrays::default()).contains("nothing to open"));

@@ -48,10 +48,10 @@ impl Error {
         Self::new(ErrorKind::Mismatch, problem, "crop them alike or remove the odd one")
     }
 
-    /// Error for value number `index`, row by row, of a frame of `width` columns: not a number, infinite, or too large.
+    /// Error for value number `index`, row by row, of a frame of `width` columns: infinite, or too large.
     pub(super) fn not_finite(path: &Path, frame: usize, width: usize, index: usize, value: f32) -> Self {
         let problem = format!("frame {frame} has {value} at pixel ({}, {})", index % width, index / width);
-        let remedy = "replace what is not a finite number, by 0 or a neighbour's value";
+        let remedy = "write NaN for what has no value, which is masked";
         Self::new(ErrorKind::Unsupported, problem, remedy).about(path)
     }
 

@@ -89,6 +89,8 @@ impl Info {
         };
         let mut taken = taken;
         taken.extend(timing.said);
+        let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        taken.extend(options.mask.as_ref().map(|mask| format!("masked by {}", name(mask))));
         if !is_used && positions.as_ref().is_some_and(|positions| !positions.is_even()) {
             let source = if times_s.is_empty() { "names" } else { "header" };
             taken.push(format!(

@@ -9,6 +9,7 @@ mod decode;
 mod error;
 mod info;
 mod layout;
+mod masks;
 mod notes;
 mod number;
 mod open;

@@ -6,6 +6,7 @@
 
 use super::Burst;
 use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
+use super::masks::{Masks, told};
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
 use super::positions::Positions;
@@ -36,7 +37,7 @@ impl Burst {
     /// value that became 1. Colour becomes luma with the weights of Rec. 709 on the stored values
     /// ([`super::LUMA_WEIGHTS`]), or on linear ones with [`OpenOptions::linearise`]; alpha is ignored. A photograph is
     /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
-    /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1.
+    /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1. NaN is masked.
     ///
     /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
     /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty
@@ -53,14 +54,20 @@ impl Burst {
             Ok::<_, Error>(Some(Measured { frames, path }))
         };
         let measured = [measured(&options.bias)?, measured(&options.flat)?];
+        // A mask has the frames' size as they are opened: nothing is binned or calibrated.
+        let plain = OpenOptions { limits: options.limits, ..OpenOptions::default() };
+        let masks = Masks::of_options(options, (&raw.origins, raw.size()), &|path| {
+            Ok(read(&[path.to_path_buf()], &plain, &monitor.silent())?.frames)
+        })?;
         let sources = inputs.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect();
-        calibrated(raw, measured, sources, options, monitor)
+        calibrated(raw, measured, &masks, sources, options, monitor)
     }
 }
 
 pub(super) fn calibrated(
     mut raw: RawBurst,
     measured: [Option<Measured>; 2],
+    masks: &Masks,
     sources: Vec<PathBuf>,
     options: &OpenOptions,
     monitor: &Monitor,
@@ -74,11 +81,14 @@ pub(super) fn calibrated(
     let encoding =
         if raw.frames.iter().any(|f| f.encoding == Encoding::Srgb) { Encoding::Srgb } else { Encoding::Linear };
     let binning = raw.frames[0].binning;
-    let frames = raw.frames.into_par_iter().map(|frame| {
+    let frames = raw.frames.into_par_iter().enumerate().map(|(t, frame)| {
         monitor.check()?;
-        Ok(Arc::new(calibration.apply(frame, levels)))
+        let saturated = masks.saturated(&frame, levels.white_of(&frame));
+        let (plane, masked) = masks.applied(t, calibration.apply(frame, levels), &saturated);
+        Ok((Arc::new(plane), masked))
     });
-    let frames = frames.collect::<Result<Vec<_>, Error>>()?;
+    let (frames, masked): (Vec<_>, Vec<_>) = frames.collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+    raw.taken.extend(told(&raw.origins, frames[0].data().len(), &masked, options)?);
     if !is_plain {
         check_overflow(&frames, &raw.origins)?;
     }
@@ -125,6 +135,13 @@ pub(super) struct RawBurst {
     /// Guesses and choices about the files.
     pub taken: Vec<String>,
     pub positions: Positions,
+}
+
+impl RawBurst {
+    /// Size (columns, rows) of the frames.
+    pub fn size(&self) -> (usize, usize) {
+        self.frames[0].plane.size()
+    }
 }
 
 fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, Error> {
@@ -248,6 +265,15 @@ impl Levels {
             return Err(Error::new(ErrorKind::Request, problem, remedy));
         }
         Ok(Self { given, full_scale, black })
+    }
+
+    /// The full scale in the unit of the values of a frame before calibration.
+    pub fn white_of(&self, frame: &RawFrame) -> f32 {
+        match frame.scale {
+            FileScale::Range(range) => self.given.unwrap_or(range) / range,
+            FileScale::Data { .. } => self.full_scale,
+            FileScale::Raw { .. } => 1.0,
+        }
     }
 }
 
@@ -391,8 +417,10 @@ pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path:
     Ok(())
 }
 
+/// Mean of the values that are not NaN.
 fn mean_of(plane: &Plane) -> f64 {
-    plane.data().iter().map(|v| f64::from(*v)).sum::<f64>() / plane.data().len() as f64
+    let values = plane.data().iter().filter(|v| !v.is_nan());
+    values.clone().map(|v| f64::from(*v)).sum::<f64>() / values.count() as f64
 }
 
 /// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1;

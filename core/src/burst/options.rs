@@ -1,5 +1,5 @@
-//! Options for opening a burst: calibration, encoding, the colour that is taken of raw frames, how pixels lie in files
-//! that do not say it, and the largest size.
+//! Options for opening a burst: calibration, masks, encoding, the colour that is taken of raw frames, how pixels lie in
+//! files that do not say it, and the largest size.
 //!
 //! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
 //! cannot take the machine's memory.
@@ -35,6 +35,14 @@ pub struct OpenOptions {
     /// Whether JPEG frames whose data is damaged or ends early are accepted as far as they can be decoded; the rest of
     /// such a frame is grey. [`super::Burst::remarks`] lists them.
     pub accept_damaged: bool,
+    /// Mask of the frames, a picture of their size: where it is at least half as bright as white, they are seen. Or a
+    /// stack with one for each frame, or a folder with one for each file, named `NAME.EXT.png`, as COLMAP names them,
+    /// or as the file, in a folder named as the file's or directly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mask: Option<PathBuf>,
+    /// Whether pixels at or above the full scale are masked.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub mask_saturated: bool,
     /// Colour that is taken of a raw frame, and of others with a mosaic.
     pub raw_colour: RawColour,
     /// Mosaic of colours of frames whose files do not say that they have one; they are binned as raw frames are.
@@ -63,13 +71,13 @@ impl OpenOptions {
         *self == Self { limits: self.limits, ..Self::default() }
     }
 
-    /// Paths of the files that are read beside the frames: bias, flat, list of times.
+    /// Paths of the files that are read beside the frames: bias, flat, mask, list of times.
     pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let times = match &mut self.times {
             Some(TimesChoice::List(path)) => Some(path),
             _ => None,
         };
-        self.bias.iter_mut().chain(&mut self.flat).chain(times)
+        self.bias.iter_mut().chain(&mut self.flat).chain(&mut self.mask).chain(times)
     }
 
     /// File with the list of times for frames in the files `frames`; `None` where no list is to be read.

@@ -3,7 +3,7 @@
 use super::CameraChoice;
 use super::blobs::StoredBlobs;
 use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
-use super::picture::{ImageKind, burst_picture};
+use super::picture::{BurstPicture, ImageKind, burst_plane};
 use super::stamp::{Comparison, FileStamp};
 use crate::burst::{Burst, BurstFiles, OpenOptions, files_at};
 use crate::detect::{Searched, check_memory, search};
@@ -74,6 +74,8 @@ pub struct FeatureJob {
 
 /// Folder of pictures in the dataset's folder.
 pub const IMAGES_FOLDER: &str = "images";
+/// Folder of the pictures' masks in the dataset's folder.
+pub const MASKS_FOLDER: &str = "masks";
 /// Folder of feature files in the dataset's folder.
 pub const FEATURES_FOLDER: &str = "features";
 
@@ -131,7 +133,10 @@ impl FeatureStore {
         for (name, value) in layout.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null()) {
             settings[name] = value.clone();
         }
-        if !may_begin(folder, Kind::Dataset, &[IMAGES_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
+        if job.open.mask_saturated {
+            settings["mask_saturated"] = json!(true);
+        }
+        if !may_begin(folder, Kind::Dataset, &[IMAGES_FOLDER, MASKS_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
             let problem = "this folder holds files, but no dataset that was begun by this command";
             return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));
         }
@@ -178,7 +183,7 @@ impl FeatureStore {
     /// # Errors
     /// An opened file, a link, or a file of others in the place of an output file.
     pub fn protect(&mut self, bursts: &[BurstFiles]) -> Result<(), Error> {
-        let of_bursts = bursts.iter().flat_map(|burst| burst.files().unwrap_or_else(|_| burst.paths.clone()));
+        let of_bursts = bursts.iter().flat_map(|burst| self.files(burst).unwrap_or_else(|_| burst.paths.clone()));
         let of_options = self.job.open.paths().into_iter().map(Some);
         let calibration = of_options.map(|path| calibration_files(&path).unwrap_or_default());
         let settings = self.opened.iter().cloned();
@@ -206,10 +211,11 @@ impl FeatureStore {
         there.then_some(FinishedBurst { features, seconds })
     }
 
-    /// Files with the frames of `source`, and with the list of their times.
+    /// Files with the frames of `source`, with their masks and with the list of their times.
     fn files(&self, source: &BurstFiles) -> Result<Vec<PathBuf>, Error> {
         let mut files = source.files()?;
         let list = self.job.open.list_of_times(&files).filter(|list| list.is_file());
+        files.extend(self.job.open.mask_files(&files));
         files.extend(list);
         Ok(files)
     }
@@ -348,8 +354,14 @@ impl FeatureStore {
     fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum, Error> {
         let path = self.picture_file(image_name);
         self.check_output(&path)?;
-        let picture = burst_picture(burst, self.job.images, &self.job.detector.detector, monitor)?;
-        write_png(&path, picture.picture())?;
+        let plane = burst_plane(burst, self.job.images, &self.job.detector.detector, monitor)?;
+        // COLMAP looks for the mask of `a.png` in `a.png.png`.
+        let mask_file = self.folder.join(MASKS_FOLDER).join(format!("{image_name}.png"));
+        if plane.mask().is_some() || mask_file.exists() {
+            self.check_output(&mask_file)?;
+            write_png(&mask_file, BurstPicture::of_mask(&plane).picture())?;
+        }
+        write_png(&path, BurstPicture::of(&plane).picture())?;
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
@@ -360,7 +372,7 @@ impl FeatureStore {
             return lock.check();
         }
         let lock = FolderLock::take(&self.folder)?;
-        let folders = [IMAGES_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
+        let folders = [IMAGES_FOLDER, MASKS_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
         for folder in folders.iter().chain([&self.folder, &self.records().folder().to_path_buf()]) {
             remove_abandoned(folder);
         }

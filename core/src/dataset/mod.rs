@@ -22,6 +22,6 @@ pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, Finished
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
 pub use pairs::{BurstSide, DetectedBurst, MatchedPair, match_bursts, match_pairs};
-pub use picture::{BurstPicture, ImageKind, burst_picture, burst_plane, thumbnail};
+pub use picture::{BurstPicture, ImageKind, burst_plane, thumbnail};
 pub use source::DatasetSource;
 pub use stamp::Comparison;

@@ -38,27 +38,20 @@ impl BurstPicture {
         Picture::rgb(self.size.0, self.size.1, &self.rgb)
     }
 
-    fn of(plane: &Plane) -> Self {
+    pub(super) fn of(plane: &Plane) -> Self {
         let rgb = to_rgba8(plane, &Display::stretched(plane)).pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
         Self { size: plane.size(), rgb }
     }
+
+    /// Picture of the mask of `plane`, white where it is seen.
+    pub(super) fn of_mask(plane: &Plane) -> Self {
+        let (width, height) = plane.size();
+        let at = |index: usize| if plane.weight_at(index % width, index / width) < 0.5 { 0 } else { 255 };
+        Self { size: (width, height), rgb: (0..width * height).flat_map(|index| [at(index); 3]).collect() }
+    }
 }
 
-/// Makes the picture of `burst` from the frames that `params` use.
-///
-/// # Errors
-/// Frames that the burst does not have, or cancellation.
-pub fn burst_picture(
-    burst: &Burst,
-    kind: ImageKind,
-    params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<BurstPicture, Error> {
-    let plane = burst_plane(burst, kind, params, monitor)?;
-    Ok(BurstPicture::of(&plane))
-}
-
-/// Values of the picture of `burst`, as [`burst_picture`].
+/// Values of the picture of `burst` from the frames that `params` use, with its mask.
 ///
 /// # Errors
 /// Frames that the burst does not have, or cancellation.
@@ -88,7 +81,8 @@ pub fn thumbnail(
 ) -> Result<BurstPicture, Error> {
     let files = source.files()?;
     let middle = files.get(files.len() / 2).ok_or_else(Error::nothing_given)?;
-    let burst = Burst::open_with(std::slice::from_ref(middle), options, monitor)?;
+    let options = OpenOptions { mask: None, mask_saturated: false, ..options.clone() };
+    let burst = Burst::open_with(std::slice::from_ref(middle), &options, monitor)?;
     Ok(BurstPicture::of(&reduced(&burst.frames[burst.len() / 2], max_side_px.max(1))))
 }
 

@@ -1,8 +1,8 @@
 //! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
 //!
 //! The file is a ZIP without compression of its own: `case.toml`, a 16-bit grey PNG for each frame (`frames/00000.png`
-//! and on), and where there are some the window's `session.toml` and the frames' `truth.json`. Values are
-//! `offset + word·scale`; those of 8 and 16-bit files come back exactly, calibrated ones within rounding. Reading is
+//! and on), and where there are some the frames' masks, the window's `session.toml` and the frames' `truth.json`. Values
+//! are `offset + word·scale`; those of 8 and 16-bit files come back exactly, calibrated ones within rounding. Reading is
 //! bounded: declared sizes are checked before frames are decoded, and no entry is read further than these can need.
 
 use super::atomic::write_marked;
@@ -12,9 +12,10 @@ use crate::error::{Error, ErrorKind};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
-use crate::plane::{Plane, memory};
+use crate::plane::{Mask, Plane, memory};
 use crate::synth::{FeatureTruth, Truth};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Write};
 use std::path::Path;
@@ -95,6 +96,11 @@ mod bounds {
 }
 
 impl Case {
+    /// This case for the weights of masks, from 0 to 1, in the place of values.
+    fn of_weights(&self) -> Self {
+        Self { offset: 0.0, scale: 1.0 / 65535.0, ..self.clone() }
+    }
+
     /// A case of `burst`, or of the square of `around` pixels to each side of `place` in it, with the case's burst.
     pub fn of(
         burst: &Burst,
@@ -115,8 +121,12 @@ impl Case {
         let mut part = burst.clone();
         if columns.len() < width || rows.len() < height {
             let crop = |frame: &Arc<Plane>| {
-                let at = |u: usize, v: usize| frame.at(columns.start + u, rows.start + v);
-                Arc::new(Plane::from_fn(columns.len(), rows.len(), at))
+                let part = |of: &Plane| {
+                    let at = |u: usize, v: usize| of.at(columns.start + u, rows.start + v);
+                    Plane::from_fn(columns.len(), rows.len(), at)
+                };
+                let mask = frame.mask().and_then(|mask| Mask::new(part(mask.weights())));
+                Arc::new(part(frame).masked(mask))
             };
             part.frames = burst.frames.iter().map(crop).collect();
         }
@@ -180,7 +190,11 @@ impl Case {
 /// Offset and scale of the words that hold the values of a burst: those of 8 and 16-bit files and of the burst's full
 /// scale where they hold every value exactly, otherwise the lattice of the files' steps, otherwise equal steps.
 fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
-    let rows = || burst.frames.iter().flat_map(|frame| frame.data().chunks(frame.width().max(1)));
+    // Values below masks are filled, and need not be exact.
+    let seen = |frame: &Arc<Plane>| frame.mask().map(|_| Cow::Owned(frame.seen_values()));
+    let values: Vec<Cow<'_, [f32]>> =
+        burst.frames.iter().map(|frame| seen(frame).unwrap_or(Cow::Borrowed(frame.data()))).collect();
+    let rows = || values.iter().flat_map(|values| values.chunks(burst.size().0.max(1)));
     let all = |test: &dyn Fn(f32) -> bool| -> Result<bool, Cancelled> {
         for row in rows() {
             monitor.check()?;
@@ -246,7 +260,10 @@ pub fn write_case(
         monitor.report(Stage::Write, t as f32 / burst.len() as f32);
         Ok((frame_name(t), encoded(frame, case, monitor)?))
     });
-    write_marked(path, Kind::Case, |out| out.write_all(&zipped(texts.chain(frames))?))
+    let weights = case.of_weights();
+    let masks = burst.frames.iter().enumerate().filter_map(|(t, frame)| Some((t, frame.mask()?)));
+    let masks = masks.map(|(t, mask)| Ok((mask_name(t), encoded(mask.weights(), &weights, monitor)?)));
+    write_marked(path, Kind::Case, |out| out.write_all(&zipped(texts.chain(frames).chain(masks))?))
 }
 
 /// A ZIP of entries, each with its name. In memory, because an entry's size and sum come before its bytes.
@@ -263,6 +280,11 @@ fn zipped(entries: impl Iterator<Item = io::Result<(String, Vec<u8>)>>) -> io::R
 
 fn frame_name(t: usize) -> String {
     format!("frames/{t:05}.png")
+}
+
+/// Entry with the weights of a frame's samples, where some are masked.
+fn mask_name(t: usize) -> String {
+    format!("masks/{t:05}.png")
 }
 
 fn encoded(frame: &Plane, case: &Case, monitor: &Monitor) -> io::Result<Vec<u8>> {
@@ -307,7 +329,10 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
     for t in 0..case.frames {
         monitor.check()?;
         monitor.report(Stage::Open, t as f32 / case.frames as f32);
-        frames.push(Arc::new(frame(path, &mut zip, &case, t)?));
+        let (plane, mask) = (frame(path, &mut zip, &case, &frame_name(t))?, mask_name(t));
+        let has_mask = zip.index_for_name(&mask).is_some();
+        let weights = has_mask.then(|| frame(path, &mut zip, &case.of_weights(), &mask)).transpose()?;
+        frames.push(Arc::new(plane.masked(weights.and_then(Mask::new))));
     }
     let burst = Burst {
         positions: case.positions()?,
@@ -390,12 +415,11 @@ fn about(path: &Path, zip: &mut Zip) -> Result<Case, Error> {
     Ok(case)
 }
 
-fn frame(path: &Path, zip: &mut Zip, case: &Case, t: usize) -> Result<Plane, Error> {
-    let name = frame_name(t);
+fn frame(path: &Path, zip: &mut Zip, case: &Case, name: &str) -> Result<Plane, Error> {
     let [width, height] = case.size;
     let words = 2 * width as u64 * height as u64;
     // A PNG of random words is hardly larger than these.
-    let bytes = entry(path, zip, &name, words + words / 64 + (1 << 16))?;
+    let bytes = entry(path, zip, name, words + words / 64 + (1 << 16))?;
     let wrong = |problem: String| invalid(path, format!("{name}: {problem}"));
     let limits = png::Limits { bytes: words as usize + (1 << 20) };
     let mut reader = png::Decoder::new_with_limits(Cursor::new(bytes), limits)
@@ -438,6 +462,14 @@ mod tests {
         let search = SearchParams::default();
         let of = |place, note: &str| Case::of(&burst, &search, place, note, &Monitor::default()).expect("whole");
         let (case, part) = of((Some([40.0, 30.0]), None), "why not this one?");
+        // A masked frame comes back masked, and its seen values to the bit.
+        let mask = Mask::new(Plane::from_fn(96, 64, |u, v| f32::from(u > 20 || v > 9)));
+        let frames = part.frames.iter().map(|frame| Arc::new(Plane::clone(frame).masked(mask.clone()))).collect();
+        let masked = Burst { frames, ..part.clone() };
+        let whole = Case::of(&masked, &search, (None, None), "", &Monitor::default()).expect("not cancelled").0;
+        let (_home, path) = written(&whole, &masked, &Enclosed::default());
+        let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
+        assert!(back.frames == masked.frames);
         // A case without session and truth.
         let (_home, path) = written(&case, &part, &Enclosed::default());
         assert!(!has_truth(&path));

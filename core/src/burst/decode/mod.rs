@@ -347,15 +347,17 @@ fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, Error>
         .unwrap_or_else(|_| Err(Error::corrupt(path, kind.name(), "its decoder failed unexpectedly")))
 }
 
-/// Makes a frame of a plane in file units. Fails at the first value that is not finite.
+/// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.
 pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame, Error> {
     let values = plane.data();
     // The bits of magnitudes are ordered as they are, infinity and NaN above all; integers are compared many at a time.
     let largest = values.iter().fold(0, |largest, v| (v.to_bits() & 0x7fff_ffff).max(largest));
-    let largest = f32::from_bits(largest);
+    let mut largest = f32::from_bits(largest);
     if !largest.is_finite() {
-        let index = values.iter().position(|v| !v.is_finite()).expect("the largest one is not finite");
-        return Err(Error::not_finite(path, frame, plane.width(), index, values[index]));
+        if let Some(index) = values.iter().position(|v| v.is_infinite()) {
+            return Err(Error::not_finite(path, frame, plane.width(), index, values[index]));
+        }
+        largest = values.iter().fold(0.0, |largest: f32, v| largest.max(v.abs()));
     }
     Ok(RawFrame::linear(plane, FileScale::Data { integer, largest }))
 }

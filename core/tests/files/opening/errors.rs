@@ -121,10 +121,10 @@ fn different_sizes_name_both_files_and_sizes() {
 }
 
 #[test]
-fn values_that_are_not_finite_are_located() {
+fn infinite_values_are_located() {
     let folder = folder();
     let path = folder.path().join("a.npy");
-    for (value, word) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
+    for (value, word) in [(f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
         let mut stack = Array3::<f32>::zeros((3, 4, 5));
         stack[[1, 3, 2]] = value;
         stack[[2, 0, 0]] = value;
@@ -134,8 +134,8 @@ fn values_that_are_not_finite_are_located() {
     write_npy(&path, &Array2::from_elem((2, 2), 1e300f64)).expect("written");
     failure(&path, &["frame 0", "(0, 0)", "inf"]);
     let path = folder.path().join("a.tif");
-    tiff_pages::<colortype::Gray32Float>(&path, (2, 1), &[vec![0.0, 0.5], vec![0.0, f32::NAN]]);
-    failure(&path, &["frame 1", "(1, 0)", "NaN"]);
+    tiff_pages::<colortype::Gray32Float>(&path, (2, 1), &[vec![0.0, 0.5], vec![f32::NAN, f32::INFINITY]]);
+    failure(&path, &["frame 1", "(1, 0)", "inf"]);
 }
 
 #[test]

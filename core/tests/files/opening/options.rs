@@ -1,5 +1,5 @@
-//! Options of opening: bias and flat frames of every kind of file, a given black level and full scale; progress and
-//! cancellation.
+//! Options of opening: bias and flat frames of every kind of file, a given black level and full scale, masks; progress
+//! and cancellation.
 
 use super::support::{assert_close, folder, grey8, save, tiff_pages};
 use burstscope_core::Monitor;
@@ -90,6 +90,110 @@ fn no_option_makes_values_that_are_not_finite() {
     };
     located(OpenOptions { full_scale: Some(0.5), ..OpenOptions::default() }, 1);
     located(OpenOptions { full_scale: Some(1.0), bias: Some(bias), ..OpenOptions::default() }, 0);
+}
+
+/// Whether each pixel of each frame is seen.
+fn seen(burst: &Burst) -> Vec<Vec<bool>> {
+    let of_frame = |frame: &Plane| {
+        (0..frame.height())
+            .flat_map(|v| (0..frame.width()).map(move |u| (u, v)))
+            .map(|(u, v)| frame.weight_at(u, v) > 0.5)
+            .collect()
+    };
+    burst.frames.iter().map(|frame| of_frame(frame)).collect()
+}
+
+#[test]
+fn a_mask_is_one_for_all_frames_or_one_for_each() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["night", "masks/night", "flat masks", "own"] {
+        std::fs::create_dir_all(at(name)).expect("made");
+    }
+    for t in 0..3 {
+        save(&at(&format!("night/{t}.png")), &grey8(3, 2, 40 * t));
+        let one = image::GrayImage::from_fn(3, 2, |u, _| image::Luma([if u == u32::from(t) { 0 } else { 255 }]));
+        for name in ["masks/night/", "flat masks/"] {
+            save(&at(&format!("{name}{t}.png.png")), &one);
+        }
+        save(&at(&format!("own/{t}.png")), &one);
+    }
+    write_npy(at("stack.npy"), &Array3::from_shape_fn((3, 2, 3), |(t, _, u)| u8::from(u != t))).expect("written");
+    save(&at("half.png"), &image::GrayImage::from_fn(3, 2, |u, _| image::Luma([[0u8, 127, 128][u as usize]])));
+    save(&at("white.png"), &image::GrayImage::from_pixel(3, 2, image::Luma([255])));
+    let with = |mask: &str| open(&at("night"), &OpenOptions { mask: Some(at(mask)), ..OpenOptions::default() });
+    let each: Vec<Vec<bool>> = (0..3).map(|t| (0..6).map(|i| i % 3 != t).collect()).collect();
+    for mask in ["masks", "flat masks", "own", "stack.npy"] {
+        assert_eq!(seen(&with(mask).expect(mask)), each, "{mask}");
+    }
+    let half = with("half.png").expect("opens");
+    assert_eq!(seen(&half), vec![vec![false, false, true, false, false, true]; 3]);
+    assert!(half.taken.contains(&"66.7 % of the pixels are masked by half.png".to_owned()), "{:?}", half.taken);
+    // A mask that hides nothing changes no bit.
+    assert_eq!(
+        with("white.png").expect("opens").frames,
+        open(&at("night"), &OpenOptions::default()).expect("opens").frames
+    );
+}
+
+#[test]
+fn a_bad_mask_is_an_error_with_its_name() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["night", "few", "empty"] {
+        std::fs::create_dir(at(name)).expect("made");
+    }
+    for t in 0..3 {
+        save(&at(&format!("night/{t}.png")), &grey8(3, 2, 40 * t));
+    }
+    save(&at("few/0.png.png"), &grey8(3, 2, 255));
+    save(&at("wide.png"), &grey8(4, 2, 255));
+    save(&at("black.png"), &image::GrayImage::new(3, 2));
+    std::fs::write(at("text.png"), "no picture").expect("written");
+    write_npy(at("two.npy"), &Array3::<u8>::ones((2, 2, 3))).expect("written");
+    for (mask, words) in [
+        ("wide.png", ["wide.png", "4×2", "3×2"]),
+        ("text.png", ["text.png", "", ""]),
+        ("gone.png", ["gone.png", "no such file", ""]),
+        ("two.npy", ["two.npy", "2 masks", "3 frames"]),
+        ("few", ["few", "1.png", "1.png.png"]),
+        ("empty", ["empty", "0.png", "no mask"]),
+        ("black.png", ["0.png", "every pixel of frame 0 is masked", ""]),
+    ] {
+        let error = open(&at("night"), &OpenOptions { mask: Some(at(mask)), ..OpenOptions::default() });
+        let error = error.expect_err(mask).to_string();
+        assert!(words.iter().all(|word| error.contains(word)), "{mask}: {error}");
+    }
+}
+
+#[test]
+fn pixels_without_a_value_and_saturated_ones_are_masked() {
+    let folder = folder();
+    let (path, flat) = (folder.path().join("a.npy"), folder.path().join("flat.npy"));
+    let mut stack = Array3::from_elem((2, 3, 4), 0.25f32);
+    (stack[[0, 1, 2]], stack[[1, 0, 0]]) = (f32::NAN, 1.0);
+    write_npy(&path, &stack).expect("written");
+    let plain = open(&path, &OpenOptions::default()).expect("opens");
+    assert_eq!((seen(&plain)[0].iter().position(|seen| !seen), plain.frames[1].mask()), (Some(6), None));
+    assert!(plain.frames[0].data().iter().all(|x| *x == 0.25), "filled from its surroundings");
+    assert_eq!(plain.taken, ["pixels without a value (NaN) are masked: 1 in 1 of 2 frames"]);
+    let saturated = open(&path, &OpenOptions { mask_saturated: true, ..OpenOptions::default() }).expect("opens");
+    assert_eq!(seen(&saturated)[1].iter().position(|seen| !seen), Some(0));
+    assert_eq!(saturated.taken[1], "saturated pixels are masked: 1 in 1 of 2 frames");
+    // A pixel that the flat frame has no value for, and a full scale below that of the files.
+    let mut of_flat = Array2::from_elem((3, 4), 0.5f32);
+    of_flat[[2, 3]] = f32::NAN;
+    write_npy(&flat, &of_flat).expect("written");
+    let flattened = open(&path, &OpenOptions { flat: Some(flat), ..OpenOptions::default() }).expect("opens");
+    assert_eq!(seen(&flattened)[1].iter().position(|seen| !seen), Some(11));
+    tiff_pages::<colortype::Gray16>(&folder.path().join("a.tif"), (3, 1), &[vec![4094, 4095, 7]]);
+    let options = OpenOptions { mask_saturated: true, full_scale: Some(4095.0), ..OpenOptions::default() };
+    assert_eq!(seen(&open(&folder.path().join("a.tif"), &options).expect("opens")), [[true, false, true]]);
+    // A frame of which nothing is left.
+    stack.index_axis_mut(ndarray::Axis(0), 1).fill(f32::NAN);
+    write_npy(&path, &stack).expect("written");
+    let error = open(&path, &OpenOptions::default()).expect_err("nothing is seen").to_string();
+    assert!(error.contains("no pixel of frame 1 has a value") && error.contains("a.npy"), "{error}");
 }
 
 #[test]

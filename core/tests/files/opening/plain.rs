@@ -327,11 +327,15 @@ fn damage_of_fits_names_the_keyword() {
     let spectral = Opened::new("spectral.fits", &bytes);
     assert!(spectral.failure(&plain()).contains("differ in WAVE"));
     assert_eq!(spectral.open(&axis("last")).expect("asked for").len(), 3);
-    // An undefined value is located.
+    // An undefined value is masked.
     let card = format!("{:<80}END", "BLANK   =                -32768");
     bytes[at..at + card.len()].copy_from_slice(card.as_bytes());
     bytes[2880..2882].copy_from_slice(&(-32768i16).to_be_bytes());
-    assert!(Opened::new("blank.fits", &bytes).failure(&plain()).contains("frame 0 has NaN at pixel (0, 0)"));
+    let burst = Opened::new("blank.fits", &bytes).open(&axis("last")).expect("opens");
+    let masked = burst.frames[0].mask().expect("masked");
+    assert_eq!((masked.weights().at(0, 0), masked.weights().data().iter().sum::<f32>()), (0.0, 19.0));
+    assert!(burst.frames[1].mask().is_none() && burst.frames.iter().all(|f| f.data().iter().all(|x| x.is_finite())));
+    assert!(burst.taken.contains(&"pixels without a value (NaN) are masked: 1 in 1 of 3 frames".to_owned()));
 }
 
 #[test]
