@@ -137,6 +137,7 @@ impl BurstscopeApp {
         match purpose {
             Purpose::OpenBias => self.overlays.calibration_draft(&model.calibration).bias = Some(first.clone()),
             Purpose::OpenFlat => self.overlays.calibration_draft(&model.calibration).flat = Some(first.clone()),
+            Purpose::OpenMask => self.overlays.calibration_draft(&model.calibration).mask = Some(first.clone()),
             Purpose::OpenLessons => self.lessons.open_at(first, model),
             Purpose::PaperFigures => model.make_figures(first.clone(), engine),
             #[cfg(feature = "colmap")]

@@ -103,14 +103,10 @@ pub(super) fn purpose_of_dropped(
     model: &Model,
 ) -> Purpose {
     match (paths, calibration) {
-        // The bias frame first, then the flat frame.
-        ([_], Some(draft)) => {
-            if draft.bias.is_none() {
-                Purpose::OpenBias
-            } else {
-                Purpose::OpenFlat
-            }
-        }
+        // The bias frame first, then the flat frame and the mask.
+        ([_], Some(draft)) if draft.bias.is_none() => Purpose::OpenBias,
+        ([_], Some(draft)) if draft.flat.is_none() => Purpose::OpenFlat,
+        ([_], Some(_)) => Purpose::OpenMask,
         ([one], _) if one.extension().is_some_and(|e| e == "toml") => {
             let is_session = read_text(one, MAX_SESSION_BYTES).is_ok_and(|text| Session::from_toml(&text).is_ok());
             if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }
@@ -393,6 +389,8 @@ mod tests {
         assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenBias);
         draft.bias = Some(frames[0].clone());
         assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenFlat);
+        draft.flat = Some(frames[0].clone());
+        assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenMask);
         model.workspace = Workspace::Trajectories;
         assert_eq!(purpose(&frames, Side::A, None, &model), Purpose::OpenEstimate);
         let two = [frames, params].concat();

@@ -19,6 +19,7 @@ fn frames(home: &Path) {
         save(&format!("night/{t}.png"), &|u, v| bias(v) + light(u) + (u as u16 * 7 + v as u16 * 5 + t) % 3);
     }
     save("bias.png", &|_, v| bias(v));
+    save("mask.png", &|u, _| if u < 8 { 0 } else { 65_535 });
     save("flat.png", &|u, v| bias(v) + 3 * light(u));
 }
 
@@ -53,10 +54,15 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     window.click("Choose flat frame…");
     window.wait("both are named", |app| app.is_settled());
     window.harness.run_steps(3);
-    assert!(window.shows("bias.png") && window.shows("flat.png"));
+    // The third is the mask.
+    window.drop_file(home.path().join("mask.png"));
+    window.harness.run_steps(3);
+    assert!(window.shows("bias.png") && window.shows("flat.png") && window.shows("mask.png"));
     window.snapshot("calibration");
     window.click("Apply");
     window.settle();
+    let masked = window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
+    assert_eq!([masked.weight_at(7, 30), masked.weight_at(8, 30)], [0.0, 1.0]);
     // Both halves are as bright, and there are no stripes.
     for (u, v) in [(0, 0), (0, 1), (90, 0), (90, 1)] {
         assert!((value(&window, u, v) - 900.0).abs() < 4.0, "({u}, {v}): {}", value(&window, u, v));
@@ -71,7 +77,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     other.settle();
     assert!((value(&other, 90, 1) - 900.0).abs() < 4.0);
     let kept = other.app().model.calibration.clone();
-    assert!(kept.bias.is_some_and(|path| path.ends_with("bias.png")) && kept.flat.is_some());
+    assert!(kept.bias.is_some_and(|path| path.ends_with("bias.png")) && kept.flat.is_some() && kept.mask.is_some());
     // Without calibration, values are as in the files.
     other.run_action("calibration");
     other.click("Reset");

@@ -58,9 +58,11 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
         egui::Grid::new("calibration").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
             let bias = "Dark frame, or a stack or folder of dark frames, that is subtracted from each frame";
             let flat = "Picture of an evenly lit bright surface, by which each frame is divided";
+            let mask = "Picture of the frames' size, white where they are seen: what it hides is in no mean and gives no features";
             let frames = [
                 ("Bias frame", &mut options.bias, bias, Purpose::OpenBias),
                 ("Flat frame", &mut options.flat, flat, Purpose::OpenFlat),
+                ("Mask", &mut options.mask, mask, Purpose::OpenMask),
             ];
             for (label, path, tip, purpose) in frames {
                 ui.label(label).on_hover_text(tip);
@@ -88,6 +90,8 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             .on_hover_text("Undo the sRGB encoding of 8-bit and 16-bit pictures");
         ui.checkbox(&mut options.accept_damaged, "Accept damaged JPEG frames")
             .on_hover_text("Decode them as far as possible; the rest of the frame is grey");
+        ui.checkbox(&mut options.mask_saturated, "Mask saturated pixels")
+            .on_hover_text("Pixels at or above the full scale are in no mean and give no features");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             let tip = "Open the present bursts again with these options, and use them for all later bursts";

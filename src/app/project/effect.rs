@@ -53,6 +53,7 @@ pub enum Purpose {
     OpenFeatures(Side),
     OpenBias,
     OpenFlat,
+    OpenMask,
     OpenLessons,
     RestoreSession,
     SaveSession,
@@ -131,6 +132,7 @@ impl Purpose {
             Self::OpenFeatures(_) => "Open features",
             Self::OpenBias => "Choose a bias frame",
             Self::OpenFlat => "Choose a flat frame",
+            Self::OpenMask => "Choose a mask",
             Self::OpenLessons => "Open lessons",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
@@ -167,7 +169,9 @@ impl Purpose {
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
             Self::OpenFiles | Self::OpenFilesB => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),
-            Self::OpenBias | Self::OpenFlat | Self::OpenGold(_) => crate::burst::supported_extensions(),
+            Self::OpenBias | Self::OpenFlat | Self::OpenMask | Self::OpenGold(_) => {
+                crate::burst::supported_extensions()
+            }
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
             Self::OpenFeatures(_) => vec!["csv", "txt"],
             Self::Export(kind) => kind.extensions().to_vec(),
