@@ -70,6 +70,11 @@ class Burst:
         Bias frame or frames, which are averaged: subtracted, in the frames' unit.
     flat : array [H, W] or [N, H, W], optional
         Flat frame or frames, which are averaged: the frames are divided by them (less the bias, over their mean).
+    mask : array [H, W] or [N, H, W], optional
+        Mask of all frames or one a frame, of numbers or bool: what is less than half of white is masked, as is NaN in
+        the frames. A masked sample is in no mean and gives no features.
+    mask_saturated : bool
+        Mask samples at or above the full scale.
     full_scale : float, optional
         Value that becomes 1, such as 4095 for 12 bits in uint16.
     black_level : float, optional
@@ -80,7 +85,7 @@ class Burst:
     Raises
     ------
     ValueError
-        Arrays of other shapes, values that are not finite, a bias or flat that does not fit, times that do not rise.
+        Arrays of other shapes, infinite values, a bias, flat or mask that does not fit, times that do not rise.
     TypeError
         Values of other types.
 
@@ -99,6 +104,8 @@ class Burst:
         times: Sequence[float] | NDArray[Any] | None = None,
         bias: ArrayLike | None = None,
         flat: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        mask_saturated: bool = False,
         full_scale: float | None = None,
         black_level: float | None = None,
         name: str = "burst",
@@ -111,6 +118,8 @@ class Burst:
             None if self._times is None or _are_even(self._times) else self._times.tolist(),
             [] if bias is None else _frames("bias", bias),
             [] if flat is None else _frames("flat", flat),
+            [] if mask is None else _frames("mask", _of_numbers(mask)),
+            bool(mask_saturated),
             real("full_scale", full_scale),
             real("black_level", black_level),
         )
@@ -129,7 +138,7 @@ class Burst:
         return burst
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, ([self._raw.frame(t) for t in range(len(self))], self._raw.about(), self._times)
+        return _restored, (list(self.seen), self._raw.about(), self._times)
 
     @property
     def name(self) -> str:
@@ -148,8 +157,13 @@ class Burst:
 
     @property
     def frames(self) -> NDArray[np.float32]:
-        """All frames as a new array [N, H, W], fractions of full scale."""
+        """All frames as a new array [N, H, W], fractions of full scale; masked samples are filled from around."""
         return np.stack([self._raw.frame(t) for t in range(len(self))])
+
+    @property
+    def seen(self) -> NDArray[np.float32]:
+        """All frames as a new array [N, H, W], as `frames`, with NaN where they are masked."""
+        return np.stack([self._raw.seen(t) for t in range(len(self))])
 
     @property
     def times(self) -> NDArray[np.float64] | None:
@@ -235,6 +249,11 @@ def _restored(frames: list[NDArray[np.float32]], about: Any, times: NDArray[np.f
     return Burst._of(_burstscope.RawBurst.of_parts(frames, about), times)
 
 
+def _of_numbers(mask: ArrayLike) -> ArrayLike:
+    values = np.asarray(mask)
+    return values.astype(np.uint8) if values.dtype == np.bool_ else values
+
+
 def _rising(times: Any, count: int) -> NDArray[np.float64]:
     try:
         values = np.asarray(times, np.float64)
@@ -261,6 +280,8 @@ def open(
     black_level: float | None = None,
     linearise: bool = False,
     accept_damaged: bool = False,
+    mask: str | os.PathLike[str] | None = None,
+    mask_saturated: bool = False,
     raw_colour: Literal["luma", "green", "red", "blue"] = "luma",
     mosaic: Literal["rggb", "grbg", "gbrg", "bggr"] | None = None,
     raw: str | None = None,
@@ -286,6 +307,11 @@ def open(
         Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light.
     accept_damaged : bool
         Take damaged JPEG frames as far as they can be decoded; `Burst.notes` name them.
+    mask : path, optional
+        Mask of the frames' size, white where they are seen, or a folder with one for each file of frames, named
+        ``NAME.EXT.png``, as COLMAP names them, or as the file. What it hides is in no mean and gives no features.
+    mask_saturated : bool
+        Mask pixels at or above the full scale.
     raw_colour : {"luma", "green", "red", "blue"}
         What is taken of the 2×2 colours of raw frames and mosaics.
     mosaic : {"rggb", "grbg", "gbrg", "bggr"}, optional
@@ -320,6 +346,8 @@ def open(
         "black_level": real("black_level", black_level),
         "linearise": bool(linearise),
         "accept_damaged": bool(accept_damaged),
+        "mask": None if mask is None else path("mask", mask),
+        "mask_saturated": bool(mask_saturated),
         "raw_colour": needed("raw_colour", raw_colour, str, "give luma, green, red or blue"),
     }
     for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array}.items():

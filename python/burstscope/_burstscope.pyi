@@ -27,6 +27,8 @@ class RawBurst:
         times: Sequence[float] | None,
         bias: Sequence[NDArray[Any]],
         flat: Sequence[NDArray[Any]],
+        mask: Sequence[NDArray[Any]],
+        mask_saturated: bool,
         full_scale: float | None,
         black_level: float | None,
     ) -> RawBurst: ...
@@ -55,6 +57,7 @@ class RawBurst:
     @staticmethod
     def of_parts(frames: Sequence[NDArray[Any]], about: tuple[Any, ...]) -> RawBurst: ...
     def frame(self, t: int) -> NDArray[np.float32]: ...
+    def seen(self, t: int) -> NDArray[np.float32]: ...
     def addresses(self) -> list[int]: ...
 
 @final

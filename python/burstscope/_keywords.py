@@ -398,6 +398,11 @@ class NoisyKeywords(TypedDict, total=False):
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
+    mask : Path
+        Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
+        NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features
+    mask_saturated : bool
+        Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
         What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
         of two, red or blue [default: luma]
@@ -434,6 +439,8 @@ class NoisyKeywords(TypedDict, total=False):
     black_level: float
     linearise: bool
     accept_damaged: bool
+    mask: Path
+    mask_saturated: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
     mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
     raw: Union[str, float]
@@ -712,6 +719,11 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
+    mask : Path
+        Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
+        NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features
+    mask_saturated : bool
+        Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
         What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
         of two, red or blue [default: luma]
@@ -781,6 +793,8 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     black_level: float
     linearise: bool
     accept_damaged: bool
+    mask: Path
+    mask_saturated: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
     mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
     raw: Union[str, float]
@@ -1223,6 +1237,11 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
+    mask : Path
+        Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
+        NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features
+    mask_saturated : bool
+        Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
         What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
         of two, red or blue [default: luma]
@@ -1298,6 +1317,8 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     black_level: float
     linearise: bool
     accept_damaged: bool
+    mask: Path
+    mask_saturated: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
     mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
     raw: Union[str, float]

@@ -45,7 +45,7 @@ def _handed_over(burst: Burst) -> Iterator[tuple[Path, dict[str, Any]]]:
             yield case(burst, Path(folder) / f"{safe[:80]}.burstcase", progress=False), {}
         else:
             frames = Path(folder) / f"{safe[:80]}.npy"
-            np.save(frames, burst.frames)
+            np.save(frames, burst.seen)
             times = times_file(burst, Path(folder))
             yield frames, {"full_scale": 1} if times is None else {"full_scale": 1, "times": times}
 

@@ -65,7 +65,7 @@ def hand_over(folder: Path, burst: Burst, detection: Detection | None) -> Path:
     """Writes what the window opens into a folder: the frames, the features, and a session that names both."""
     safe = "".join(c if c.isalnum() or c in "-_ ." else "_" for c in burst.name).strip(". ") or "burst"
     frames = folder / f"{safe[:80]}.npy"
-    np.save(frames, burst.frames)
+    np.save(frames, burst.seen)
     lines = [
         "version = 4",
         f"detected = {'true' if detection is not None else 'false'}",

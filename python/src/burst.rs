@@ -36,6 +36,10 @@ pub(crate) struct Calibration {
     #[pyo3(item)]
     accept_damaged: bool,
     #[pyo3(item)]
+    mask: Option<PathBuf>,
+    #[pyo3(item)]
+    mask_saturated: bool,
+    #[pyo3(item)]
     raw_colour: String,
     #[pyo3(item)]
     mosaic: Option<String>,
@@ -71,6 +75,8 @@ impl Calibration {
             black_level: self.black_level,
             linearise: self.linearise,
             accept_damaged: self.accept_damaged,
+            mask: self.mask,
+            mask_saturated: self.mask_saturated,
             raw_colour,
             mosaic: mosaic.transpose()?,
             raw: raw.transpose()?,
@@ -131,12 +137,14 @@ impl RawBurst {
         times: Option<Vec<f64>>,
         bias: Vec<Bound<'_, PyAny>>,
         flat: Vec<Bound<'_, PyAny>>,
+        mask: Vec<Bound<'_, PyAny>>,
+        mask_saturated: bool,
         full_scale: Option<f32>,
         black_level: Option<f32>,
     ) -> PyResult<Self> {
         let all = |arrays: &[Bound<'_, PyAny>]| arrays.iter().map(array_frame).collect::<PyResult<Vec<_>>>();
-        let arrays = Arrays { frames: all(&frames)?, bias: all(&bias)?, flat: all(&flat)? };
-        let options = OpenOptions { full_scale, black_level, ..OpenOptions::default() };
+        let arrays = Arrays { frames: all(&frames)?, bias: all(&bias)?, flat: all(&flat)?, mask: all(&mask)? };
+        let options = OpenOptions { full_scale, black_level, mask_saturated, ..OpenOptions::default() };
         let mut burst =
             run(py, None, move |monitor| Burst::from_arrays(name, arrays, &options, monitor).map_err(Failure::from))?;
         if let Some(times) = times {
@@ -164,11 +172,11 @@ impl RawBurst {
         )
     }
 
-    /// The burst of these frames, fractions of full scale, and of what `about` gave.
+    /// The burst of these frames, fractions of full scale and NaN where they are masked, and of what `about` gave.
     #[staticmethod]
     fn of_parts(frames: Vec<Bound<'_, PyAny>>, about: About) -> PyResult<Self> {
         let plane = |array: &Bound<'_, PyAny>| match array_frame(array)? {
-            ArrayFrame::Floats(plane) => Ok(Arc::new(plane)),
+            ArrayFrame::Floats(plane) => Ok(Arc::new(plane.with_nan_masked())),
             ArrayFrame::Integers { .. } => Err(PyTypeError::new_err("the frames of a burst are float32")),
         };
         let frames = frames.iter().map(plane).collect::<PyResult<Vec<_>>>()?;
@@ -265,6 +273,12 @@ impl RawBurst {
             PyIndexError::new_err(format!("there is no frame {t}: the burst has {}", self.burst.len()))
         })?;
         array_of(py, Plane::clone(frame))
+    }
+
+    /// Frame `t` as a new array, NaN where it is masked.
+    fn seen<'py>(&self, py: Python<'py>, t: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let frame = &self.burst.frames[t];
+        array_of(py, Plane::from_vec(frame.width(), frame.height(), frame.seen_values()))
     }
 
     /// Addresses of the frames' pixels in memory.

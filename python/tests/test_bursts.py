@@ -59,6 +59,24 @@ def test_the_array_lives_as_long_as_the_burst() -> None:
     assert gone() is None
 
 
+def test_what_is_masked_is_nan_in_seen_and_stays_masked(tmp_path: Path) -> None:
+    frames, mask = noise(), np.ones((40, 56), bool)
+    mask[:, 30:] = False
+    burst = bs.Burst(frames, mask=mask)
+    assert np.isnan(burst.seen[:, :, 30:]).all() and np.isfinite(burst.frames).all()
+    np.testing.assert_array_equal(burst.seen[:, :, :30], frames[:, :, :30])
+    np.save(tmp_path / "frames.npy", frames)
+    np.save(tmp_path / "mask.npy", mask.astype(np.uint8))
+    opened = bs.open(tmp_path / "frames.npy", mask=tmp_path / "mask.npy")
+    for same in (opened, pickle.loads(pickle.dumps(burst))):
+        np.testing.assert_array_equal(same.seen, burst.seen)
+    frames[1, 3, 4], frames[2, 0, 0] = np.nan, 1
+    assert np.argwhere(np.isnan(bs.Burst(frames).seen)).tolist() == [[1, 3, 4]]
+    assert np.isnan(bs.Burst(frames, mask_saturated=True).seen[2, 0, 0])
+    with pytest.raises(ValueError, match="this mask is 3×5"):
+        bs.Burst(frames, mask=np.ones((5, 3)))
+
+
 def test_calibration_is_that_of_files(tmp_path: Path) -> None:
     frames = (noise() * 3000 + 500).astype(np.uint16)
     bias = np.full((2, 40, 56), 60, np.uint16)
