@@ -24,7 +24,7 @@ fn probe_says_what_became_of_a_place() {
     assert!(fates.iter().any(|f| f["first_failed"].is_null()), "something was kept");
     for fate in fates {
         let tests = fate["tests"].as_array().expect("tests");
-        assert_eq!(tests.len(), 11);
+        assert_eq!(tests.len(), 12);
         let failed = tests.iter().find(|t| t["outcome"] == "fails").map_or(Value::Null, |t| t["test"].clone());
         assert_eq!(failed, fate["first_failed"], "{fate:#}");
     }

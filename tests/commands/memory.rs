@@ -4,14 +4,14 @@ use super::support::{run_badly, run_well};
 use std::fs;
 use std::path::Path;
 
-/// Writes a `.npy` stack of frames of `size` (columns, rows) that cannot be opened: its first value is no number.
-fn write_stack_of_nan(path: &Path, frames: usize, (width, height): (usize, usize)) {
+/// Writes a `.npy` stack of frames of `size` (columns, rows) that cannot be opened: its first value is infinite.
+fn write_infinite_stack(path: &Path, frames: usize, (width, height): (usize, usize)) {
     let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({frames}, {height}, {width}), }}");
     let header = format!("{header:117}\n");
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
-    bytes.extend(f32::NAN.to_le_bytes());
+    bytes.extend(f32::INFINITY.to_le_bytes());
     fs::write(path, &bytes).expect("written");
     let file = fs::OpenOptions::new().write(true).open(path).expect("there");
     file.set_len((10 + header.len() + 4 * frames * width * height) as u64).expect("sparse");
@@ -36,7 +36,7 @@ fn a_small_budget_is_kept_with_fewer_threads_and_the_same_features() {
 #[test]
 fn a_search_beyond_the_budget_is_refused_before_a_pixel_is_read() {
     let home = tempfile::tempdir().expect("a folder");
-    write_stack_of_nan(&home.path().join("large.npy"), 10, (2000, 1000));
+    write_infinite_stack(&home.path().join("large.npy"), 10, (2000, 1000));
     let found = ["detect", "large.npy", "--out", "found"];
     let opened = run_badly(home.path(), &found, 1);
     assert!(opened.contains("large.npy") && !opened.contains("--memory"), "{opened}");

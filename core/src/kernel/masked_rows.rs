@@ -2,7 +2,7 @@
 //!
 //! Where no frame sees a place its filled values are averaged, since a hidden sample weighs a little.
 
-use crate::kernel::stack::FrameOffset;
+use crate::kernel::offset::FrameOffset;
 use crate::plane::Plane;
 use crate::plane::mask::HIDDEN_WEIGHT;
 use multiversion::multiversion;
