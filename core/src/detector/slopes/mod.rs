@@ -88,7 +88,8 @@ pub fn find_slopes(
     let levels = spectra::levels_for(burst.size(), SIDE);
     let lags = Lags::of(&positions);
     let (mut seen, mut table) = look((&frames, &lags), (levels.clone(), 0), track, &fourier, monitor)?;
-    let shared = seen.wholes.first().map_or(0, |whole| peak::lags_of_shared_noise(whole, &lags, &fourier));
+    let whole = seen.wholes.first();
+    let shared = whole.map_or(0, |whole| peak::lags_of_shared_noise(&whole.products, &whole.pairs, &lags, &fourier));
     if shared > 0 {
         (seen, table) = look((&frames, &lags), (levels.clone(), shared), track, &fourier, monitor)?;
     }

@@ -9,8 +9,7 @@
 //! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a
 //! whole. The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
-use super::evidence::Sum;
-use super::spectra::{Fourier, Lags, PairSpectra, SIDE};
+use super::spectra::{CrossSpectra, Fourier, Lags, PairSpectra, SIDE};
 
 /// Largest shift used, level pixels: at larger ones little of the window overlaps.
 const REACH: f64 = 0.4 * SIDE as f64;
@@ -322,7 +321,12 @@ fn largest_at(plane: &[f32]) -> usize {
 
 /// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
 /// pairs of neighbours too (where a scene moves to and fro they show the shifts), and far smaller at the next lag.
-pub(super) fn lags_of_shared_noise(Sum { products, pairs, .. }: &Sum, lags: &Lags, fourier: &Fourier) -> usize {
+pub(super) fn lags_of_shared_noise(
+    products: &CrossSpectra,
+    pairs: &PairSpectra,
+    lags: &Lags,
+    fourier: &Fourier,
+) -> usize {
     let pairs = fourier.correlations(pairs.neighbours(), &mut fourier.scratch(0));
     if 2 * pairs.iter().filter(|pair| largest_at(pair) == 0).count() <= pairs.len() {
         return 0;
