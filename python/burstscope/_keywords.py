@@ -422,8 +422,8 @@ class NoisyKeywords(TypedDict, total=False):
         /camera/image_raw
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
-        stamps in the names of the files, header or exif for times that the files hold, found for those in which the
-        images move uniformly, even for none [default: even]
+        stamps in the names of the files, header or exif for times that the files hold, found for those in which
+        the images move uniformly, even for none [default: even]
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -747,8 +747,8 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         /camera/image_raw
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
-        stamps in the names of the files, header or exif for times that the files hold, found for those in which the
-        images move uniformly, even for none [default: even]
+        stamps in the names of the files, header or exif for times that the files hold, found for those in which
+        the images move uniformly, even for none [default: even]
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -1269,8 +1269,8 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         /camera/image_raw
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
-        stamps in the names of the files, header or exif for times that the files hold, found for those in which the
-        images move uniformly, even for none [default: even]
+        stamps in the names of the files, header or exif for times that the files hold, found for those in which
+        the images move uniformly, even for none [default: even]
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
