@@ -13,6 +13,7 @@ use super::event::{Event, MAX_MISSING, MAX_SCRAMBLED};
 use super::evidence::{SHARED_NOISE, Sum};
 use super::peak::{MIN_OVERLAP, cubic, overlap_at, peak_of, unbiased};
 use super::spectra::{Fourier, Lags};
+use rayon::prelude::*;
 
 /// Least gain of an event over even times, nats: of several hundred events the luckiest gains 5 by noise.
 const MIN_NATS: f64 = 12.0;
@@ -141,7 +142,7 @@ impl<'a> Blocks<'a> {
             let best = SLOWER.iter().map(|slower| (value(slower), *slower)).max_by(|a, b| a.0.total_cmp(&b.0));
             best.unwrap_or((f64::NEG_INFINITY, 1.0))
         };
-        let mut best: Vec<((f64, f64), &Event)> = events.iter().map(|event| (slower(event), event)).collect();
+        let mut best: Vec<((f64, f64), &Event)> = events.par_iter().map(|event| (slower(event), event)).collect();
         best.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
         let own = |((_, slower), event): &((f64, f64), &Event)| {
             let slopes: Vec<[f64; 2]> = from.slopes.iter().map(|slope| slope.map(|s| slower * s)).collect();
@@ -229,8 +230,8 @@ impl<'a> Blocks<'a> {
 
     fn agreement(&self, event: Event, from: &[[f64; 2]]) -> Agreement {
         let times = event.times(self.frames);
-        let climbed = self.blocks.iter().zip(from).map(|(block, from)| self.climbed(block, *from, &times));
-        let (slopes, significance): (Vec<_>, Vec<f64>) = climbed.unzip();
+        let climbed = self.blocks.par_iter().zip(from).map(|(block, from)| self.climbed(block, *from, &times));
+        let (slopes, significance): (Vec<_>, Vec<f64>) = climbed.collect::<Vec<_>>().into_iter().unzip();
         let nats = significance.iter().map(|s| 0.5 * s.max(0.0).powi(2)).sum();
         Agreement { event, nats, slopes }
     }
@@ -246,7 +247,7 @@ impl<'a> Blocks<'a> {
             });
             // Of things of a known amplitude a pair without them takes as much away as one with them adds.
             let (weight, middle) = amplitude.map_or((1.0, 0.0), |amplitude| (amplitude, 0.5 * amplitude));
-            for (row, (plane, variance)) in readings.iter_mut().zip(&block.pairs) {
+            readings.par_iter_mut().zip(&block.pairs).for_each(|(row, (plane, variance))| {
                 for (i, sum) in row.iter_mut().enumerate() {
                     let shift = slope.map(|x| x * (i as f64 / PARTS - reach));
                     let overlap = f64::from(overlap_at(self.overlap, shift));
@@ -254,7 +255,7 @@ impl<'a> Blocks<'a> {
                         *sum += overlap * overlap * weight / variance * (cubic(plane, shift) - middle);
                     }
                 }
-            }
+            });
         }
         readings
     }
