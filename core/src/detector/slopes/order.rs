@@ -15,13 +15,13 @@ use super::peak::{MIN_OVERLAP, cubic, overlap_at, peak_of, unbiased};
 use super::spectra::{Fourier, Lags};
 use rayon::prelude::*;
 
-/// Least gain of an event over even times, nats: of several hundred events the luckiest gains 5 by noise.
+/// Least gain of an event over even times, nats: twice ln 400, about what the luckiest of 400 events gains by noise.
 const MIN_NATS: f64 = 12.0;
 /// Least gain, as a part of what even times have: pictures differ from what they are taken for by up to half of it.
 const MIN_PART: f64 = 0.01;
 /// Part of the gain of free times that an event may leave; a motion that speeds up leaves 0.27 to 0.64.
 const MAX_LEFT: f64 = 0.2;
-/// What free times may gain besides, as a part of what even times have: they do on even frames too.
+/// Gain of free times that an event may leave besides, as a part of what even times have: even frames have it too.
 const MAX_LEFT_PART: f64 = 0.005;
 /// Part of its gain by which an event must be ahead of the next one.
 const MIN_AHEAD: f64 = 0.1;

@@ -293,7 +293,7 @@ fn taken(quarters: &[usize], seed: u64) -> Burst {
     Burst::from_planes("taken", quarters.iter().map(|t| (*burst.frames[*t]).clone()).collect())
 }
 
-/// What may have happened to ten frames, and the quarters of frame intervals at which they were taken then.
+/// Events that may happen to ten frames, and the quarters of frame intervals at which they were taken then.
 fn happened(seed: u64) -> [(Option<MotionWarningKind>, Vec<usize>, Vec<usize>); 6] {
     use MotionWarningKind::*;
     const FRAMES: usize = 10;

@@ -3,12 +3,12 @@
 //! `sqlite.db3` and in the left of `stereo_bz2.bag`), 0, 40, 80, 200 and 240 ms after a whole second, and a topic
 //! `/notes` of texts. The values and stamps are those that the same packages read.
 
+use super::plain::unpacked;
 use super::support::folder;
 use burstscope_core::Monitor;
 use burstscope_core::burst::{Burst, Encoding, Info, OpenOptions, TimesChoice, find_bursts};
 use burstscope_core::error::{Error, ErrorKind};
 use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 macro_rules! sample {
@@ -18,12 +18,6 @@ macro_rules! sample {
     ($name:literal, gz) => {
         ($name, unpacked(include_bytes!(concat!("samples/", $name, ".gz"))))
     };
-}
-
-fn unpacked(bytes: &[u8]) -> Vec<u8> {
-    let mut whole = Vec::new();
-    flate2::read::GzDecoder::new(bytes).read_to_end(&mut whole).expect("unpacked");
-    whole
 }
 
 /// The samples of one topic of pictures, for the tests with damaged files; the last one has two.

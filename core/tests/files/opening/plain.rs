@@ -22,7 +22,7 @@ macro_rules! sample {
     };
 }
 
-fn unpacked(bytes: &[u8]) -> Vec<u8> {
+pub(super) fn unpacked(bytes: &[u8]) -> Vec<u8> {
     let mut whole = Vec::new();
     flate2::read::GzDecoder::new(bytes).read_to_end(&mut whole).expect("unpacked");
     whole

@@ -99,7 +99,7 @@ impl<'a> Fields<'a> {
         Ok(u64::from(s) * 1_000_000_000 + u64::from(ns))
     }
 
-    /// What follows the message's header, and its stamp.
+    /// Fields that follow the message's header, and its stamp, nanoseconds.
     fn after_header(message: &'a [u8], wire: Wire) -> Result<(Self, u64), String> {
         let mut fields = Self::of(message, wire)?;
         let stamp_ns = fields.stamp()?;
