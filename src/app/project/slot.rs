@@ -192,6 +192,7 @@ impl Model {
         (self.compare.gold.a, self.document.gold.a) = (None, None);
         self.begin_comparison(Side::A);
         self.start_panes(Side::A, |cursor| Cursor { kind: cursor.kind, frame: middle, ..Cursor::default() });
+        self.begin_panes_of_b();
         self.check_params();
     }
 

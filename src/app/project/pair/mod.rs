@@ -163,13 +163,19 @@ impl Model {
     }
 
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
-        let middle = burst.burst.len() / 2;
         let Slot { opening, .. } = std::mem::take(&mut self.slots.b);
         self.slots.b = Slot { burst: Some(burst), opening, ..Slot::default() };
         self.begin_comparison(Side::B);
         self.clear_probe_of(Side::B);
         self.forget_matches();
         (self.compare.gold.b, self.document.gold.b) = (None, None);
+        self.begin_panes_of_b();
+        self.check_params();
+    }
+
+    /// Puts the panes of B where they begin beside those of A, whichever of the two bursts was opened last.
+    pub(in crate::app::project) fn begin_panes_of_b(&mut self) {
+        let Some(middle) = self.burst_of(Side::B).map(|open| open.burst.len() / 2) else { return };
         let Pane { cursor, view, .. } = *self.panes.of(Side::A);
         let sizes = Side::BOTH.map(|side| self.burst_of(side).map_or((1, 1), |open| open.burst.size()));
         self.panes.place_by_shape(are_stacked(sizes));
@@ -183,7 +189,6 @@ impl Model {
         if pane.links.view {
             pane.view = view;
         }
-        self.check_params();
     }
 
     pub fn wanted_matches(&self) -> Option<MatchRequest> {

@@ -57,6 +57,20 @@ fn a_second_burst_has_the_parameters_as_far_as_it_can_use_them() {
 }
 
 #[test]
+fn panes_begin_alike_whichever_burst_is_opened_last() {
+    let opened = |last: Side| {
+        let mut model = Model::default();
+        model.document.workspace = Workspace::Pair;
+        for side in [last.other(), last] {
+            let burst = open((150, 60), 5);
+            if side == Side::A { model.take_burst(burst) } else { model.take_second_burst(burst) }
+        }
+        model.panes.clone()
+    };
+    assert!(opened(Side::A) == opened(Side::B));
+}
+
+#[test]
 fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
     let mut model = pair();
     assert!(model.needs_matches());
