@@ -4,13 +4,14 @@ use super::actions::{self, ActionId};
 use super::dataset::CutDialog;
 use super::dialogs::Question;
 use super::document::Action;
+use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
 use super::{clipboard, files};
 use crate::app::project::{Effect, effect::Purpose, side::Side};
+use crate::engine::Ended;
 use crate::inspect::probe::Wanted as Subject;
-use crate::requests::ProbeQuestion;
+use crate::requests::{OpenRequest, ProbeQuestion};
 use crate::teach::Lesson;
-use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -24,15 +25,46 @@ impl BurstscopeApp {
 
     /// Takes an action that is no row of the table.
     pub(super) fn change(&mut self, action: Action) {
-        let Self { model, engine, restoring, journal, .. } = self;
-        journal.take(&action, model.in_lesson);
+        self.journal.take(&action, self.model.is_in_lesson());
         match action {
-            Action::Open(Side::A, source) => restoring.open(source, model, engine),
-            Action::Restore(session) => restoring.begin(*session, model, engine),
-            action => {
-                let effects = actions::apply(action, model, engine);
-                self.apply(effects);
-            }
+            Action::Open(Side::A, source) => match of_case(&source) {
+                Some(OfCase::Session(session)) => self.restore(session),
+                Some(OfCase::Search(actions, why)) => {
+                    why.into_iter().for_each(|why| self.model.messages.error(Purpose::RestoreSession.title(), why));
+                    self.stage(actions.into_iter().chain([Action::Open(Side::A, source)]));
+                }
+                None => self.stage([Action::Open(Side::A, source)]),
+            },
+            Action::Restore(session) => self.restore(session),
+            action => self.stage([action]),
+        }
+    }
+
+    /// Takes actions that are not taken down: what was done led to them.
+    pub(super) fn stage<A: Into<Action>>(&mut self, staged: impl IntoIterator<Item = A>) {
+        for action in staged {
+            let effects = actions::apply(action.into(), &mut self.model, &self.engine);
+            self.apply(effects);
+        }
+    }
+
+    fn restore(&mut self, session: Box<Session>) {
+        let opening = self.model.slots.a.opening.ask(&self.engine, session.opening());
+        self.restoring.wait(Side::A, Some(opening), session);
+    }
+
+    fn take_opened(&mut self, side: Side, ended: Ended<OpenRequest>) {
+        if let (Side::A, Some(recovery)) = (side, &mut self.recovery) {
+            recovery.restored(ended.id, ended.result.is_ok());
+        }
+        let session = self.restoring.take(side, ended.id);
+        let is_open = ended.result.is_ok();
+        let effects = self.model.take_opening(side, ended, session.is_some(), &self.engine);
+        self.apply(effects);
+        let Some(session) = session else { return };
+        self.stage(session.after(side, is_open, &self.model.document));
+        if side == Side::A && session.second.is_some() {
+            self.restoring.wait(Side::B, self.model.slots.b.opening.pending_id(), session);
         }
     }
 
@@ -41,14 +73,17 @@ impl BurstscopeApp {
         if !actions::enabled(id, &self.model) || self.overlays.open(id, &self.model) {
             return;
         }
-        let Self { model, widgets, engine, journal, .. } = self;
-        journal.take(&id.into(), model.in_lesson);
+        let Self { model, widgets, journal, .. } = self;
+        journal.take(&id.into(), model.is_in_lesson());
         match id {
             ActionId::Lessons => self.lessons.list_is_open = true,
-            ActionId::Hall => self.lessons.toggle_hall(&mut model.document),
+            ActionId::Hall => {
+                let panels = self.lessons.panels_for_hall(&model.panels);
+                self.stage(panels.map(Action::SetPanels));
+            }
             ActionId::LeaveLesson => {
-                let effect = self.lessons.leave(model, engine);
-                self.apply(effect);
+                let staged = self.lessons.leave();
+                self.stage(staged);
             }
             ActionId::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             ActionId::OneToOne => model.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
@@ -72,10 +107,7 @@ impl BurstscopeApp {
                 model.messages.note("Copied the program and the paper as BibTeX");
             }
             ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, &self.model)),
-            _ => {
-                let effects = actions::apply(id.into(), model, engine);
-                self.apply(effects);
-            }
+            _ => self.stage([id]),
         }
     }
 
@@ -84,21 +116,13 @@ impl BurstscopeApp {
     }
 
     pub(super) fn apply(&mut self, effects: impl IntoIterator<Item = Effect>) {
-        let mut left: VecDeque<Effect> = effects.into_iter().collect();
-        while let Some(effect) = left.pop_front() {
-            left.extend(self.applied(effect));
-        }
+        effects.into_iter().for_each(|effect| self.take_effect(effect));
     }
 
-    fn applied(&mut self, effect: Effect) -> Vec<Effect> {
+    fn take_effect(&mut self, effect: Effect) {
         let Self { model, engine, .. } = self;
         match effect {
-            Effect::Opened(side, ended) => {
-                if let (Side::A, Some(recovery)) = (side, &mut self.recovery) {
-                    recovery.restored(ended.id, ended.result.is_ok());
-                }
-                return self.restoring.take_opened(side, ended, model, engine);
-            }
+            Effect::Opened(side, ended) => self.take_opened(side, ended),
             Effect::Recent(source) => self.settings.remember(&source),
             Effect::RecentDataset(source) => self.settings.remember_dataset(&source),
             Effect::Choose(side, bursts) => {
@@ -119,7 +143,8 @@ impl BurstscopeApp {
             Effect::UseFiles(purpose, paths) => self.use_files(purpose, paths),
             Effect::Write(purpose, path) => {
                 let lesson = self.lessons.open.as_ref().map(|open| &*open.lesson);
-                files::write(purpose, path, lesson, model, &self.widgets, engine);
+                let begun = files::write(purpose, path, lesson, model, &self.widgets, engine);
+                model.messages.settle(purpose.title(), begun);
             }
             Effect::StartLesson(lesson) => self.start_lesson(lesson),
             Effect::ForgetWidgets => {
@@ -128,7 +153,6 @@ impl BurstscopeApp {
                 (self.selection, self.probe, self.regions) = Default::default();
             }
         }
-        Vec::new()
     }
 
     fn use_files(&mut self, purpose: Purpose, paths: Vec<PathBuf>) {
@@ -138,7 +162,7 @@ impl BurstscopeApp {
             Purpose::OpenBias => self.overlays.calibration_draft(&model.calibration).bias = Some(first.clone()),
             Purpose::OpenFlat => self.overlays.calibration_draft(&model.calibration).flat = Some(first.clone()),
             Purpose::OpenMask => self.overlays.calibration_draft(&model.calibration).mask = Some(first.clone()),
-            Purpose::OpenLessons => self.lessons.open_at(first, model),
+            Purpose::OpenLessons => model.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => model.make_figures(first.clone(), engine),
             #[cfg(feature = "colmap")]
             Purpose::ExportDatabase => model.export_database(first.clone(), engine),
@@ -154,7 +178,7 @@ impl BurstscopeApp {
 
     /// Opens a lesson at the step where it was left last. What is open is put aside until the lesson is left.
     pub fn start_lesson(&mut self, lesson: Arc<Lesson>) {
-        let effect = self.lessons.start(lesson, &mut self.model, &self.engine);
-        self.apply([effect]);
+        let staged = self.lessons.start(lesson);
+        self.stage(staged);
     }
 }

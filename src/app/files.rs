@@ -182,32 +182,31 @@ pub(super) fn may_replace(path: &Path, model: &Model) -> OutputRules {
     OutputRules::new(OpenedFiles::of(opened), Overwrite::Force)
 }
 
-/// The user has agreed to overwriting.
+/// Begins to write a file. The user has agreed to overwriting.
+///
+/// # Errors
+/// Why there is nothing to write, or why it may not be written there.
 pub(super) fn write(
     purpose: Purpose,
     path: PathBuf,
     lesson: Option<&Lesson>,
-    model: &mut Model,
+    model: &Model,
     widgets: &PaneWidgets,
     engine: &Engine,
-) {
+) -> Result<(), String> {
     let rules = may_replace(&path, model);
     let prepared = match lesson {
         Some(lesson) if purpose == Purpose::Export(ExportKind::Sheet) => Ok(whole_work(sheet(lesson))),
         _ => prepare(purpose, model, widgets),
     };
-    match rules.check(&path).map_err(|e| e.to_string()).and(prepared) {
-        Ok(work) => {
-            model.messages.resolved(purpose.title());
-            engine.task(purpose.title(), move || {
-                // The task may have waited, and files changed meanwhile.
-                rules.check(&path).map_err(|e| e.to_string())?;
-                work(&path)?;
-                Ok(format!("Wrote {}", path.display()))
-            });
-        }
-        Err(why) => model.messages.error(purpose.title(), why),
-    }
+    let work = rules.check(&path).map_err(|e| e.to_string()).and(prepared)?;
+    engine.task(purpose.title(), move || {
+        // The task may have waited, and files changed meanwhile.
+        rules.check(&path).map_err(|e| e.to_string())?;
+        work(&path)?;
+        Ok(format!("Wrote {}", path.display()))
+    });
+    Ok(())
 }
 
 type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;

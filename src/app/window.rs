@@ -252,9 +252,15 @@ impl BurstscopeApp {
     }
 
     fn go_on_with_lesson(&mut self, ctx: &egui::Context, asked: Option<LessonAction>) {
-        let is_restoring = self.restoring.waits_for(&self.model).is_some();
-        let effects = self.lessons.go_on(asked, is_restoring, &mut self.model, &self.engine);
-        self.apply(effects);
+        let mut asked = asked;
+        loop {
+            let is_restoring = self.restoring.waits_for(&self.model).is_some();
+            let staged = self.lessons.go_on(asked.take(), is_restoring, &self.model);
+            if staged.is_empty() {
+                break;
+            }
+            self.stage(staged);
+        }
         let step = self.lessons.open.as_ref().map(|open| open.step);
         parts::want(ctx, self.lessons.highlighted(), step);
     }
@@ -273,9 +279,7 @@ impl BurstscopeApp {
         if self.model.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
         }
-        if let Some(rest) =
-            recovery.keep(self.lessons.project_of_user(&self.model.project), &self.journal, &self.engine)
-        {
+        if let Some(rest) = recovery.keep(self.model.project_of_user(), &self.journal, &self.engine) {
             ctx.request_repaint_after(rest);
         }
     }
@@ -283,8 +287,7 @@ impl BurstscopeApp {
     /// Saves the session at once: another window goes on with it, and if that fails it is offered later.
     pub(super) fn keep_session_now(&mut self) {
         let Some(recovery) = &self.recovery else { return };
-        if let Err((title, error)) = recovery.keep_now(self.lessons.project_of_user(&self.model.project), &self.journal)
-        {
+        if let Err((title, error)) = recovery.keep_now(self.model.project_of_user(), &self.journal) {
             self.model.messages.error(title, error);
         }
     }
@@ -483,7 +486,7 @@ impl eframe::App for BurstscopeApp {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         // Settings made by a lesson are not stored.
-        self.settings.take_from(self.lessons.project_of_user(&self.model.project));
+        self.settings.take_from(self.model.project_of_user());
         (self.settings.theme, self.settings.lessons) = (self.model.theme, self.lessons.progress.clone());
         self.settings.store(storage);
     }

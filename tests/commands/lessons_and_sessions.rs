@@ -5,6 +5,7 @@
 use super::support::{ended, program, run_badly, stderr};
 use crate::damage::{absurd, absurd_tomls, at, damage, damaged_text, numbers, says_something};
 use burstscope::app::project::Model;
+use burstscope::app::project::staged::Reselect;
 use burstscope::app::session::Session;
 use burstscope::detector::{SearchParams, SlopeAxis, SlopeGrid};
 use burstscope::inspect::set_up::SetUp;
@@ -157,8 +158,8 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
             Ok(session) => {
                 taken += 1;
                 let mut model = model();
-                session.apply(&mut model);
-                session.apply_second(&mut model);
+                let document = session.over_second(&session.over_first(&model.document));
+                model.show_document(document, Reselect::Feature(session.selection));
                 let focus = model.focus();
                 model.panes.split(focus, burstscope::app::pane::Direction::Right);
                 assert!(model.cursor().slope.u.is_finite() && model.look.smoothing_px <= 8.0, "{path} = {value}");
@@ -323,7 +324,7 @@ proptest! {
         match Session::from_toml(&damaged_text(sound_session(), &damages)) {
             Ok(session) => {
                 let mut model = model();
-                session.apply(&mut model);
+                model.show_document(session.over_first(&model.document), Reselect::Feature(session.selection));
                 prop_assert!(model.cursor().slope.u.is_finite() && model.cursor().slope.v.is_finite());
             }
             Err(error) => prop_assert!(says_something(&error)),

@@ -6,6 +6,7 @@ use burstscope::app::document::{Action, Journal, Steps};
 use burstscope::app::pane::PaneId;
 use burstscope::app::project::Model;
 use burstscope::app::project::side::Side;
+use burstscope::app::project::staged::Reselect;
 use burstscope::app::session::Session;
 use burstscope::burst::OpenOptions;
 use burstscope::detector::{SearchParams, Slope};
@@ -42,15 +43,16 @@ fn what_is_probed_and_compared_in_b_comes_back_with_b() {
     let text = session.to_toml();
     assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
     let mut restored = self::model();
-    session.apply(&mut restored);
+    let nothing = Reselect::Feature(None);
+    restored.show_document(session.over_first(&restored.document), nothing);
     restored.take_second_burst(second());
-    session.apply_second(&mut restored);
+    restored.show_document(session.over_second(&restored.document), nothing);
     assert_eq!((restored.probe.side, restored.probed_place()), (Side::B, Some([70.0, 20.0])));
     let file = restored.comparisons.b.file.clone().expect("it was opened");
     assert!(file.is_absolute() && file.ends_with("theirs.csv"));
     assert_eq!(Session::of(&restored).expect("a burst is open").document, session.document);
     // The session of before says nothing of B's probe, and takes it away.
-    before.apply_second(&mut restored);
+    restored.show_document(before.over_second(&restored.document), nothing);
     assert!(!restored.probe.is_on() && restored.comparisons == Default::default());
 }
 

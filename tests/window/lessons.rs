@@ -402,7 +402,7 @@ fn nothing_is_lost_of_what_was_open() {
     window.harness.run_steps(5);
     window.click("Lesson: Out of the dark");
     window.settle();
-    let (in_lesson, count) = (window.app().model.in_lesson, window.app().model.features().len());
+    let (in_lesson, count) = (window.app().model.is_in_lesson(), window.app().model.features().len());
     assert!(in_lesson && count == 0, "{in_lesson} {count}");
     window.slide("Frame", 1.0);
     window.settle();
@@ -410,7 +410,7 @@ fn nothing_is_lost_of_what_was_open() {
     window.settle();
     window.click("Leave lesson");
     window.settle();
-    assert!(!window.app().model.in_lesson);
+    assert!(!window.app().model.is_in_lesson());
     assert!(state(&window) == before, "everything is as it was");
     assert!(window.app().model.history.can_undo(), "what was done before can be undone");
     // Coming back continues at the step that was left, with the tasks done.
@@ -450,7 +450,7 @@ fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
     assert_eq!(source.and_then(|source| source.name()), Some("demo-depths"));
     window.run_action("open demo burst");
     window.settle();
-    assert!(window.app().lessons.open.is_none() && !window.app().model.in_lesson);
+    assert!(window.app().lessons.open.is_none() && !window.app().model.is_in_lesson());
     assert_eq!(window.app().model.slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
     assert_eq!(window.app().lessons.progress["slope-is-depth"].step, 2);
 }
@@ -609,7 +609,7 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
     window.harness.run_steps(5);
     window.click("Lesson: My own");
     window.settle();
-    assert!(window.app().model.in_lesson, "it is open");
+    assert!(window.app().model.is_in_lesson(), "it is open");
     assert!(window.shows("First") && window.shows("Step 1 of 1"));
     assert_eq!(Purpose::OpenLessons.title(), "Open lessons");
 }

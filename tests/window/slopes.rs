@@ -6,6 +6,7 @@ use burstscope::Monitor;
 use burstscope::app::project::BottomTab;
 use burstscope::app::project::cursor::slope_limit;
 use burstscope::app::project::side::Side;
+use burstscope::app::project::staged::Reselect;
 use burstscope::app::session::Session;
 use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
 use burstscope::inspect::ProbeCache;
@@ -84,11 +85,13 @@ fn sessions_keep_the_switch_and_given_ranges() {
     let text = session.to_toml();
     assert!(text.contains("[document.slopes.auto]"), "{text}");
     let mut restored = Start::without_auto_detect().open();
-    Session::from_toml(&text).unwrap().apply(&mut restored.app_mut().model);
+    let model = &mut restored.app_mut().model;
+    model.show_document(Session::from_toml(&text).unwrap().over_first(&model.document), Reselect::Feature(None));
     assert!(restored.app().model.slopes.is_auto());
     // A session with given slopes.
     let given = "version = 4\nburst = \"demo\"\n[document]\nslopes = \"given\"\n[document.params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
-    Session::from_toml(given).unwrap().apply(&mut window.app_mut().model);
+    let model = &mut window.app_mut().model;
+    model.show_document(Session::from_toml(given).unwrap().over_first(&model.document), Reselect::Feature(None));
     window.settle();
     assert_eq!(window.app().model.slopes, SlopeChoice::Given);
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));

@@ -312,7 +312,7 @@ impl Window {
         }
         // Durations differ from run to run.
         if let Some(found) = &mut self.app_mut().model.slots.a.found {
-            (found.elapsed, found.search_secs) = (Duration::from_millis(120), 0.12);
+            (found.elapsed, found.detected.search_secs) = (Duration::from_millis(120), 0.12);
         }
         if let Some(matches) = &mut self.app_mut().model.pair.matches {
             matches.elapsed = Duration::from_millis(10);

@@ -17,6 +17,7 @@ use crate::teach::BottomTab;
 pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     match action {
         Action::Point(pointed) => model.point_at(pointed),
+        Action::Stage(staged) => return model.take_staged(staged, engine).into_iter().collect(),
         Action::Do(ActionId::Undo) => model.undo(),
         Action::Do(ActionId::Redo) => model.redo(),
         action => {

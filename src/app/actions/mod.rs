@@ -10,13 +10,12 @@ mod tests;
 
 pub use crate::app::document::Queue;
 pub use apply::apply;
-pub use change::{WORKSPACES, place_to_probe};
-pub use registry::{ACTIONS, ActionId, ActionRow, Menu, shown_by};
+pub use change::place_to_probe;
+pub use registry::{ACTIONS, ActionId, ActionRow, Menu, shown_by, workspaces};
 pub use state_of::{checked, enabled};
 
 use crate::app::project::Model;
 use crate::app::words::explained;
-use crate::requests::ViewKind;
 use crate::teach::glossary::{Word, glossary};
 
 /// Text of a shortcut: `Ctrl+O`, `[`, `?`.
@@ -33,10 +32,6 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
 }
 
 impl ActionId {
-    pub fn shown(self) -> Option<ViewKind> {
-        ViewKind::ALL.into_iter().find(|kind| shown_by(*kind) == self)
-    }
-
     pub fn word(self) -> Option<&'static Word> {
         match self {
             Self::LayoutSlice => glossary().of_picture("slice"),

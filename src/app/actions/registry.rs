@@ -1,8 +1,19 @@
 //! Registry of the actions: one row each.
 
+use crate::app::document::Document;
+use crate::app::measure::Tool;
+use crate::app::pane::{Direction, Link, Preset};
 use crate::app::project::Model;
+use crate::app::project::comparison::Reference;
+use crate::app::project::cursor::{Cursor, snapped, stepped};
+use crate::app::project::effect::{ExportKind, Purpose};
+use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use crate::requests::ViewKind;
+use crate::app::view::View;
+use crate::detector::{Method, SearchParams, Slope, SlopeGrid};
+use crate::engine::Engine;
+use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
+use crate::synth::Example;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use serde::{Deserialize, Serialize};
 
@@ -81,9 +92,45 @@ pub struct ActionRow {
     pub group: u8,
     pub shortcut: Option<KeyboardShortcut>,
     pub help: &'static str,
+    /// All that the action does, where that is plain.
+    pub does: Option<Does>,
+}
+
+/// Plain doings of actions.
+#[derive(Debug, Clone, Copy)]
+pub enum Does {
+    /// Asks for files.
+    Ask(Purpose),
+    /// Opens a burst as A.
+    Open(fn() -> BurstSource),
+    Workspace(Workspace),
+    LayOut(Preset),
+    Show(ViewKind),
+    /// Turns a value of the document on or off.
+    Switch {
+        is_on: fn(&Document) -> bool,
+        turn: fn(&mut Document),
+    },
+    /// Changes the document alone.
+    Set(fn(&mut Document)),
+    /// Goes to a slope of the grid from the slope on show.
+    Slope(fn(&SlopeGrid, Slope) -> Slope),
+    /// Goes to another frame, and shows it.
+    Frame(fn(&mut Cursor)),
+    /// Goes to another octave or level, and shows a picture of a scale.
+    Scale(fn(&mut Cursor)),
+    Run(fn(&mut Model, &Engine)),
 }
 
 impl ActionId {
+    /// Kind of picture that the action shows.
+    pub fn shown(self) -> Option<ViewKind> {
+        match self.action().does {
+            Some(Does::Show(kind)) => Some(kind),
+            _ => None,
+        }
+    }
+
     pub fn action(self) -> &'static ActionRow {
         ACTIONS.iter().find(|a| a.id == self).expect("the macro below makes a row for each id")
     }
@@ -95,7 +142,7 @@ const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 macro_rules! actions {
-    ($($id:ident, $menu:ident $group:literal, $label:literal, [$($modifiers:ident $key:ident)?], $help:literal;)*) => {
+    ($($id:ident, $menu:ident $group:literal, $label:literal, [$($modifiers:ident $key:ident)?], $help:literal $(=> $does:ident($($of:tt)*))?;)*) => {
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
         #[serde(rename_all = "snake_case")]
         pub enum ActionId {
@@ -110,37 +157,43 @@ macro_rules! actions {
                 group: $group,
                 shortcut: actions!(@shortcut $($modifiers $key)?),
                 help: $help,
+                does: actions!(@does $($does($($of)*))?),
             },)*
         ];
     };
+    (@does) => { None };
+    (@does Switch($($value:tt)*)) => {
+        Some(Does::Switch { is_on: |document| document.$($value)*, turn: |document| document.$($value)* ^= true })
+    };
+    (@does $does:ident($($of:tt)*)) => { Some(Does::$does($($of)*)) };
     (@shortcut) => { None };
     (@shortcut $modifiers:ident $key:ident) => { Some(KeyboardShortcut::new($modifiers, Key::$key)) };
 }
 
 actions! {
-    OpenFolder, File 0, "Open folder…", [CTRL O], "Open a folder of frames";
-    OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack";
-    OpenDataset, File 0, "Open dataset…", [CTRL_SHIFT D], "Open a folder of bursts, or a long sequence that is cut into bursts";
+    OpenFolder, File 0, "Open folder…", [CTRL O], "Open a folder of frames" => Ask(Purpose::OpenFolder);
+    OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack" => Ask(Purpose::OpenFiles);
+    OpenDataset, File 0, "Open dataset…", [CTRL_SHIFT D], "Open a folder of bursts, or a long sequence that is cut into bursts" => Ask(Purpose::OpenDataset);
     OpenPath, File 0, "Open path…", [CTRL L], "Type or paste the path of a burst";
     Calibration, File 0, "Calibration…", [], "Bias and flat frame, black level, full scale, linear light, colours of raw frames";
-    OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program";
-    RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file";
-    SaveSession, File 1, "Save session…", [CTRL S], "Write the burst's path, parameters, view and selection to a file";
-    SaveCase, File 1, "Save case…", [], "Write the frames, the search, the panes, the pinned result and the probed place to one file, which opens like a burst on any machine";
-    LoadParams, File 2, "Load parameters…", [], "Read detector parameters from a TOML file";
-    SaveParams, File 2, "Save parameters…", [CTRL_SHIFT S], "Write the detector parameters to a TOML file, as --params reads it";
-    ExportCsv, File 3, "Export features as CSV…", [CTRL E], "Write one row for each feature, strongest first";
-    ExportColmap, File 3, "Export features for COLMAP…", [], "Write features and descriptors as COLMAP imports them";
-    ExportNpz, File 3, "Export features as NPZ…", [], "Write features and descriptors as NumPy arrays";
-    ExportTiff, File 4, "Export picture as 32-bit TIFF…", [], "Write the picture's values as they are";
-    ExportPng, File 4, "Export picture as PNG…", [CTRL_SHIFT E], "Write the picture as it is shown, in its range and colours";
+    OpenDemo, File 0, "Open demo burst", [], "Open the burst that is built into the program" => Open(|| BurstSource::Demo);
+    RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file" => Ask(Purpose::RestoreSession);
+    SaveSession, File 1, "Save session…", [CTRL S], "Write the burst's path, parameters, view and selection to a file" => Ask(Purpose::SaveSession);
+    SaveCase, File 1, "Save case…", [], "Write the frames, the search, the panes, the pinned result and the probed place to one file, which opens like a burst on any machine" => Ask(Purpose::Export(ExportKind::Case));
+    LoadParams, File 2, "Load parameters…", [], "Read detector parameters from a TOML file" => Ask(Purpose::LoadParams);
+    SaveParams, File 2, "Save parameters…", [CTRL_SHIFT S], "Write the detector parameters to a TOML file, as --params reads it" => Ask(Purpose::SaveParams);
+    ExportCsv, File 3, "Export features as CSV…", [CTRL E], "Write one row for each feature, strongest first" => Ask(Purpose::Export(ExportKind::Csv));
+    ExportColmap, File 3, "Export features for COLMAP…", [], "Write features and descriptors as COLMAP imports them" => Ask(Purpose::Export(ExportKind::Colmap));
+    ExportNpz, File 3, "Export features as NPZ…", [], "Write features and descriptors as NumPy arrays" => Ask(Purpose::Export(ExportKind::Npz));
+    ExportTiff, File 4, "Export picture as 32-bit TIFF…", [], "Write the picture's values as they are" => Ask(Purpose::Export(ExportKind::Tiff));
+    ExportPng, File 4, "Export picture as PNG…", [CTRL_SHIFT E], "Write the picture as it is shown, in its range and colours" => Ask(Purpose::Export(ExportKind::Png));
     FigureOptions, File 4, "Export figure…", [], "Write the panes with their overlays for a paper: choose PDF, SVG or PNG, width, letters, and what is shown";
-    ExportFigure, File 4, "Export figure as before…", [], "Write the panes with their overlays with the choices of the last figure";
+    ExportFigure, File 4, "Export figure as before…", [], "Write the panes with their overlays with the choices of the last figure" => Ask(Purpose::Export(ExportKind::Figure));
     FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames; its size and rate are said before it is written";
-    ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation";
-    ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes";
-    ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts";
-    ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex";
+    ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation" => Ask(Purpose::Export(ExportKind::FilmGif));
+    ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes" => Ask(Purpose::Export(ExportKind::Profile));
+    ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts" => Ask(Purpose::Export(ExportKind::Matches));
+    ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex" => Ask(Purpose::Export(ExportKind::Methods));
     Quit, File 6, "Quit", [CTRL Q], "Close the window";
 
     Undo, Edit 0, "Undo", [CTRL Z], "Undo the last change of a parameter or slope";
@@ -148,100 +201,100 @@ actions! {
     CopyRow, Edit 1, "Copy row or value", [], "Copy the selected feature or match, or else the value under the pointer (also Ctrl+C)";
     CopyCommand, Edit 1, "Copy as command", [CTRL_SHIFT K], "Copy the command that finds the features of this burst with these parameters";
     CopyPicture, Edit 1, "Copy picture", [], "Copy the picture in focus as it is shown, in its range and colours";
-    MeasureLine, Edit 2, "Line profile", [NONE Q], "Draw a line with the pointer, to see the values along it in all linked panes";
-    MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Draw a rectangle with the pointer, to see mean, deviation, range and noise in it";
-    ClearMeasure, Edit 2, "Clear line and region", [], "Remove the line and the rectangle; the pointer pans again";
+    MeasureLine, Edit 2, "Line profile", [NONE Q], "Draw a line with the pointer, to see the values along it in all linked panes" => Set(|document| document.measure.toggle(Tool::Line));
+    MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Draw a rectangle with the pointer, to see mean, deviation, range and noise in it" => Set(|document| document.measure.toggle(Tool::Region));
+    ClearMeasure, Edit 2, "Clear line and region", [], "Remove the line and the rectangle; the pointer pans again" => Set(|document| document.measure.clear());
 
-    WorkspaceInspect, View 0, "One burst", [CTRL Num1], "One burst: its pictures and features";
-    WorkspacePair, View 0, "Two bursts", [CTRL Num2], "Two bursts side by side, and the matches between them";
-    WorkspaceMethods, View 0, "Methods", [CTRL Num3], "Several methods on the same burst: their pictures, matches and numbers";
-    WorkspaceMatches, View 0, "Matches", [CTRL Num4], "Matches of all pairs of a dataset";
-    WorkspaceTrajectories, View 0, "Trajectories", [CTRL Num5], "An estimated trajectory against the true one";
-    WorkspaceLab, View 0, "Lab", [CTRL Num6], "Methods and parameters measured on charts with known truth";
-    ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken";
-    ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope";
-    ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack, which the detector searches";
-    ShowMerge, View 1, "Show merged frames", [NONE Num4], "Show the frames aligned tile by tile and merged into one image";
-    ShowNoise, View 1, "Show local noise", [SHIFT N], "Show the noise of the response at each place, at the slope, octave and level, as the noise gate uses it";
-    ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show the share of the frames that see each place, at the slope";
-    ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show the slope of the strongest response at each place, at the octave and level: a picture of the motion";
-    ShowField, View 1, "Show field of motion", [SHIFT U], "Show the motion of every place, from all that lies around it; grey where it is unknown";
-    ShowInFocus, View 1, "Show all in focus", [SHIFT I], "Show the mean of the frames, each place shifted by its own motion: near and far are sharp at once";
-    ShowMedian, View 1, "Show median", [], "Show the median of the frames, shifted by the slope";
-    ShowClippedMean, View 1, "Show clipped mean", [], "Show the mean of the frames, shifted by the slope, without values far from the median";
-    ShowMax, View 1, "Show maximum", [], "Show the largest value of the frames, shifted by the slope";
-    ShowMin, View 1, "Show minimum", [], "Show the smallest value of the frames, shifted by the slope";
-    ShowDeviation, View 1, "Show deviation", [], "Show the standard deviation of the frames, shifted by the slope";
-    ShowMeanMinusMedian, View 1, "Show mean minus median", [], "Show what is in some frames only, shifted by the slope: satellites, cars, lamps that switch, hot pixels";
-    Fit, View 2, "Fit picture", [NONE F], "Show the whole picture";
+    WorkspaceInspect, View 0, "One burst", [CTRL Num1], "One burst: its pictures and features" => Workspace(Workspace::Inspect);
+    WorkspacePair, View 0, "Two bursts", [CTRL Num2], "Two bursts side by side, and the matches between them" => Workspace(Workspace::Pair);
+    WorkspaceMethods, View 0, "Methods", [CTRL Num3], "Several methods on the same burst: their pictures, matches and numbers" => Workspace(Workspace::Methods);
+    WorkspaceMatches, View 0, "Matches", [CTRL Num4], "Matches of all pairs of a dataset" => Workspace(Workspace::Matches);
+    WorkspaceTrajectories, View 0, "Trajectories", [CTRL Num5], "An estimated trajectory against the true one" => Workspace(Workspace::Trajectories);
+    WorkspaceLab, View 0, "Lab", [CTRL Num6], "Methods and parameters measured on charts with known truth" => Workspace(Workspace::Lab);
+    ShowFrame, View 1, "Show frame", [NONE Num1], "Show one frame as it was taken" => Show(ViewKind::Frame);
+    ShowStack, View 1, "Show motion stack", [NONE Num2], "Show the mean of the frames, shifted by the slope" => Show(ViewKind::Stack);
+    ShowDog, View 1, "Show DoG", [NONE Num3], "Show the difference of Gaussians of the motion stack, which the detector searches" => Show(ViewKind::Dog);
+    ShowMerge, View 1, "Show merged frames", [NONE Num4], "Show the frames aligned tile by tile and merged into one image" => Show(ViewKind::Merge);
+    ShowNoise, View 1, "Show local noise", [SHIFT N], "Show the noise of the response at each place, at the slope, octave and level, as the noise gate uses it" => Show(ViewKind::Noise);
+    ShowCoverage, View 1, "Show coverage", [SHIFT C], "Show the share of the frames that see each place, at the slope" => Show(ViewKind::Coverage);
+    ShowMotion, View 1, "Show winning slope", [SHIFT V], "Show the slope of the strongest response at each place, at the octave and level: a picture of the motion" => Show(ViewKind::Motion);
+    ShowField, View 1, "Show field of motion", [SHIFT U], "Show the motion of every place, from all that lies around it; grey where it is unknown" => Show(ViewKind::Field);
+    ShowInFocus, View 1, "Show all in focus", [SHIFT I], "Show the mean of the frames, each place shifted by its own motion: near and far are sharp at once" => Show(ViewKind::InFocus);
+    ShowMedian, View 1, "Show median", [], "Show the median of the frames, shifted by the slope" => Show(ViewKind::Median);
+    ShowClippedMean, View 1, "Show clipped mean", [], "Show the mean of the frames, shifted by the slope, without values far from the median" => Show(ViewKind::ClippedMean);
+    ShowMax, View 1, "Show maximum", [], "Show the largest value of the frames, shifted by the slope" => Show(ViewKind::Max);
+    ShowMin, View 1, "Show minimum", [], "Show the smallest value of the frames, shifted by the slope" => Show(ViewKind::Min);
+    ShowDeviation, View 1, "Show deviation", [], "Show the standard deviation of the frames, shifted by the slope" => Show(ViewKind::Deviation);
+    ShowMeanMinusMedian, View 1, "Show mean minus median", [], "Show what is in some frames only, shifted by the slope: satellites, cars, lamps that switch, hot pixels" => Show(ViewKind::MeanMinusMedian);
+    Fit, View 2, "Fit picture", [NONE F], "Show the whole picture" => Set(|document| document.change_views(View::set_fit));
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel";
-    ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre";
-    ZoomOut, View 2, "Zoom out", [NONE Minus], "Reduce around the centre";
+    ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre" => Set(|document| document.change_views(|view| view.zoom_by(1.25)));
+    ZoomOut, View 2, "Zoom out", [NONE Minus], "Reduce around the centre" => Set(|document| document.change_views(|view| view.zoom_by(0.8)));
     ToggleOverlay, View 3, "Features over the picture", [NONE O], "Draw the features of this slope, all features, or none";
-    ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst";
-    ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation";
-    ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours";
+    ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst" => Switch(look.motion_vectors);
+    ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation" => Switch(look.orientations);
+    ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours" => Switch(look.legend);
     NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR, slope limit or coherence in turn";
     ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left";
     ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right";
     ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below";
-    ToggleFilmstrip, View 4, "Filmstrip", [CTRL K], "Show or hide the bursts of the dataset";
-    ThemeSystem, View 5, "Theme as the system", [], "Follow the system's light or dark theme";
-    ThemeLight, View 5, "Light theme", [], "Dark text on a light background";
-    ThemeDark, View 5, "Dark theme", [], "Light text on a dark background";
+    ToggleFilmstrip, View 4, "Filmstrip", [CTRL K], "Show or hide the bursts of the dataset" => Switch(panels.filmstrip);
+    ThemeSystem, View 5, "Theme as the system", [], "Follow the system's light or dark theme" => Set(|document| document.theme = egui::ThemePreference::System);
+    ThemeLight, View 5, "Light theme", [], "Dark text on a light background" => Set(|document| document.theme = egui::ThemePreference::Light);
+    ThemeDark, View 5, "Dark theme", [], "Light text on a dark background" => Set(|document| document.theme = egui::ThemePreference::Dark);
 
-    SplitRight, Panes 0, "Split right", [NONE S], "Open a second pane on the right of the one in focus";
-    SplitDown, Panes 0, "Split down", [SHIFT S], "Open a second pane below the one in focus";
-    ClosePane, Panes 0, "Close pane", [CTRL W], "Close the pane in focus";
-    NextPane, Panes 0, "Next pane", [NONE J], "Focus the next pane, which sliders and keys then move";
-    PreviousPane, Panes 0, "Previous pane", [SHIFT J], "Focus the previous pane, which sliders and keys then move";
-    LayoutSingle, Panes 1, "Layout: single pane", [NONE Num5], "Show the pane in focus alone";
-    LayoutFrameAndStack, Panes 1, "Layout: frame and motion stack", [NONE Num6], "Show one frame beside the motion stack";
-    LayoutTwoSlopes, Panes 1, "Layout: two slopes", [NONE Num7], "Show the slope beside the grid's next one, each moved on its own";
-    LayoutThreeSlopes, Panes 1, "Layout: 3 slopes", [], "Show three neighbouring slopes of the grid, which move together";
-    LayoutFiveSlopes, Panes 1, "Layout: 5 slopes", [NONE Num8], "Show five neighbouring slopes of the grid, which move together";
-    LayoutSevenSlopes, Panes 1, "Layout: 7 slopes", [], "Show seven neighbouring slopes of the grid, which move together";
-    LayoutNineSlopes, Panes 1, "Layout: 9 slopes", [], "Show nine neighbouring slopes of the grid, which move together";
-    LayoutSlice, Panes 1, "Layout: stack and slice", [], "Show the motion stack above the slice of the frames through the probed place, in which motion is a slanted line";
-    LayoutScales, Panes 1, "Layout: scales of the octave", [], "Show the DoG responses of all levels of the octave";
-    LayoutTwoByTwo, Panes 1, "Layout: 2 × 2", [NONE Num9], "Show frame, motion stack, DoG response and merged frames of the same place";
-    NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one: as a wipe, as a flip, or not at all";
-    Flip, Panes 2, "Flip", [NONE Y], "Show the other of two pictures in the same place";
+    SplitRight, Panes 0, "Split right", [NONE S], "Open a second pane on the right of the one in focus" => Set(|document| _ = document.panes.split(document.focus(), Direction::Right));
+    SplitDown, Panes 0, "Split down", [SHIFT S], "Open a second pane below the one in focus" => Set(|document| _ = document.panes.split(document.focus(), Direction::Down));
+    ClosePane, Panes 0, "Close pane", [CTRL W], "Close the pane in focus" => Set(|document| document.panes.close(document.focus()));
+    NextPane, Panes 0, "Next pane", [NONE J], "Focus the next pane, which sliders and keys then move" => Set(|document| document.panes.focus_next(true));
+    PreviousPane, Panes 0, "Previous pane", [SHIFT J], "Focus the previous pane, which sliders and keys then move" => Set(|document| document.panes.focus_next(false));
+    LayoutSingle, Panes 1, "Layout: single pane", [NONE Num5], "Show the pane in focus alone" => LayOut(Preset::Single);
+    LayoutFrameAndStack, Panes 1, "Layout: frame and motion stack", [NONE Num6], "Show one frame beside the motion stack" => LayOut(Preset::FrameAndStack);
+    LayoutTwoSlopes, Panes 1, "Layout: two slopes", [NONE Num7], "Show the slope beside the grid's next one, each moved on its own" => LayOut(Preset::TwoSlopes);
+    LayoutThreeSlopes, Panes 1, "Layout: 3 slopes", [], "Show three neighbouring slopes of the grid, which move together" => LayOut(Preset::ThreeSlopes);
+    LayoutFiveSlopes, Panes 1, "Layout: 5 slopes", [NONE Num8], "Show five neighbouring slopes of the grid, which move together" => LayOut(Preset::FiveSlopes);
+    LayoutSevenSlopes, Panes 1, "Layout: 7 slopes", [], "Show seven neighbouring slopes of the grid, which move together" => LayOut(Preset::SevenSlopes);
+    LayoutNineSlopes, Panes 1, "Layout: 9 slopes", [], "Show nine neighbouring slopes of the grid, which move together" => LayOut(Preset::NineSlopes);
+    LayoutSlice, Panes 1, "Layout: stack and slice", [], "Show the motion stack above the slice of the frames through the probed place, in which motion is a slanted line" => LayOut(Preset::Slice);
+    LayoutScales, Panes 1, "Layout: scales of the octave", [], "Show the DoG responses of all levels of the octave" => LayOut(Preset::Scales);
+    LayoutTwoByTwo, Panes 1, "Layout: 2 × 2", [NONE Num9], "Show frame, motion stack, DoG response and merged frames of the same place" => LayOut(Preset::TwoByTwo);
+    NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one: as a wipe, as a flip, or not at all" => Set(|document| document.panes.next_over());
+    Flip, Panes 2, "Flip", [NONE Y], "Show the other of two pictures in the same place" => Set(|document| document.panes.flip());
 
-    SlopeULess, Cursor 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis";
-    SlopeUMore, Cursor 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis";
-    SlopeVLess, Cursor 0, "Slope v down", [NONE ArrowUp], "Go to the grid's previous slope along the second axis";
-    SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis";
-    SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames";
-    SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope";
+    SlopeULess, Cursor 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis" => Slope(|grid, slope| stepped(grid, slope, false, false));
+    SlopeUMore, Cursor 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis" => Slope(|grid, slope| stepped(grid, slope, false, true));
+    SlopeVLess, Cursor 0, "Slope v down", [NONE ArrowUp], "Go to the grid's previous slope along the second axis" => Slope(|grid, slope| stepped(grid, slope, true, false));
+    SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis" => Slope(|grid, slope| stepped(grid, slope, true, true));
+    SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames" => Slope(|_, _| Slope::default());
+    SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope" => Slope(|grid, slope| snapped(grid, slope));
     BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting the ends of the range";
-    Play, Cursor 0, "Play slopes", [NONE Space], "Step through the grid's slopes, back and forth";
-    FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back";
-    FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on";
-    OctaveFiner, Cursor 2, "Finer octave", [NONE OpenBracket], "Halve the scale of the DoG";
-    OctaveCoarser, Cursor 2, "Coarser octave", [NONE CloseBracket], "Double the scale of the DoG";
-    LevelDown, Cursor 2, "Previous level", [NONE PageDown], "Go one level down in the octave";
-    LevelUp, Cursor 2, "Next level", [NONE PageUp], "Go one level up in the octave";
+    Play, Cursor 0, "Play slopes", [NONE Space], "Step through the grid's slopes, back and forth" => Run(|model, _| model.toggle_play());
+    FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back" => Frame(|cursor| cursor.frame = cursor.frame.saturating_sub(1));
+    FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on" => Frame(|cursor| cursor.frame += 1);
+    OctaveFiner, Cursor 2, "Finer octave", [NONE OpenBracket], "Halve the scale of the DoG" => Scale(|cursor| cursor.octave -= 1);
+    OctaveCoarser, Cursor 2, "Coarser octave", [NONE CloseBracket], "Double the scale of the DoG" => Scale(|cursor| cursor.octave += 1);
+    LevelDown, Cursor 2, "Previous level", [NONE PageDown], "Go one level down in the octave" => Scale(|cursor| cursor.level -= 1);
+    LevelUp, Cursor 2, "Next level", [NONE PageUp], "Go one level up in the octave" => Scale(|cursor| cursor.level += 1);
 
     Detect, Detect 0, "Detect", [NONE D], "Find features with these parameters";
-    Cancel, Detect 0, "Cancel", [], "Stop the detection or the opening";
-    AutoDetect, Detect 0, "Detect after each change", [NONE A], "Detect by itself whenever a parameter or the burst changes";
+    Cancel, Detect 0, "Cancel", [], "Stop the detection or the opening" => Run(|model, _| model.cancel_searches());
+    AutoDetect, Detect 0, "Detect after each change", [NONE A], "Detect by itself whenever a parameter or the burst changes" => Switch(auto_detect);
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame";
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them";
-    PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline";
-    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled";
-    OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light";
-    OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light";
-    SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths";
-    ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default";
-    RunStudy, Detect 4, "Run study", [], "Make the Lab's charts, run the methods on them, and draw the curves as they grow";
-    CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay";
-    KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones";
+    PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline" => Set(|document| document.params.method = Method::Sift);
+    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.compare.forget_failures());
+    OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::A));
+    OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::B));
+    SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths" => Set(|document| document.show_set_up());
+    ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default" => Set(|document| document.set_search(SearchParams::default()));
+    RunStudy, Detect 4, "Run study", [], "Make the Lab's charts, run the methods on them, and draw the curves as they grow" => Run(|model, engine| model.run_study(engine));
+    CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay" => Run(|model, _| model.studies.wanted.cancel());
+    KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones" => Run(|model, _| model.studies.keep_current());
     OpenChart, Detect 4, "Look at chart as burst", [], "Open the Lab's chart as a burst, with its truth";
-    OpenPlanted, Detect 4, "Probe planted thing", [], "Open the copy of the burst with the selected planted thing, and say what became of it";
+    OpenPlanted, Detect 4, "Probe planted thing", [], "Open the copy of the burst with the selected planted thing, and say what became of it" => Run(|model, engine| model.open_planted(engine));
     OpenDarkCopy, Detect 4, "Dark copy of A", [], "Open a copy of the burst with less light; the Lab sets its SNR";
-    ExportCurvesCsv, Detect 4, "Export curves as CSV…", [], "Write one row for each point of the Lab's curves";
-    ExportCurvesSvg, Detect 4, "Export curves as SVG…", [], "Write the Lab's plots as a figure";
+    ExportCurvesCsv, Detect 4, "Export curves as CSV…", [], "Write one row for each point of the Lab's curves" => Ask(Purpose::Export(ExportKind::CurvesCsv));
+    ExportCurvesSvg, Detect 4, "Export curves as SVG…", [], "Write the Lab's plots as a figure" => Ask(Purpose::Export(ExportKind::CurvesSvg));
 
     NextFeature, Features 0, "Next feature or match", [NONE N], "Select the next feature (or match, with two bursts) of the table";
     PreviousFeature, Features 0, "Previous feature or match", [NONE P], "Select the previous feature (or match, with two bursts) of the table";
@@ -250,70 +303,70 @@ actions! {
     ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match";
     ProbePlace, Features 1, "Probe this place", [SHIFT P], "Say why there is a feature at the place under the pointer, or why there is none (also Shift+click)";
     ProbeFeature, Features 1, "Why this feature?", [SHIFT W], "Probe the selected feature: its tests, its response, that of each frame, and what may be wrong with it";
-    ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not";
-    ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked";
-    CloseProbe, Features 1, "Clear probe", [], "Close the probe and free its memory";
-    ClearFilter, Features 2, "Clear filter", [], "Show all features";
+    ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not" => Run(|model, _| model.ask_probe(model.active_side(), ProbeQuestion::Strongest));
+    ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked" => Run(|model, _| model.follow_with_probe());
+    CloseProbe, Features 1, "Clear probe", [], "Close the probe and free its memory" => Run(|model, _| model.clear_probe());
+    ClearFilter, Features 2, "Clear filter", [], "Show all features" => Set(|document| document.filter = Default::default());
     PinResult, Features 3, "Pin this result", [SHIFT D], "Keep these features, to show which ones later detections gain, lose and move";
-    UnpinResult, Features 3, "Unpin", [], "Remove the pinned result";
+    UnpinResult, Features 3, "Unpin", [], "Remove the pinned result" => Run(|model, _| model.forget_reference(model.active_side(), Reference::Pinned));
     OpenFeatures, Features 3, "Open features…", [], "Compare with features of a file: a CSV table as exported here, or COLMAP's text format";
-    CloseFeatures, Features 3, "Close opened features", [], "Stop comparing with the features of the file";
+    CloseFeatures, Features 3, "Close opened features", [], "Stop comparing with the features of the file" => Run(|model, _| model.forget_reference(model.active_side(), Reference::File));
     ShowTruth, Features 3, "Compare with the truth", [], "Mark found, missed, repeated and false features, for bursts with known truth";
 
-    OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst";
-    OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst";
+    OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst" => Ask(Purpose::OpenFolderB);
+    OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst" => Ask(Purpose::OpenFilesB);
     OpenPathB, Pair 0, "Open B: path…", [], "Type or paste the path of the second burst";
-    OpenDemoB, Pair 0, "Later demo burst as B", [], "Open the demo street a little later as the second burst";
-    CloseB, Pair 0, "Close B", [], "Close the second burst";
-    SwapSides, Pair 1, "Swap A and B", [], "Exchange the first and the second burst";
-    OtherSide, Pair 1, "Cursor of the other burst", [NONE T], "Focus a pane of the other burst, which sliders and keys then move";
-    LinkCursors, Pair 1, "Slope and scale together", [NONE K], "Move frame, slope, octave and level of all panes at once, and the kind of picture of both bursts";
-    LinkViews, Pair 1, "Zoom and pan together", [NONE V], "Zoom and pan all panes at once";
-    LinkRanges, Pair 1, "One value range", [], "Show all panes in the same range and colours, so that they can be compared";
+    OpenDemoB, Pair 0, "Later demo burst as B", [], "Open the demo street a little later as the second burst" => Run(|model, engine| _ = model.open(Side::B, BurstSource::DemoLater, engine));
+    CloseB, Pair 0, "Close B", [], "Close the second burst" => Run(Model::close_second);
+    SwapSides, Pair 1, "Swap A and B", [], "Exchange the first and the second burst" => Run(|model, _| model.swap_sides());
+    OtherSide, Pair 1, "Cursor of the other burst", [NONE T], "Focus a pane of the other burst, which sliders and keys then move" => Set(|document| document.focus_other_side());
+    LinkCursors, Pair 1, "Slope and scale together", [NONE K], "Move frame, slope, octave and level of all panes at once, and the kind of picture of both bursts" => Set(|document| document.toggle_link(Link::Cursor));
+    LinkViews, Pair 1, "Zoom and pan together", [NONE V], "Zoom and pan all panes at once" => Set(|document| document.toggle_link(Link::View));
+    LinkRanges, Pair 1, "One value range", [], "Show all panes in the same range and colours, so that they can be compared" => Set(|document| document.toggle_link(Link::Display));
     Match, Pair 2, "Match", [NONE H], "Match the features of both bursts with these parameters";
-    ResetMatching, Pair 2, "Reset matching parameters", [], "Give every parameter of matching its default";
+    ResetMatching, Pair 2, "Reset matching parameters", [], "Give every parameter of matching its default" => Set(|document| document.matching = Default::default());
     ProbeExpected, Pair 2, "Probe its place in B", [], "Probe B where the geometry puts the feature that is asked about";
-    ToggleInliers, Pair 3, "Inliers", [NONE I], "Show or hide the matches that agree with the geometry of the two views";
-    ToggleOutliers, Pair 3, "Outliers", [NONE U], "Show or hide the matches that do not agree with the geometry of the two views";
-    ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others";
-    ToggleEpipolar, Pair 3, "Epipolar lines", [NONE E], "Show or hide the lines of the other picture on which the partners must lie";
+    ToggleInliers, Pair 3, "Inliers", [NONE I], "Show or hide the matches that agree with the geometry of the two views" => Switch(match_look.inliers);
+    ToggleOutliers, Pair 3, "Outliers", [NONE U], "Show or hide the matches that do not agree with the geometry of the two views" => Switch(match_look.outliers);
+    ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others" => Switch(match_look.alone);
+    ToggleEpipolar, Pair 3, "Epipolar lines", [NONE E], "Show or hide the lines of the other picture on which the partners must lie" => Switch(match_look.geometry);
 
     DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts with these parameters, except of those that are done";
-    CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop the work on all bursts; finished bursts and pairs are kept";
-    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one";
-    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one";
-    BurstAsA, Dataset 1, "Use burst as A", [], "Make the open burst the first of a pair";
-    BurstAsB, Dataset 1, "Use burst as B", [], "Make the open burst the second of a pair";
-    MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen";
-    MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts chosen as A and B";
-    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Show the two bursts chosen as A and B, with their matches";
-    ExportDatabase, Dataset 2, "Export COLMAP database…", [], "Write images, features, matches and verified geometries of all bursts as COLMAP's mapper takes them";
-    OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file";
-    OpenTruth, Dataset 3, "Open true trajectory…", [], "Open the true camera poses: a trajectory file, or a sparse model such as a gold standard's";
-    CloseTrajectories, Dataset 3, "Close trajectories", [], "Close the estimated and the true trajectory";
+    CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop the work on all bursts; finished bursts and pairs are kept" => Run(|model, _| model.datasets.wanted.cancel());
+    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one" => Run(|model, engine| model.step_burst(-1, engine));
+    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one" => Run(|model, engine| model.step_burst(1, engine));
+    BurstAsA, Dataset 1, "Use burst as A", [], "Make the open burst the first of a pair" => Run(|model, _| model.choose_open_burst(Side::A));
+    BurstAsB, Dataset 1, "Use burst as B", [], "Make the open burst the second of a pair" => Run(|model, _| model.choose_open_burst(Side::B));
+    MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen" => Run(|model, engine| model.match_pairs(engine));
+    MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts chosen as A and B" => Run(|model, engine| model.match_selected(engine));
+    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Show the two bursts chosen as A and B, with their matches" => Run(|model, engine| model.show_selected_pair(engine));
+    ExportDatabase, Dataset 2, "Export COLMAP database…", [], "Write images, features, matches and verified geometries of all bursts as COLMAP's mapper takes them" => Ask(Purpose::ExportDatabase);
+    OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file" => Ask(Purpose::OpenEstimate);
+    OpenTruth, Dataset 3, "Open true trajectory…", [], "Open the true camera poses: a trajectory file, or a sparse model such as a gold standard's" => Ask(Purpose::OpenTruth);
+    CloseTrajectories, Dataset 3, "Close trajectories", [], "Close the estimated and the true trajectory" => Run(|model, _| model.close_trajectories());
     CutSequence, Dataset 4, "Cut into bursts…", [], "Cut the open burst into shorter ones, and open them as a dataset";
-    FeatureFolder, Dataset 4, "Choose feature folder…", [], "Keep the dataset's features in another folder, such as one that burstscope colmap wrote";
-    UseFolderParams, Dataset 4, "Use the folder's parameters", [], "Use the parameters of the features in the dataset's folder";
+    FeatureFolder, Dataset 4, "Choose feature folder…", [], "Keep the dataset's features in another folder, such as one that burstscope colmap wrote" => Ask(Purpose::FeatureFolder);
+    UseFolderParams, Dataset 4, "Use the folder's parameters", [], "Use the parameters of the features in the dataset's folder" => Run(|model, engine| model.use_folder_params(engine));
     CloseDataset, Dataset 5, "Close dataset", [], "Close the dataset; its features stay in their folder";
 
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show the keys of all actions";
     Lessons, Help 0, "Lessons…", [NONE F1], "Learn how burst features are found, step by step, on live data";
     Hall, Help 0, "Show the lesson to a hall", [NONE F11], "Full screen, large pictures and letters; the page keys and the arrows go from step to step";
-    ExportSheet, Help 0, "Export lesson sheet…", [], "Write the lesson's tasks, questions and answers as Markdown, to be printed";
+    ExportSheet, Help 0, "Export lesson sheet…", [], "Write the lesson's tasks, questions and answers as Markdown, to be printed" => Ask(Purpose::Export(ExportKind::Sheet));
     LeaveLesson, Help 0, "Leave the lesson", [], "Close the lesson and go back to what was open before it";
     Glossary, Help 0, "Glossary", [SHIFT F1], "Explanations of the terms in this window";
-    OpenLessons, Help 0, "Open lessons…", [], "Open a folder of your own lessons (TOML files)";
-    OpenDepths, Help 1, "Example: many depths", [], "Open a burst of lamps at nine depths, each with a slope of its own";
-    OpenCrossing, Help 1, "Example: two ways that cross", [], "Open a burst of lamps that pass to the right and to the left: features at other slopes are ghosts";
-    OpenStreet, Help 1, "Example: dark street", [], "Open a burst of textured walls that are too dark for one frame";
-    OpenStreetLater, Help 1, "Example: dark street, later", [], "Open the same walls a little later, to be matched with the first";
-    OpenAliasing, Help 1, "Example: aliasing", [], "Open a burst of garlands with a lamp every 8 px: slopes 8 px/frame apart look alike";
-    OpenLowContrast, Help 1, "Example: low contrast", [], "Open a burst of discs of falling contrast: the noise gate rejects those that noise could have made";
-    OpenTripod, Help 1, "Example: still tripod", [], "Open a burst of a camera that does not move: less noise, but no depth";
-    OpenHotPixels, Help 1, "Example: hot pixels", [], "Open a burst with sixty pixels that are bright without light";
-    PaperFigures, Help 2, "Figures of the paper…", [], "Remake every figure and table of the paper into a folder, in the background; finished ones are kept";
-    CancelFigures, Help 2, "Cancel figures of the paper", [], "Stop remaking the figures; finished ones are kept";
+    OpenLessons, Help 0, "Open lessons…", [], "Open a folder of your own lessons (TOML files)" => Ask(Purpose::OpenLessons);
+    OpenDepths, Help 1, "Example: many depths", [], "Open a burst of lamps at nine depths, each with a slope of its own" => Open(|| BurstSource::Example(Example::Depths));
+    OpenCrossing, Help 1, "Example: two ways that cross", [], "Open a burst of lamps that pass to the right and to the left: features at other slopes are ghosts" => Open(|| BurstSource::Example(Example::Crossing));
+    OpenStreet, Help 1, "Example: dark street", [], "Open a burst of textured walls that are too dark for one frame" => Open(|| BurstSource::Example(Example::Street));
+    OpenStreetLater, Help 1, "Example: dark street, later", [], "Open the same walls a little later, to be matched with the first" => Open(|| BurstSource::Example(Example::StreetLater));
+    OpenAliasing, Help 1, "Example: aliasing", [], "Open a burst of garlands with a lamp every 8 px: slopes 8 px/frame apart look alike" => Open(|| BurstSource::Example(Example::Aliasing));
+    OpenLowContrast, Help 1, "Example: low contrast", [], "Open a burst of discs of falling contrast: the noise gate rejects those that noise could have made" => Open(|| BurstSource::Example(Example::LowContrast));
+    OpenTripod, Help 1, "Example: still tripod", [], "Open a burst of a camera that does not move: less noise, but no depth" => Open(|| BurstSource::Example(Example::Tripod));
+    OpenHotPixels, Help 1, "Example: hot pixels", [], "Open a burst with sixty pixels that are bright without light" => Open(|| BurstSource::Example(Example::HotPixels));
+    PaperFigures, Help 2, "Figures of the paper…", [], "Remake every figure and table of the paper into a folder, in the background; finished ones are kept" => Ask(Purpose::PaperFigures);
+    CancelFigures, Help 2, "Cancel figures of the paper", [], "Stop remaking the figures; finished ones are kept" => Run(|model, _| model.figures.cancel());
     Cite, Help 3, "How to cite", [], "Copy the program and the method's paper as BibTeX";
     CopyActions, Help 3, "Copy what I did", [], "Copy what you did since the window was opened, as a text for a report; 'burstscope render --play' repeats it";
     About, Help 3, "About Burstscope", [], "Version of this program, and the method's paper";
@@ -321,24 +374,18 @@ actions! {
 
 pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
 
+/// The workspaces, in the order of the switch, with the actions that open them.
+pub fn workspaces() -> impl Iterator<Item = (ActionId, Workspace)> {
+    ACTIONS.iter().filter_map(|row| match row.does {
+        Some(Does::Workspace(workspace)) => Some((row.id, workspace)),
+        _ => None,
+    })
+}
+
+/// # Panics
+/// If no row shows such a picture; a test looks at all.
 pub fn shown_by(kind: ViewKind) -> ActionId {
-    match kind {
-        ViewKind::Frame => ActionId::ShowFrame,
-        ViewKind::Stack => ActionId::ShowStack,
-        ViewKind::Dog => ActionId::ShowDog,
-        ViewKind::Merge => ActionId::ShowMerge,
-        ViewKind::Noise => ActionId::ShowNoise,
-        ViewKind::Coverage => ActionId::ShowCoverage,
-        ViewKind::Motion => ActionId::ShowMotion,
-        ViewKind::Field => ActionId::ShowField,
-        ViewKind::InFocus => ActionId::ShowInFocus,
-        ViewKind::Median => ActionId::ShowMedian,
-        ViewKind::ClippedMean => ActionId::ShowClippedMean,
-        ViewKind::Max => ActionId::ShowMax,
-        ViewKind::Min => ActionId::ShowMin,
-        ViewKind::Deviation => ActionId::ShowDeviation,
-        ViewKind::MeanMinusMedian => ActionId::ShowMeanMinusMedian,
-    }
+    ACTIONS.iter().find(|row| row.id.shown() == Some(kind)).expect("each kind has a row").id
 }
 
 #[cfg(test)]
@@ -357,6 +404,7 @@ mod tests {
             }
             assert_eq!(action.id.action().label, action.label);
         }
+        assert!(ViewKind::ALL.into_iter().all(|kind| shown_by(kind).shown() == Some(kind)));
         assert!(!shortcuts.contains(&format!("{PALETTE_ALSO:?}")));
     }
 

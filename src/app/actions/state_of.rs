@@ -1,7 +1,6 @@
 //! State of the actions: which are enabled, and which switches are on.
 
-use super::change::{layout, workspace};
-use super::registry::ActionId;
+use super::registry::{ActionId, Does};
 use crate::app::measure::Tool;
 use crate::app::pane::{Link, MAX_PANES, Over};
 use crate::app::project::Model;
@@ -40,8 +39,6 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::Flip => matches!(model.panes.over(model.focus()), Some(Over::Flip { .. })),
         A::SplitRight | A::SplitDown => has_burst && has_panes && model.panes.shown().len() < MAX_PANES,
         A::ClosePane | A::NextPane | A::PreviousPane => has_burst && many_panes,
-        _ if layout(id).is_some() => has_burst && in_inspect,
-        _ if id.shown().is_some() => has_burst,
         A::CompareAgain => in_methods,
         A::RunStudy => !model.studies.wanted.is_pending() && model.lab_study().is_ok(),
         A::CancelStudy => model.studies.wanted.is_pending(),
@@ -120,36 +117,31 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::ShowPair => model.dataset.as_ref().is_some_and(|set| set.selected().is_some()),
         A::CloseTrajectories => !model.poses.is_empty(),
         A::UseFolderParams => model.datasets.open.as_ref().is_some_and(|d| d.other_params.is_some()),
-        A::LeaveLesson | A::Hall | A::ExportSheet => model.in_lesson,
+        A::LeaveLesson | A::Hall | A::ExportSheet => model.is_in_lesson(),
         A::CutSequence => {
             let in_files = model.slots.a.burst.as_ref().is_some_and(|b| matches!(b.source, BurstSource::Paths(_)));
             in_files && model.frame_count() > 1
         }
-        _ => true,
+        _ => match id.action().does {
+            Some(Does::LayOut(_)) => has_burst && in_inspect,
+            Some(Does::Show(_)) => has_burst,
+            _ => true,
+        },
     }
 }
 
 pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
     use ActionId as A;
-    let matches = &model.match_look;
     match id {
         A::ToggleOverlay if model.workspace == Workspace::Methods => Some(model.methods.features),
         A::LinkCursors => Some(model.panes.all_share(Link::Cursor)),
         A::LinkViews => Some(model.panes.all_share(Link::View)),
         A::LinkRanges => Some(model.panes.all_share(Link::Display)),
-        A::ToggleInliers => Some(matches.inliers),
-        A::ToggleOutliers => Some(matches.outliers),
-        A::ToggleAlone => Some(matches.alone),
-        A::ToggleEpipolar => Some(matches.geometry),
-        A::ToggleOverlay if model.workspace == Workspace::Pair => Some(matches.features),
+        A::ToggleOverlay if model.workspace == Workspace::Pair => Some(model.match_look.features),
         A::ToggleOverlay => Some(model.look.overlay != FeaturesShown::None),
-        A::ToggleMotion => Some(model.look.motion_vectors),
-        A::ToggleOrientation => Some(model.look.orientations),
-        A::ToggleLegend => Some(model.look.legend),
         A::ToggleLeft => Some(model.shows_left()),
         A::ToggleRight => Some(model.shows_right()),
         A::ToggleBottom => Some(model.shows_bottom()),
-        A::ToggleFilmstrip => Some(model.panels.filmstrip),
         A::Hall => Some(model.panels.hall),
         A::ThemeSystem => Some(model.theme == egui::ThemePreference::System),
         A::ThemeLight => Some(model.theme == egui::ThemePreference::Light),
@@ -159,7 +151,6 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::Play => Some(model.playing),
         A::MeasureLine => Some(model.measure.tool == Tool::Line),
         A::MeasureRegion => Some(model.measure.tool == Tool::Region),
-        A::AutoDetect => Some(model.auto_detect),
         A::Preset1d => Some(
             !model.slopes.is_auto()
                 && model.params.method == Method::Buff
@@ -170,9 +161,11 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
             Some(!model.slopes.is_auto() && model.params.method == Method::Buff && model.params.slopes.is_plane())
         }
         A::PresetSift => Some(model.params.method == Method::Sift),
-        _ => match workspace(id) {
-            Some(workspace) => Some(model.workspace == workspace),
-            None => id.shown().map(|shown| model.focused().shown() == Some(shown)),
+        _ => match id.action().does? {
+            Does::Workspace(workspace) => Some(model.workspace == workspace),
+            Does::Show(kind) => Some(model.focused().shown() == Some(kind)),
+            Does::Switch { is_on, .. } => Some(is_on(&model.document)),
+            _ => None,
         },
     }
 }

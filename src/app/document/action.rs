@@ -18,6 +18,7 @@ use crate::app::project::panels::Panels;
 use crate::app::project::panes::{Change, Destination};
 use crate::app::project::set_up::SetUpState;
 use crate::app::project::side::Side;
+use crate::app::project::staged::Staged;
 use crate::app::project::trajectories::Which;
 use crate::app::session::Session;
 use crate::app::view::{ColourBy, View};
@@ -153,6 +154,8 @@ pub enum Action {
     DismissMessage(u64),
     #[serde(skip)]
     Point(Pointed),
+    #[serde(skip)]
+    Stage(Staged),
 }
 
 /// Thing under the pointer, or as last drawn: of no lasting effect.
@@ -180,6 +183,12 @@ impl From<ActionId> for Action {
 impl From<Pointed> for Action {
     fn from(pointed: Pointed) -> Self {
         Self::Point(pointed)
+    }
+}
+
+impl From<Staged> for Action {
+    fn from(staged: Staged) -> Self {
+        Self::Stage(staged)
     }
 }
 

@@ -169,7 +169,7 @@ fn nearest(error: &str) -> String {
 fn is_taken_down(action: &Action) -> bool {
     use ActionId as A;
     match action {
-        Action::Point(_) | Action::Note(_) | Action::DismissMessage(_) => false,
+        Action::Point(_) | Action::Stage(_) | Action::Note(_) | Action::DismissMessage(_) => false,
         // A picture that comes into a fitted view is fitted without an action.
         Action::MoveView { before, after, .. } => before != after && !(before.is_fit() && after.is_fit()),
         // The place that is probed is taken down.

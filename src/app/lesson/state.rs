@@ -2,12 +2,10 @@
 
 use super::snr::SnrTrace;
 use super::steps;
-use crate::app::document::Document;
-use crate::app::project::effect::Effect;
-use crate::app::project::side::Side;
+use crate::app::project::side::{Side, Sides};
+use crate::app::project::staged::Staged;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{Model, Project};
-use crate::engine::Engine;
+use crate::app::project::{Model, Panels};
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
@@ -51,10 +49,7 @@ pub struct OpenLesson {
     pub is_ready: bool,
     /// Whether the first feature or match is to be selected as soon as there is one.
     selects: bool,
-    opens: Vec<BurstSource>,
     pub(super) snr: SnrTrace,
-    /// Project of the user, and the burst that was being opened in it.
-    of_user: (Box<Project>, Option<BurstSource>),
 }
 
 impl OpenLesson {
@@ -82,29 +77,33 @@ impl OpenLesson {
         step.map(LessonAction::Step)
     }
 
-    /// Selects the first of the listed features or matches, as soon as there is one.
-    fn select_first(&mut self, [feature, of_match]: [Option<usize>; 2], document: &mut Document) {
-        if !self.selects {
-            return;
-        }
-        if document.workspace == Workspace::Pair {
-            document.selected_match = of_match.or(document.selected_match);
-        } else {
-            document.selected = feature.or(document.selected);
-        }
-        self.selects = document.selected_match.is_none() && document.selected.is_none();
+    fn bursts(&self) -> Sides<Option<BurstSource>> {
+        let state = &self.step().state;
+        Sides { a: Some(state.burst()), b: state.second.clone() }
     }
 
-    fn set_up(&mut self, model: &mut Model) {
-        let step = self.step().clone();
-        let state = &step.state;
-        let is_open = |side, source: &BurstSource| model.burst_of(side).is_some_and(|b| b.source == *source);
-        let second = state.second.as_ref().is_none_or(|source| is_open(Side::B, source));
-        if !(is_open(Side::A, &state.burst()) && second) {
-            return;
+    /// The step as it begins, once its bursts are open.
+    fn set_up(&mut self, model: &Model) -> Option<Staged> {
+        let is_open = |side, source: &Option<BurstSource>| {
+            source.as_ref().is_none_or(|source| model.burst_of(side).is_some_and(|b| b.source == *source))
+        };
+        let Sides { a, b } = self.bursts();
+        if !(is_open(Side::A, &a) && is_open(Side::B, &b)) {
+            return None;
         }
-        (self.is_ready, self.selects) = (true, state.select == Some(true));
-        steps::set_up(model, &step);
+        (self.is_ready, self.selects) = (true, self.step().state.select == Some(true));
+        Some(steps::begin(self.step(), model))
+    }
+
+    /// Selects the first of the listed features or matches, as soon as there is one.
+    fn select_first(&mut self, model: &Model) -> Option<Staged> {
+        let of_match = model.workspace == Workspace::Pair;
+        let listed =
+            if of_match { !model.pair.listed.is_empty() } else { !model.listed.is_empty() && model.stale().is_none() };
+        let is_free = model.selected_match.is_none() && model.selected.is_none();
+        let selects = self.selects && is_free;
+        self.selects = selects && !listed;
+        (selects && listed).then_some(Staged::SelectFirst)
     }
 }
 
@@ -132,13 +131,13 @@ impl Lessons {
         progress
     }
 
-    /// Project of the user: the one before the open lesson, or without one `shown`.
-    pub fn project_of_user<'a>(&'a self, shown: &'a Project) -> &'a Project {
-        self.open.as_ref().map_or(shown, |open| &open.of_user.0)
-    }
-
     pub fn highlighted(&self) -> &[Part] {
         self.open.as_ref().filter(|open| !open.is_ended).map_or(&[], |open| &open.step().highlight)
+    }
+
+    /// Panels with which the open lesson is shown to a hall, or as before.
+    pub fn panels_for_hall(&self, now: &Panels) -> Option<Panels> {
+        Some(steps::panels_of(self.open.as_ref()?.step(), !now.hall))
     }
 
     pub fn is_settled(&self, model: &Model) -> bool {
@@ -146,73 +145,47 @@ impl Lessons {
         self.open.as_ref().is_none_or(|open| open.is_ready || failed)
     }
 
-    /// Opens a lesson at the step where it was left last. `model` is put aside until the lesson is left.
+    /// Opens a lesson at the step where it was left last. The project on show is put aside until the lesson is left.
     #[must_use]
-    pub fn start(&mut self, lesson: Arc<Lesson>, model: &mut Model, engine: &Engine) -> Effect {
-        self.leave(model, engine);
+    pub fn start(&mut self, lesson: Arc<Lesson>) -> Vec<Staged> {
+        let mut staged = self.leave();
         self.list_is_open = false;
-        let opening = model.slots.a.opening.pending().map(|request| request.source.clone());
-        let mut of_lesson = Project::default();
-        (of_lesson.figure, of_lesson.in_lesson) = (model.figure, true);
-        model.slots.a.opening.forget();
-        let of_user = Box::new(model.show(of_lesson));
-        let progress = self.progress_in(&lesson);
-        self.open = Some(OpenLesson {
-            lesson,
-            step: progress.step,
-            done: progress.done,
-            is_ended: false,
-            is_ready: false,
-            selects: false,
-            opens: Vec::new(),
-            snr: SnrTrace::default(),
-            of_user: (of_user, opening),
-        });
-        self.begin_step(model, engine);
-        Effect::ForgetWidgets
+        let Progress { step, done } = self.progress_in(&lesson);
+        let snr = SnrTrace::default();
+        self.open = Some(OpenLesson { lesson, step, done, is_ended: false, is_ready: false, selects: false, snr });
+        staged.push(Staged::BeginLesson);
+        staged.extend(self.begin_step());
+        staged
     }
 
-    pub fn leave(&mut self, model: &mut Model, engine: &Engine) -> Option<Effect> {
+    #[must_use]
+    pub fn leave(&mut self) -> Vec<Staged> {
+        self.end(false)
+    }
+
+    fn end(&mut self, keeps_opening: bool) -> Vec<Staged> {
         self.remember();
-        let (of_user, opening) = self.open.take()?.of_user;
-        drop(model.show(*of_user));
-        if model.poses.reading.pending().is_some() {
-            // What was read meanwhile was not taken.
-            model.read_trajectories(engine);
-        }
-        if let Some(source) = opening {
-            model.open(Side::A, source, engine);
-        }
-        Some(Effect::ForgetWidgets)
+        self.open.take().map(|_| Staged::EndLesson { keeps_opening }).into_iter().collect()
     }
 
-    pub fn open_at(&mut self, path: &Path, model: &mut Model) {
-        const TITLE: &str = "Open lessons";
-        match lessons_at(path) {
-            Ok(lessons) => {
-                model.messages.resolved(TITLE);
-                self.add(lessons);
-                self.list_is_open = true;
-            }
-            Err(errors) => {
-                let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
-                model.messages.error(TITLE, texts.join("\n"));
-            }
-        }
+    /// Adds the lessons of a file or a folder to the list, and opens it.
+    ///
+    /// # Errors
+    /// What is wrong with each file that cannot be used.
+    pub fn open_at(&mut self, path: &Path) -> Result<(), String> {
+        let texts = |errors: Vec<_>| errors.iter().map(ToString::to_string).collect::<Vec<String>>().join("\n");
+        self.add(lessons_at(path).map_err(texts)?);
+        self.list_is_open = true;
+        Ok(())
     }
 
-    /// Applies `asked` to the open lesson, sets its step up once its bursts are open, and checks its tasks. The lesson
-    /// is left when another burst is being opened in it, or a session restored (`is_restoring`).
-    pub fn go_on(
-        &mut self,
-        asked: Option<LessonAction>,
-        is_restoring: bool,
-        model: &mut Model,
-        engine: &Engine,
-    ) -> Vec<Effect> {
-        let mut effects = Vec::new();
+    /// Takes what is `asked` of the open lesson, sets its step up once its bursts are open, and checks its tasks. The
+    /// lesson is left when another burst is being opened in it, or a session restored (`is_restoring`). Once the answer
+    /// was applied there may be more to do; nothing is asked of the lesson then.
+    #[must_use]
+    pub fn go_on(&mut self, asked: Option<LessonAction>, is_restoring: bool, model: &Model) -> Vec<Staged> {
         match asked {
-            Some(LessonAction::Leave) => effects.extend(self.leave(model, engine)),
+            Some(LessonAction::Leave) => return self.leave(),
             Some(LessonAction::Step(step)) => {
                 if let Some(open) = &mut self.open {
                     let spot = open.step().state.spot;
@@ -224,83 +197,46 @@ impl Lessons {
                         open.snr = SnrTrace::default();
                     }
                 }
-                self.begin_step(model, engine);
+                return self.begin_step();
             }
             Some(LessonAction::Again) => {
                 self.open.iter_mut().for_each(|open| open.snr = SnrTrace::default());
-                self.begin_step(model, engine);
+                return self.begin_step();
+            }
+            Some(LessonAction::NextLesson) => {
+                return self.next_lesson().map_or_else(Vec::new, |next| self.start(next));
             }
             Some(LessonAction::End) => self.open.iter_mut().for_each(|open| open.is_ended = true),
-            Some(LessonAction::NextLesson) => {
-                if let Some(next) = self.next_lesson() {
-                    effects.push(self.start(next, model, engine));
-                }
-            }
             None => {}
         }
-        effects.extend(self.leave_for_what_was_opened(is_restoring, model, engine));
-        let Some(open) = &mut self.open else { return effects };
-        let is_other = model.slots.a.burst.as_ref().is_some_and(|burst| burst.source != open.step().state.burst());
-        if open.is_ready && is_other {
+        let Some(open) = &mut self.open else { return Vec::new() };
+        let Sides { a: first, b: second } = open.bursts();
+        let opening = model.slots.a.opening.pending().map(|request| Some(request.source.clone()));
+        if is_restoring || opening.is_some_and(|source| source != first && source != second) {
+            return self.end(true);
+        }
+        let is_other = model.burst_of(Side::A).is_some_and(|burst| Some(&burst.source) != first.as_ref());
+        if !open.is_ready {
+            return open.set_up(model).into_iter().collect();
+        }
+        if is_other {
             // A burst that was requested for another step has been opened.
-            self.begin_step(model, engine);
-        } else if open.is_ready {
-            let feature = model.listed.first().copied().filter(|_| model.stale().is_none());
-            open.select_first([feature, model.pair.listed.first().copied()], &mut model.document);
-            let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&steps::seen(model)));
-            if is_met && open.done.insert(open.step) {
-                self.remember();
-            }
-        } else {
-            open.set_up(model);
+            return self.begin_step();
         }
-        effects
+        let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&steps::seen(model)));
+        let (selects, is_news) = (open.select_first(model), is_met && open.done.insert(open.step));
+        if is_news {
+            self.remember();
+        }
+        selects.into_iter().collect()
     }
 
-    fn begin_step(&mut self, model: &mut Model, engine: &Engine) {
-        let Some(open) = &mut self.open else { return };
-        // The burst that another step requested is not needed any more.
-        model.slots.a.opening.forget();
-        // Which of two bursts was opened last says nothing.
-        model.messages.forget_note();
-        let (first, second) = (open.step().state.burst(), open.step().state.second.clone());
-        (open.is_ready, open.opens) = (false, Vec::new());
-        for (side, source) in [(Side::A, Some(first)), (Side::B, second)] {
-            let is_open = model.burst_of(side).is_some_and(|burst| Some(&burst.source) == source.as_ref());
-            let Some(source) = source.filter(|_| !is_open) else { continue };
-            open.opens.push(source.clone());
-            // A burst that was open before the lesson need not be opened again.
-            let mut kept = open.of_user.0.slots.both().into_iter().filter_map(|slot| slot.burst.as_ref());
-            match (side, kept.find(|burst| burst.source == source).cloned()) {
-                (Side::A, Some(burst)) => model.take_burst(burst),
-                (Side::B, Some(burst)) => model.take_second_burst(burst),
-                (side, None) => {
-                    model.open(side, source, engine);
-                }
-            }
-        }
-        match open.step().state.cameras {
-            Some(true) if model.poses.is_empty() => model.show_demo_cameras(engine),
-            Some(true) => {}
-            _ => model.close_trajectories(),
-        }
-        open.set_up(model);
+    fn begin_step(&mut self) -> Vec<Staged> {
+        let Some(open) = &mut self.open else { return Vec::new() };
+        open.is_ready = false;
+        let staged = Staged::Open { bursts: open.bursts(), cameras: open.step().state.cameras == Some(true) };
         self.remember();
-    }
-
-    /// Leaves the lesson when another burst or session is being opened in it; the opening goes on in the earlier
-    /// project.
-    fn leave_for_what_was_opened(&mut self, is_restoring: bool, model: &mut Model, engine: &Engine) -> Option<Effect> {
-        let open = self.open.as_ref()?;
-        let is_own = |source: &BurstSource| *source == open.step().state.burst() || open.opens.contains(source);
-        let opening = model.slots.a.opening.pending();
-        if !is_restoring && opening.is_none_or(|request| is_own(&request.source)) {
-            return None;
-        }
-        let opening = std::mem::take(&mut model.slots.a.opening);
-        let effect = self.leave(model, engine);
-        model.slots.a.opening = opening;
-        effect
+        vec![staged]
     }
 
     fn remember(&mut self) {

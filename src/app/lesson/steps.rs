@@ -7,6 +7,7 @@ use crate::app::project::cursor::{Cursor, ViewKind};
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::pair::Side;
 use crate::app::project::set_up::SetUpState;
+use crate::app::project::staged::Staged;
 use crate::app::project::trajectories::Trajectories;
 use crate::app::project::{Model, Panels};
 use crate::detector::DetectorParams;
@@ -36,28 +37,10 @@ pub(super) fn panels_of(step: &Step, hall: bool) -> Panels {
     }
 }
 
-/// Sets the model up as `step` says; its bursts are open already.
-pub(super) fn set_up(model: &mut Model, step: &Step) {
-    model.document = document_of(step, model.frame_count(), &model.document);
-    for side in Side::BOTH {
-        if !model.auto_detect || !model.features_are_current(side) {
-            model.slots[side].found = None;
-        }
-    }
-    (model.hovered, model.reselect, model.probed) = Default::default();
-    model.check_params();
-    model.refresh_listed();
-    if let Some(layout) = step.state.layout {
-        model.lay_out(layout);
-    }
-    if let Some(place) = step.state.probe {
-        let panels = model.panels;
-        model.probe_place(Side::A, place);
-        // A probe opens its panel.
-        model.panels = panels;
-    }
-    model.settle_ranges();
-    model.history.clear();
+/// The step as it begins; its bursts are open already.
+pub(super) fn begin(step: &Step, model: &Model) -> Staged {
+    let document = Box::new(document_of(step, model.frame_count(), &model.document));
+    Staged::Begin { document, layout: step.state.layout, probe: step.state.probe }
 }
 
 /// The document of a step whose burst A has this many `frames`: what the step leaves open is as in a new window, and

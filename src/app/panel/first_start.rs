@@ -16,7 +16,7 @@ const ROOM: egui::Vec2 = vec2(400.0, 260.0);
 
 pub fn is_shown(model: &Model) -> bool {
     let of_demo = model.slots.a.burst.as_ref().is_some_and(|open| open.source == BurstSource::Demo);
-    model.panels.welcome && of_demo && !model.in_lesson && model.workspace == Workspace::Inspect
+    model.panels.welcome && of_demo && !model.is_in_lesson() && model.workspace == Workspace::Inspect
 }
 
 /// Draws the card over the picture in `rect_ui`, if it is shown. Returns the chosen lesson.

@@ -161,24 +161,24 @@ mod tests {
     use crate::app::project::workspace::Workspace;
     use crate::detector::SlopeChoice;
 
-    fn pass(history: &mut History, model: &mut Model, goes_on: bool, change: impl FnOnce(&mut Model)) {
-        let before = model.document.clone();
-        change(model);
-        history.take(before, &model.document);
+    fn pass(history: &mut History, now: &mut Document, goes_on: bool, change: impl FnOnce(&mut Document)) {
+        let before = now.clone();
+        change(now);
+        history.take(before, now);
         if !goes_on {
-            history.close(&model.document);
+            history.close(now);
         }
     }
 
     #[test]
     fn a_new_step_removes_the_steps_that_were_undone() {
         let (mut model, mut history) = (Model::default(), History::default());
-        pass(&mut history, &mut model, false, |m| m.params.levels = 5);
-        pass(&mut history, &mut model, false, |m| m.matching.ratio = 0.5);
-        pass(&mut history, &mut model, false, |_| {});
+        pass(&mut history, &mut model.document, false, |m| m.params.levels = 5);
+        pass(&mut history, &mut model.document, false, |m| m.matching.ratio = 0.5);
+        pass(&mut history, &mut model.document, false, |_| {});
         history.undo(&mut model.document);
         assert_eq!((&model.matching, model.params.levels), (&MatchParams::default(), 5));
-        pass(&mut history, &mut model, false, |m| m.params.octaves = 2);
+        pass(&mut history, &mut model.document, false, |m| m.params.octaves = 2);
         assert!(!history.can_redo());
     }
 
@@ -190,7 +190,7 @@ mod tests {
         let slopes = |model: &Model| Side::BOTH.map(|side| model.cursor_of(side).slope.u);
         model.focus_on_side(Side::B);
         let (a, before) = (slopes(&model)[0], slopes(&model)[1]);
-        pass(&mut history, &mut model, false, |m| m.focused_mut().cursor.slope.u = 0.25);
+        pass(&mut history, &mut model.document, false, |m| m.focused_mut().cursor.slope.u = 0.25);
         assert_eq!(slopes(&model), [a, 0.25]);
         history.undo(&mut model.document);
         assert_eq!(slopes(&model), [a, before]);
@@ -208,7 +208,7 @@ mod tests {
         let (mut model, mut history) = (Model::default(), History::default());
         let before = model.params.edge_threshold;
         for (value, goes_on) in [(1.0, true), (30.0, true), (before, false)] {
-            pass(&mut history, &mut model, goes_on, |m| m.params.edge_threshold = value);
+            pass(&mut history, &mut model.document, goes_on, |m| m.params.edge_threshold = value);
         }
         assert!(!history.can_undo());
     }
@@ -217,14 +217,14 @@ mod tests {
     fn what_changes_by_itself_is_no_step() {
         let (mut model, mut history) = (Model::default(), History::default());
         model.slopes = SlopeChoice::AUTO;
-        pass(&mut history, &mut model, false, |m| m.params.slopes = SlopeGrid::line(-2.0..=2.0, 5));
+        pass(&mut history, &mut model.document, false, |m| m.params.slopes = SlopeGrid::line(-2.0..=2.0, 5));
         assert!(!history.can_undo());
-        pass(&mut history, &mut model, false, |m| {
+        pass(&mut history, &mut model.document, false, |m| {
             let focus = m.focus();
             m.panes.split(focus, crate::app::pane::Direction::Right);
         });
         assert!(!history.can_undo(), "nor is a new pane");
-        pass(&mut history, &mut model, false, |m| m.params.levels = 5);
+        pass(&mut history, &mut model.document, false, |m| m.params.levels = 5);
         history.undo(&mut model.document);
         assert_eq!(model.params.slopes, SlopeGrid::line(-2.0..=2.0, 5), "slopes that were found stay");
     }

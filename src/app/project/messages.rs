@@ -66,6 +66,14 @@ impl Messages {
     pub fn resolved(&mut self, title: &str) {
         self.errors.retain(|m| m.title != title);
     }
+
+    /// Says why something failed, or forgets that it did before.
+    pub fn settle(&mut self, title: &'static str, outcome: Result<(), String>) {
+        match outcome {
+            Ok(()) => self.resolved(title),
+            Err(why) => self.error(title, why),
+        }
+    }
 }
 
 #[cfg(test)]

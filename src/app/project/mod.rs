@@ -28,6 +28,7 @@ pub mod probe;
 pub mod set_up;
 pub mod side;
 pub mod slot;
+pub mod staged;
 pub mod trajectories;
 
 pub use crate::teach::BottomTab;
@@ -64,6 +65,7 @@ use trajectories::TrajectoryResults;
 #[derive(Debug, Default)]
 pub struct Model {
     pub project: Project,
+    aside: Option<Box<staged::Aside>>,
     pub window_width_points: f32,
     pub messages: Messages,
     pub figures: Wanted<FiguresJob>,
@@ -90,7 +92,6 @@ pub struct Project {
     pub coherence: CoherenceState,
     pub probed: ProbeResults,
     pub poses: TrajectoryResults,
-    pub in_lesson: bool,
     play: panes::Play,
     listed_for: Option<filter::ListedFor>,
 }
@@ -138,17 +139,6 @@ impl From<Document> for Model {
 }
 
 impl Model {
-    /// Shows another project, and returns the one on show until now. The dataset, the Lab and the colours of the window
-    /// stay, so that their work goes on.
-    pub fn show(&mut self, project: Project) -> Project {
-        let before = std::mem::replace(&mut self.project, project);
-        let Document { theme, dataset, pairs, lab, .. } = before.document.clone();
-        let shown = std::mem::take(&mut self.document);
-        self.document = Document { theme, dataset, pairs, lab, ..shown };
-        self.messages.forget_note();
-        before
-    }
-
     /// (columns, rows) of the open burst's frames; (0, 0) without one.
     pub fn size(&self) -> (usize, usize) {
         self.slots.a.burst.as_ref().map_or((0, 0), |b| b.burst.size())

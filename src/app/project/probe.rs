@@ -410,7 +410,7 @@ mod tests {
         bench.settle();
         assert_eq!(bench.model.features().len(), price.then);
         // Twice the slopes.
-        bench.model.slots.a.found.as_mut().expect("found").search_secs = 4.0;
+        bench.model.slots.a.found.as_mut().expect("found").detected.search_secs = 4.0;
         let slopes = bench.model.found_of(Side::A).expect("found").params.slopes.u;
         let twice = ParamChange::new(doc::SLOPES_U, slopes.with_more(0, slopes.count));
         let text = bench.model.price_text(Side::A, &twice);
@@ -428,7 +428,7 @@ mod tests {
         bench.model.swap_sides();
         bench.settle();
         assert_eq!(answered(&bench.model), (Side::A, burst, place));
-        bench.model.close_second();
+        bench.model.close_second(&bench.engine);
         bench.settle();
         assert_eq!(answered(&bench.model), (Side::A, burst, place), "another burst was closed");
         let mut bench = Bench::with_two_charts();
@@ -436,7 +436,7 @@ mod tests {
         bench.settle();
         bench.model.start_probe(None);
         assert_eq!(bench.model.probed_place(), Some([20.0, 40.0]), "another burst was opened as A");
-        bench.model.close_second();
+        bench.model.close_second(&bench.engine);
         assert!(!bench.model.has_probe());
         bench.settle();
     }
@@ -446,7 +446,7 @@ mod tests {
         let mut bench = Bench::with_two_charts();
         bench.model.slopes = SlopeChoice::AUTO;
         let own = SlopeGrid::line(-4.0..=4.0, 9);
-        bench.model.slots.b.found.as_mut().expect("found").params.slopes = own;
+        bench.model.slots.b.found.as_mut().expect("found").detected.params.slopes = own;
         let before = bench.model.params.clone();
         let change = |parameter, value: &str| ParamChange { parameter, value: value.to_owned() };
         bench.model.probe.side = Side::B;

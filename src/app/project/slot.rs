@@ -9,17 +9,17 @@ use crate::app::project::workspace::Workspace;
 use crate::app::project::{Effect, Model, Project};
 use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
+use crate::dataset::DatasetSource;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Feature, FrameRange, Method, SearchParams, Slope, SlopeFinding, SlopeGrid,
-    explain, follows, shared_slopes,
+    Advice, DetectorParams, Feature, FrameRange, Method, Slope, SlopeGrid, explain, follows, shared_slopes,
 };
 use crate::engine::{Ended, Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes, judgement, slope_with_most_features};
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, JobId, OpenBurst, OpenRequest};
 use serde::{Deserialize, Serialize};
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Duration;
 
 #[derive(Debug, Default)]
@@ -56,8 +56,45 @@ impl Model {
         self.slots[side].opening.ask(engine, OpenRequest { source, options })
     }
 
+    /// Takes a burst that was opened, or says why it was not. With `is_restoring` a session goes on with it.
+    #[must_use]
+    pub(in crate::app) fn take_opening(
+        &mut self,
+        side: Side,
+        ended: Ended<OpenRequest>,
+        is_restoring: bool,
+        engine: &Engine,
+    ) -> Vec<Effect> {
+        let error = match ended.result {
+            Ok(burst) => {
+                let recent = self.take_opened(side, burst, engine);
+                if side == Side::B && !is_restoring {
+                    self.workspace = Workspace::Pair;
+                }
+                return recent.into_iter().collect();
+            }
+            Err(error) => error,
+        };
+        match (error, side, ended.request.source) {
+            (JobError::Several(_), Side::A, BurstSource::Paths(paths)) if !is_restoring => {
+                self.look_at_dataset(DatasetSource::of_bursts(paths), None, engine);
+            }
+            (JobError::Several(bursts), Side::B, _) if !is_restoring => return vec![Effect::Choose(Side::B, bursts)],
+            (JobError::Cancelled, Side::A, _) => self.messages.note("Opening cancelled"),
+            (JobError::Cancelled, Side::B, _) => self.messages.note("Opening B cancelled"),
+            (error, ..) => {
+                if side == Side::B && self.slots.b.burst.is_none() {
+                    // Panes of a session that wait for it would wait for ever.
+                    self.panes.close_side(Side::B);
+                }
+                self.messages.error(side.opening(), error.to_string());
+            }
+        }
+        Vec::new()
+    }
+
     /// It goes to the recent list, unless it is one of the open dataset, which gives it its name.
-    pub(in crate::app) fn take_opened(&mut self, side: Side, mut burst: OpenBurst, engine: &Engine) -> Option<Effect> {
+    fn take_opened(&mut self, side: Side, mut burst: OpenBurst, engine: &Engine) -> Option<Effect> {
         let dataset = self.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
         let recent = match dataset {
             Some(dataset) => {
@@ -133,7 +170,7 @@ impl Model {
     }
 
     pub fn start_detection(&mut self, side: Side, engine: &Engine) {
-        if let Some(request) = self.detect_request(side) {
+        if let Some(request) = self.detect_request(side).filter(|_| self.slots[side].param_error.is_none()) {
             self.slots[side].detecting.ask(engine, request);
         }
     }
@@ -297,13 +334,7 @@ fn checked(
 
 #[derive(Debug, Clone)]
 pub struct FoundFeatures {
-    pub asked: SearchParams,
-    pub params: DetectorParams,
-    /// Parameters of the search that they were judged from: see [`Detected::searched`].
-    pub searched: DetectorParams,
-    pub search_secs: f32,
-    pub finding: Option<SlopeFinding>,
-    pub detection: Arc<Detection>,
+    pub detected: Detected,
     pub elapsed: Duration,
     pub advice: Option<Advice>,
     /// Whether these are the features of one slope of a search that was long.
@@ -314,21 +345,18 @@ pub struct FoundFeatures {
 
 impl FoundFeatures {
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
-        let Detected { asked, params, searched, search_secs, finding, detection, .. } = detected;
-        let advice = explain(&detection, &params, burst.burst.size());
-        let judgement = judgement(&detection, &params, finding.as_ref(), &burst.burst);
-        Self {
-            asked,
-            params,
-            searched,
-            search_secs,
-            finding,
-            detection,
-            elapsed,
-            advice,
-            is_first_slope: false,
-            judgement,
-        }
+        let Detected { params, finding, detection, .. } = &detected;
+        let advice = explain(detection, params, burst.burst.size());
+        let judgement = judgement(detection, params, finding.as_ref(), &burst.burst);
+        Self { detected, elapsed, advice, is_first_slope: false, judgement }
+    }
+}
+
+impl Deref for FoundFeatures {
+    type Target = Detected;
+
+    fn deref(&self) -> &Detected {
+        &self.detected
     }
 }
 
@@ -391,7 +419,7 @@ impl Model {
 
     pub fn found_source(&self, side: Side) -> Option<DetectionSource> {
         let (burst, found) = (self.burst_of(side)?.clone(), self.whole_found_of(side)?);
-        let FoundFeatures { asked, params, finding, .. } = found.clone();
+        let Detected { asked, params, finding, .. } = found.detected.clone();
         Some(DetectionSource { burst, asked, params, finding })
     }
 

@@ -3,7 +3,7 @@
 
 mod restoring;
 
-pub use restoring::Restoring;
+pub use restoring::{OfCase, Restoring, of_case};
 
 use super::document::{Document, Steps, absolute};
 use crate::app::pane::Panes;
@@ -11,7 +11,7 @@ use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::pair::{SavedMatch, Side};
 use crate::app::project::probe::Probe;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{Model, Project, SavedSelection};
+use crate::app::project::{Project, SavedSelection};
 use crate::export::case::read_session;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
@@ -140,57 +140,52 @@ impl Session {
         named("document.lab.planted", document.lab.planted.check())
     }
 
-    /// Takes all but what waits for the second burst.
-    pub fn apply(&self, model: &mut Model) {
-        self.apply_without_burst(model);
-        self.set_panes(model);
-        model.reselect = self.selection;
-        model.keep_methods_arranged();
-        self.restore_probe(Side::A, model);
-        model.restore_comparison(Side::A, self.document.comparisons.a.clone());
-        model.check_params();
-    }
-
     fn has_panes(&self) -> bool {
         self.document.panes != Panes::default()
     }
 
-    /// A session that says nothing of panes has those of a burst that is opened: its middle frame.
-    fn set_panes(&self, model: &mut Model) {
+    /// The document on show with all but what waits for the second burst; A was opened in it.
+    pub fn over_first(&self, now: &Document) -> Document {
+        let mut document = self.over_none(now);
+        // A session that says nothing of panes has those of a burst that is opened: its middle frame.
         if self.has_panes() {
-            model.panes = self.document.panes.clone();
+            document.panes = self.document.panes.clone();
         }
+        document.comparisons.a = self.document.comparisons.a.clone();
+        Document { probe: self.probe_over(Side::A, now), ..document }
     }
 
-    /// The panes, and the colours of the window, stay.
-    pub fn apply_without_burst(&self, model: &mut Model) {
-        let Document { panes, theme, probe, comparisons, gold, .. } = std::mem::take(&mut model.document);
+    /// The document on show with what neither burst is needed for. The panes, and the colours of the window, stay.
+    fn over_none(&self, now: &Document) -> Document {
+        let Document { panes, theme, probe, comparisons, gold, .. } = now.clone();
         let (selected, selected_match, playing) = (None, None, false);
         let kept = Document { panes, theme, probe, comparisons, gold, ..self.document.clone() };
-        model.document = Document { selected, selected_match, playing, ..kept };
+        Document { selected, selected_match, playing, ..kept }
     }
 
-    fn restore_probe(&self, side: Side, model: &mut Model) {
-        model.clear_probe_of(side);
-        if self.document.probe.side == side {
-            model.clear_probe();
-            model.probe = self.document.probe;
+    /// The document on show with what waits for the second burst, which is open now, or closed for good.
+    pub fn over_second(&self, now: &Document) -> Document {
+        let mut document = Document { probe: self.probe_over(Side::B, now), ..now.clone() };
+        if self.has_panes() {
+            document.panes = self.document.panes.clone();
         }
-    }
-
-    /// Takes what waits for the second burst, which is open now, or closed for good.
-    pub fn apply_second(&self, model: &mut Model) {
-        self.set_panes(model);
         if self.second.is_none() {
-            model.panes.close_side(Side::B);
+            document.gold.b = None;
+            document.panes.close_side(Side::B);
             if self.has_panes() {
-                model.panes.take_placed(Workspace::Pair, &self.document.panes);
+                document.panes.take_placed(Workspace::Pair, &self.document.panes);
             }
         }
-        model.pair.reselect = self.selected_match;
-        self.restore_probe(Side::B, model);
-        model.restore_comparison(Side::B, self.document.comparisons.b.clone());
-        model.check_params();
+        document.comparisons.b = self.document.comparisons.b.clone();
+        document
+    }
+
+    fn probe_over(&self, side: Side, now: &Document) -> Probe {
+        match (self.document.probe, now.probe) {
+            (saved, _) if saved.side == side => saved,
+            (_, shown) if shown.side == side => Probe::default(),
+            (_, shown) => shown,
+        }
     }
 }
 

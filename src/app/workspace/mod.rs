@@ -5,7 +5,7 @@ pub mod matches;
 pub mod pair;
 
 use crate::app::actions::menu::item_ui;
-use crate::app::actions::{ActionId, Queue, WORKSPACES, button_ui};
+use crate::app::actions::{ActionId, Queue, button_ui, workspaces};
 use crate::app::dataset::{cameras, errors_panel};
 use crate::app::document::Pointed;
 use crate::app::inspector::{PaneWidgets, inspector_ui};
@@ -55,14 +55,14 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 2.0;
         let first = ui.cursor().right();
         if is_narrow {
-            let open = WORKSPACES.into_iter().find(|(_, workspace)| *workspace == model.workspace);
+            let open = workspaces().find(|(_, workspace)| *workspace == model.workspace);
             let name = open.map_or("Workspace", |(id, _)| id.action().label);
             ui.menu_button(format!("{name} ⏷"), |ui| {
-                WORKSPACES.into_iter().for_each(|(id, _)| item_ui(ui, model, queue, id));
+                workspaces().for_each(|(id, _)| item_ui(ui, model, queue, id));
             });
         } else {
             let (shown, more): (Vec<_>, Vec<_>) =
-                WORKSPACES.into_iter().partition(|(_, workspace)| has_content(*workspace, model));
+                workspaces().partition(|(_, workspace)| has_content(*workspace, model));
             if !more.is_empty() {
                 ui.menu_button("More ⏷", |ui| more.iter().for_each(|(id, _)| item_ui(ui, model, queue, *id)));
             }

@@ -238,7 +238,7 @@ impl Model {
                 let wanted = self.method_params(method, side);
                 let shared = self.whole_found_of(side).filter(|f| f.params == wanted).cloned();
                 if let (Some(found), Some(open)) = (shared, self.burst_of(side)) {
-                    let (params, detection, elapsed) = (found.params, found.detection, found.elapsed);
+                    let (elapsed, Detected { params, detection, .. }) = (found.elapsed, found.detected);
                     let found = MethodFound { burst: open.id, params, detection, elapsed };
                     self.compare.take_found(method, side, found);
                 }

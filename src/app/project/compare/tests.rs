@@ -12,29 +12,24 @@ fn methods() -> Model {
     model
 }
 
-fn do_job(model: &mut Model, job: &CompareJob) {
-    match &job.request {
-        CompareRequest::Detect(request) => {
-            let detection = model.found_of(job.side).expect("found").detection.clone();
-            let (burst, params) = (request.burst.id, request.params.detector.clone());
-            let found = MethodFound { burst, params, detection, elapsed: Duration::ZERO };
-            model.compare.take_found(job.method, job.side, found);
-        }
-        CompareRequest::Match(request) => {
-            let monitor = crate::monitor::Monitor::default();
-            let result = crate::matching::match_detections(&request.a, &request.b, &request.params, &monitor);
-            let result = Arc::new(result.expect("valid"));
-            let matched = crate::requests::Matched { request: request.clone(), result };
-            model.compare.take_matches(job.method, Matches::new(matched, Duration::ZERO));
-        }
-    }
-}
-
 fn do_all(model: &mut Model) -> Vec<(MethodId, Side)> {
     let mut done = Vec::new();
-    while let Some(job) = model.next_compare_job() {
-        do_job(model, &job);
-        done.push((job.method, job.side));
+    while let Some(CompareJob { method, side, request, .. }) = model.next_compare_job() {
+        match request {
+            CompareRequest::Detect(request) => {
+                let detection = model.found_of(side).expect("found").detection.clone();
+                let (burst, params) = (request.burst.id, request.params.detector);
+                let found = MethodFound { burst, params, detection, elapsed: Duration::ZERO };
+                model.compare.take_found(method, side, found);
+            }
+            CompareRequest::Match(request) => {
+                let monitor = crate::monitor::Monitor::default();
+                let result = crate::matching::match_detections(&request.a, &request.b, &request.params, &monitor);
+                let matched = crate::requests::Matched { request, result: Arc::new(result.expect("valid")) };
+                model.compare.take_matches(method, Matches::new(matched, Duration::ZERO));
+            }
+        }
+        done.push((method, side));
         assert!(done.len() < 50, "it never ends: {done:?}");
     }
     done

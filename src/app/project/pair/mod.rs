@@ -16,6 +16,7 @@ use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{FoundFeatures, Model, Project};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
+use crate::engine::Engine;
 use crate::engine::{Ended, Wanted};
 use crate::error::Error;
 use crate::requests::{MatchRequest, OpenBurst, Picture, PictureKind, PictureRequest, PicturesRequest, are_stacked};
@@ -247,7 +248,7 @@ impl Model {
         self.pair.patches = self.answer(ended, "Patches").unwrap_or(before);
     }
 
-    pub(in crate::app) fn close_second(&mut self) {
+    pub(in crate::app) fn close_second(&mut self, engine: &Engine) {
         self.slots.b = Slot::default();
         self.comparisons.b = Comparison::default();
         self.clear_probe_of(Side::B);
@@ -258,6 +259,7 @@ impl Model {
         self.pair.matching.forget();
         self.pair.wanted_patches.forget();
         self.pair.patches.clear();
+        self.forget_closed_trails(engine);
     }
 
     pub(in crate::app) fn forget_requests(&mut self) {
