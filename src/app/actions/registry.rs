@@ -266,7 +266,7 @@ actions! {
     SlopeVLess, Cursor 0, "Slope v down", [NONE ArrowUp], "Go to the grid's previous slope along the second axis" => Slope(|grid, slope| stepped(grid, slope, true, false));
     SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis" => Slope(|grid, slope| stepped(grid, slope, true, true));
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames" => Slope(|_, _| Slope::default());
-    SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope" => Slope(|grid, slope| snapped(grid, slope));
+    SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope" => Slope(snapped);
     BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting the ends of the range";
     Play, Cursor 0, "Play slopes", [NONE Space], "Step through the grid's slopes, back and forth" => Run(|model, _| model.toggle_play());
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back" => Frame(|cursor| cursor.frame = cursor.frame.saturating_sub(1));

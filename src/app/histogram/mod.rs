@@ -9,7 +9,7 @@ use crate::app::canvas::{Picture, number};
 use crate::app::gpu::PictureId;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
-use egui::{CursorIcon, DragValue, Rect, Response, Sense, Slider, Ui, vec2};
+use egui::{CursorIcon, DragValue, Rangef, Rect, Response, Sense, Slider, Ui, vec2};
 use plot::{Drag, Grip, PlotGeometry, axis_fits, axis_for, dragged, grip_at, nearest_end};
 
 const BINS: usize = 256;
@@ -23,7 +23,7 @@ pub const PERCENTILES: [f32; 2] = [0.1, 99.9];
 #[derive(Debug, Clone, Default)]
 pub struct HistogramPanel {
     counted: Option<Counted>,
-    axis: Option<(f32, f32)>,
+    axis: Option<Rangef>,
     drag: Option<Drag>,
 }
 
@@ -31,7 +31,7 @@ pub struct HistogramPanel {
 struct Counted {
     id: PictureId,
     data_range: Option<(f32, f32)>,
-    axis: (f32, f32),
+    axis: Rangef,
     histogram: Histogram,
 }
 
@@ -141,7 +141,7 @@ impl HistogramPanel {
             id: picture.id,
             data_range,
             axis,
-            histogram: histogram(&picture.drawn, &Region::whole(&picture.drawn), axis.0, axis.1, BINS),
+            histogram: histogram(&picture.drawn, &Region::whole(&picture.drawn), axis.min, axis.max, BINS),
         });
         self.counted.insert(counted)
     }

@@ -3,7 +3,7 @@
 use crate::app::canvas::number;
 use crate::plane::display::Display;
 use crate::plane::statistics::Histogram;
-use egui::{Align2, Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
+use egui::{Align2, Color32, Mesh, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
 const STRIP_POINTS: f32 = 9.0;
 
@@ -13,11 +13,11 @@ const LABELS_POINTS: f32 = 15.0;
 pub struct PlotGeometry {
     pub bars: Rect,
     pub strip: Rect,
-    pub axis: (f32, f32),
+    pub axis: Rangef,
 }
 
 impl PlotGeometry {
-    pub fn new(rect: Rect, axis: (f32, f32)) -> Self {
+    pub fn new(rect: Rect, axis: Rangef) -> Self {
         // Margin for half a handle at each side.
         let inner = rect.shrink2(vec2(6.0, 0.0));
         let bottom = inner.bottom() - LABELS_POINTS;
@@ -27,12 +27,12 @@ impl PlotGeometry {
     }
 
     pub fn x_of(&self, value: f32) -> f32 {
-        let t = (value - self.axis.0) / (self.axis.1 - self.axis.0);
+        let t = (value - self.axis.min) / self.axis.span();
         self.bars.left() + t.clamp(-0.05, 1.05) * self.bars.width()
     }
 
     pub fn value_at(&self, x: f32) -> f32 {
-        self.axis.0 + (x - self.bars.left()) / self.bars.width() * (self.axis.1 - self.axis.0)
+        self.axis.min + (x - self.bars.left()) / self.bars.width() * self.axis.span()
     }
 }
 
@@ -109,7 +109,7 @@ fn draw_labels(ui: &Ui, painter: &Painter, geometry: &PlotGeometry) {
     let font = TextStyle::Small.resolve(ui.style());
     let colour = ui.visuals().weak_text_color();
     let y = geometry.strip.bottom() + 3.0;
-    let (low, high) = geometry.axis;
+    let Rangef { min: low, max: high } = geometry.axis;
     let text = |x: f32, align: Align2, value: f32| {
         painter.text(pos2(x, y), align, number(value, 3), font.clone(), colour);
     };
@@ -131,7 +131,7 @@ fn draw_handle(ui: &Ui, painter: &Painter, geometry: &PlotGeometry, x: f32, stro
 }
 
 /// Axis that contains all values and the display range, with a margin of 4 % of its length at each end.
-pub fn axis_for(data_range: Option<(f32, f32)>, display: &Display) -> (f32, f32) {
+pub fn axis_for(data_range: Option<(f32, f32)>, display: &Display) -> Rangef {
     let (low, high) =
         data_range.map_or((display.min, display.max), |(low, high)| (low.min(display.min), high.max(display.max)));
     let (low, high) = if display.symmetric {
@@ -141,16 +141,16 @@ pub fn axis_for(data_range: Option<(f32, f32)>, display: &Display) -> (f32, f32)
         (low, high)
     };
     let room = 0.04 * (high - low);
-    (low - room, high + room)
+    Rangef::new(low - room, high + room)
 }
 
 /// Whether an axis can stay: it contains the display range and the values, and they fill more than 40 % of it.
-pub fn axis_fits(axis: (f32, f32), data_range: Option<(f32, f32)>, display: &Display) -> bool {
+pub fn axis_fits(axis: Rangef, data_range: Option<(f32, f32)>, display: &Display) -> bool {
     let needed = axis_for(data_range, display);
-    let holds = |low: f32, high: f32| low >= axis.0 && high <= axis.1;
+    let holds = |low: f32, high: f32| low >= axis.min && high <= axis.max;
     holds(display.min, display.max)
         && data_range.is_none_or(|(low, high)| holds(low, high))
-        && (needed.1 - needed.0) > 0.4 * (axis.1 - axis.0)
+        && needed.span() > 0.4 * axis.span()
 }
 
 const GRAB_POINTS: f32 = 9.0;
@@ -162,12 +162,12 @@ pub struct Drag {
     pub start_value: f32,
 }
 
-pub fn dragged(drag: Drag, value: f32, axis: (f32, f32)) -> Display {
+pub fn dragged(drag: Drag, value: f32, axis: Rangef) -> Display {
     let Drag { grip, start, start_value } = drag;
-    let value = value.clamp(axis.0, axis.1);
+    let value = value.clamp(axis.min, axis.max);
     let moved = value - start_value;
     // An end never passes the other one.
-    let least = (axis.1 - axis.0) * 1e-3;
+    let least = axis.span() * 1e-3;
     let narrower = |limit: f32| start.with_range(-limit.max(least), limit.max(least));
     match (grip, start.symmetric) {
         (Grip::Min, true) => narrower(-value),
@@ -213,7 +213,7 @@ mod tests {
         let narrow = Display { max: 0.001, ..display };
         assert!(!axis_fits(axis, Some((0.0, 0.001)), &narrow), "a range must not hide in a corner");
         let symmetric = axis_for(Some((-0.01, 0.05)), &Display::symmetric(0.02));
-        assert_eq!(symmetric.0, -symmetric.1);
+        assert_eq!(symmetric.min, -symmetric.max);
     }
 
     fn drag(grip: Grip, start: Display, start_value: f32) -> Drag {
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn handles_move_their_end_and_the_middle_moves_both() {
         let start = Display { min: 0.2, max: 0.6, ..Display::default() };
-        let axis = (0.0, 1.0);
+        let axis = Rangef::new(0.0, 1.0);
         let range = |grip, from, to| {
             let d = dragged(drag(grip, start, from), to, axis);
             ((d.min * 1e4).round() / 1e4, (d.max * 1e4).round() / 1e4)

@@ -65,7 +65,7 @@ use trajectories::TrajectoryResults;
 #[derive(Debug, Default)]
 pub struct Model {
     pub project: Project,
-    aside: Option<Box<staged::Aside>>,
+    of_user: Option<Box<staged::UserProject>>,
     pub window_width_points: f32,
     pub messages: Messages,
     pub figures: Wanted<FiguresJob>,

@@ -47,19 +47,19 @@ pub enum Reselect {
 
 /// Project of the user while a lesson is open, and the burst that was being opened in it.
 #[derive(Debug)]
-pub struct Aside {
+pub struct UserProject {
     project: Project,
     opening: Option<BurstSource>,
 }
 
 impl Model {
     pub fn is_in_lesson(&self) -> bool {
-        self.aside.is_some()
+        self.of_user.is_some()
     }
 
     /// The one before the open lesson, or without one that on show.
     pub fn project_of_user(&self) -> &Project {
-        self.aside.as_ref().map_or(&self.project, |aside| &aside.project)
+        self.of_user.as_ref().map_or(&self.project, |of_user| &of_user.project)
     }
 
     pub(in crate::app) fn take_staged(&mut self, staged: Staged, engine: &Engine) -> Option<Effect> {
@@ -85,12 +85,12 @@ impl Model {
         let of_lesson =
             Project { document: Document { figure: self.figure, ..Document::default() }, ..Project::default() };
         let project = self.show(of_lesson);
-        self.aside = Some(Box::new(Aside { project, opening }));
+        self.of_user = Some(Box::new(UserProject { project, opening }));
         Effect::ForgetWidgets
     }
 
     fn end_lesson(&mut self, keeps_opening: bool, engine: &Engine) -> Option<Effect> {
-        let Aside { project, opening } = *self.aside.take()?;
+        let UserProject { project, opening } = *self.of_user.take()?;
         let of_lesson = self.show(project);
         if self.poses.reading.pending().is_some() {
             // What was read meanwhile was not taken.
