@@ -49,6 +49,8 @@ pub enum ErrorKind {
     TooLarge,
     /// Within the limits, but more memory than the system gives.
     NoMemory,
+    /// The file has no header, and its shape was not said or does not fill it.
+    NoShape,
     /// One burst was expected and there are several.
     SeveralBursts,
     /// A picture lies beside the bursts of a dataset and belongs to none.

@@ -128,6 +128,7 @@ impl BurstscopeApp {
             Effect::Choose(side, bursts) => {
                 (self.overlays.choice, self.overlays.choice_side) = (bursts, side);
             }
+            Effect::AskShape(side, source, shapes) => self.overlays.shape.ask(side, source, shapes),
             Effect::Cut { paths, frames } => {
                 self.overlays.cut = Some(CutDialog::new(paths, frames, self.settings.burst_length));
             }

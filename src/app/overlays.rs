@@ -3,7 +3,7 @@
 use super::actions::menu::Palette;
 use super::actions::{ActionId, Queue, menu};
 use super::dataset::CutDialog;
-use super::dialogs::{PathField, ReplaceFile};
+use super::dialogs::{PathField, ReplaceFile, ShapeDialog};
 use super::figure::FilmDialog;
 use super::files;
 use super::lesson::Lessons;
@@ -30,6 +30,7 @@ pub(super) struct Overlays {
     pub replace_file: Option<ReplaceFile>,
     pub choice: Vec<BurstSource>,
     pub choice_side: Side,
+    pub shape: ShapeDialog,
     pub cut: Option<CutDialog>,
     pub replace_features: bool,
     /// A burst that could be cut, and that the user chose not to cut.
@@ -82,6 +83,7 @@ impl Overlays {
             || self.calibration.is_some()
             || self.path_field.is_some()
             || self.replace_file.is_some()
+            || self.shape.is_open()
             || self.cut.is_some()
             || self.replace_features
             || !self.choice.is_empty()
@@ -109,6 +111,10 @@ impl Overlays {
         effects.extend(self.path_ui(ctx, model));
         if let Some(burst) = crate::app::panel::modals::chooser_ui(ctx, &mut self.choice) {
             queue.push(Action::Open(self.choice_side, burst));
+        }
+        if let Some((side, source, dump)) = self.shape.ui(ctx) {
+            queue.push(Action::Calibrate(OpenOptions { raw: Some(dump), ..model.calibration.clone() }));
+            queue.push(Action::Open(side, source));
         }
         if let Some(dialog) = &mut self.cut {
             let (source, stay) = dialog.ui(ctx);

@@ -436,6 +436,10 @@ impl BurstscopeApp {
         &self.settings.recent
     }
 
+    pub fn asks_for_shape(&self) -> bool {
+        self.overlays.shape.is_open()
+    }
+
     pub fn choice(&self) -> &[BurstSource] {
         &self.overlays.choice
     }

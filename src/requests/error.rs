@@ -1,6 +1,8 @@
 //! Errors of requests.
 
 use super::source::BurstSource;
+use crate::burst::Dump;
+use crate::dataset::BurstPicture;
 use crate::error::Error;
 use crate::monitor::Cancelled;
 
@@ -15,12 +17,24 @@ pub enum JobError {
     Failed(String),
     #[error("there are {} bursts here; open one of them", .0.len())]
     Several(Vec<BurstSource>),
+    /// A file without header: why it was not opened, and the shapes that fill it.
+    #[error("{0}")]
+    NoShape(String, Vec<PossibleShape>),
     #[error("this is a mistake in Burstscope, please report it: {message} (at {place})")]
     Panicked {
         message: String,
         /// File, line and column.
         place: String,
     },
+}
+
+/// A shape that fills a file without header.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PossibleShape {
+    pub dump: Dump,
+    pub frames: u64,
+    /// The first frame.
+    pub picture: BurstPicture,
 }
 
 impl JobError {

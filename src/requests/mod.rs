@@ -33,7 +33,7 @@ pub use dataset::{
 pub use dataset::{ColmapDone, ColmapRequest};
 pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest};
 pub use detect_line::detect_line;
-pub use error::JobError;
+pub use error::{JobError, PossibleShape};
 pub use explain::{
     ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
     Probed, Traced,

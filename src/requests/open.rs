@@ -1,8 +1,9 @@
 //! Open bursts, and how they are opened.
 
-use super::error::JobError;
+use super::error::{JobError, PossibleShape};
 use super::source::BurstSource;
-use crate::burst::{Burst, OpenOptions, find_bursts};
+use crate::burst::{Burst, LikelyShape, OpenOptions, find_bursts, likely_shapes};
+use crate::dataset::BurstPicture;
 use crate::error::{Error, ErrorKind};
 use crate::inspect::truth::{is_known, truth_of};
 use crate::inspect::words::counted;
@@ -70,7 +71,24 @@ impl BurstSource {
                 let found = find_bursts(self.paths(), options).unwrap_or_default();
                 Err(JobError::Several(found.into_iter().map(|found| BurstSource::Paths(found.paths)).collect()))
             }
+            Err(error) if error.kind == ErrorKind::NoShape => Err(self.without_shape(&error, options, monitor)),
             Err(error) => Err(error.into()),
+        }
+    }
+
+    fn without_shape(&self, error: &Error, options: &OpenOptions, monitor: &Monitor) -> JobError {
+        const MAX_SIDE_PX: usize = 200;
+        let [path] = self.paths() else { return JobError::failed(error) };
+        match likely_shapes(path, &options.limits, monitor) {
+            Ok(shapes) => {
+                let shapes = shapes.into_iter().map(|LikelyShape { dump, frames, first, .. }| PossibleShape {
+                    dump,
+                    frames,
+                    picture: BurstPicture::small(&first, MAX_SIDE_PX),
+                });
+                JobError::NoShape(error.to_string(), shapes.collect())
+            }
+            Err(error) => error.into(),
         }
     }
 }

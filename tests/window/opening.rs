@@ -1,7 +1,8 @@
 //! Opening bursts, and failures of it.
 
-use crate::support::{Start, noisy_stack};
+use crate::support::{Start, Window, noisy_stack};
 use burstscope::requests::BurstSource;
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use std::io::Write;
 
@@ -131,4 +132,36 @@ fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
         let read: std::collections::BTreeMap<String, BurstSource> = toml::from_str(&text).expect("the same");
         assert_eq!(read["source"], source);
     }
+}
+
+#[test]
+fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames: ndarray::Array3<f32> = ndarray_npy::read_npy(noisy_stack(folder.path(), 20, 240, 320)).unwrap();
+    let path = folder.path().join("night.bin");
+    let bytes: Vec<u8> = frames.iter().flat_map(|x| ((9000.0 * (x + 0.1)) as u16).to_le_bytes()).collect();
+    std::fs::write(&path, bytes).unwrap();
+    let mut window = Start::without_auto_detect().open();
+    window.dialogs.will_choose(&path);
+    window.click("Open…");
+    window.wait("the question", |app| app.asks_for_shape());
+    window.harness.run_steps(3);
+    let shape = |window: &Window, name: &str| window.harness.query_by_role_and_label(Role::RadioButton, name).is_some();
+    assert!(window.shows("Shape of a file without header"), "no error, but a question");
+    assert!(shape(&window, "320x240:u16le, 20 frames") && shape(&window, "320x240:u8, 40 frames"));
+    window.snapshot("shape_of_a_dump");
+    let field = |window: &Window| window.harness.get_by_role_and_label(Role::TextInput, "Shape").rect().center();
+    window.harness.get_by_role_and_label(Role::RadioButton, "320x240:u8, 40 frames").click();
+    window.harness.run_steps(3);
+    window.click_at(field(&window));
+    window.harness.get_by_role_and_label(Role::TextInput, "Shape").type_text(":");
+    window.harness.run_steps(3);
+    assert!(window.shows("is not WIDTHxHEIGHT:TYPE"));
+    window.harness.get_by_role_and_label(Role::RadioButton, "320x240:u16le, 20 frames").click();
+    window.harness.run_steps(3);
+    window.click("Open");
+    window.settle();
+    assert_eq!((window.app().model.frame_count(), window.app().model.size()), (20, (320, 240)));
+    assert_eq!(window.app().model.calibration.raw.map(|raw| raw.to_string()).as_deref(), Some("320x240:u16le"));
+    assert!(window.app().model.messages.errors().is_empty());
 }

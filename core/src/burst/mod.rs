@@ -20,7 +20,7 @@ mod stamps;
 mod times;
 
 pub use arrays::{ArrayFrame, Arrays};
-pub use decode::{DecodeWorker, LUMA_WEIGHTS, serve_decoding};
+pub use decode::{DecodeWorker, LUMA_WEIGHTS, LikelyShape, likely_shapes, serve_decoding};
 pub use info::Info;
 pub use layout::{Axis, AxisChoice, Dump, Mosaic, TimesChoice};
 pub use notes::{Note, Remark, RemarkKind};

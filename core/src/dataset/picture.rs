@@ -38,6 +38,11 @@ impl BurstPicture {
         Picture::rgb(self.size.0, self.size.1, &self.rgb)
     }
 
+    /// A picture of `plane`, reduced by a whole factor so that no side is longer than `max_side_px` (1 or more).
+    pub fn small(plane: &Plane, max_side_px: usize) -> Self {
+        Self::of(&reduced(plane, max_side_px.max(1)))
+    }
+
     pub(super) fn of(plane: &Plane) -> Self {
         let rgb = to_rgba8(plane, &Display::stretched(plane)).pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
         Self { size: plane.size(), rgb }
@@ -83,7 +88,7 @@ pub fn thumbnail(
     let middle = files.get(files.len() / 2).ok_or_else(Error::nothing_given)?;
     let options = OpenOptions { mask: None, mask_saturated: false, ..options.clone() };
     let burst = Burst::open_with(std::slice::from_ref(middle), &options, monitor)?;
-    Ok(BurstPicture::of(&reduced(&burst.frames[burst.len() / 2], max_side_px.max(1))))
+    Ok(BurstPicture::small(&burst.frames[burst.len() / 2], max_side_px))
 }
 
 /// Means of square blocks; columns and rows at the end that do not fill a block are left out.

@@ -3,8 +3,10 @@
 //! cancelled or has failed, which cannot be told apart: both are said.
 
 mod path_field;
+mod shape;
 
 pub use path_field::{PathField, ReplaceFile, path_from_text};
+pub use shape::ShapeDialog;
 
 use crate::app::project::effect::Purpose;
 use crate::engine::OnUpdate;

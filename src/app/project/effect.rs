@@ -5,7 +5,7 @@ use super::side::Side;
 use crate::dataset::DatasetSource;
 use crate::engine::Ended;
 use crate::export::case::CASE_EXTENSION;
-use crate::requests::{BurstSource, OpenRequest};
+use crate::requests::{BurstSource, OpenRequest, PossibleShape};
 use crate::teach::Lesson;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -18,6 +18,8 @@ pub enum Effect {
     Recent(BurstSource),
     RecentDataset(DatasetSource),
     Choose(Side, Vec<BurstSource>),
+    /// Asks for the shape of a file without header, which may be one of these.
+    AskShape(Side, BurstSource, Vec<PossibleShape>),
     Cut {
         paths: Vec<PathBuf>,
         frames: usize,

@@ -80,6 +80,9 @@ impl Model {
                 self.look_at_dataset(DatasetSource::of_bursts(paths), None, engine);
             }
             (JobError::Several(bursts), Side::B, _) if !is_restoring => return vec![Effect::Choose(Side::B, bursts)],
+            (JobError::NoShape(_, shapes), side, source) if !is_restoring => {
+                return vec![Effect::AskShape(side, source, shapes)];
+            }
             (JobError::Cancelled, Side::A, _) => self.messages.note("Opening cancelled"),
             (JobError::Cancelled, Side::B, _) => self.messages.note("Opening B cancelled"),
             (error, ..) => {

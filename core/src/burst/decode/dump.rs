@@ -1,9 +1,12 @@
 //! Files without header, whose shape the user says.
 
+use super::Ticker;
 use super::plain::Plain;
 use crate::burst::layout::Dump;
 use crate::burst::options::{Limits, OpenOptions};
 use crate::error::{Error, ErrorKind};
+use crate::monitor::Monitor;
+use crate::plane::Plane;
 use std::path::Path;
 
 const KIND: &str = "headerless";
@@ -28,6 +31,63 @@ fn without_shape(path: &Path, length: u64, limits: &Limits) -> Error {
     refused(path, "this file has no header that says its size".to_owned(), length, limits)
 }
 
+/// A shape that fills a file without header, with its first frame.
+#[derive(Debug, Clone)]
+pub struct LikelyShape {
+    /// The shape.
+    pub dump: Dump,
+    /// Number of frames that it gives.
+    pub frames: u64,
+    /// The first of them; its values are not calibrated.
+    pub first: Plane,
+    /// How much rows of it resemble the next ones, −1 to 1: near 0 where the width is wrong.
+    pub likeness: f32,
+}
+
+/// Shapes of usual sensors that fill the file at `path`, those first whose rows resemble one another most: of a wrong
+/// width neighbours in a column are no neighbours in the picture. No more than the first frames are read.
+///
+/// # Errors
+/// A file that cannot be read, or cancellation.
+pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<Vec<LikelyShape>, Error> {
+    let length = std::fs::metadata(path).map_err(|e| Error::from_read(path, KIND, &e))?.len();
+    let options = OpenOptions::default();
+    let mut shapes = Vec::new();
+    for (dump, frames) in Dump::likely(length, limits.max_frames as u64) {
+        let Dump { size, number, skip, .. } = dump;
+        let one = Plain::new(KIND, size, vec![skip], number);
+        let Some(frame) = one.stack(path, &options, &Ticker::new(monitor, 1))?.into_iter().next() else { continue };
+        let likeness = likeness_of_rows(&frame.plane);
+        shapes.push(LikelyShape { dump, frames, first: frame.plane, likeness });
+    }
+    shapes.sort_by(|a, b| b.likeness.total_cmp(&a.likeness));
+    Ok(shapes)
+}
+
+/// Correlation of each row with the next one over the whole frame, less that with a row that is far; −1 for values that
+/// no camera gives.
+fn likeness_of_rows(plane: &Plane) -> f32 {
+    let (width, height) = plane.size();
+    let sound = plane.data().iter().filter(|x| x.is_finite() && (x.abs() > 1e-20 || **x == 0.0)).count();
+    if height < 4 || 10 * sound < 9 * width * height {
+        return -1.0;
+    }
+    let correlation = |by: usize| {
+        let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+        for v in 0..height / 2 {
+            let (a, b) = (plane.row(v), plane.row(v + by));
+            let mean = |row: &[f32]| row.iter().map(|x| f64::from(*x)).sum::<f64>() / width as f64;
+            let (mean_a, mean_b) = (mean(a), mean(b));
+            for (x, y) in a.iter().zip(b) {
+                let (x, y) = (f64::from(*x) - mean_a, f64::from(*y) - mean_b);
+                (ab, aa, bb) = (ab + x * y, aa + x * x, bb + y * y);
+            }
+        }
+        if aa * bb > 0.0 { (ab / (aa * bb).sqrt()) as f32 } else { 0.0 }
+    };
+    correlation(1) - correlation(height / 2).max(0.0)
+}
+
 fn refused(path: &Path, problem: String, length: u64, limits: &Limits) -> Error {
     const FEW: usize = 6;
     let likely = Dump::likely(length, limits.max_frames as u64);
@@ -44,5 +104,39 @@ fn refused(path: &Path, problem: String, length: u64, limits: &Limits) -> Error 
         _ => format!("its {length} bytes would be {}", shapes.join(", ")),
     };
     let remedy = format!("say it with --raw WIDTHxHEIGHT:TYPE, such as --raw 1600x1200:u16le; {fitting}");
-    Error::new(ErrorKind::Unsupported, problem, remedy).about(path)
+    Error::new(ErrorKind::NoShape, problem, remedy).about(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frames of 320×240 u16 with a few soft lamps under noise, as bytes.
+    fn dark(frames: u32) -> Vec<u8> {
+        let value = |t: u32, u: u32, v: u32| {
+            let hash = (u + 320 * (v + 240 * t)).wrapping_mul(0x9E37_79B9) ^ 0x5bd1_e995;
+            let noise = (hash.wrapping_mul(0x85eb_ca6b) >> 22) as f32 / 8.0;
+            let light: f32 = [(60.0, 80.0), (200.0, 150.0), (260.0, 40.0)]
+                .map(|(x, y): (f32, f32)| 90.0 * (-((u as f32 - x).powi(2) + (v as f32 - y).powi(2)) / 300.0).exp())
+                .iter()
+                .sum();
+            (256.0 + noise + light) as u16
+        };
+        let frame = |t| (0..240).flat_map(move |v| (0..320).flat_map(move |u| value(t, u, v).to_le_bytes()));
+        (0..frames).flat_map(frame).collect()
+    }
+
+    #[test]
+    fn the_right_shape_of_a_dark_dump_comes_first() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("night.bin");
+        std::fs::write(&path, dark(20)).expect("written");
+        let shapes = likely_shapes(&path, &Limits::default(), &Monitor::default()).expect("read");
+        let names: Vec<String> = shapes.iter().map(|shape| format!("{} {}", shape.dump, shape.likeness)).collect();
+        assert!(shapes.len() > 3 && names[0].starts_with("320x240:u16le"), "{names:?}");
+        assert_eq!((shapes[0].frames, shapes[0].first.size()), (20, (320, 240)));
+        std::fs::write(&path, [7; 999]).expect("written");
+        assert!(likely_shapes(&path, &Limits::default(), &Monitor::default()).expect("read").is_empty());
+        assert!(likely_shapes(home.path().join("none").as_path(), &Limits::default(), &Monitor::default()).is_err());
+    }
 }

@@ -29,6 +29,7 @@ mod wire;
 mod y4m;
 
 pub use child::DecodeWorker;
+pub use dump::{LikelyShape, likely_shapes};
 pub(super) use look::{Rank, extensions, rank};
 pub use pixels::LUMA_WEIGHTS;
 pub use serve::serve_decoding;

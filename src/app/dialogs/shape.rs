@@ -1,0 +1,117 @@
+//! Question for the shape of a file without header: the first frame in each likely shape, or a shape that is typed.
+
+use crate::app::panel::widgets::{error_ui, named, weak_ui};
+use crate::app::project::side::Side;
+use crate::burst::Dump;
+use crate::inspect::words::counted;
+use crate::requests::{BurstSource, PossibleShape};
+use egui::{
+    Button, ColorImage, Context, Image, Key, Role, ScrollArea, TextEdit, TextureHandle, TextureOptions, Ui, vec2,
+};
+
+/// Pictures in a row.
+const COLUMNS: usize = 4;
+const CELL_POINTS: egui::Vec2 = vec2(150.0, 112.0);
+
+/// The dialog; closed while there is no source.
+#[derive(Default)]
+pub struct ShapeDialog {
+    asked: Option<(Side, BurstSource)>,
+    shapes: Vec<(PossibleShape, Option<TextureHandle>)>,
+    /// The shape that is chosen, as text that can be edited.
+    text: String,
+}
+
+impl ShapeDialog {
+    /// Asks for the shape of `source`. The first of `shapes` is taken to be the right one.
+    pub fn ask(&mut self, side: Side, source: BurstSource, shapes: Vec<PossibleShape>) {
+        self.text = shapes.first().map_or_else(String::new, |first| first.dump.to_string());
+        self.shapes = shapes.into_iter().map(|shape| (shape, None)).collect();
+        self.asked = Some((side, source));
+    }
+
+    pub fn is_open(&self) -> bool {
+        self.asked.is_some()
+    }
+
+    /// Draws the dialog, if it is open. Returns what is opened in which shape, once that was chosen.
+    pub fn ui(&mut self, ctx: &Context) -> Option<(Side, BurstSource, Dump)> {
+        let path = self.asked.as_ref()?.1.paths().first().cloned().unwrap_or_default();
+        let chosen: Result<Dump, String> = self.text.trim().parse();
+        let mut accepts = false;
+        let modal = egui::Modal::new(egui::Id::unique("shape of file")).show(ctx, |ui| {
+            ui.set_width(COLUMNS as f32 * (CELL_POINTS.x + 18.0));
+            ui.heading("Shape of a file without header");
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            weak_ui(ui, name).on_hover_text(path.display().to_string());
+            ui.add_space(6.0);
+            accepts |= self.pictures_ui(ui);
+            ui.add_space(6.0);
+            ui.horizontal(|ui| {
+                let label = ui
+                    .label("Shape")
+                    .on_hover_text("Columns, rows and type of the numbers, with the bytes before the first frame");
+                let field =
+                    TextEdit::singleline(&mut self.text).hint_text("1600x1200:u16le+BYTES").desired_width(220.0);
+                ui.add(field).labelled_by(label.id);
+            });
+            if let (Err(why), false) = (&chosen, self.text.trim().is_empty()) {
+                error_ui(ui, why);
+            }
+            ui.add_space(6.0);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let tip = "Open the file in this shape, and later files without header too";
+                accepts |= ui.add_enabled(chosen.is_ok(), Button::new("Open")).on_hover_text(tip).clicked()
+                    || ui.input(|i| i.key_pressed(Key::Enter));
+                if ui.button("Cancel").clicked() {
+                    ui.close();
+                }
+            });
+        });
+        if let (true, Ok(dump)) = (accepts, chosen) {
+            let (side, source) = std::mem::take(self).asked?;
+            return Some((side, source, dump));
+        }
+        if modal.should_close() {
+            *self = Self::default();
+        }
+        None
+    }
+
+    /// Returns whether a shape was chosen for good, by a double click.
+    fn pictures_ui(&mut self, ui: &mut Ui) -> bool {
+        let Self { shapes, text, .. } = self;
+        if shapes.is_empty() {
+            weak_ui(ui, "No usual size fills this file. Type the shape: it is in the recording program's settings.");
+            return false;
+        }
+        weak_ui(ui, "The first frame in each shape that fills the file, the most likely one first");
+        let mut accepts = false;
+        ScrollArea::vertical().max_height(2.6 * (CELL_POINTS.y + 30.0)).show(ui, |ui| {
+            egui::Grid::new("shapes").num_columns(COLUMNS).spacing([12.0, 8.0]).show(ui, |ui| {
+                for (place, (PossibleShape { dump, frames, picture }, texture)) in shapes.iter_mut().enumerate() {
+                    let name = dump.to_string();
+                    let texture = texture.get_or_insert_with(|| {
+                        let image = ColorImage::from_rgb(picture.size.into(), &picture.rgb);
+                        ui.ctx().load_texture(&name, image, TextureOptions::LINEAR)
+                    });
+                    ui.vertical(|ui| {
+                        let image = Image::new(&*texture).fit_to_exact_size(CELL_POINTS).maintain_aspect_ratio(true);
+                        let response = ui.add(Button::image(image).selected(*text == name));
+                        let said = format!("{name}, {}", counted(*frames as usize, "frame"));
+                        named(&response, Role::RadioButton, &said);
+                        ui.label(said);
+                        if response.clicked() {
+                            *text = name;
+                        }
+                        accepts |= response.double_clicked();
+                    });
+                    if (place + 1) % COLUMNS == 0 {
+                        ui.end_row();
+                    }
+                }
+            });
+        });
+        accepts
+    }
+}
