@@ -276,6 +276,8 @@ macro_rules! as_text {
 
 as_text!(Dump AxisChoice TimesChoice);
 
+pub(super) use as_text;
+
 #[cfg(test)]
 mod tests {
     use super::*;
