@@ -2,10 +2,11 @@
 
 use super::Burst;
 use super::decode::{FileScale, RawFrame, frame_of_plane};
+use super::layout::ViewsChoice;
 use super::masks::Masks;
 use super::open::{Measured, RawBurst, calibrated};
 use super::options::OpenOptions;
-use super::views::{ViewsChoice, placed};
+use super::views::placed;
 use crate::error::Error;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;

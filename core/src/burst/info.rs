@@ -2,13 +2,13 @@
 
 use super::Burst;
 use super::decode::{self, Header};
-use super::layout::TimesChoice;
+use super::layout::{TimesChoice, ViewsChoice};
 use super::options::OpenOptions;
 use super::positions::Positions;
 use super::source::only_burst;
 use super::stamps::{Timing, of_headers};
 use super::times::{Times, time_text};
-use super::views::{ViewsChoice, placed, size_of_view};
+use super::views::{placed, size_of_view};
 use crate::error::Error;
 use crate::monitor::Monitor;
 use serde::Serialize;

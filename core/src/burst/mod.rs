@@ -23,7 +23,7 @@ mod views;
 pub use arrays::{ArrayFrame, Arrays};
 pub use decode::{DecodeWorker, LUMA_WEIGHTS, serve_decoding};
 pub use info::Info;
-pub use layout::{Axis, AxisChoice, Dump, Mosaic, TimesChoice};
+pub use layout::{Axis, AxisChoice, Dump, Mosaic, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
 pub use positions::{Offset, Positions};
@@ -31,7 +31,6 @@ pub use source::{
     BurstFiles, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,
 };
-pub use views::{Tiling, ViewGrid, ViewsChoice};
 
 use crate::plane::Plane;
 use std::path::PathBuf;

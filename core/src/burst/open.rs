@@ -6,13 +6,14 @@
 
 use super::Burst;
 use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
+use super::layout::ViewsChoice;
 use super::masks::{Masks, told};
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
 use super::positions::Positions;
 use super::source::only_burst;
 use super::stamps::Timing;
-use super::views::{ViewsChoice, placed, views_of};
+use super::views::{placed, views_of};
 use crate::error::{Error, ErrorKind};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;

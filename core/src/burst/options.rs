@@ -4,8 +4,7 @@
 //! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
 //! cannot take the machine's memory.
 
-use super::layout::{AxisChoice, Dump, Mosaic, TimesChoice};
-use super::views::ViewsChoice;
+use super::layout::{AxisChoice, Dump, Mosaic, TimesChoice, ViewsChoice};
 use crate::error::{Error, ErrorKind};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};

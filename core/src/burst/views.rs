@@ -1,140 +1,20 @@
-//! Views of a light field as the frames of a burst: what says that frames are views, their places in the grid of views,
-//! and pictures that hold all views of a grid.
+//! Views of a light field as the frames of a burst: their places in the grid of views, by names or in order, and
+//! pictures that hold all views of a grid.
 //!
 //! Rows of views go downwards and columns to the right, as LFToolbox has them, and both directions have one baseline:
 //! a thing of disparity d is displaced by d to the right from a view to that of the next column, and by d downwards
 //! from a view to that of the next row.
 
 use super::decode::RawFrame;
-use super::layout::{TimesChoice, as_text};
+use super::layout::{MAX_SIDE, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use super::options::OpenOptions;
 use super::positions::Positions;
 use super::stamps::{Timing, base_name, stem};
 use crate::error::{Error, ErrorKind};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::fmt;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
-
-/// Numbers of rows and of columns of a grid of views.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub struct ViewGrid {
-    rows: usize,
-    columns: usize,
-}
-
-/// Largest number of rows and of columns of views.
-const MAX_SIDE: usize = 4096;
-
-impl ViewGrid {
-    /// Grid of `rows` × `columns` views; `None` unless both are 1 to 4096.
-    pub fn new(rows: usize, columns: usize) -> Option<Self> {
-        [rows, columns].iter().all(|side| (1..=MAX_SIDE).contains(side)).then_some(Self { rows, columns })
-    }
-
-    /// Number of rows.
-    pub fn rows(self) -> usize {
-        self.rows
-    }
-
-    /// Number of columns.
-    pub fn columns(self) -> usize {
-        self.columns
-    }
-
-    /// Number of views.
-    pub fn count(self) -> usize {
-        self.rows * self.columns
-    }
-
-    fn positions(self) -> Positions {
-        Positions::grid(self.rows, self.columns)
-    }
-}
-
-impl FromStr for ViewGrid {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (rows, columns) = text.split_once('x').unwrap_or_default();
-        let grid = rows.parse().ok().zip(columns.parse().ok()).and_then(|(rows, columns)| Self::new(rows, columns));
-        grid.ok_or_else(|| format!("'{text}' is not ROWSxCOLUMNS, such as 9x9"))
-    }
-}
-
-impl fmt::Display for ViewGrid {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}x{}", self.rows, self.columns)
-    }
-}
-
-/// Places of the pixels of all views in one picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tiling {
-    /// Views side by side, in rows and columns.
-    Tiled,
-    /// Views interleaved, as ESLF files of Lytro cameras have them: pixel (v·rows + t, u·columns + s) is pixel (v, u)
-    /// of the view in row t and column s.
-    Eslf,
-}
-
-const TILINGS: [(&str, Tiling); 2] = [("tiled", Tiling::Tiled), ("eslf", Tiling::Eslf)];
-
-/// Statement that frames are the views of a light field: `names`, `9x9`, `9x9:tiled` or `9x9:eslf`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub enum ViewsChoice {
-    /// Rows and columns in the names of the files, such as `view_03_07.png`.
-    Names,
-    /// Frames are a grid, row by row. A grid of one row is a burst.
-    Grid(ViewGrid),
-    /// All views of a grid are in one picture.
-    Picture(ViewGrid, Tiling),
-}
-
-impl ViewsChoice {
-    /// Grid and tiling of pictures that hold all views.
-    pub(super) fn picture(self) -> Option<(ViewGrid, Tiling)> {
-        if let Self::Picture(grid, tiling) = self { Some((grid, tiling)) } else { None }
-    }
-}
-
-impl FromStr for ViewsChoice {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let read = || match text.split_once(':') {
-            _ if text == "names" => Some(Self::Names),
-            None => text.parse().ok().map(Self::Grid),
-            Some((grid, name)) => {
-                let (_, tiling) = TILINGS.iter().find(|(own, _)| *own == name)?;
-                Some(Self::Picture(grid.parse().ok()?, *tiling))
-            }
-        };
-        read().ok_or_else(|| {
-            format!("'{text}' is neither names nor ROWSxCOLUMNS, such as 9x9, or 9x9:tiled or 9x9:eslf for one picture")
-        })
-    }
-}
-
-impl fmt::Display for ViewsChoice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Names => f.write_str("names"),
-            Self::Grid(grid) => grid.fmt(f),
-            Self::Picture(grid, tiling) => {
-                let name = TILINGS.iter().find(|(_, own)| own == tiling).map_or("", |found| found.0);
-                write!(f, "{grid}:{name}")
-            }
-        }
-    }
-}
-
-as_text!(ViewGrid ViewsChoice);
 
 /// Positions of the `frames` frames of `files`, which are one file each or all in one: of views, by the choice in
 /// `options`, the grid that the file `declares`, or LFToolbox's names; otherwise by times.
@@ -150,7 +30,10 @@ pub(super) fn placed(
     monitor: &Monitor,
 ) -> Result<Timing, Error> {
     let grid = |grid: ViewGrid, said: String| {
-        Ok::<_, Error>(Timing { positions: grid.positions(), said: (grid.rows > 1).then_some(said) })
+        Ok::<_, Error>(Timing {
+            positions: Positions::grid(grid.rows, grid.columns),
+            said: (grid.rows > 1).then_some(said),
+        })
     };
     let file = files.first().cloned().unwrap_or_default();
     let refused = |problem: String, remedy: &str| {
@@ -325,17 +208,6 @@ mod tests {
     use super::*;
     use crate::burst::decode::FileScale;
     use proptest::prelude::*;
-
-    #[test]
-    fn texts_are_read_and_written_and_nonsense_is_refused() {
-        for text in ["names", "9x9", "1x27", "14x14:eslf", "3x5:tiled"] {
-            assert_eq!(text.parse::<ViewsChoice>().map(|views| views.to_string()), Ok(text.to_owned()));
-        }
-        for bad in ["", "9", "0x9", "9x", "x9", "9x9:", "9x9:grid", "-1x3", "99999x2", "9x9x9", "names:tiled", "9X9"] {
-            assert!(bad.parse::<ViewsChoice>().is_err(), "{bad}");
-        }
-        assert_eq!("3x5".parse(), ViewGrid::new(3, 5).ok_or_else(String::new));
-    }
 
     fn placed_as(names: &[&str], options: &OpenOptions) -> Result<(Timing, Vec<String>), String> {
         let mut files: Vec<PathBuf> = names.iter().map(|name| Path::new("/lf").join(name)).collect();

@@ -33,10 +33,9 @@ pub(super) use look::{Rank, extensions, rank};
 pub use pixels::LUMA_WEIGHTS;
 pub use serve::serve_decoding;
 
-use super::layout::Mosaic;
+use super::layout::{Mosaic, ViewGrid, ViewsChoice};
 use super::options::{Encoding, Limits, OpenOptions};
 use super::times::Times;
-use super::views::{ViewGrid, ViewsChoice};
 use crate::error::Error;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;

@@ -7,10 +7,9 @@
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use super::plain::{Index, Plain};
-use crate::burst::layout::{Axis, AxisChoice};
+use crate::burst::layout::{Axis, AxisChoice, ViewGrid, ViewsChoice};
 use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
-use crate::burst::views::{ViewGrid, ViewsChoice};
 use crate::error::{Error, ErrorKind};
 use std::io::Read;
 use std::path::Path;

@@ -3,11 +3,10 @@
 
 use super::{Expected, FileScale, Header, RawFrame, Ticker, frame_of_plane, in_order};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
-use crate::burst::layout::Mosaic;
+use crate::burst::layout::{Mosaic, ViewGrid};
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::times::Times;
-use crate::burst::views::ViewGrid;
 use crate::error::Error;
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
