@@ -265,15 +265,15 @@ impl Positions {
 
     /// Times from the first frame on, frame intervals: 0, 1, 2, … for even ones. Columns of views.
     pub fn since_first(&self) -> Vec<f64> {
-        self.from_first().map(|offset| offset.u).collect()
+        self.places().map(|offset| offset.u).collect()
     }
 
     /// Places (column, row) of views from the first one on; empty for frames of a burst.
     pub fn views(&self) -> Vec<[f64; 2]> {
-        if self.are_views() { self.from_first().map(|offset| [offset.u, offset.v]).collect() } else { Vec::new() }
+        if self.are_views() { self.places().map(|offset| [offset.u, offset.v]).collect() } else { Vec::new() }
     }
 
-    fn from_first(&self) -> impl Iterator<Item = Offset> {
+    fn places(&self) -> impl Iterator<Item = Offset> {
         let first = self.offsets.first().copied().unwrap_or_default();
         self.offsets.iter().map(move |offset| *offset - first)
     }

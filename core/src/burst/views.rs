@@ -113,7 +113,7 @@ fn pairs(name: &str) -> Vec<(usize, [usize; 2], usize)> {
 /// which all names differ.
 ///
 /// # Errors
-/// What is wrong, where there is none.
+/// The first name without one, and what would be right.
 fn in_names(names: &[String]) -> Result<Named, String> {
     let all: Vec<Vec<(usize, [usize; 2], usize)>> = names.iter().map(|name| pairs(stem(name))).collect();
     let count = all.iter().map(Vec::len).min().unwrap_or(0);

@@ -55,9 +55,9 @@ pub fn looked_at_views(offsets: &[Offset<f32>], pixels: usize) -> (Vec<usize>, V
     let mut free = vec![true; offsets.len()];
     let mut triples: Vec<[usize; 3]> = Vec::new();
     for step in [Offset { u: 1.0, v: 0.0 }, Offset { u: 0.0, v: 1.0 }] {
-        for middle in 0..offsets.len() {
-            let back = at(offsets[middle] - step);
-            let on = at(Offset { u: offsets[middle].u + step.u, v: offsets[middle].v + step.v });
+        for (middle, place) in offsets.iter().enumerate() {
+            let back = at(*place - step);
+            let on = at(Offset { u: place.u + step.u, v: place.v + step.v });
             let triple = back.zip(on).map(|(back, on)| [back, middle, on]);
             if let Some(triple) = triple.filter(|triple| triple.iter().all(|view| free[*view])) {
                 triple.iter().for_each(|view| free[*view] = false);

@@ -9,17 +9,20 @@ pub(super) const MAX_LAG: usize = 12;
 /// Largest number of frames between those of pairs whose products are kept one by one.
 const MAX_NEAR: usize = 6;
 
+/// Frames s and t, s before t.
+type Pairs = Vec<(usize, usize)>;
+
 /// Pairs of frames by their lag: the whole number of frame intervals that is nearest to their distance in time.
 pub(super) struct Lags {
     /// Number of frames.
     pub frames: usize,
     /// Pairs of lag 1, 2, …; pairs of frames closer than half an interval, and those too far apart, are in none.
-    pub by_lag: Vec<Vec<(usize, usize)>>,
+    pub by_lag: Vec<Pairs>,
     /// Mean distance of the pairs of each lag; the lag itself where it has no pair.
     pub distances: Vec<Offset>,
     /// Pairs of frames that follow one another, t and t + 1, and then those with more and more frames between them;
     /// none of views, which follow no time.
-    pub near: Vec<(usize, usize)>,
+    pub near: Pairs,
 }
 
 impl Lags {
@@ -29,7 +32,7 @@ impl Lags {
 
     /// Pairs of views by their distance in columns and rows: of one row or one column first, and of those the nearest.
     fn of_views(positions: &Positions) -> Self {
-        let mut by_distance: BTreeMap<[i64; 2], Vec<(usize, usize)>> = BTreeMap::new();
+        let mut by_distance: BTreeMap<[i64; 2], Pairs> = BTreeMap::new();
         for pair in pairs_of(positions.len()) {
             let apart = positions.offset(pair.1) - positions.offset(pair.0);
             let [u, v] = [apart.u, apart.v].map(|x| x.round() as i64);
@@ -37,12 +40,12 @@ impl Lags {
                 by_distance.entry([u, v]).or_default().push(pair);
             }
         }
-        let mut lags: Vec<([i64; 2], Vec<(usize, usize)>)> = by_distance.into_iter().collect();
+        let mut lags: Vec<([i64; 2], Pairs)> = by_distance.into_iter().collect();
         let square = |[u, v]: [i64; 2]| u * u + v * v;
         lags.sort_by_key(|([u, v], _)| (u * v != 0, square([*u, *v]), *v));
         lags.truncate(MAX_LAG);
         lags.sort_by_key(|(apart, _)| square(*apart));
-        let distance = |([u, v], _): &([i64; 2], _)| Offset { u: *u as f64, v: *v as f64 };
+        let distance = |([u, v], _): &([i64; 2], Pairs)| Offset { u: *u as f64, v: *v as f64 };
         let distances = lags.iter().map(distance).collect();
         let pairs = lags.into_iter().map(|(_, pairs)| pairs).collect();
         Self { frames: positions.len(), by_lag: pairs, distances, near: Vec::new() }
@@ -59,7 +62,7 @@ impl Lags {
                 pairs[lag as usize - 1].push(pair);
             }
         }
-        let distance = |(of, lag): (&Vec<(usize, usize)>, usize)| match of.len() {
+        let distance = |(of, lag): (&Pairs, usize)| match of.len() {
             0 => lag as f64,
             n => of.iter().map(|pair| apart(*pair)).sum::<f64>() / n as f64,
         };
