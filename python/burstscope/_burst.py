@@ -66,6 +66,9 @@ class Burst:
     times : sequence of N numbers, optional
         When the frames were taken, in any unit, rising. Then `frame_interval` and `Detection.velocity` are known. Uneven
         times, as of frames that were dropped, are those at which things are searched; slopes are per frame interval.
+    views : str, optional
+        Rows and columns of the views of a light field, such as ``"9x9"``, whose frames these are, row by row. An array
+        [rows, columns, H, W] is one without.
     bias : array [H, W] or [N, H, W], optional
         Bias frame or frames, which are averaged: subtracted, in the frames' unit.
     flat : array [H, W] or [N, H, W], optional
@@ -102,6 +105,7 @@ class Burst:
         frames: Union[ArrayLike, Sequence[ArrayLike]],
         *,
         times: Sequence[float] | NDArray[Any] | None = None,
+        views: str | None = None,
         bias: ArrayLike | None = None,
         flat: ArrayLike | None = None,
         mask: ArrayLike | None = None,
@@ -110,12 +114,18 @@ class Burst:
         black_level: float | None = None,
         name: str = "burst",
     ) -> None:
+        if getattr(frames, "ndim", 0) == 4 and frames.shape[-1] > 4:  # type: ignore[union-attr]
+            rows, columns, *size = frames.shape  # type: ignore[union-attr]
+            views, frames = views or f"{rows}x{columns}", np.reshape(frames, (-1, *size))
         arrays = _frames("frames", frames)
+        if times is not None and views is not None:
+            raise ValueError("views: the views of a light field have no times; leave out either")
         self._times = None if times is None else _rising(times, len(arrays))
         self._raw = _burstscope.RawBurst.of_arrays(
             needed("name", name, str, "give words"),
             arrays,
             None if self._times is None or _are_even(self._times) else self._times.tolist(),
+            None if views is None else needed("views", views, str, "give ROWSxCOLUMNS"),
             [] if bias is None else _frames("bias", bias),
             [] if flat is None else _frames("flat", flat),
             [] if mask is None else _frames("mask", _of_numbers(mask)),
@@ -164,6 +174,11 @@ class Burst:
     def seen(self) -> NDArray[np.float32]:
         """All frames as a new array [N, H, W], as `frames`, with NaN where they are masked."""
         return np.stack([self._raw.seen(t) for t in range(len(self))])
+
+    @property
+    def views(self) -> tuple[int, int] | None:
+        """Rows and columns of the views of a light field; None for frames in time."""
+        return self._raw.views
 
     @property
     def times(self) -> NDArray[np.float64] | None:
@@ -289,6 +304,7 @@ def open(
     array: str | None = None,
     topic: str | None = None,
     times: str | os.PathLike[str] | None = None,
+    views: str | None = None,
     progress: Progress = None,
 ) -> Burst:
     """Opens a burst from files, as the window and the commands do.
@@ -329,6 +345,9 @@ def open(
         Times of the frames: a list in a file, ``"names"`` for stamps in the names of files, ``"header"`` for times that
         the files hold (EXIF, FITS, SER, bags), ``"found"`` for those in which the images move uniformly. Without, frames are
         even.
+    views : str, optional
+        Frames are views of a light field: ``"9x9"`` (rows, columns), ``"9x9:tiled"`` or ``"9x9:eslf"`` for one picture of
+        all, ``"names"`` for rows and columns in the names of files, which usual names of a grid need not say.
     progress : callable, False or None
         See `burstscope.detect`.
 
@@ -354,7 +373,7 @@ def open(
         "mask_saturated": bool(mask_saturated),
         "raw_colour": needed("raw_colour", raw_colour, str, "give luma, green, red or blue"),
     }
-    for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array, "topic": topic}.items():
+    for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array, "topic": topic, "views": views}.items():
         calibration[name] = None if word is None else needed(name, word, str, "see the documentation")
     calibration["times"] = None if times is None else path("times", times)
     with shown(progress) as tell:

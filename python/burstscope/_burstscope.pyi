@@ -25,6 +25,7 @@ class RawBurst:
         name: str,
         frames: Sequence[NDArray[Any]],
         times: Sequence[float] | None,
+        views: str | None,
         bias: Sequence[NDArray[Any]],
         flat: Sequence[NDArray[Any]],
         mask: Sequence[NDArray[Any]],
@@ -39,6 +40,8 @@ class RawBurst:
     def frame_names(self) -> list[str]: ...
     @property
     def shape(self) -> tuple[int, int, int]: ...
+    @property
+    def views(self) -> tuple[int, int] | None: ...
     @property
     def full_scale(self) -> float: ...
     @property

@@ -216,6 +216,9 @@ class ChartKeywords(TypedDict, total=False):
     jitter : float
         Largest distance of a frame from its even time, frame intervals; the first and the last frame keep
         theirs [default: 0]
+    views : str or float
+        Rows and columns of the views of a light field, such as 9x9, in the place of frames in time; the slope
+        is the disparity between neighbouring views
     motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     max_slope : float
@@ -247,6 +250,7 @@ class ChartKeywords(TypedDict, total=False):
     frames: int
     drop: Union[int, Sequence[int]]
     jitter: float
+    views: Union[str, float]
     motion: Literal["1d", "2d"]
     max_slope: float
     snr: float
@@ -275,6 +279,9 @@ class SceneKeywords(TypedDict, total=False):
     jitter : float
         Largest distance of a frame from its even time, frame intervals; the first and the last frame keep
         theirs [default: 0]
+    views : str or float
+        Rows and columns of the views of a light field, such as 9x9, in the place of frames in time; the slope
+        is the disparity between neighbouring views
     motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     max_slope : float
@@ -302,6 +309,7 @@ class SceneKeywords(TypedDict, total=False):
     frames: int
     drop: Union[int, Sequence[int]]
     jitter: float
+    views: Union[str, float]
     motion: Literal["1d", "2d"]
     max_slope: float
     snr: float
@@ -424,6 +432,11 @@ class NoisyKeywords(TypedDict, total=False):
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, found for those in which
         the images move uniformly, even for none [default: even]
+    views : str or float
+        Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
+        picture that holds all views side by side or interleaved; names for rows and columns in the names of the
+        files (view_03_07.png, which needs no option where all of a grid are there). 1xN takes them as frames in
+        time
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -451,6 +464,7 @@ class NoisyKeywords(TypedDict, total=False):
     array: Union[str, float]
     topic: Union[str, float]
     times: Union[str, float]
+    views: Union[str, float]
     threads: Union[str, float]
     memory: str
 
@@ -463,6 +477,8 @@ class EvaluateChartKeywords(TypedDict, total=False):
     snr : float or Sequence[float]
         Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise [default:
         0.2,0.35,0.6]
+    views : str or float
+        Rows and columns of the views of a light field, such as 9x9, in the place of the ten frames of a chart
     methods : str or float or Sequence[Union[str, float]]
         Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean
         of all frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes
@@ -565,6 +581,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     """
 
     snr: Union[float, Sequence[float]]
+    views: Union[str, float]
     methods: Union[Union[str, float], Sequence[Union[str, float]]]
     ranking: Union[str, float]
     false_fraction: float
@@ -749,6 +766,11 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, found for those in which
         the images move uniformly, even for none [default: even]
+    views : str or float
+        Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
+        picture that holds all views side by side or interleaved; names for rows and columns in the names of the
+        files (view_03_07.png, which needs no option where all of a grid are there). 1xN takes them as frames in
+        time
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -809,6 +831,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     array: Union[str, float]
     topic: Union[str, float]
     times: Union[str, float]
+    views: Union[str, float]
     threads: Union[str, float]
     memory: str
 
@@ -1271,6 +1294,11 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, found for those in which
         the images move uniformly, even for none [default: even]
+    views : str or float
+        Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
+        picture that holds all views side by side or interleaved; names for rows and columns in the names of the
+        files (view_03_07.png, which needs no option where all of a grid are there). 1xN takes them as frames in
+        time
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
@@ -1337,6 +1365,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     array: Union[str, float]
     topic: Union[str, float]
     times: Union[str, float]
+    views: Union[str, float]
     threads: Union[str, float]
     memory: str
 

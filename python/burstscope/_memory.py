@@ -24,14 +24,17 @@ if TYPE_CHECKING:
     from burstscope._burst import Burst
 
 
-def times_file(burst: Burst, folder: Path) -> Path | None:
-    """A list of the times of uneven frames, in a folder; None for even ones."""
+def placing(burst: Burst, folder: Path) -> dict[str, str]:
+    """The keyword that gives frames their places: a list of the times of uneven ones, in a folder, or the grid of views."""
+    if burst.views is not None:
+        rows, columns = burst.views
+        return {"views": f"{rows}x{columns}"}
     positions, interval_s = burst._raw.positions()
     if positions == list(range(len(positions))):
-        return None
+        return {}
     file = folder / "times.txt"
     file.write_text("".join(f"{position * (interval_s or 1)!r}\n" for position in positions), encoding="utf-8")
-    return file
+    return {"times": str(file)}
 
 
 @contextmanager
@@ -46,8 +49,7 @@ def _handed_over(burst: Burst) -> Iterator[tuple[Path, dict[str, Any]]]:
         else:
             frames = Path(folder) / f"{safe[:80]}.npy"
             np.save(frames, burst.seen)
-            times = times_file(burst, Path(folder))
-            yield frames, {"full_scale": 1} if times is None else {"full_scale": 1, "times": times}
+            yield frames, {"full_scale": 1, **placing(burst, Path(folder))}
 
 
 @documented(RecoverKeywords)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from burstscope._memory import times_file
+from burstscope._memory import placing
 
 if TYPE_CHECKING:
     from burstscope._burst import Burst
@@ -75,8 +75,7 @@ def hand_over(folder: Path, burst: Burst, detection: Detection | None) -> Path:
         "[document.calibration]",
         "full_scale = 1.0",
     ]
-    times = times_file(burst, folder)
-    lines += [] if times is None else [f"times = {_word(str(times))}"]
+    lines += [f"{name} = {_word(value)}" for name, value in placing(burst, folder).items()]
     if detection is not None:
         features = detection.save(folder / "features.csv")
         lines += ["[document.comparisons.a]", 'with = "file"', f"file = {_word(str(features))}"]

@@ -3,7 +3,7 @@
 use crate::lent::LentArray;
 use crate::work::run;
 use burstscope::burst::{
-    ArrayFrame, Arrays, AxisChoice, Burst, Dump, Mosaic, OpenOptions, Positions, RawColour, TimesChoice,
+    ArrayFrame, Arrays, AxisChoice, Burst, Dump, Mosaic, OpenOptions, Positions, RawColour, TimesChoice, ViewsChoice,
 };
 use burstscope::cli::Failure;
 use burstscope::plane::Plane;
@@ -53,6 +53,8 @@ pub(crate) struct Calibration {
     topic: Option<String>,
     #[pyo3(item)]
     times: Option<String>,
+    #[pyo3(item)]
+    views: Option<String>,
 }
 
 impl Calibration {
@@ -86,15 +88,29 @@ impl Calibration {
             array: self.array,
             topic: self.topic,
             times: times.transpose()?,
+            views: views_choice(self.views)?,
             ..OpenOptions::default()
         })
     }
 }
 
+fn views_choice(views: Option<String>) -> PyResult<Option<ViewsChoice>> {
+    let read = |views: String| views.parse().map_err(|e| PyValueError::new_err(format!("views: {e}")));
+    views.map(read).transpose()
+}
+
 /// Name, names of the frames, full scale, quantisation step, suggested full scale, encoding, binning, notes, sources,
-/// and the positions of uneven frames with the frame interval.
-type About =
-    (String, Vec<String>, (f32, f32, Option<f32>), String, usize, Vec<String>, Vec<PathBuf>, (Vec<f64>, Option<f64>));
+/// and the positions of uneven frames, or places of views, with the frame interval.
+type About = (
+    String,
+    Vec<String>,
+    (f32, f32, Option<f32>),
+    String,
+    usize,
+    Vec<String>,
+    Vec<PathBuf>,
+    (Vec<f64>, Vec<[f64; 2]>, Option<f64>),
+);
 
 impl RawBurst {
     /// Adds a note where the values are floats above 1, whose full scale nobody named.
@@ -131,13 +147,14 @@ impl RawBurst {
             .map(|burst| Self { burst }.with_note_of_scale(is_given))
     }
 
-    /// Makes a burst of arrays [H, W], one a frame, at `times` of any unit, which increase.
+    /// Makes a burst of arrays [H, W], one a frame, at `times` of any unit, which increase, or of `views` in a grid.
     #[staticmethod]
     fn of_arrays(
         py: Python<'_>,
         name: String,
         frames: Vec<Bound<'_, PyAny>>,
         times: Option<Vec<f64>>,
+        views: Option<String>,
         bias: Vec<Bound<'_, PyAny>>,
         flat: Vec<Bound<'_, PyAny>>,
         mask: Vec<Bound<'_, PyAny>>,
@@ -147,7 +164,8 @@ impl RawBurst {
     ) -> PyResult<Self> {
         let all = |arrays: &[Bound<'_, PyAny>]| arrays.iter().map(array_frame).collect::<PyResult<Vec<_>>>();
         let arrays = Arrays { frames: all(&frames)?, bias: all(&bias)?, flat: all(&flat)?, mask: all(&mask)? };
-        let options = OpenOptions { full_scale, black_level, mask_saturated, ..OpenOptions::default() };
+        let views = views_choice(views)?;
+        let options = OpenOptions { full_scale, black_level, mask_saturated, views, ..OpenOptions::default() };
         let mut burst =
             run(py, None, move |monitor| Burst::from_arrays(name, arrays, &options, monitor).map_err(Failure::from))?;
         if let Some(times) = times {
@@ -171,7 +189,7 @@ impl RawBurst {
             burst.binning,
             notes,
             burst.sources.clone(),
-            (burst.positions.list(), burst.positions.interval_s()),
+            (burst.positions.list(), burst.positions.views(), burst.positions.interval_s()),
         )
     }
 
@@ -191,10 +209,10 @@ impl RawBurst {
             binning,
             taken,
             sources,
-            (positions, interval_s),
+            (times, views, interval_s),
         ) = about;
-        let uneven = Positions::new(&positions).filter(|uneven| uneven.len() == frames.len());
-        let positions = uneven.unwrap_or_else(|| Positions::even(frames.len())).with_interval(interval_s);
+        let positions = Positions::of_lists(frames.len(), &times, &views);
+        let positions = positions.unwrap_or_else(|| Positions::even(frames.len())).with_interval(interval_s);
         let encoding = serde_json::from_value(encoding.into()).unwrap_or_default();
         let burst = Burst {
             name,
@@ -211,6 +229,12 @@ impl RawBurst {
             sources,
         };
         Ok(Self { burst })
+    }
+
+    /// Rows and columns of the grid that the views of a light field fill.
+    #[getter]
+    fn views(&self) -> Option<(usize, usize)> {
+        self.burst.positions.rows_and_columns()
     }
 
     /// Positions of the frames from the first, frame intervals, and the interval in seconds, where it is known.

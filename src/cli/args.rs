@@ -3,7 +3,7 @@
 
 use super::choices::{COMBINES, MOSAICS, RAW_COLOURS, words};
 use super::search_options::SearchArgs;
-use crate::burst::{AxisChoice, Dump, Mosaic, OpenOptions, RawColour, TimesChoice};
+use crate::burst::{AxisChoice, Dump, Mosaic, OpenOptions, RawColour, TimesChoice, ViewsChoice};
 use crate::detector::params::doc;
 use crate::detector::{Combine, FrameRange, Slope, memory};
 use crate::export::ExportFormat;
@@ -11,7 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], .npz, FITS, SER, Y4M, film (with ffmpeg), ROS bag or MCAP, file without header (--raw), 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-crossing', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
+pub(super) const INPUT_HELP: &str = "Folder of frames, folder of such folders, image files, raw files (DNG), multi-page TIFF, .npy stack [N,H,W], .npz, FITS, SER, Y4M, film (with ffmpeg), ROS bag or MCAP, file without header (--raw), 'demo', 'demo-later', or one of the examples 'demo-depths', 'demo-views', 'demo-crossing', 'demo-street', 'demo-street-later', 'demo-aliasing', 'demo-low-contrast', 'demo-tripod', 'demo-hot-pixels'";
 
 /// How long sequences of frames are cut into bursts.
 #[derive(Debug, Clone, Copy, Default, Args)]
@@ -60,6 +60,7 @@ JSON (--json):
   {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},
    \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"full_scale\", \"encoding\": linear or srgb,
      \"positions\": [frame intervals from the first frame] and \"interval_s\" where --times gives others than even ones,
+     \"views\": [[column, row] from the first view] of a light field,
      \"binning\", \"suggested_full_scale\" where 16-bit files look like 10, 12 or 14 bits,
      \"damaged_frames\": [name] where --accept-damaged took some, \"features\",
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
@@ -224,6 +225,11 @@ pub struct CalibrationArgs {
     /// uniformly, even for none [default: even].
     #[arg(long, value_name = "FILE|names|header|found|even")]
     pub times: Option<TimesChoice>,
+    /// Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one picture that
+    /// holds all views side by side or interleaved; names for rows and columns in the names of the files
+    /// (view_03_07.png, which needs no option where all of a grid are there). 1xN takes them as frames in time.
+    #[arg(long, value_name = "ROWSxCOLUMNS[:tiled|:eslf]|names")]
+    pub views: Option<ViewsChoice>,
 }
 
 impl CalibrationArgs {
@@ -244,6 +250,7 @@ impl CalibrationArgs {
             array: self.array.clone(),
             topic: self.topic.clone(),
             times: self.times.clone(),
+            views: self.views,
             ..OpenOptions::default()
         }
     }

@@ -53,8 +53,8 @@ pub struct Cli {
     #[command(flatten)]
     pub sequence: SequenceArgs,
     /// Begin a lesson: one of out-of-the-dark, slope-is-depth, the-aperture, blobs-at-every-scale, what-noise-does,
-    /// what-a-burst-costs, ghosts, when-it-fails, from-features-to-cameras, or a lesson's file (or a folder of them,
-    /// whose first is begun).
+    /// what-a-burst-costs, ghosts, when-it-fails, from-features-to-cameras, from-light-fields-to-bursts, or a
+    /// lesson's file (or a folder of them, whose first is begun).
     #[cfg(feature = "app")]
     #[arg(long, value_name = "NAME", conflicts_with = "inputs")]
     pub lesson: Option<PathBuf>,

@@ -205,6 +205,7 @@ mod tests {
             array: Some("left eye".to_owned()),
             topic: Some("/left/image_raw".to_owned()),
             times: "logs/rgb.txt".parse().ok(),
+            views: "9x9:eslf".parse().ok(),
             ..OpenOptions::default()
         };
         for params in cases {

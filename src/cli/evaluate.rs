@@ -30,7 +30,8 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         check_plot(path)?;
     }
-    let study = chart_study(&args.charts, &args.compared, &args.search, args.snr.clone())?;
+    let mut study = chart_study(&args.charts, &args.compared, &args.search, args.snr.clone())?;
+    study.chart.uneven.views = args.views;
     let console = Console::new(&args.output)?;
     let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
     args.plot.iter().try_for_each(|path| rules.check(path))?;

@@ -6,6 +6,7 @@ use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
 use super::search_options::SearchArgs;
+use crate::burst::ViewGrid;
 use crate::evaluate::NoiseStudy;
 use crate::synth::NoiseCase;
 use clap::{Args, Subcommand};
@@ -49,6 +50,9 @@ pub struct EvaluateChartArgs {
     /// Signal-to-noise ratios of one pixel in one frame, separated by commas; 'inf' makes no noise.
     #[arg(long, value_name = "RATIO,…", value_delimiter = ',', default_value = "0.2,0.35,0.6")]
     pub snr: Vec<f64>,
+    /// Rows and columns of the views of a light field, such as 9x9, in the place of the ten frames of a chart.
+    #[arg(long, value_name = "ROWSxCOLUMNS")]
+    pub views: Option<ViewGrid>,
     #[command(flatten)]
     pub compared: ComparedArgs,
     /// Draw the curves of true against false features, one panel a ratio, as an SVG figure.

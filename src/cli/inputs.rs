@@ -204,6 +204,7 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
         ("array", options.array.is_some()),
         ("topic", options.topic.is_some()),
         ("times", options.times.is_some()),
+        ("views", options.views.is_some()),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) if inputs.iter().any(Input::is_built_in) => {

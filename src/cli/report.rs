@@ -37,6 +37,9 @@ pub(super) struct BurstReport {
     /// Position of each frame from the first one, frame intervals; absent for even ones.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     positions: Vec<f64>,
+    /// Column and row of each view of a light field from the first one; absent for frames in time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    views: Vec<[f64; 2]>,
     /// Seconds of a frame interval; absent where they are not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     interval_s: Option<f64>,
@@ -154,6 +157,7 @@ impl BurstReport {
             frames: burst.len(),
             frames_used: [detection.frames_used.start, detection.frames_used.end],
             positions: burst.positions.list(),
+            views: burst.positions.views(),
             interval_s: burst.positions.interval_s(),
             rate: burst.positions.rate_text(),
             width: burst.size().0,

@@ -133,8 +133,7 @@ pub enum SynthKind {
     Trajectory(TrajectoryArgs),
 }
 
-const OUT_HELP: &str =
-    "Folder to make, for frame_000.png … (16 bit) and truth.json; an earlier synthetic burst in it is replaced";
+const OUT_HELP: &str = "Folder to make, for frame_000.png … or view_00_00.png … (16 bit) and truth.json; an earlier synthetic burst in it is replaced";
 /// Discs on an even background, each with its own slope.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]

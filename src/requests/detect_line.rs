@@ -40,6 +40,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         array,
         topic,
         times,
+        views,
         limits: _,
     } = calibration;
     let path = |path: &Option<PathBuf>| path.as_ref().map(|path| Some(path.display().to_string()));
@@ -61,6 +62,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         ("array", array.clone().map(Some)),
         ("topic", topic.clone().map(Some)),
         ("times", times.as_ref().map(|times| Some(times.to_string()))),
+        ("views", views.map(|views| Some(views.to_string()))),
     ];
     all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
 }

@@ -201,7 +201,8 @@ const TEXTS: &[(&str, &str)] = texts![
     "what-a-burst-costs",
     "ghosts",
     "when-it-fails",
-    "from-features-to-cameras"
+    "from-features-to-cameras",
+    "from-light-fields-to-bursts"
 ];
 
 /// Built-in lessons, in teaching order.

@@ -43,6 +43,48 @@ fn a_chart_opens_again_with_the_very_same_values() {
 }
 
 #[test]
+fn a_light_field_opens_again_by_its_names_with_its_truth() {
+    let home = tempfile::tempdir().expect("a folder");
+    let arguments = [
+        "synth",
+        "chart",
+        "--out",
+        "field",
+        "--width",
+        "240",
+        "--height",
+        "200",
+        "--discs",
+        "8",
+        "--radius",
+        "4:9",
+        "--views",
+        "5x4",
+        "--max-slope",
+        "1.5",
+        "--snr",
+        "2",
+    ];
+    run_well(home.path(), &arguments);
+    let folder = home.path().join("field");
+    assert!(folder.join("view_04_03.png").is_file() && !folder.join("times.csv").exists());
+    let known = truth(&folder);
+    assert_eq!((known.frames, known.views[19]), (20, [3.0, 4.0]));
+    let text = run_well(home.path(), &["info", "field"]);
+    assert!(text.contains("views   5 rows × 4 columns"), "{text}");
+    run_well(home.path(), &["detect", "field", "--out", "found"]);
+    let rows = super::support::features(&home.path().join("found/field.csv"));
+    let found = known.features.iter().filter(|disc| {
+        rows.iter().any(|row| {
+            (row[0] - disc.u).hypot(row[1] - disc.v) < 1.0 && (row[4] - disc.slope_u).abs() < 0.1 && row[5] == 0.0
+        })
+    });
+    assert!(found.count() >= 7, "{rows:?}");
+    let badly = run_badly(home.path(), &["synth", "chart", "--views", "5x4", "--drop", "1", "--out", "odd"], 2);
+    assert!(badly.contains("views: the views of a light field have no times"), "{badly}");
+}
+
+#[test]
 fn the_features_of_a_chart_are_its_discs() {
     let home = tempfile::tempdir().expect("a folder");
     run_well(

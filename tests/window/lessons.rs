@@ -20,7 +20,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
 
 /// Step of each lesson that its picture shows, from 1.
-const KEY_STEPS: [(&str, usize); 9] = [
+const KEY_STEPS: [(&str, usize); 10] = [
     ("out-of-the-dark", 5),
     ("slope-is-depth", 4),
     ("the-aperture", 4),
@@ -30,6 +30,7 @@ const KEY_STEPS: [(&str, usize); 9] = [
     ("ghosts", 5),
     ("when-it-fails", 3),
     ("from-features-to-cameras", 10),
+    ("from-light-fields-to-bursts", 3),
 ];
 
 /// A small screen and that of a projector.
@@ -354,6 +355,11 @@ fn blobs_at_every_scale_is_played() {
 #[test]
 fn what_noise_does_is_played() {
     play("what-noise-does");
+}
+
+#[test]
+fn from_light_fields_to_bursts_is_played() {
+    play("from-light-fields-to-bursts");
 }
 
 #[test]

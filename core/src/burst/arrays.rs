@@ -2,9 +2,11 @@
 
 use super::Burst;
 use super::decode::{FileScale, RawFrame, frame_of_plane};
+use super::layout::ViewsChoice;
 use super::masks::Masks;
 use super::open::{Measured, RawBurst, calibrated};
 use super::options::OpenOptions;
+use super::views::placed;
 use crate::error::Error;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
@@ -71,7 +73,7 @@ pub struct Arrays {
 impl Burst {
     /// Makes a burst of arrays: the bits that `.npy` files of them give ([`Burst::open_with`]); in error messages they
     /// are named `frames`, `bias`, `flat` and `mask`. Floats that need no conversion are not copied. Of the options,
-    /// those about levels, saturation and limits count.
+    /// those about levels, saturation, a grid of views and limits count.
     pub fn from_arrays(
         name: impl Into<String>,
         arrays: Arrays,
@@ -83,13 +85,15 @@ impl Burst {
         let frames = decoded("frames", arrays.frames, options)?.ok_or_else(Error::nothing_given)?;
         let calibration = [decoded("bias", arrays.bias, options)?, decoded("flat", arrays.flat, options)?];
         let count = frames.frames.len();
+        let views = options.views.filter(|views| matches!(views, ViewsChoice::Grid(_)));
+        let of_grid = OpenOptions { views, ..OpenOptions::default() };
         let raw = RawBurst {
             name: name.into(),
             frame_names: (0..count).map(|t| format!("frame {t}")).collect(),
             origins: (0..count).map(|t| (frames.path.clone(), t)).collect(),
             frames: frames.frames,
             taken: Vec::new(),
-            positions: super::Positions::even(count),
+            positions: placed(&mut [frames.path.clone()], (count, None), &of_grid, monitor)?.positions,
         };
         let mask = decoded("mask", arrays.mask, options)?.map_or_else(Vec::new, |mask| mask.frames);
         let masks = Masks::of_frames(&mask, (count, raw.size()), options, Path::new("mask"))?;

@@ -26,6 +26,11 @@ impl Error {
         Self::new(ErrorKind::Request, problem, "open it alone").about(path)
     }
 
+    pub(super) fn views_of_stack(path: &Path, frames: usize) -> Self {
+        let problem = format!("views: this file holds {frames} pictures, and all views are to be in one");
+        Self::new(ErrorKind::Mismatch, problem, "give ROWSxCOLUMNS alone where each is a view").about(path)
+    }
+
     pub(super) fn damaged(path: &Path, problem: impl Into<String>) -> Self {
         Self::new(ErrorKind::Damaged, problem, "copy it again or remove it").about(path)
     }

@@ -2,12 +2,13 @@
 
 use super::Burst;
 use super::decode::{self, Header};
-use super::layout::TimesChoice;
+use super::layout::{TimesChoice, ViewsChoice};
 use super::options::OpenOptions;
 use super::positions::Positions;
 use super::source::only_burst;
 use super::stamps::{Timing, of_headers};
 use super::times::{Times, time_text};
+use super::views::{placed, size_of_view};
 use crate::error::Error;
 use crate::monitor::Monitor;
 use serde::Serialize;
@@ -45,6 +46,9 @@ pub struct Info {
     pub positions: Vec<f64>,
     /// Whether frames are taken at these positions; otherwise they are taken as even.
     pub are_times_used: bool,
+    /// Rows and columns of the grid that the frames fill, where they are views of a light field.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub views: Option<[usize; 2]>,
     /// Seconds of a frame interval, where they are known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_s: Option<f64>,
@@ -60,19 +64,28 @@ impl Info {
         let mut files = source.files()?;
         let first = files.first().ok_or_else(Error::nothing_given)?;
         let (header, decoded) = decode::header(first, options, monitor)?;
-        let Header { kind, width, height, frames, samples, is_colour, mosaic, times, taken } = header;
+        let Header { kind, width, height, frames, samples, is_colour, mosaic, times, views, taken } = header;
         let is_mosaic = decoded.is_none() && options.mosaic.or(mosaic).is_some();
         let binning = if is_mosaic { 2 } else { decoded.map_or(1, |frame| frame.binning) };
         // The frame of a raw file is binned already.
         let (width, height) = if is_mosaic { (width / 2, height / 2) } else { (width, height) };
         let frames = if files.len() == 1 { frames } else { files.len() };
+        let (width, height, frames) = match options.views.and_then(ViewsChoice::picture).filter(|_| files.len() == 1) {
+            Some((grid, _)) => {
+                let (width, height) = size_of_view(&files[0], (width, height), grid)?;
+                (width, height, grid.count())
+            }
+            None => (width, height, frames),
+        };
         let each = files.len() == frames && times.seconds.len() != frames;
         let known = if each { of_headers(&files, options, monitor)? } else { times };
         let times = if known.seconds.len() == frames { known } else { Times::default() };
         let begin = times.seconds.first().copied().unwrap_or_default();
         let times_s: Vec<f64> = times.seconds.iter().map(|time| time - begin).collect();
-        let timing = Timing::of(&mut files, frames, options, monitor)?;
+        let timing = placed(&mut files, (frames, views), options, monitor)?;
         let is_used = timing.said.is_some();
+        let rows_and_columns = timing.positions.rows_and_columns();
+        let are_views = timing.positions.are_views();
         // Times that are not asked for are told: those of the files, or else those that their names have.
         let of_names = || {
             let options = OpenOptions { times: Some(TimesChoice::Names), ..options.clone() };
@@ -80,6 +93,7 @@ impl Info {
         };
         let of_files = Positions::of_seconds(&times_s).filter(|_| !times_s.is_empty());
         let positions = match of_files {
+            _ if are_views => None,
             _ if is_used => Some(timing.positions),
             None if files.len() == frames => {
                 let named = of_names().map(|timing| timing.positions);
@@ -110,7 +124,8 @@ impl Info {
             begins: (times.is_absolute && !times.seconds.is_empty()).then(|| time_text(begin)),
             times_s,
             positions: positions.as_ref().map_or_else(Vec::new, Positions::since_first),
-            are_times_used: is_used,
+            are_times_used: is_used && !are_views,
+            views: rows_and_columns.map(|(rows, columns)| [rows, columns]),
             interval_s: positions.and_then(|positions| positions.interval_s()),
             taken,
         })
@@ -131,7 +146,8 @@ impl Info {
             binning: burst.binning,
             times_s: Vec::new(),
             positions: burst.positions.list(),
-            are_times_used: !burst.positions.is_even(),
+            are_times_used: !burst.positions.is_even() && !burst.positions.are_views(),
+            views: burst.positions.rows_and_columns().map(|(rows, columns)| [rows, columns]),
             interval_s: burst.positions.interval_s(),
             begins: None,
             taken: Vec::new(),
@@ -158,7 +174,10 @@ impl Info {
         if self.binning > 1 {
             text += &format!("  pixels  each of {0}×{0} of the mosaic of colours\n", self.binning);
         }
-        text += &format!("  times   {}\n", self.times());
+        match self.views {
+            Some([rows, columns]) => text += &format!("  views   {rows} rows × {columns} columns\n"),
+            None => text += &format!("  times   {}\n", self.times()),
+        }
         if let Some(rate) = self.rate() {
             text += &format!("  rate    {rate}\n");
         }

@@ -1,5 +1,6 @@
 //! Statements of the user on how pixels lie in a file that does not say it itself: the shape of a file without header,
-//! the mosaic of colours, the axis along which frames follow one another, and where their times come from.
+//! the mosaic of colours, the axis along which frames follow one another, and where their times or their places in a
+//! grid of views come from.
 
 use super::number::Number;
 use serde::{Deserialize, Serialize};
@@ -256,6 +257,117 @@ impl fmt::Display for TimesChoice {
     }
 }
 
+/// Numbers of rows and of columns of a grid of views.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct ViewGrid {
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+}
+
+/// Largest number of rows and of columns of views.
+pub(super) const MAX_SIDE: usize = 4096;
+
+impl ViewGrid {
+    /// Grid of `rows` × `columns` views; `None` unless both are 1 to 4096.
+    pub fn new(rows: usize, columns: usize) -> Option<Self> {
+        [rows, columns].iter().all(|side| (1..=MAX_SIDE).contains(side)).then_some(Self { rows, columns })
+    }
+
+    /// Number of rows.
+    pub fn rows(self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(self) -> usize {
+        self.columns
+    }
+
+    /// Number of views.
+    pub fn count(self) -> usize {
+        self.rows * self.columns
+    }
+}
+
+impl FromStr for ViewGrid {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (rows, columns) = text.split_once('x').unwrap_or_default();
+        let grid = rows.parse().ok().zip(columns.parse().ok()).and_then(|(rows, columns)| Self::new(rows, columns));
+        grid.ok_or_else(|| format!("'{text}' is not ROWSxCOLUMNS, such as 9x9"))
+    }
+}
+
+impl fmt::Display for ViewGrid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.rows, self.columns)
+    }
+}
+
+/// Places of the pixels of all views in one picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tiling {
+    /// Views side by side, in rows and columns.
+    Tiled,
+    /// Views interleaved, as ESLF files of Lytro cameras have them: pixel (v·rows + t, u·columns + s) is pixel (v, u)
+    /// of the view in row t and column s.
+    Eslf,
+}
+
+const TILINGS: [(&str, Tiling); 2] = [("tiled", Tiling::Tiled), ("eslf", Tiling::Eslf)];
+
+/// Statement that frames are the views of a light field: `names`, `9x9`, `9x9:tiled` or `9x9:eslf`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum ViewsChoice {
+    /// Rows and columns in the names of the files, such as `view_03_07.png`.
+    Names,
+    /// Frames are a grid, row by row. A grid of one row is a burst.
+    Grid(ViewGrid),
+    /// All views of a grid are in one picture.
+    Picture(ViewGrid, Tiling),
+}
+
+impl ViewsChoice {
+    /// Grid and tiling of pictures that hold all views.
+    pub(super) fn picture(self) -> Option<(ViewGrid, Tiling)> {
+        if let Self::Picture(grid, tiling) = self { Some((grid, tiling)) } else { None }
+    }
+}
+
+impl FromStr for ViewsChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let read = || match text.split_once(':') {
+            _ if text == "names" => Some(Self::Names),
+            None => text.parse().ok().map(Self::Grid),
+            Some((grid, name)) => {
+                let (_, tiling) = TILINGS.iter().find(|(own, _)| *own == name)?;
+                Some(Self::Picture(grid.parse().ok()?, *tiling))
+            }
+        };
+        read().ok_or_else(|| {
+            format!("'{text}' is neither names nor ROWSxCOLUMNS, such as 9x9, or 9x9:tiled or 9x9:eslf for one picture")
+        })
+    }
+}
+
+impl fmt::Display for ViewsChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Names => f.write_str("names"),
+            Self::Grid(grid) => grid.fmt(f),
+            Self::Picture(grid, tiling) => {
+                let name = TILINGS.iter().find(|(_, own)| own == tiling).map_or("", |found| found.0);
+                write!(f, "{grid}:{name}")
+            }
+        }
+    }
+}
+
 macro_rules! as_text {
     ($($type:ty)*) => { $(
         impl TryFrom<String> for $type {
@@ -274,7 +386,7 @@ macro_rules! as_text {
     )* };
 }
 
-as_text!(Dump AxisChoice TimesChoice);
+as_text!(Dump AxisChoice TimesChoice ViewGrid ViewsChoice);
 
 #[cfg(test)]
 mod tests {
@@ -308,6 +420,17 @@ mod tests {
         for bad in ["", "X", "T,", "T,C", "T,C=x", "T,last=1"] {
             assert!(bad.parse::<AxisChoice>().is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn views_are_read_and_written_and_nonsense_is_refused() {
+        for text in ["names", "9x9", "1x27", "14x14:eslf", "3x5:tiled"] {
+            assert_eq!(text.parse::<ViewsChoice>().map(|views| views.to_string()), Ok(text.to_owned()));
+        }
+        for bad in ["", "9", "0x9", "9x", "x9", "9x9:", "9x9:grid", "-1x3", "99999x2", "9x9x9", "names:tiled", "9X9"] {
+            assert!(bad.parse::<ViewsChoice>().is_err(), "{bad}");
+        }
+        assert_eq!("3x5".parse(), ViewGrid::new(3, 5).ok_or_else(String::new));
     }
 
     #[test]

@@ -18,14 +18,15 @@ mod positions;
 mod source;
 mod stamps;
 mod times;
+mod views;
 
 pub use arrays::{ArrayFrame, Arrays};
 pub use decode::{DecodeWorker, LUMA_WEIGHTS, LikelyShape, likely_shapes, serve_decoding};
 pub use info::Info;
-pub use layout::{Axis, AxisChoice, Dump, Mosaic, TimesChoice};
+pub use layout::{Axis, AxisChoice, Dump, Mosaic, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
-pub use positions::Positions;
+pub use positions::{Offset, Positions};
 pub use source::{
     BurstFiles, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,
@@ -44,7 +45,8 @@ pub struct Burst {
     pub frames: Vec<Arc<Plane>>,
     /// Name of each frame (file name, or file name and index in a stack).
     pub frame_names: Vec<String>,
-    /// Position of each frame: when it was taken, where [`OpenOptions`] say that this matters; otherwise even.
+    /// Position of each frame: when it was taken, where [`OpenOptions`] say that this matters; otherwise even. Of the
+    /// views of a light field, their places.
     pub positions: Positions,
     /// File value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest magnitude
     /// for others, unless set in the options.

@@ -6,12 +6,14 @@
 
 use super::Burst;
 use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
+use super::layout::ViewsChoice;
 use super::masks::{Masks, told};
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
 use super::positions::Positions;
 use super::source::only_burst;
 use super::stamps::Timing;
+use super::views::{placed, views_of};
 use crate::error::{Error, ErrorKind};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
@@ -49,7 +51,7 @@ impl Burst {
         let measured = |path: &Option<PathBuf>| {
             let Some(path) = path.clone() else { return Ok(None) };
             // Quiet, because its progress would begin again after the burst's own.
-            let options = &OpenOptions { times: None, ..options.clone() };
+            let options = &OpenOptions { times: None, views: None, ..options.clone() };
             let frames = read(std::slice::from_ref(&path), options, &monitor.silent())?.frames;
             Ok::<_, Error>(Some(Measured { frames, path }))
         };
@@ -149,27 +151,34 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     let source = only_burst(inputs, options)?;
     let mut files = source.files()?;
     let count = files.len();
-    let timing = if count > 1 { Timing::of(&mut files, count, options, monitor)? } else { Timing::even(1) };
+    let timing = if count > 1 { placed(&mut files, (count, None), options, monitor)? } else { Timing::even(1) };
     let first = files.first().ok_or_else(Error::nothing_given)?;
     let (header, decoded) = decode::header(first, options, monitor)?;
     if count == 1 {
         let ticker = Ticker::new(monitor, header.frames);
-        let frames = match decoded {
+        let mut frames = match decoded {
             Some(frame) => {
                 ticker.tick();
                 vec![frame]
             }
             None => decode::stack(first, options, &ticker)?,
         };
+        if let Some((grid, tiling)) = options.views.and_then(ViewsChoice::picture) {
+            let [picture] = &frames[..] else { return Err(Error::views_of_stack(first, frames.len())) };
+            limits.check_burst(first, grid.count() as u64, 1, 1)?;
+            frames = views_of(first, picture, grid, tiling)?;
+        }
+        let Timing { positions, said } = placed(&mut [first.clone()], (frames.len(), header.views), options, monitor)?;
         let name = file_name(first);
+        let columns = positions.rows_and_columns().map_or(frames.len(), |(_, columns)| columns);
         let frame_names = match frames.len() {
             1 => vec![name],
+            n if columns < n => (0..n).map(|k| format!("{name} [{}, {}]", k / columns, k % columns)).collect(),
             n => (0..n).map(|t| format!("{name} [{t}]")).collect(),
         };
         let page = |t: usize| PathBuf::from(format!("{} (frame {t})", first.display()));
         check_samples(&frames, options, page)?;
         let origins = (0..frames.len()).map(|t| (first.clone(), t)).collect();
-        let Timing { positions, said } = Timing::of(&mut [first.clone()], frames.len(), options, monitor)?;
         let taken = header.taken.into_iter().chain(said).collect();
         return Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions });
     }

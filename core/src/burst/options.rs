@@ -4,7 +4,7 @@
 //! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
 //! cannot take the machine's memory.
 
-use super::layout::{AxisChoice, Dump, Mosaic, TimesChoice};
+use super::layout::{AxisChoice, Dump, Mosaic, TimesChoice, ViewsChoice};
 use crate::error::{Error, ErrorKind};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
@@ -63,6 +63,10 @@ pub struct OpenOptions {
     /// Source of the frames' times. `None` takes the frames as even, whatever their files say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times: Option<TimesChoice>,
+    /// Statement that the frames are views of a light field. `None` takes frames as views only where their names are
+    /// LFToolbox's and fill a grid, `view_03_07.png` or `03_07.png`, or an array has axes of views.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub views: Option<ViewsChoice>,
     /// Limits of the burst's size.
     #[serde(skip)]
     pub limits: Limits,

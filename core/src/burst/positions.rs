@@ -1,21 +1,70 @@
 //! Positions of the frames of a burst: when each was taken, or from where.
 //!
 //! A thing of slope s is displaced in a frame by s times the frame's position from mid-burst. Everything that moves
-//! with the frames takes that distance from [`Positions::offset`], or the displacement from
-//! [`Positions::displacement`]; nothing else knows where a frame lies. A frame has one coordinate, its time. Views of a
-//! light field have two; these two functions are what differs for them.
+//! with the frames takes that position from [`Positions::offset`], and the displacement from
+//! [`Offset::displacement`]; nothing else knows where a frame lies. A frame of a burst has one coordinate, its time. A
+//! view of a light field has two, its column and its row in the grid of views; mid-burst is the mean view then, and a
+//! slope is the disparity between neighbouring views.
 
-use std::ops::Range;
+use std::ops::{Add, Mul, Range, Sub};
 use std::sync::Arc;
 
-/// Positions of frames that follow one another, in frame intervals. Evenly spaced ones are 0, 1, 2, … to the bit.
-/// Cheap to clone.
+/// Positions of frames that follow one another, in frame intervals, or of the views of a light field, in steps of
+/// their grid. Evenly spaced frames are at 0, 1, 2, … to the bit. Cheap to clone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Positions {
     /// Position of each frame from the mean of all.
-    offsets: Arc<[f64]>,
+    offsets: Arc<[Offset]>,
     /// Seconds of a frame interval, where they are known.
     interval_s: Option<f64>,
+}
+
+/// Position of a frame from the mean of all: frame intervals, or columns and rows of the grid of views.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Offset<T = f64> {
+    /// Time, or columns to the right.
+    pub u: T,
+    /// 0 for a frame of a burst, or rows downwards.
+    pub v: T,
+}
+
+impl<T: Copy + Default + PartialEq + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Offset<T> {
+    /// Displacement (u, v), pixels, at this position of what has a slope (u, v), pixels per frame or view: their
+    /// product as complex numbers. So a disparity, a slope along u, displaces along the columns and rows of the views
+    /// alike, and a slope along v is that of a grid of views turned against the picture.
+    pub fn displacement(self, (u, v): (T, T)) -> (T, T) {
+        if self.v == T::default() {
+            return (self.u * u, self.u * v);
+        }
+        (self.u * u - self.v * v, self.u * v + self.v * u)
+    }
+}
+
+impl Offset {
+    /// The position in single precision.
+    pub fn to_f32(self) -> Offset<f32> {
+        Offset { u: self.u as f32, v: self.v as f32 }
+    }
+
+    /// Distance from the mean of all positions.
+    pub fn length(self) -> f64 {
+        self.u.hypot(self.v)
+    }
+}
+
+impl From<f64> for Offset {
+    /// Position of a frame of a burst at a time from mid-burst, frame intervals.
+    fn from(time: f64) -> Self {
+        Self { u: time, v: 0.0 }
+    }
+}
+
+impl<T: Sub<Output = T>> Sub for Offset<T> {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { u: self.u - other.u, v: self.v - other.v }
+    }
 }
 
 /// Distance of a position from a whole number of intervals up to which it is one: what the digits of times leave.
@@ -24,7 +73,7 @@ const ROUNDING: f64 = 1e-4;
 impl Positions {
     /// Positions of `count` frames at even distances.
     pub fn even(count: usize) -> Self {
-        Self::about_mean((0..count).map(|t| t as f64))
+        Self::about_mean((0..count).map(|t| Offset::from(t as f64)))
     }
 
     /// Positions in frame intervals, of which only the differences matter; `None` unless all are finite and each lies
@@ -32,8 +81,27 @@ impl Positions {
     pub fn new(positions: &[f64]) -> Option<Self> {
         let increase = positions.iter().all(|x| x.is_finite()) && positions.windows(2).all(|two| two[0] < two[1]);
         let first = positions.first().copied().unwrap_or_default();
-        let near_whole = |x: f64| if (x - x.round()).abs() <= ROUNDING { x.round() } else { x };
-        increase.then(|| Self::about_mean(positions.iter().map(|x| near_whole(x - first))))
+        increase.then(|| Self::about_mean(positions.iter().map(|x| Offset::from(near_whole(x - first)))))
+    }
+
+    /// Positions of a light field's views at places (column, row) in their grid, of which only the differences matter;
+    /// `None` unless all are finite and no two are equal. Views in one row that follow one another are as frames.
+    pub fn of_views(places: &[[f64; 2]]) -> Option<Self> {
+        let [first_u, first_v] = places.first().copied().unwrap_or_default();
+        let place = |[u, v]: &[f64; 2]| Offset { u: near_whole(u - first_u), v: near_whole(v - first_v) };
+        let places: Vec<Offset> = places.iter().map(place).collect();
+        let mut sorted: Vec<[f64; 2]> = places.iter().map(|at| [at.v, at.u]).collect();
+        sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        let differ = sorted.iter().flatten().all(|x| x.is_finite()) && sorted.windows(2).all(|two| two[0] != two[1]);
+        let is_row = places.iter().all(|at| at.v == 0.0);
+        let follow = !is_row || places.windows(2).all(|two| two[0].u < two[1].u);
+        (differ && follow).then(|| Self::about_mean(places.iter().copied()))
+    }
+
+    /// Positions of a full grid of views, row by row; those of one row are [even](Self::even).
+    pub fn grid(rows: usize, columns: usize) -> Self {
+        let place = |k: usize| Offset { u: (k % columns) as f64, v: (k / columns) as f64 };
+        Self::about_mean((0..rows * columns).map(place))
     }
 
     /// Positions of frames taken at `seconds`; `None` unless these increase.
@@ -56,9 +124,9 @@ impl Positions {
         Some(Self { interval_s: Some(interval_s), ..Self::new(&positions)? })
     }
 
-    fn about_mean(positions: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
-        let mean = positions.clone().sum::<f64>() / positions.len().max(1) as f64;
-        Self { offsets: positions.map(|x| x - mean).collect(), interval_s: None }
+    fn about_mean(positions: impl ExactSizeIterator<Item = Offset> + Clone) -> Self {
+        let mean = mean(positions.clone());
+        Self { offsets: positions.map(|at| at - mean).collect(), interval_s: None }
     }
 
     /// Positions of the frames `range` alone; their mean is that of these frames.
@@ -74,7 +142,7 @@ impl Positions {
     /// # Panics
     /// If there is no such frame.
     pub fn of(&self, frames: &[usize]) -> Self {
-        let first = frames.first().map_or(0.0, |t| self.offsets[*t]);
+        let first = frames.first().map_or(Offset::default(), |t| self.offsets[*t]);
         // Differences of even positions are whole numbers, and stay so.
         Self { interval_s: self.interval_s, ..Self::about_mean(frames.iter().map(|t| self.offsets[*t] - first)) }
     }
@@ -89,61 +157,81 @@ impl Positions {
         self.offsets.is_empty()
     }
 
-    /// Position of frame `t` from mid-burst, the mean of all positions, frame intervals.
+    /// Position of frame `t` from mid-burst, the mean of all positions.
     ///
     /// # Panics
     /// If there is no such frame.
-    pub fn offset(&self, t: usize) -> f64 {
+    pub fn offset(&self, t: usize) -> Offset {
         self.offsets[t]
     }
 
-    /// Positions of all frames from mid-burst, frame intervals, in their order.
-    pub fn offsets(&self) -> &[f64] {
+    /// Positions of all frames from mid-burst, in their order.
+    pub fn offsets(&self) -> &[Offset] {
         &self.offsets
     }
 
-    /// Position of frame `t`, one of these or not, from the mean of the frames `used`, frame intervals.
+    /// Position of frame `t`, one of these or not, from the mean of the frames `used`.
     ///
     /// # Panics
     /// If there are no such frames.
-    pub fn offset_from(&self, used: Range<usize>, t: usize) -> f64 {
-        let used = &self.offsets[used];
-        self.offset(t) - used.iter().sum::<f64>() / used.len().max(1) as f64
+    pub fn offset_from(&self, used: Range<usize>, t: usize) -> Offset {
+        self.offset(t) - mean(self.offsets[used].iter().copied())
     }
 
     /// Displacement (u, v) in frame `t`, pixels, of what moves by a slope (u, v), pixels per frame.
     pub fn displacement(&self, t: usize, slope_px_per_frame: (f64, f64)) -> (f64, f64) {
-        let offset = self.offset(t);
-        (offset * slope_px_per_frame.0, offset * slope_px_per_frame.1)
+        self.offset(t).displacement(slope_px_per_frame)
     }
 
-    /// Distance of the last frame from the first, frame intervals: N − 1 for even ones.
+    /// Time from the first to the last frame, frame intervals: N − 1 for even ones. The diameter of the views of a
+    /// light field.
     pub fn span(&self) -> f64 {
         match &*self.offsets {
-            [first, .., last] => last - first,
+            _ if self.are_views() => 2.0 * self.reach(),
+            [first, .., last] => last.u - first.u,
             _ => 0.0,
         }
     }
 
     /// Largest distance of a frame from mid-burst, frame intervals: (N − 1)/2 for even ones.
     pub fn reach(&self) -> f64 {
-        self.offsets.iter().fold(0.0, |reach, offset| f64::max(reach, offset.abs()))
+        self.offsets.iter().fold(0.0, |reach, offset| f64::max(reach, offset.length()))
     }
 
-    /// Whether all frames are at even distances of one interval.
+    /// Whether they are places in a grid of views; those in one row are as times.
+    pub fn are_views(&self) -> bool {
+        self.offsets.iter().any(|offset| offset.v != 0.0)
+    }
+
+    /// Numbers of rows and columns of the grid that views fill, row by row; `None` for frames of a burst, and for
+    /// views that fill none.
+    pub fn rows_and_columns(&self) -> Option<(usize, usize)> {
+        let columns = self.offsets.iter().take_while(|offset| offset.v == self.offsets[0].v).count();
+        let rows = self.len() / columns.max(1);
+        (self.are_views() && *self == Self::grid(rows, columns)).then_some((rows, columns))
+    }
+
+    /// Whether all frames are at even distances of one interval, in time.
     pub fn is_even(&self) -> bool {
-        self.offsets.windows(2).all(|two| two[1] - two[0] == 1.0)
+        !self.are_views() && self.gaps().all(|gap| gap == 1.0)
+    }
+
+    fn gaps(&self) -> impl Iterator<Item = f64> {
+        self.offsets.windows(2).map(|two| two[1].u - two[0].u)
     }
 
     /// Longest time between two frames, frame intervals, and the frame after which it is; `None` for a single frame.
     pub fn longest_gap(&self) -> Option<(f64, usize)> {
-        let gaps = self.offsets.windows(2).map(|two| two[1] - two[0]);
-        gaps.zip(0..).max_by(|(a, i), (b, j)| a.total_cmp(b).then(j.cmp(i)))
+        self.gaps().zip(0..).max_by(|(a, i), (b, j)| a.total_cmp(b).then(j.cmp(i)))
     }
 
     /// How even they are, a clause.
     pub fn unevenness(&self) -> String {
         match self.longest_gap() {
+            _ if self.are_views() => match self.rows_and_columns() {
+                Some((rows, columns)) => format!("they are views in {rows} rows and {columns} columns"),
+                None => format!("they are {} places in a grid of views", self.len()),
+            },
             Some(_) if self.is_even() => "they are even".to_owned(),
             Some((gap, after)) => {
                 let [a, b] = [after, after + 1];
@@ -170,14 +258,84 @@ impl Positions {
         Self { interval_s, ..self }
     }
 
-    /// Positions from the first frame on, frame intervals; empty for even ones.
+    /// Times from the first frame on, frame intervals; empty for even ones, and for views.
     pub fn list(&self) -> Vec<f64> {
-        if self.is_even() { Vec::new() } else { self.since_first() }
+        if self.is_even() || self.are_views() { Vec::new() } else { self.since_first() }
     }
 
-    /// Positions from the first frame on, frame intervals: 0, 1, 2, … for even ones.
+    /// Times from the first frame on, frame intervals: 0, 1, 2, … for even ones. Columns of views.
     pub fn since_first(&self) -> Vec<f64> {
+        self.places().map(|offset| offset.u).collect()
+    }
+
+    /// Places (column, row) of views from the first one on; empty for frames of a burst.
+    pub fn views(&self) -> Vec<[f64; 2]> {
+        if self.are_views() { self.places().map(|offset| [offset.u, offset.v]).collect() } else { Vec::new() }
+    }
+
+    fn places(&self) -> impl Iterator<Item = Offset> {
         let first = self.offsets.first().copied().unwrap_or_default();
-        self.offsets.iter().map(|offset| offset - first).collect()
+        self.offsets.iter().map(move |offset| *offset - first)
+    }
+
+    /// Positions of `count` frames from what [`Self::list`] and [`Self::views`] gave; `None` for lists of another
+    /// length or that are none.
+    pub fn of_lists(count: usize, times: &[f64], views: &[[f64; 2]]) -> Option<Self> {
+        match (times.len(), views.len()) {
+            (0, 0) => Some(Self::even(count)),
+            (n, 0) if n == count => Self::new(times),
+            (0, n) if n == count => Self::of_views(views),
+            _ => None,
+        }
+    }
+}
+
+fn near_whole(x: f64) -> f64 {
+    if (x - x.round()).abs() <= ROUNDING { x.round() } else { x }
+}
+
+fn mean(positions: impl ExactSizeIterator<Item = Offset> + Clone) -> Offset {
+    let count = positions.len().max(1) as f64;
+    let mean = |of: fn(Offset) -> f64| positions.clone().map(of).sum::<f64>() / count;
+    Offset { u: mean(|at| at.u), v: mean(|at| at.v) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_of_views_is_about_its_mean_and_a_row_is_as_frames() {
+        let grid = Positions::grid(3, 4);
+        assert_eq!((grid.len(), grid.rows_and_columns(), grid.are_views()), (12, Some((3, 4)), true));
+        assert_eq!((grid.offset(0), grid.offset(11)), (Offset { u: -1.5, v: -1.0 }, Offset { u: 1.5, v: 1.0 }));
+        assert_eq!((grid.reach(), grid.span()), (1.5f64.hypot(1.0), 2.0 * 1.5f64.hypot(1.0)));
+        assert_eq!(Positions::of_lists(12, &grid.list(), &grid.views()), Some(grid.clone()));
+        assert!(!grid.is_even() && grid.unevenness().contains("3 rows and 4 columns"));
+        assert_eq!(Positions::grid(1, 5), Positions::even(5));
+        assert_eq!(grid.part(4..8), Positions::even(4));
+        let column = Positions::grid(5, 1);
+        assert_eq!((column.rows_and_columns(), column.span()), (Some((5, 1)), 4.0));
+        assert_eq!(grid.of(&[0, 2, 5]).rows_and_columns(), None);
+    }
+
+    #[test]
+    fn a_disparity_displaces_along_columns_and_rows_alike() {
+        let grid = Positions::grid(3, 3);
+        assert_eq!(grid.displacement(0, (0.5, 0.0)), (-0.5, -0.5));
+        assert_eq!(grid.displacement(2, (0.5, 0.0)), (0.5, -0.5));
+        // A quarter turn of the grid.
+        assert_eq!(grid.displacement(2, (0.0, 0.5)), (0.5, 0.5));
+        assert_eq!(Offset::from(-2.0).displacement((0.3, -0.7)), (-2.0 * 0.3, -2.0 * -0.7));
+        assert_eq!(grid.offset_from(0..3, 5), Offset { u: 1.0, v: 1.0 });
+    }
+
+    #[test]
+    fn places_that_are_equal_or_no_numbers_are_refused() {
+        assert!(Positions::of_views(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]]).is_none());
+        assert!(Positions::of_views(&[[0.0, 0.0], [f64::NAN, 1.0]]).is_none());
+        assert!(Positions::of_views(&[[1.0, 0.0], [0.0, 0.0]]).is_none(), "a row goes to the right");
+        assert!(Positions::of_views(&[[1.0, 0.0], [0.0, 2.5]]).is_some());
+        assert!(Positions::of_lists(3, &[0.0, 1.0], &[]).is_none());
     }
 }

@@ -201,12 +201,12 @@ fn fields(line: &str) -> Vec<&str> {
 }
 
 /// Name of a file without its folder.
-fn base_name(path: &str) -> &str {
+pub(super) fn base_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// Name of a file without folder and extension.
-fn stem(path: &str) -> &str {
+pub(super) fn stem(path: &str) -> &str {
     let name = base_name(path);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)
 }

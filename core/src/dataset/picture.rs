@@ -1,7 +1,7 @@
 //! Pictures of bursts, 8 bit, stretched so that dark content is visible: one for programs that take one image, and
 //! thumbnails for a list of many bursts.
 
-use crate::burst::{Burst, BurstFiles, OpenOptions};
+use crate::burst::{Burst, BurstFiles, OpenOptions, ViewsChoice};
 use crate::detect::prepare;
 use crate::detector::{DetectorParams, Method};
 use crate::error::Error;
@@ -86,7 +86,9 @@ pub fn thumbnail(
 ) -> Result<BurstPicture, Error> {
     let files = source.files()?;
     let middle = files.get(files.len() / 2).ok_or_else(Error::nothing_given)?;
-    let options = OpenOptions { mask: None, mask_saturated: false, ..options.clone() };
+    // One of several files is no grid of views.
+    let views = options.views.filter(|views| matches!(views, ViewsChoice::Picture(..)));
+    let options = OpenOptions { mask: None, mask_saturated: false, views, ..options.clone() };
     let burst = Burst::open_with(std::slice::from_ref(middle), &options, monitor)?;
     Ok(BurstPicture::small(&burst.frames[burst.len() / 2], max_side_px))
 }

@@ -3,6 +3,7 @@
 //! A true feature is in every frame: the responses are level. A ghost (a blob of another motion that shows in the stack
 //! of a wrong slope) responds only in the frames in which the true blob crosses its path, so its responses form a bump.
 
+use crate::burst::Offset;
 use crate::detector::along::Along;
 use crate::detector::feature::Feature;
 use crate::detector::params::Slope;
@@ -41,7 +42,7 @@ impl Along<'_> {
         let frames = self.of(octave);
         let in_octave = frames.offsets(slope);
         let factor = noise.place_factor(octave, &offsets, floor_pixel((place[0], place[1]), *size), *size);
-        let response = |(index, (&t, dt)): (usize, (&usize, f32))| {
+        let response = |(index, (&t, from_middle)): (usize, (&usize, Offset<f32>))| {
             monitor.check()?;
             let covers = self.inputs.sees(index, &offsets[index], at);
             let own = index..index + 1;
@@ -51,9 +52,10 @@ impl Along<'_> {
             } else {
                 f32::NAN
             };
+            let (moved_u, moved_v) = slope.displacement(from_middle);
             Ok(FrameResponse {
                 frame: frames_used.start + t,
-                pos_frame: [place[0] + dt * slope.u, place[1] + dt * slope.v],
+                pos_frame: [place[0] + moved_u, place[1] + moved_v],
                 covers,
                 value,
                 sigma_d: self.inputs.sigma_d(octave, level, slope, &offsets[own]) * factor,

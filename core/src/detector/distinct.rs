@@ -10,6 +10,7 @@
 //! response, and between the two paths there is none. (An edge that slides along itself responds there too.)
 
 use super::feature::Keypoint;
+use crate::burst::Offset;
 use crate::detector::along::Along;
 use crate::detector::params::Slope;
 use crate::detector::scale_space::ScaleSpace;
@@ -77,7 +78,10 @@ impl Along<'_> {
         let (du, dv) = (wu - su, wv - sv);
         let (slope_u, slope_v) = (weaker.slope.u - stronger.slope.u, weaker.slope.v - stronger.slope.v);
         let times = self.inputs.times.from_middle();
-        let is_apart = |dt: f32| (du + dt * slope_u).hypot(dv + dt * slope_v) > APART_SIGMAS * sigma;
+        let is_apart = |at: Offset<f32>| {
+            let (moved_u, moved_v) = at.displacement((slope_u, slope_v));
+            (du + moved_u).hypot(dv + moved_v) > APART_SIGMAS * sigma
+        };
         let apart: Vec<usize> = (0..times.len()).filter(|&index| is_apart(times[index])).collect();
         if apart.len() < 2 || (apart.len() as f32) < FRAMES_SHARE * times.len() as f32 {
             return false;

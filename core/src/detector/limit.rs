@@ -119,7 +119,7 @@ pub fn response_loss(error: f32, positions: &Positions, sigma: f32) -> f32 {
         .offsets()
         .iter()
         .map(|offset| {
-            let x = offset * f64::from(error);
+            let x = offset.length() * f64::from(error);
             let q = x * x / (2.0 * variance);
             (1.0 - q) * (-q).exp()
         })

@@ -6,7 +6,7 @@
 //! that do; where samples are masked it is the mean of those that are seen. Where no frame covers a pixel (a corner,
 //! with diagonal slopes and an even number of frames) the frames' nearest pixels are averaged.
 
-use crate::burst::Positions;
+use crate::burst::{Offset, Positions};
 use crate::detector::params::{Interpolation, Slope};
 use crate::kernel::stack::{FrameOffset, RowStacker};
 use crate::monitor::{Cancelled, Monitor};
@@ -30,17 +30,23 @@ impl FrameTimes {
         Self { kept: (0..positions.len()).collect(), positions }
     }
 
-    /// Times of the frames that take part, from mid-burst, frames.
-    pub fn from_middle(&self) -> Vec<f32> {
-        self.kept.iter().map(|&t| self.positions.offset(t) as f32).collect()
+    /// Positions of the frames that take part, from mid-burst.
+    pub fn from_middle(&self) -> Vec<Offset<f32>> {
+        self.kept.iter().map(|&t| self.positions.offset(t).to_f32()).collect()
     }
 
-    /// Standard deviation of those times, frames.
+    /// Standard deviation of those positions, frames.
     pub fn spread_frames(&self) -> f32 {
-        let times = self.from_middle();
-        let mean = |of: &dyn Fn(f32) -> f32| times.iter().map(|&t| of(t)).sum::<f32>() / times.len().max(1) as f32;
-        let middle = mean(&|t| t);
-        mean(&|t| (t - middle) * (t - middle)).sqrt()
+        let [uu, vv, _] = self.moments();
+        (uu + vv).sqrt()
+    }
+
+    /// Variances of those positions along u and v, and their covariance, frames²; along v 0 but for views.
+    pub fn moments(&self) -> [f32; 3] {
+        let at = self.from_middle();
+        let mean = |of: &dyn Fn(&Offset<f32>) -> f32| at.iter().map(of).sum::<f32>() / at.len().max(1) as f32;
+        let (u, v) = (mean(&|at| at.u), mean(&|at| at.v));
+        [mean(&|at| (at.u - u) * (at.u - u)), mean(&|at| (at.v - v) * (at.v - v)), mean(&|at| (at.u - u) * (at.v - v))]
     }
 
     /// Times of the same frames when the one at place i among them takes that of the one at place `order[i]`.

@@ -62,6 +62,9 @@ pub struct Case {
     /// Position of each frame from the first one, frame intervals; empty for even ones: 0, 1, 2, ….
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub times: Vec<f64>,
+    /// Column and row of each view of a light field from the first one; empty for frames in time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub views: Vec<[f64; 2]>,
     /// Seconds of a frame interval, where they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval_s: Option<f64>,
@@ -140,6 +143,7 @@ impl Case {
             size: [columns.len(), rows.len()],
             frames: burst.len(),
             times: burst.positions.list(),
+            views: burst.positions.views(),
             interval_s: burst.positions.interval_s(),
             offset,
             scale,
@@ -177,12 +181,15 @@ impl Case {
     }
 
     fn positions(&self) -> Result<Positions, Error> {
-        let given = (self.times.len() == self.frames).then(|| Positions::new(&self.times)).flatten();
-        let positions = if self.times.is_empty() { Some(Positions::even(self.frames)) } else { given };
+        let positions = Positions::of_lists(self.frames, &self.times, &self.views);
         let positions =
             positions.filter(|_| self.interval_s.is_none_or(|seconds| seconds.is_finite() && seconds > 0.0));
-        let wrong =
-            || Error::param("times", "these are no times of the frames", "give one for each, in increasing order");
+        let wrong = || match self.views.is_empty() {
+            true => Error::param("times", "these are no times of the frames", "give one for each, in increasing order"),
+            false => {
+                Error::param("views", "these are no places of the frames", "give column and row of each, no two alike")
+            }
+        };
         Ok(positions.ok_or_else(wrong)?.with_interval(self.interval_s))
     }
 }
@@ -470,6 +477,11 @@ mod tests {
         let (_home, path) = written(&whole, &masked, &Enclosed::default());
         let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
         assert!(back.frames == masked.frames);
+        let views = Burst { positions: Positions::grid(2, 2), ..part.clone() };
+        let of_views = Case::of(&views, &search, (None, None), "", &Monitor::default()).expect("not cancelled").0;
+        let (_home, path) = written(&of_views, &views, &Enclosed::default());
+        let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
+        assert_eq!(back.positions, views.positions);
         // A case without session and truth.
         let (_home, path) = written(&case, &part, &Enclosed::default());
         assert!(!has_truth(&path));
@@ -550,6 +562,8 @@ mod tests {
             (Case { corner: [i64::MAX as usize, 0], ..good() }, "corner: "),
             (Case { size: [1_000_000_000, 64], ..good() }, "size: 1000000000"),
             (Case { frames: i64::MAX as usize, ..good() }, "frames: "),
+            (Case { views: vec![[0.0, 0.0]; 4], ..good() }, "views: "),
+            (Case { views: vec![[0.0, 0.0], [1.0, 0.0]], ..good() }, "views: "),
             (Case { binning: 0, ..good() }, "binning: 0; there are 1 to 64"),
             (Case { binning: 1_000_000_000, ..good() }, "binning: 1000000000; there are 1 to 64"),
             (Case { offset: 1e300, ..good() }, "offset: "),

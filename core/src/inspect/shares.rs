@@ -4,6 +4,7 @@
 //! frames in which the true blob crosses its path, so its responses form a bump. A slice is taken along a line of
 //! pixels and has one row for each frame (the epipolar-plane image, *Reslice* in ImageJ).
 
+use crate::burst::Offset;
 use crate::detector::coherence::{Evenness, FrameResponse, Shape, evenness_of, responding};
 use crate::detector::{Slope, SlopeGrid, Trail};
 use crate::monitor::{Cancelled, Monitor};
@@ -98,26 +99,52 @@ pub struct Slice {
     pub direction: [f32; 2],
     /// Index in the burst of each row's frame.
     pub frames: Vec<usize>,
-    /// Time of each row's frame minus mid-burst, frames.
+    /// Time of each row's frame minus mid-burst, frames; of a view, its distance from the mean view along the slice.
     pub times: Vec<f32>,
+    /// Whether the rows are views of a light field.
+    pub are_views: bool,
 }
 
 impl Slice {
     /// The column, in a row, of content that moves at `slope` through the place; its motion along the line counts.
     pub fn column_at(&self, slope: Slope, row: usize) -> f32 {
-        let along = slope.u * self.direction[0] + slope.v * self.direction[1];
-        self.centre_column as f32 + along * self.times[row]
+        self.centre_column as f32 + self.along(slope) * self.times[row]
+    }
+
+    /// Motion along the slice of what has a slope, pixels per frame: of views the disparity, in every direction.
+    pub fn along(&self, slope: Slope) -> f32 {
+        if self.are_views { slope.u } else { slope.u * self.direction[0] + slope.v * self.direction[1] }
+    }
+
+    /// The slope like `slope` that moves by `along` along the slice, pixels per frame.
+    pub fn with_along(&self, slope: Slope, along: f32) -> Slope {
+        let more = along - self.along(slope);
+        let [u, v] = if self.are_views { [1.0, 0.0] } else { self.direction };
+        Slope::new(slope.u + more * u, slope.v + more * v)
     }
 }
 
-/// Cuts the slice through `place` (input pixels) along `direction` (u, v), `half_px` pixels to each side.
+/// Cuts the slice through `place` (input pixels) along `direction` (u, v), `half_px` pixels to each side. Of a light
+/// field it has the views on the line in that direction through the mean view: an epipolar-plane image, in which what
+/// has a disparity is a straight line.
 pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize) -> Slice {
     let direction = direction_of(Slope::new(direction[0], direction[1]));
-    let (planes, kept, positions) = trail.frames();
+    let (all, kept, positions) = trail.frames();
+    let are_views = positions.are_views();
+    // Components of a view's place along and across the line.
+    let place_of = |t: usize| {
+        let Offset { u, v } = positions.offset(t).to_f32();
+        (u * direction[0] + v * direction[1], v * direction[0] - u * direction[1])
+    };
+    // Of an even number of rows, the one before the middle.
+    let is_on_line = |t: usize| !are_views || (-0.501..0.499).contains(&place_of(t).1);
+    let (rows, kept): (Vec<usize>, Vec<usize>) =
+        kept.iter().copied().enumerate().filter(|(_, t)| is_on_line(*t)).unzip();
+    let planes: Vec<&Plane> = rows.iter().map(|&index| &*all[index]).collect();
     let at = |column: usize, row: usize| {
         let along = column as f32 - half_px as f32;
         let (u, v) = (place[0] + along * direction[0], place[1] + along * direction[1]);
-        bilinear(&planes[row], u, v).unwrap_or(f32::NAN)
+        bilinear(planes[row], u, v).unwrap_or(f32::NAN)
     };
     Slice {
         plane: Plane::from_fn(2 * half_px + 1, planes.len(), at),
@@ -125,7 +152,8 @@ pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize
         pos_image: place,
         direction,
         frames: kept.iter().map(|t| t + trail.detection().frames_used.start).collect(),
-        times: kept.iter().map(|&t| positions.offset(t) as f32).collect(),
+        times: kept.iter().map(|&t| if are_views { place_of(t).0 } else { positions.offset(t).u as f32 }).collect(),
+        are_views,
     }
 }
 

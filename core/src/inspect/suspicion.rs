@@ -120,10 +120,10 @@ fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChan
 fn path_distances<'t>(trail: &'t Trail, a: &Feature, b: &Feature) -> impl Iterator<Item = f32> + 't {
     let (_, kept, positions) = trail.frames();
     let (du, dv) = (b.u - a.u, b.v - a.v);
-    let (slope_u, slope_v) = (b.slope.u - a.slope.u, b.slope.v - a.slope.v);
+    let slope = Slope::new(b.slope.u - a.slope.u, b.slope.v - a.slope.v);
     kept.iter().map(move |&t| {
-        let dt = positions.offset(t) as f32;
-        (du + dt * slope_u).hypot(dv + dt * slope_v)
+        let (moved_u, moved_v) = slope.displacement(positions.offset(t).to_f32());
+        (du + moved_u).hypot(dv + moved_v)
     })
 }
 

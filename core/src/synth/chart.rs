@@ -8,7 +8,7 @@ use super::noise::Camera;
 use super::options::{SNR_HELP, motions, parse_range, words};
 use super::truth::{FeatureTruth, Truth, TruthKind};
 use super::uneven::Uneven;
-use super::{Motion, capture_burst, check_common, check_snr};
+use super::{Motion, capture_burst, check_common, check_snr, outermost};
 use crate::burst::Burst;
 use crate::error::Error;
 use crate::monitor::Monitor;
@@ -142,7 +142,9 @@ impl ChartParams {
     /// The first one that makes no sense.
     pub fn check(&self) -> Result<(), Error> {
         check_snr(self.snr)?;
-        check_common(self.width, self.height, self.frames, self.max_slope, self.read_noise, self.bits)?;
+        let frames = self.uneven.whole(self.frames);
+        let frames = (frames.len(), frames.span());
+        check_common(self.width, self.height, frames, self.max_slope, self.read_noise, self.bits)?;
         let (smallest, largest) = (*self.radius.start(), *self.radius.end());
         if !(smallest.is_finite() && largest.is_finite() && smallest >= 0.5 && smallest <= largest) {
             return Err(Error::param(
@@ -173,12 +175,12 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
     // Far (slow) discs first, so that faster ones are drawn over them.
     let mut order: Vec<&FeatureTruth> = features.iter().collect();
     order.sort_by(|a, b| a.slope_u.hypot(a.slope_v).total_cmp(&b.slope_u.hypot(b.slope_v)).then(a.id.cmp(&b.id)));
-    let burst = capture_burst("chart", &taken, params.seed, &exposure.camera, monitor, |dt| {
+    let burst = capture_burst("chart", &taken, params.seed, &exposure.camera, monitor, |at| {
         let mut signal = Plane::zeros(params.width, params.height);
         signal.data_mut().fill(exposure.background as f32);
         for disc in &order {
             monitor.check()?;
-            let (u, v) = disc.position(dt);
+            let (u, v) = disc.position(at);
             draw_disc(&mut signal, u, v, disc.radius, exposure.disc as f32);
         }
         Ok(signal)
@@ -219,7 +221,7 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
     let mut stream = Stream::new(params.seed, 0);
     let mut radii: Vec<f64> = (0..params.discs).map(|_| params.radius_law.draw(&params.radius, &mut stream)).collect();
     radii.sort_by(|a, b| b.total_cmp(a));
-    let half_span = 0.5 * (params.frames - 1) as f64;
+    let all = params.uneven.whole(params.frames);
     let mut placed: Vec<FeatureTruth> = Vec::with_capacity(params.discs);
     for (id, &radius) in radii.iter().enumerate() {
         let mut place = None;
@@ -232,7 +234,8 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
             };
             let (x, y) = (stream.uniform(), stream.uniform());
             let rim = radius + 2.0;
-            let (du, dv) = (rim + half_span * slope_u.abs(), rim + half_span * slope_v.abs());
+            let (reach_u, reach_v) = outermost(all.offsets(), (slope_u, slope_v));
+            let (du, dv) = (rim + reach_u, rim + reach_v);
             let (room_u, room_v) = ((params.width - 1) as f64 - 2.0 * du, (params.height - 1) as f64 - 2.0 * dv);
             if room_u < 0.0 || room_v < 0.0 {
                 continue;

@@ -4,13 +4,13 @@
 //! smears what moves; averaging at a plane's own slope makes that plane visible.
 
 use super::capture_burst;
-use super::layer::{Layer, draw_layers, visible_landmarks};
+use super::layer::{Layer, draw_layers, even_within, visible_landmarks};
 use super::noise::Camera;
 use super::paint::{Area, fractal_relief};
 use super::random::{Stream, lattice};
 use super::truth::{Truth, TruthKind};
 use super::uneven::Taken;
-use crate::burst::Burst;
+use crate::burst::{Burst, Offset};
 use crate::monitor::Monitor;
 
 const DEMO_SIZE: (usize, usize) = (480, 360);
@@ -43,8 +43,8 @@ pub fn later_demo_burst() -> Burst {
 fn demo_burst_at(name: &str, later: f64, noise_seed: u64) -> Burst {
     let layers = layers(HALF_SPAN + later);
     let never = Monitor::default();
-    let signal = |dt: f64| {
-        let mut signal = draw_layers(&layers, DEMO_SIZE, later + dt, &never)?;
+    let signal = |at: Offset| {
+        let mut signal = draw_layers(&layers, DEMO_SIZE, later + at.u, &never)?;
         signal.data_mut().iter_mut().for_each(|value| *value *= LIGHT);
         Ok(signal)
     };
@@ -57,7 +57,7 @@ pub fn demo_truth() -> Truth {
     let layers = layers(HALF_SPAN);
     let noise = (f64::from(SKY * LIGHT), None);
     let truth = Truth::captured(TruthKind::Demo, DEMO_SIZE, (DEMO_FRAMES, SEED), &camera(), noise);
-    let features = visible_landmarks(&layers, DEMO_SIZE, HALF_SPAN);
+    let features = visible_landmarks(&layers, DEMO_SIZE, &even_within(HALF_SPAN));
     Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth }
 }
 

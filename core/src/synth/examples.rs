@@ -3,10 +3,10 @@
 
 use super::capture_burst;
 use super::demo::camera;
-use super::layer::{Layer, draw_layers, visible_landmarks};
+use super::layer::{Layer, draw_layers, even_within, visible_landmarks};
 use super::truth::{Truth, TruthKind};
 use super::uneven::Taken;
-use crate::burst::Burst;
+use crate::burst::{Burst, Offset, Positions};
 use crate::monitor::Monitor;
 use crate::synth::paint::{Area, fractal_relief};
 use crate::synth::random::Stream;
@@ -17,6 +17,8 @@ const EXAMPLE_SIZE: (usize, usize) = (240, 180);
 /// Number of frames of an example.
 pub const EXAMPLE_FRAMES: usize = 9;
 
+/// Rows and columns of the views of the light field.
+const VIEWS: usize = 5;
 const SEED: u64 = 20_220_920;
 const HALF_SPAN: f64 = 0.5 * (EXAMPLE_FRAMES as f64 - 1.0);
 /// Time from the middle of the street to the middle of the later one, frames.
@@ -42,12 +44,15 @@ pub enum Example {
     Street,
     /// The walls of `Street` a little later.
     StreetLater,
+    /// Light field of the objects of `Depths`.
+    Views,
 }
 
 impl Example {
     /// All examples.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Depths,
+        Self::Views,
         Self::Crossing,
         Self::Street,
         Self::StreetLater,
@@ -68,6 +73,7 @@ impl Example {
             Self::HotPixels => "demo-hot-pixels",
             Self::Street => "demo-street",
             Self::StreetLater => "demo-street-later",
+            Self::Views => "demo-views",
         }
     }
 
@@ -87,6 +93,7 @@ impl Example {
             Self::HotPixels => "Example: hot pixels",
             Self::Street => "Example: dark street",
             Self::StreetLater => "Example: dark street, later",
+            Self::Views => "Example: light field",
         }
     }
 
@@ -109,6 +116,9 @@ impl Example {
             }
             Self::Street => "Textured walls at two depths, too dark for one frame: match it with the later one.",
             Self::StreetLater => "The textured walls a little later: the second burst to match with.",
+            Self::Views => {
+                "A light field of 5 × 5 views of the lamps at nine depths: a slope is the disparity between neighbouring views, along rows and columns alike."
+            }
         }
     }
 
@@ -117,7 +127,7 @@ impl Example {
         match self {
             Self::Aliasing => GARLAND_PLACE,
             Self::LowContrast => disc_place(8),
-            Self::Depths => lamp_place(4),
+            Self::Depths | Self::Views => lamp_place(4),
             Self::Crossing => GHOST.0,
             Self::Tripod => [120.0, 90.0],
             Self::HotPixels => hot_pixels()[0].0.map(|x| x as f32),
@@ -134,7 +144,7 @@ impl Example {
         match self {
             Self::Aliasing => ALIASING_SLOPE - GARLAND_PERIOD,
             Self::LowContrast => DISCS_SLOPE,
-            Self::Depths => self.truth().layers[4].slope_u as f32,
+            Self::Depths | Self::Views => self.truth().layers[4].slope_u as f32,
             Self::Crossing => GHOST.1,
             Self::Tripod | Self::HotPixels => 0.0,
             Self::Street | Self::StreetLater => STREET_SLOPES[0] as f32,
@@ -151,7 +161,7 @@ impl Example {
         match self {
             Self::Aliasing => (-9.0..=9.0, 37),
             Self::LowContrast => (-2.0..=2.0, 9),
-            Self::Depths => (-0.5..=3.0, 15),
+            Self::Depths | Self::Views => (-0.5..=3.0, 15),
             Self::Tripod | Self::HotPixels => (-2.0..=2.0, 9),
             Self::Crossing | Self::Street | Self::StreetLater => (-3.0..=3.0, 13),
         }
@@ -162,29 +172,42 @@ impl Example {
         let never = Monitor::default();
         let layers = self.layers();
         let hot = if self == Self::HotPixels { hot_pixels() } else { Vec::new() };
-        let draw = |dt: f64| {
-            let mut signal = draw_layers(&layers, EXAMPLE_SIZE, dt + self.later(), &never)?;
+        let draw = |at: Offset| {
+            let mut signal = draw_layers(&layers, EXAMPLE_SIZE, at.u + self.later(), &never)?;
             for ([u, v], value) in &hot {
                 signal.data_mut()[v * EXAMPLE_SIZE.0 + u] += value;
             }
             Ok(signal)
         };
         let seed = SEED + u64::from(self == Self::StreetLater);
-        capture_burst(self.name(), &Taken::even(EXAMPLE_FRAMES), seed, &camera(), &never, draw)
+        capture_burst(self.name(), &Taken::all(&self.positions()), seed, &camera(), &never, draw)
             .expect("nobody can cancel this monitor")
     }
 
     /// The truth of the example.
     pub fn truth(self) -> Truth {
         let layers = self.layers();
-        let mut features = visible_landmarks(&layers, EXAMPLE_SIZE, HALF_SPAN + self.later());
+        let positions = self.positions();
+        let seen_in = match self {
+            Self::Views => positions.offsets().to_vec(),
+            _ => even_within(HALF_SPAN + self.later()),
+        };
+        let mut features = visible_landmarks(&layers, EXAMPLE_SIZE, &seen_in);
         for feature in &mut features {
             (feature.u, feature.v) = feature.position(self.later());
         }
         let seed = SEED + u64::from(self == Self::StreetLater);
         let noise = (f64::from(GROUND), None);
-        let truth = Truth::captured(TruthKind::Scene, EXAMPLE_SIZE, (EXAMPLE_FRAMES, seed), &camera(), noise);
-        Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth }
+        let truth = Truth::captured(TruthKind::Scene, EXAMPLE_SIZE, (positions.len(), seed), &camera(), noise);
+        let layers = layers.iter().map(Layer::truth).collect();
+        Truth { layers, features, views: positions.views(), ..truth }
+    }
+
+    fn positions(self) -> Positions {
+        match self {
+            Self::Views => Positions::grid(VIEWS, VIEWS),
+            _ => Positions::even(EXAMPLE_FRAMES),
+        }
     }
 
     /// Time of its mid-burst after the scene's own, frames.
@@ -196,7 +219,7 @@ impl Example {
         match self {
             Self::Aliasing => vec![garlands()],
             Self::LowContrast => vec![discs()],
-            Self::Depths => depths(),
+            Self::Depths | Self::Views => depths(self.positions().offsets()),
             Self::Crossing => crossing(),
             Self::Tripod => vec![still()],
             Self::HotPixels => vec![lamps()],
@@ -276,11 +299,11 @@ fn discs() -> Layer {
 }
 
 /// Columns of lamps on posts, at nine depths: the farthest on the left, the nearest on the right.
-fn depths() -> Vec<Layer> {
+fn depths(offsets: &[Offset]) -> Vec<Layer> {
     (0..DEPTHS)
         .map(|depth| {
             let name = format!("depth {}", depth + 1);
-            let mut layer = Layer::new(&name, EXAMPLE_SIZE, (0.3 * depth as f64, 0.0), HALF_SPAN);
+            let mut layer = Layer::seen_at(&name, EXAMPLE_SIZE, (0.3 * depth as f64, 0.0), offsets);
             if depth == 0 {
                 layer.sheet.fill(|u, v| 0.012 + 0.008 * fractal_relief(7, u, v, 30.0, 3));
             }
@@ -388,7 +411,7 @@ mod tests {
             let burst = example.burst();
             assert_eq!(
                 (burst.name.as_str(), burst.len(), burst.size()),
-                (example.name(), EXAMPLE_FRAMES, EXAMPLE_SIZE)
+                (example.name(), example.positions().len(), EXAMPLE_SIZE)
             );
             assert_eq!(burst.frames, crate::detector::memory::on_threads(1, || example.burst()).frames);
             let [u, v] = example.place();

@@ -5,8 +5,10 @@
 //! averaged over each pixel; then the layers are composited, far to near. Interpolating and averaging is one short
 //! filter per axis, the same for all pixels of a frame.
 
+use super::outermost;
 use super::paint::{OVERSAMPLING, Sheet};
 use super::truth::{FeatureTruth, LayerTruth, disc_sigma};
+use crate::burst::Offset;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
@@ -55,12 +57,18 @@ fn axis_filter(first_sample: f64) -> (i64, [f32; TAPS]) {
 impl Layer {
     /// Visible at most `half_span` frames away from mid-burst.
     pub fn new(name: &str, size: (usize, usize), slope: (f64, f64), half_span: f64) -> Self {
-        let margin = |slope: f64| (half_span * slope.abs()).ceil() as usize + 3;
+        Self::seen_at(name, size, slope, &[half_span.into()])
+    }
+
+    /// Visible at the `offsets` from mid-burst, and at those opposite.
+    pub fn seen_at(name: &str, size: (usize, usize), slope: (f64, f64), offsets: &[Offset]) -> Self {
+        let (reach_u, reach_v) = outermost(offsets, slope);
+        let margin = |reach: f64| reach.ceil() as usize + 3;
         Self {
             name: name.to_owned(),
             slope_u: slope.0,
             slope_v: slope.1,
-            sheet: Sheet::new(size.0, size.1, margin(slope.0), margin(slope.1)),
+            sheet: Sheet::new(size.0, size.1, margin(reach_u), margin(reach_v)),
             landmarks: Vec::new(),
         }
     }
@@ -70,11 +78,12 @@ impl Layer {
         self.landmarks.push(Landmark { u, v, radius, bright });
     }
 
-    pub fn draw_over(&self, picture: &mut Plane, dt: f64, monitor: &Monitor) -> Result<(), Cancelled> {
+    pub fn draw_over(&self, picture: &mut Plane, at: Offset, monitor: &Monitor) -> Result<(), Cancelled> {
         let Some([c0, c1, r0, r1]) = self.sheet.used() else { return Ok(()) };
         let half = 0.5 * (OVERSAMPLING as f64 - 1.0);
-        let (first_column, weights_u) = axis_filter(self.sheet.column_of(-dt * self.slope_u) - half);
-        let (first_row, weights_v) = axis_filter(self.sheet.row_of(-dt * self.slope_v) - half);
+        let (du, dv) = self.displacement(at);
+        let (first_column, weights_u) = axis_filter(self.sheet.column_of(-du) - half);
+        let (first_row, weights_v) = axis_filter(self.sheet.row_of(-dv) - half);
         let s = OVERSAMPLING as i64;
         let taps = TAPS as i64;
         let (sheet_width, sheet_height) = (self.sheet.size().0 as i64, self.sheet.size().1 as i64);
@@ -122,9 +131,14 @@ impl Layer {
         Ok(())
     }
 
-    /// Whether the layer covers any of the image's disc around (u, v) `dt` frames after mid-burst.
-    fn hides(&self, u: f64, v: f64, radius: f64, dt: f64) -> bool {
-        let (u, v) = (u - dt * self.slope_u, v - dt * self.slope_v);
+    fn displacement(&self, at: Offset) -> (f64, f64) {
+        at.displacement((self.slope_u, self.slope_v))
+    }
+
+    /// Whether the layer covers any of the image's disc around (u, v) in a frame `at` an offset from mid-burst.
+    fn hides(&self, u: f64, v: f64, radius: f64, at: Offset) -> bool {
+        let (du, dv) = self.displacement(at);
+        let (u, v) = (u - du, v - dv);
         let reach = radius.ceil() as i64;
         (-reach..=reach).any(|j| {
             (-reach..=reach).any(|i| {
@@ -139,29 +153,40 @@ impl Layer {
     }
 }
 
-/// The signal `dt` frames after mid-burst of `layers` (far to near) in an image of `size` = (columns, rows).
-pub fn draw_layers(layers: &[Layer], size: (usize, usize), dt: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
+/// The signal of `layers` (far to near) in an image of `size` = (columns, rows) at an offset from mid-burst.
+pub fn draw_layers(
+    layers: &[Layer],
+    size: (usize, usize),
+    at: impl Into<Offset>,
+    monitor: &Monitor,
+) -> Result<Plane, Cancelled> {
     let mut picture = Plane::zeros(size.0, size.1);
+    let at = at.into();
     for layer in layers {
-        layer.draw_over(&mut picture, dt, monitor)?;
+        layer.draw_over(&mut picture, at, monitor)?;
     }
     Ok(picture)
 }
 
-/// The landmarks inside the image and under no nearer layer in every frame within `half_span` of mid-burst.
-pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), half_span: f64) -> Vec<FeatureTruth> {
-    let mut features = Vec::new();
+/// Offsets of even frames within `half_span` of mid-burst.
+pub fn even_within(half_span: f64) -> Vec<Offset> {
     let steps = (2.0 * half_span).round() as usize;
+    (0..=steps).map(|k| Offset::from(k as f64 - half_span)).collect()
+}
+
+/// The landmarks inside the image and under no nearer layer in every frame at the `offsets` from mid-burst.
+pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), offsets: &[Offset]) -> Vec<FeatureTruth> {
+    let mut features = Vec::new();
     for (index, layer) in layers.iter().enumerate() {
         for landmark in &layer.landmarks {
-            let seen = (0..=steps).all(|k| {
-                let dt = k as f64 - half_span;
-                let (u, v) = (landmark.u + dt * layer.slope_u, landmark.v + dt * layer.slope_v);
+            let seen = offsets.iter().all(|at| {
+                let (du, dv) = layer.displacement(*at);
+                let (u, v) = (landmark.u + du, landmark.v + dv);
                 let inside = u >= landmark.radius
                     && v >= landmark.radius
                     && u + landmark.radius <= (size.0 - 1) as f64
                     && v + landmark.radius <= (size.1 - 1) as f64;
-                inside && layers[index + 1..].iter().all(|near| !near.hides(u, v, landmark.radius + 1.0, dt))
+                inside && layers[index + 1..].iter().all(|near| !near.hides(u, v, landmark.radius + 1.0, *at))
             });
             if seen {
                 features.push(FeatureTruth {
@@ -237,7 +262,7 @@ mod tests {
         let layers = [far, near];
         let picture = draw_layers(&layers, (60, 40), 0.0, &Monitor::default()).expect("done");
         assert!(picture.at(34, 20) < 1e-6 && (picture.at(5, 5) - 0.1).abs() < 1e-6);
-        let seen = visible_landmarks(&layers, (60, 40), 2.0);
+        let seen = visible_landmarks(&layers, (60, 40), &even_within(2.0));
         assert_eq!(seen.len(), 1, "the near disc moves over the right landmark");
         assert_eq!(seen[0].u, 15.0);
     }

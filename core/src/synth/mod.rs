@@ -37,7 +37,7 @@ pub use scene::{SceneParams, synth_scene};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
 pub use uneven::Uneven;
 
-use crate::burst::Burst;
+use crate::burst::{Burst, Offset};
 use crate::error::Error;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -61,15 +61,23 @@ pub enum Motion {
 /// Maximum number of pixels of a synthetic burst, over all its frames: 2^31, 8 GiB in memory.
 pub const MAX_PIXELS: u64 = 1 << 31;
 
+/// Largest displacements (u, v), pixels, at `offsets` from mid-burst, of what moves by a slope (u, v).
+pub fn outermost(offsets: &[Offset], slope: (f64, f64)) -> (f64, f64) {
+    offsets
+        .iter()
+        .map(|at| at.displacement(slope))
+        .fold((0.0, 0.0), |(u, v), (du, dv)| (u.max(du.abs()), v.max(dv.abs())))
+}
+
 /// Checks the parameters that all kinds of synthetic bursts have: sizes in pixels, the largest slope in px/frame, the
-/// read noise in electrons.
+/// read noise in electrons; `frames` are their number and the time from the first to the last.
 ///
 /// # Errors
 /// The parameter and the range that it has.
 pub fn check_common(
     width: usize,
     height: usize,
-    frames: usize,
+    (frames, span): (usize, f64),
     max_slope: f64,
     read_noise: f64,
     bits: u32,
@@ -93,11 +101,11 @@ pub fn check_common(
     if !(max_slope.is_finite() && max_slope >= 0.0) {
         return Err(Error::param("max-slope", format!("{max_slope}"), "give 0 or more pixels per frame"));
     }
-    let span = 0.5 * (frames - 1) as f64 * max_slope;
-    if 2.0 * span >= width.min(height) as f64 {
+    let moved_px = span * max_slope;
+    if moved_px >= width.min(height) as f64 {
         return Err(Error::param(
             "max-slope",
-            format!("{max_slope} px/frame over {frames} frames moves things by {:.0} px, the whole image", 2.0 * span),
+            format!("{max_slope} px/frame over {frames} frames moves things by {moved_px:.0} px, the whole image"),
             "give a smaller slope, fewer frames or a larger image",
         ));
     }
@@ -137,7 +145,7 @@ fn capture_burst(
     seed: u64,
     camera: &Camera,
     monitor: &Monitor,
-    signal_at: impl Fn(f64) -> Result<Plane, Cancelled> + Sync,
+    signal_at: impl Fn(Offset) -> Result<Plane, Cancelled> + Sync,
 ) -> Result<Burst, Cancelled> {
     let frames = taken.frames.len();
     let done = AtomicUsize::new(0);
@@ -145,9 +153,9 @@ fn capture_burst(
     let planes: Vec<Plane> = taken
         .frames
         .par_iter()
-        .map(|&(t, dt)| {
+        .map(|&(t, at)| {
             monitor.check()?;
-            let signal = signal_at(dt)?;
+            let signal = signal_at(at)?;
             let frame = camera.capture(&signal, &mut Stream::new(seed, t as u64 + 1), monitor)?;
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             monitor.report(Stage::Synth, count as f32 / frames as f32);

@@ -12,7 +12,7 @@ use super::random::Stream;
 use super::truth::{Truth, TruthKind};
 use super::uneven::Uneven;
 use super::{Motion, capture_burst, check_common};
-use crate::burst::Burst;
+use crate::burst::{Burst, Offset};
 use crate::error::Error;
 use crate::monitor::Monitor;
 
@@ -87,7 +87,9 @@ const CLEARANCE_SIGMAS: f64 = 5.0;
 /// # Errors
 /// A parameter that makes no sense, or cancellation.
 pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
-    check_common(params.width, params.height, params.frames, params.max_slope, params.read_noise, params.bits)?;
+    let whole = params.uneven.whole(params.frames);
+    let frames = (whole.len(), whole.span());
+    check_common(params.width, params.height, frames, params.max_slope, params.read_noise, params.bits)?;
     if !(1..=16).contains(&params.layers) {
         return Err(Error::param("layers", format!("{} layers", params.layers), "give 1 to 16"));
     }
@@ -100,26 +102,25 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
             "give a ratio of 0.5 or more",
         ));
     }
-    let half_span = 0.5 * (params.frames - 1) as f64;
-    let layers = build_layers(params, half_span, monitor)?;
+    let layers = build_layers(params, whole.offsets(), monitor)?;
     let size = (params.width, params.height);
     let taken = params.uneven.taken(params.frames, params.seed)?;
     let burst =
-        capture_burst("scene", &taken, params.seed, &camera, monitor, |dt| draw_layers(&layers, size, dt, monitor))?;
+        capture_burst("scene", &taken, params.seed, &camera, monitor, |at| draw_layers(&layers, size, at, monitor))?;
     let noise = (BOARD, Some(params.snr));
     let truth = Truth::captured(TruthKind::Scene, size, (params.frames, params.seed), &camera, noise);
-    let features = visible_landmarks(&layers, size, half_span);
+    let features = visible_landmarks(&layers, size, whole.offsets());
     Ok((burst, taken.truth(Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth })))
 }
 
-fn build_layers(params: &SceneParams, half_span: f64, monitor: &Monitor) -> Result<Vec<Layer>, Error> {
+fn build_layers(params: &SceneParams, offsets: &[Offset], monitor: &Monitor) -> Result<Vec<Layer>, Error> {
     let mut stream = Stream::new(params.seed, 0);
     let mut layers = Vec::with_capacity(params.layers);
     for index in 0..params.layers {
         monitor.check()?;
         let slope = layer_slope(params, index, &mut stream);
         let name = if index == 0 { "ground".to_owned() } else { format!("boards {index}") };
-        let mut layer = Layer::new(&name, (params.width, params.height), slope, half_span);
+        let mut layer = Layer::seen_at(&name, (params.width, params.height), slope, offsets);
         if index == 0 {
             paint_ground(&mut layer, params.seed, &mut stream);
         } else {

@@ -1,6 +1,7 @@
 //! The truth of a synthetic burst: the content of `truth.json`.
 
 use super::noise::Camera;
+use crate::burst::{Offset, Positions};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
@@ -35,6 +36,10 @@ pub struct Truth {
     /// Time of each frame, in frame intervals of the even burst; empty for even ones: 0, 1, 2, ….
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub times: Vec<f64>,
+    /// Column and row of each view of a light field from the first one, whose mean is the reference; empty for frames in
+    /// time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub views: Vec<[f64; 2]>,
     /// Seed from which everything is derived.
     pub seed: u64,
     /// The camera's noise; `None` (null) for a noiseless burst.
@@ -82,12 +87,22 @@ impl Truth {
     ) -> Self {
         let (t0, noise) = (0.5 * (frames as f64 - 1.0), NoiseTruth::of(camera, background, snr));
         let (black_level, layers, features) = (camera.black_level, Vec::new(), Vec::new());
-        Self { kind, width, height, frames, t0, times: Vec::new(), seed, noise, black_level, layers, features }
+        let (times, views) = (Vec::new(), Vec::new());
+        Self { kind, width, height, frames, t0, times, views, seed, noise, black_level, layers, features }
     }
 
-    /// Time from the first to the last frame, frame intervals.
+    /// Offset of each frame from the reference.
+    pub fn offsets(&self) -> Vec<Offset> {
+        let of_views = || Positions::of_views(&self.views).map(|positions| positions.offsets().to_vec());
+        let time = |t: usize| self.times.get(t).copied().unwrap_or(t as f64) - self.t0;
+        let of_times = || (0..self.frames).map(|t| time(t).into()).collect();
+        if self.views.is_empty() { of_times() } else { of_views().unwrap_or_default() }
+    }
+
+    /// Time from the first to the last frame, frame intervals, or diameter of the grid of views.
     pub fn span(&self) -> f64 {
         match self.times[..] {
+            _ if !self.views.is_empty() => Positions::of_views(&self.views).map_or(0.0, |positions| positions.span()),
             [first, .., last] => last - first,
             _ => self.frames as f64 - 1.0,
         }
@@ -110,6 +125,7 @@ impl Truth {
         free("t0", self.t0)?;
         free("black_level", self.black_level)?;
         self.times.iter().try_for_each(|time| free("times", *time))?;
+        self.views.iter().flatten().try_for_each(|place| free("views", *place))?;
         for layer in &self.layers {
             free("layers.slope_u", layer.slope_u)?;
             free("layers.slope_v", layer.slope_v)?;
@@ -178,9 +194,11 @@ pub struct FeatureTruth {
 }
 
 impl FeatureTruth {
-    /// Position `dt` frames after the reference time: (column, row) in pixels.
-    pub fn position(&self, dt: f64) -> (f64, f64) {
-        (self.u + dt * self.slope_u, self.v + dt * self.slope_v)
+    /// Position in a frame at an offset from the reference, for frames in time the number of frames after it: (column,
+    /// row) in pixels.
+    pub fn position(&self, at: impl Into<Offset>) -> (f64, f64) {
+        let (du, dv) = at.into().displacement((self.slope_u, self.slope_v));
+        (self.u + du, self.v + dv)
     }
 }
 

@@ -1,15 +1,16 @@
-//! Times of the frames of a synthetic burst: even, or with frames left out, or early and late.
+//! Positions of the frames of a synthetic burst: even times, or with frames left out, or early and late; or the places
+//! of the views of a light field.
 //!
 //! Things that an even burst shows stay: an uneven one shows them at other times, so that it can be compared with the
 //! even one frame by frame.
 
 use super::random::Stream;
 use super::truth::Truth;
-use crate::burst::Positions;
+use crate::burst::{Offset, Positions, ViewGrid};
 use crate::error::Error;
 use serde::{Deserialize, Serialize};
 
-/// Frames of a synthetic burst that are not even in time.
+/// Frames of a synthetic burst that are not even in time, or not in time.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
@@ -20,6 +21,11 @@ pub struct Uneven {
     /// Largest distance of a frame from its even time, frame intervals; the first and the last frame keep theirs.
     #[cfg_attr(feature = "cli", arg(long, value_name = "FRAMES", default_value_t = 0.0))]
     pub jitter: f64,
+    /// Rows and columns of the views of a light field, such as 9x9, in the place of frames in time; the slope is the
+    /// disparity between neighbouring views.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ROWSxCOLUMNS"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub views: Option<ViewGrid>,
 }
 
 /// Largest jitter, frame intervals: frames stay in their order.
@@ -33,11 +39,23 @@ impl Uneven {
         *self == Self::default()
     }
 
-    /// Frames that are taken of `frames` even ones.
+    /// Positions of all frames before any are left out, of `frames` in time or of the views.
+    pub fn whole(&self, frames: usize) -> Positions {
+        self.views.map_or_else(|| Positions::even(frames), |views| Positions::grid(views.rows(), views.columns()))
+    }
+
+    /// Frames that are taken of `frames` even ones, or of the views.
     ///
     /// # Errors
-    /// No frame would be left, there is no such frame, or the jitter exchanges frames.
+    /// No frame would be left, there is no such frame, the jitter exchanges frames, or views have times.
     pub fn taken(&self, frames: usize, seed: u64) -> Result<Taken, Error> {
+        if self.views.is_some() {
+            if !self.drop.is_empty() || self.jitter != 0.0 {
+                let problem = "the views of a light field have no times, so none can be early, late or missing";
+                return Err(Error::param("views", problem, "leave out drop and jitter"));
+            }
+            return Ok(Taken::all(&self.whole(frames)));
+        }
         if let Some(frame) = self.drop.iter().find(|frame| **frame >= frames) {
             let remedy = format!("give frames from 0 to {}", frames.saturating_sub(1));
             return Err(Error::param("drop", format!("there is no frame {frame} of {frames}"), remedy));
@@ -54,7 +72,7 @@ impl Uneven {
         let at = |t: usize| {
             let is_end = t == first || t == last;
             let late = if is_end || self.jitter == 0.0 { 0.0 } else { stream.within(-self.jitter, self.jitter) };
-            (t, even.frames[t].1 + late)
+            (t, Offset::from(even.frames[t].1.u + late))
         };
         Ok(Taken { frames: kept.into_iter().map(at).collect(), is_even: self.is_even() })
     }
@@ -63,25 +81,39 @@ impl Uneven {
 /// Frames that are taken of an even burst.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Taken {
-    /// Index of each in the even burst, and its time from the middle of that, frame intervals.
-    pub(super) frames: Vec<(usize, f64)>,
+    /// Index of each in the even burst, and its position from the middle of that.
+    pub(super) frames: Vec<(usize, Offset)>,
     is_even: bool,
 }
 
 impl Taken {
     /// All of `frames` frames.
     pub(super) fn even(frames: usize) -> Self {
-        let positions = Positions::even(frames);
-        Self { frames: positions.offsets().iter().copied().enumerate().collect(), is_even: true }
+        Self::all(&Positions::even(frames))
+    }
+
+    /// All frames at `positions`.
+    pub(super) fn all(positions: &Positions) -> Self {
+        let is_even = positions.is_even();
+        Self { frames: positions.offsets().iter().copied().enumerate().collect(), is_even }
     }
 
     fn times(&self) -> Vec<f64> {
         let first = self.frames.first().map_or(0.0, |(t, _)| *t as f64);
-        self.frames.iter().map(|(_, at)| at - self.frames[0].1 + first).collect()
+        self.frames.iter().map(|(_, at)| at.u - self.frames[0].1.u + first).collect()
+    }
+
+    /// Column and row of each view; empty for frames in time.
+    fn views(&self) -> Vec<[f64; 2]> {
+        let are_views = self.frames.iter().any(|(_, at)| at.v != 0.0);
+        let places = self.frames.iter().map(|(_, at)| *at - self.frames[0].1);
+        if are_views { places.map(|at| [at.u, at.v]).collect() } else { Vec::new() }
     }
 
     pub(super) fn positions(&self) -> Positions {
-        Positions::new(&self.times()).expect("frames follow one another")
+        let views = self.views();
+        let positions = if views.is_empty() { Positions::new(&self.times()) } else { Positions::of_views(&views) };
+        positions.expect("frames follow one another, and views differ")
     }
 
     /// The truth of these frames, at their mid-burst, from that of the even burst.
@@ -89,7 +121,11 @@ impl Taken {
         if self.is_even {
             return even;
         }
-        let later = self.frames.iter().map(|(_, at)| at).sum::<f64>() / self.frames.len() as f64;
+        let views = self.views();
+        if !views.is_empty() {
+            return Truth { frames: self.frames.len(), views, ..even };
+        }
+        let later = self.frames.iter().map(|(_, at)| at.u).sum::<f64>() / self.frames.len() as f64;
         let mut truth = Truth { frames: self.frames.len(), t0: even.t0 + later, times: self.times(), ..even };
         for feature in &mut truth.features {
             (feature.u, feature.v) = feature.position(later);

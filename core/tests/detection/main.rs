@@ -15,3 +15,4 @@ mod slopes;
 mod stays;
 mod under_load;
 mod uneven;
+mod views;

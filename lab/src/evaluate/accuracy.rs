@@ -223,11 +223,10 @@ pub const SURROUNDINGS_IN_RADII: f64 = 2.4;
 /// does not cause.
 pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     let others = || truth.features.iter().filter(|other| other.id != disc.id);
-    (0..truth.frames).all(|t| {
-        let dt = t as f64 - truth.t0;
-        let (u, v) = disc.position(dt);
+    truth.offsets().into_iter().all(|at| {
+        let (u, v) = disc.position(at);
         others().all(|other| {
-            let (other_u, other_v) = other.position(dt);
+            let (other_u, other_v) = other.position(at);
             (other_u - u).hypot(other_v - v) > SURROUNDINGS_IN_RADII * disc.radius + other.radius
         })
     })

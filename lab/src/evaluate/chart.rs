@@ -9,7 +9,7 @@ use super::methods::{BurstMethod, Searches};
 use super::statistics::Mean;
 use super::{RatioCharts, Steps, check_lists, motion_name, run_charts};
 use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
-use burstscope_core::burst::{Burst, Positions};
+use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::Detection;
 use burstscope_core::error::Error;
@@ -79,7 +79,8 @@ impl ChartStudy {
         }
         for &method in &self.methods {
             let params = self.searches.params(method).detector;
-            params.validate_for(&Positions::even(self.chart.frames), (self.chart.width, self.chart.height))?;
+            let positions = self.chart.uneven.whole(self.chart.frames);
+            params.validate_for(&positions, (self.chart.width, self.chart.height))?;
         }
         Ok(())
     }

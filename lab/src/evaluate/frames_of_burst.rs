@@ -8,7 +8,7 @@
 //! between the two.
 
 use crate::synth::{FeatureTruth, Truth, TruthKind};
-use burstscope_core::burst::Burst;
+use burstscope_core::burst::{Burst, Offset};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::slopes::resolve;
 use burstscope_core::detector::{Detection, DetectorParams, Feature, FrameRange, SearchParams, SlopeGrid};
@@ -97,8 +97,8 @@ impl<'a> Searched<'a> {
         detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)
     }
 
-    /// Mid-burst of `count` frames from `first` on, in frame intervals after that of the whole burst.
-    fn mid(&self, first: usize, count: usize) -> f64 {
+    /// Mid-burst of `count` frames from `first` on, from that of the whole burst.
+    fn mid(&self, first: usize, count: usize) -> Offset {
         self.burst.positions.offset(first) - self.burst.positions.offset_from(first..first + count, first)
     }
 }
@@ -250,9 +250,9 @@ fn disc_of(feature: &Feature) -> FeatureTruth {
     }
 }
 
-/// The disc `dt` frames later.
-fn moved(disc: FeatureTruth, dt: f64) -> FeatureTruth {
-    let (u, v) = disc.position(dt);
+/// The disc in a frame `at` an offset from where it is.
+fn moved(disc: FeatureTruth, at: Offset) -> FeatureTruth {
+    let (u, v) = disc.position(at);
     FeatureTruth { u, v, ..disc }
 }
 

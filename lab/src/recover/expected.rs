@@ -47,7 +47,7 @@ pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slo
     }
     let at = grid.slope(searched);
     let off = f64::from(slope.u - at.u).hypot(f64::from(slope.v - at.v));
-    let displaced = distances(chosen.iter().map(|&index| positions.offset(kept[index]).abs() * off).collect());
+    let displaced = distances(chosen.iter().map(|&index| positions.offset(kept[index]).length() * off).collect());
     let (blur_u, blur_v) = interpolation_blur(&offsets);
     // The filter starts from an assumed blur; a pixel is a square, and shifted frames are interpolated.
     let more = 1.0 / 12.0 + 0.5 * (blur_u + blur_v) - SIGMA_INPUT * SIGMA_INPUT;

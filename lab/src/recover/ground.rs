@@ -4,7 +4,7 @@
 use super::thing::LightNoise;
 use super::{Planted, RecoverStudy};
 use crate::synth::random::Stream;
-use burstscope_core::burst::Burst;
+use burstscope_core::burst::{Burst, Offset};
 use burstscope_core::detector::noise_model::{ForSearch, NoiseModel, examine};
 use burstscope_core::detector::scale_space::{ScaleSpace, searched_octaves};
 use burstscope_core::detector::{Feature, Method, SearchParams, Slope};
@@ -15,6 +15,7 @@ use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::blur::smoothed;
 use burstscope_core::plane::sample::bilinear;
+use burstscope_core::synth::outermost;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -115,8 +116,8 @@ impl Ground {
         self.gains[t]
     }
 
-    /// Time of the used frame `t` from mid-burst, frames.
-    pub fn time(&self, t: usize) -> f64 {
+    /// Position of the used frame `t` from mid-burst.
+    pub fn offset(&self, t: usize) -> Offset {
         self.cache.trail.frames().2.offset(t)
     }
 
@@ -130,9 +131,9 @@ impl Ground {
         monitor: &Monitor,
     ) -> Result<Option<(f64, f64)>, Cancelled> {
         let (width, height) = self.cache.trail.size_image();
-        let outermost = |along: f32| self.cache.trail.frames().2.reach() * f64::from(along).abs();
-        let rim = |along: f32| if study.inside { study.shape.reach(radius) + 2.0 + outermost(along) } else { 1.0 };
-        let (du, dv) = (rim(slope.u), rim(slope.v));
+        let (reach_u, reach_v) = outermost(self.cache.trail.frames().2.offsets(), (slope.u.into(), slope.v.into()));
+        let rim = |outermost: f64| if study.inside { study.shape.reach(radius) + 2.0 + outermost } else { 1.0 };
+        let (du, dv) = (rim(reach_u), rim(reach_v));
         let (room_u, room_v) = ((width - 1) as f64 - 2.0 * du, (height - 1) as f64 - 2.0 * dv);
         for _ in 0..ATTEMPTS {
             monitor.check()?;
@@ -171,9 +172,9 @@ impl Ground {
             let (sigma, other_sigma) = (study.shape.sigma(radius), other.truth.sigma);
             let apart = radius + other.truth.radius + 2.0 * (sigma + other_sigma) + 3.0;
             (0..self.used.len()).all(|t| {
-                let dt = self.time(t);
-                let (ou, ov) = other.truth.position(dt);
-                (u + dt * f64::from(slope.u) - ou).hypot(v + dt * f64::from(slope.v) - ov) >= apart
+                let at = self.offset(t);
+                let ((own_u, own_v), (other_u, other_v)) = (thing.position(at), other.truth.position(at));
+                (own_u - other_u).hypot(own_v - other_v) >= apart
             })
         })
     }
@@ -183,8 +184,8 @@ impl Ground {
         let (width, height) = self.cache.trail.size_image();
         let inside = |x: f64, n: usize| x >= 0.0 && x <= (n - 1) as f64;
         let shows = |t: &usize| {
-            let dt = self.time(*t);
-            inside(u + dt * f64::from(slope.u), width) && inside(v + dt * f64::from(slope.v), height)
+            let (du, dv) = self.offset(*t).displacement((slope.u.into(), slope.v.into()));
+            inside(u + du, width) && inside(v + dv, height)
         };
         (0..self.used.len()).filter(shows).count()
     }

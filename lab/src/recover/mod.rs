@@ -298,8 +298,9 @@ impl RecoverStudy {
             width,
             height,
             frames: ground.used.len(),
-            t0: -ground.time(0),
+            t0: -ground.offset(0).u,
             times: ground.cache.trail.frames().2.list(),
+            views: ground.cache.trail.frames().2.views(),
             seed,
             noise: None,
             black_level: 0.0,
@@ -405,7 +406,7 @@ impl RecoverStudy {
             // Every frame has its own stream; stream 0 drew the places.
             let mut stream = Stream::new(seed, 1 + t as u64);
             for one in planted {
-                let (u, v) = one.truth.position(ground.time(t));
+                let (u, v) = one.truth.position(ground.offset(t));
                 let painting = Painting {
                     shape: self.shape,
                     radius: one.truth.radius,

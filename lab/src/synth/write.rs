@@ -21,7 +21,7 @@ use image::ImageFormat;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Writes `burst` as `frame_000.png` … and `truth` as `truth.json` into the folder `dir`, which is created. An earlier
+/// Writes `burst` as `frame_000.png` …, a light field as `view_00_00.png` …, and `truth` as `truth.json` into the folder `dir`, which is created. An earlier
 /// synthetic burst in it is replaced as a whole; a folder that holds anything else is left unchanged.
 ///
 /// # Errors
@@ -30,10 +30,10 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
     write_folder(dir, Kind::Burst, |fresh| {
         for (t, frame) in burst.frames.iter().enumerate() {
             monitor.check()?;
-            write_frame(&fresh.join(frame_name(t)), frame)?;
+            write_frame(&fresh.join(view_name(burst, t)), frame)?;
             monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
         }
-        if !burst.positions.is_even() {
+        if !burst.positions.is_even() && !burst.positions.are_views() {
             let rows = burst.positions.since_first().into_iter().enumerate();
             let rows: String = rows.map(|(t, position)| format!("{},{position}\n", frame_name(t))).collect();
             let path = fresh.join("times.csv");
@@ -56,6 +56,14 @@ pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), Error> {
     let mut png = Cursor::new(Vec::new());
     picture.write_to(&mut png, ImageFormat::Png).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(path))?;
     std::fs::write(path, png.into_inner()).map_err(io(path))
+}
+
+/// The file name of frame `t` of `burst`: of a view its row and column, as LFToolbox names views.
+fn view_name(burst: &Burst, t: usize) -> String {
+    burst
+        .positions
+        .rows_and_columns()
+        .map_or_else(|| frame_name(t), |(_, columns)| format!("view_{:02}_{:02}.png", t / columns, t % columns))
 }
 
 /// The file name of frame `t`.

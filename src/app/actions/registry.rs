@@ -358,6 +358,7 @@ actions! {
     Glossary, Help 0, "Glossary", [SHIFT F1], "Explanations of the terms in this window";
     OpenLessons, Help 0, "Open lessons…", [], "Open a folder of your own lessons (TOML files)" => Ask(Purpose::OpenLessons);
     OpenDepths, Help 1, "Example: many depths", [], "Open a burst of lamps at nine depths, each with a slope of its own" => Open(|| BurstSource::Example(Example::Depths));
+    OpenViews, Help 1, "Example: light field", [], "Open 5 × 5 views of lamps at nine depths, each with a disparity of its own" => Open(|| BurstSource::Example(Example::Views));
     OpenCrossing, Help 1, "Example: two ways that cross", [], "Open a burst of lamps that pass to the right and to the left: features at other slopes are ghosts" => Open(|| BurstSource::Example(Example::Crossing));
     OpenStreet, Help 1, "Example: dark street", [], "Open a burst of textured walls that are too dark for one frame" => Open(|| BurstSource::Example(Example::Street));
     OpenStreetLater, Help 1, "Example: dark street, later", [], "Open the same walls a little later, to be matched with the first" => Open(|| BurstSource::Example(Example::StreetLater));

@@ -105,7 +105,7 @@ fn links_between(
         .collect();
     let shift = |id: PaneId, side| {
         let picture = model.picture_in(id);
-        frames_from_middle(picture, matches.detection(side)).unwrap_or(0.0)
+        frames_from_middle(picture, matches.detection(side)).unwrap_or_default()
     };
     let panel = |id: PaneId| panes.iter().position(|pane| *pane == id).unwrap_or(usize::MAX);
     let mut links = Vec::new();

@@ -327,11 +327,10 @@ fn along_at(area: &Area, slice: &Slice, pos: Pos2) -> Option<f32> {
 fn dragged_slope(area: &Area, slice: &Slice, slope: Slope, response: &Response) -> Option<Slope> {
     let pos = response.interact_pointer_pos().filter(|_| response.dragged_by(PointerButton::Primary))?;
     let along = along_at(area, slice, pos)?;
-    let [u, v] = slice.direction;
-    let more = along - (slope.u * u + slope.v * v);
+    let slope = slice.with_along(slope, along);
     // Rounded to a hundredth of a pixel, as by the sliders.
     let rounded = |x: f32| (100.0 * x).round() / 100.0;
-    Some(Slope::new(rounded(slope.u + more * u), rounded(slope.v + more * v)))
+    Some(Slope::new(rounded(slope.u), rounded(slope.v)))
 }
 
 fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {

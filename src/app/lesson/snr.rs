@@ -57,17 +57,18 @@ fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)>
 pub(super) fn shown_spot(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, [f32; 2])> {
     let picture = model.picture()?;
     let used = picture.request.params.used_frames(model.frame_count());
-    // Time of the picture, in frame intervals after mid-burst of the whole burst.
+    // Position of the picture from mid-burst of the whole burst.
     let positions = &picture.request.burst.burst.positions;
     let (frames, after) = match picture.request.kind {
-        PictureKind::Frame(t) => (1, positions.offset(t) as f32),
+        PictureKind::Frame(t) => (1, positions.offset(t)),
         PictureKind::Stack { .. } => {
             let mean = positions.offset(used.start) - positions.offset_from(used.clone(), used.start);
-            (used.len(), mean as f32)
+            (used.len(), mean)
         }
         _ => return None,
     };
-    Some((frames, [spot.place[0] + after * slope.u, spot.place[1] + after * slope.v]))
+    let (moved_u, moved_v) = slope.displacement(after.to_f32());
+    Some((frames, [spot.place[0] + moved_u, spot.place[1] + moved_v]))
 }
 
 /// Draws the number of frames added, and the measured ratio beside the law of √N. `slope` is the spot's own.

@@ -1,7 +1,7 @@
 //! Corresponding places of a scene in two panes.
 
 use crate::app::project::cursor::Cursor;
-use crate::burst::Positions;
+use crate::burst::{Offset, Positions};
 use crate::requests::PictureKind;
 use egui::{Pos2, vec2};
 use std::ops::Range;
@@ -17,10 +17,10 @@ pub fn place_in(
     to: &Cursor,
     (positions, used): (&Positions, Range<usize>),
 ) -> Pos2 {
-    // Frame intervals after mid-burst; 0 for pictures of the whole burst.
+    // From mid-burst; 0 for pictures of the whole burst.
     let after = |kind: PictureKind| match kind {
-        PictureKind::Frame(t) => positions.offset_from(used.clone(), t) as f32,
-        _ => 0.0,
+        PictureKind::Frame(t) => positions.offset_from(used.clone(), t).to_f32(),
+        _ => Offset::default(),
     };
     let slope = match (from_kind, to_kind) {
         (
@@ -31,8 +31,8 @@ pub fn place_in(
         (PictureKind::Frame(_), _) => from.slope,
         (PictureKind::Merge, _) => to.slope,
     };
-    let frames = after(to_kind) - after(from_kind);
-    pos_image + frames * vec2(slope.u, slope.v)
+    let (u, v) = slope.displacement(after(to_kind) - after(from_kind));
+    pos_image + vec2(u, v)
 }
 
 #[cfg(test)]

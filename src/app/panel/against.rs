@@ -218,7 +218,7 @@ pub struct RowsInPane {
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
 fn marks_of(model: &Model, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, Vec<ComparedMark>) {
     let RowsInPane { side, id, .. } = *place;
-    let dt = frames_from_middle(model.picture_in(id), &shown.detection).unwrap_or(0.0);
+    let dt = frames_from_middle(model.picture_in(id), &shown.detection).unwrap_or_default();
     let pointed = [model.comparisons[side].selected, model.slots[side].comparison.hovered];
     let drawn = shown.rows.iter().enumerate().filter(|(index, row)| {
         model.comparisons[side].shows(row.kind) && (place.drawn[*index] || pointed.contains(&Some(*index)))
@@ -226,7 +226,8 @@ fn marks_of(model: &Model, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, Ve
     drawn
         .map(|(index, row)| {
             let slope = row.slope.unwrap_or_default();
-            let at = |pos: [f32; 2]| pos2(pos[0] + dt * slope.u, pos[1] + dt * slope.v);
+            let (moved_u, moved_v) = slope.displacement(dt);
+            let at = |pos: [f32; 2]| pos2(pos[0] + moved_u, pos[1] + moved_v);
             let mark = ComparedMark {
                 pos_image: at(row.pos_image),
                 sigma: row.sigma,

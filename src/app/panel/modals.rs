@@ -2,7 +2,7 @@
 
 use crate::app::panel::widgets::named;
 use crate::app::project::effect::Purpose;
-use crate::burst::{OpenOptions, RawColour, TimesChoice};
+use crate::burst::{OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use crate::requests::BurstSource;
 use egui::{DragValue, RichText, ScrollArea, TextEdit, Ui, vec2};
 use std::path::PathBuf;
@@ -62,6 +62,46 @@ fn topic_ui(ui: &mut Ui, topic: &mut Option<String>) {
     ui.end_row();
 }
 
+const TILINGS: [(Option<Tiling>, &str, &str); 3] = [
+    (None, "Files", "Each frame is a view, row by row"),
+    (Some(Tiling::Tiled), "Tiled", "One picture holds all views, side by side"),
+    (Some(Tiling::Eslf), "ESLF", "One picture holds all views, interleaved, as those of Lytro cameras"),
+];
+
+fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
+    const TIP: &str = "Frames that are the views of a light field";
+    const MAX_SIDE: usize = 4096;
+    let name = ui.label("Views").on_hover_text(TIP);
+    ui.horizontal(|ui| {
+        let usual =
+            "Views where the names of all of a grid have rows and columns (view_03_07.png), otherwise frames in time";
+        ui.radio_value(views, None, "Usual").on_hover_text(usual);
+        ui.radio_value(views, Some(ViewsChoice::Names), "Names")
+            .on_hover_text("Rows and columns in the names of the files");
+        let grid = match *views {
+            Some(ViewsChoice::Grid(grid)) => Some((grid, None)),
+            Some(ViewsChoice::Picture(grid, tiling)) => Some((grid, Some(tiling))),
+            Some(ViewsChoice::Names) | None => None,
+        };
+        if ui.radio(grid.is_some(), "Grid").on_hover_text("Rows and columns of views").clicked() && grid.is_none() {
+            *views = ViewGrid::new(9, 9).map(ViewsChoice::Grid);
+        }
+        let Some((grid, mut tiling)) = grid else { return };
+        let (mut rows, mut columns) = (grid.rows(), grid.columns());
+        ui.add(DragValue::new(&mut rows).range(1..=MAX_SIDE)).on_hover_text("Rows of views");
+        ui.label("×");
+        ui.add(DragValue::new(&mut columns).range(1..=MAX_SIDE)).on_hover_text("Columns of views");
+        for (own, label, tip) in TILINGS {
+            ui.radio_value(&mut tiling, own, label).on_hover_text(tip);
+        }
+        let grid = ViewGrid::new(rows, columns).unwrap_or(grid);
+        *views = Some(tiling.map_or(ViewsChoice::Grid(grid), |tiling| ViewsChoice::Picture(grid, tiling)));
+    })
+    .response
+    .labelled_by(name.id);
+    ui.end_row();
+}
+
 /// Draws the dialog if there is a draft; closing it drops the draft.
 pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> Option<CalibrationChoice> {
     let options = draft.as_mut()?;
@@ -101,6 +141,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             .labelled_by(name.id);
             ui.end_row();
             times_ui(ui, &mut options.times);
+            views_ui(ui, &mut options.views);
             topic_ui(ui, &mut options.topic);
         });
         ui.checkbox(&mut options.linearise, "Linear light")

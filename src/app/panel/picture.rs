@@ -8,6 +8,7 @@ use crate::app::project::look::{FeaturesShown, RangeClass};
 use crate::app::project::{Model, Stale};
 use crate::app::style;
 use crate::app::view::fixed;
+use crate::burst::Offset;
 use crate::detector::{Detection, Feature, MotionField, Slope, SlopeAxis};
 use crate::inspect::verdict::Judged;
 use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest, line_of};
@@ -197,16 +198,16 @@ fn describe_request(request: &PictureRequest) -> String {
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
 }
 
-/// Time of the frame in `picture`, in frame intervals after the mean of the searched ones; `None` when it is no frame.
-pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<f32> {
+/// Position of the frame in `picture` from the mean of the searched ones; `None` when it is no frame.
+pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<Offset<f32>> {
     let request = &picture?.request;
     let PictureKind::Frame(t) = request.kind else { return None };
-    Some(request.burst.burst.positions.offset_from(detection.frames_used.clone(), t) as f32)
+    Some(request.burst.burst.positions.offset_from(detection.frames_used.clone(), t).to_f32())
 }
 
-pub(in crate::app) fn at_time(feature: &Feature, dt: f32) -> Feature {
-    let (motion, _) = feature.motion();
-    Feature { u: feature.u + dt * motion.u, v: feature.v + dt * motion.v, ..*feature }
+pub(in crate::app) fn at_time(feature: &Feature, from_middle: Offset<f32>) -> Feature {
+    let (u, v) = feature.motion().0.displacement(from_middle);
+    Feature { u: feature.u + u, v: feature.v + v, ..*feature }
 }
 
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {

@@ -160,7 +160,7 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
             let t = model.cursor().frame.min(burst.burst.len() - 1);
             let used = model.slots.a.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
             // In a frame the feature lies further along its motion, away from the middle of the frames used.
-            let feature = at_time(feature, burst.burst.positions.offset_from(used, t) as f32);
+            let feature = at_time(feature, burst.burst.positions.offset_from(used, t).to_f32());
             let view = PatchView { name: "Patch in one frame", feature, turned: false, display };
             view.ui(ui, Some(&burst.burst.frames[t]), &mut state.frame, side);
             ui.label(RichText::new(format!("Frame {t}")).small().weak());

@@ -11,6 +11,7 @@ use crate::app::project::Model;
 use crate::app::project::pair::Side;
 use crate::app::project::panes::Destination;
 use crate::app::view::signed_slope;
+use crate::burst::Offset;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
@@ -196,7 +197,7 @@ pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, 
         return;
     }
     let Some(found) = model.slots.a.found.as_ref() else { return };
-    let dt = frames_from_middle(model.picture_in(id), &found.detection).unwrap_or(0.0);
+    let dt = frames_from_middle(model.picture_in(id), &found.detection).unwrap_or_default();
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey() else {
         note_ui(ui, output, &format!("Finding candidates: {}…", test.reason()));
@@ -247,10 +248,10 @@ fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
     indices
 }
 
-/// Place `dt` frames after mid-burst, and radius of the circle, image pixels.
-fn circle_of(mark: &CandidateMark, slope: Slope, dt: f32) -> (Pos2, f32) {
+/// Place in a frame at an offset from mid-burst, and radius of the circle, image pixels.
+fn circle_of(mark: &CandidateMark, slope: Slope, from_middle: Offset<f32>) -> (Pos2, f32) {
     let [u, v] = mark.pos_image;
-    (pos2(u, v) + dt * vec2(slope.u, slope.v), std::f32::consts::SQRT_2 * mark.sigma)
+    (pos2(u, v) + slope.displacement(from_middle).into(), std::f32::consts::SQRT_2 * mark.sigma)
 }
 
 /// Colour of a margin: yellow for nearly passed, dark for far from it.
@@ -379,7 +380,7 @@ mod tests {
     #[test]
     fn a_candidate_is_where_its_slope_takes_it_and_says_why_it_failed() {
         let slope = Slope::new(-1.0, 0.5);
-        let (pos, radius) = circle_of(&mark(5.0), slope, 2.0);
+        let (pos, radius) = circle_of(&mark(5.0), slope, Offset { u: 2.0, v: 0.0 });
         assert_eq!(pos, pos2(8.5, 21.0));
         assert!((radius - 2.0 * std::f32::consts::SQRT_2).abs() < 1e-6);
         let text = mark_text(&mark(5.0), slope);

@@ -34,7 +34,7 @@ pub(super) use look::{Rank, extensions, rank};
 pub use pixels::LUMA_WEIGHTS;
 pub use serve::serve_decoding;
 
-use super::layout::Mosaic;
+use super::layout::{Mosaic, ViewGrid, ViewsChoice};
 use super::options::{Encoding, Limits, OpenOptions};
 use super::times::Times;
 use crate::error::Error;
@@ -107,6 +107,12 @@ impl RawFrame {
         let (encoding, damage, misnamed, mosaic) = (Encoding::Linear, None, None, None);
         Self { plane, scale, encoding, binning: 1, damage, misnamed, is_colour: false, mosaic }
     }
+
+    /// Frame of the same file with the pixels of `plane`.
+    pub(super) fn like(&self, plane: Plane) -> Self {
+        let Self { scale, encoding, binning, misnamed, is_colour, mosaic, .. } = *self;
+        Self { plane, scale, encoding, binning, damage: self.damage.clone(), misnamed, is_colour, mosaic }
+    }
 }
 
 /// Declarations of a file, before any pixel is read.
@@ -123,6 +129,8 @@ pub(super) struct Header {
     pub is_colour: bool,
     pub mosaic: Option<Mosaic>,
     pub times: Times,
+    /// Grid of views that the frames are, where the file says so.
+    pub views: Option<ViewGrid>,
     /// Guesses and choices, for the user.
     pub taken: Vec<String>,
 }
@@ -135,8 +143,8 @@ impl Header {
         samples: String,
         is_colour: bool,
     ) -> Self {
-        let (mosaic, times, taken) = (None, Times::default(), Vec::new());
-        Self { kind, width, height, frames, samples, is_colour, mosaic, times, taken }
+        let (mosaic, times, views, taken) = (None, Times::default(), None, Vec::new());
+        Self { kind, width, height, frames, samples, is_colour, mosaic, times, views, taken }
     }
 }
 
@@ -161,6 +169,9 @@ impl Expected<'_> {
 
 /// Number of frames in the file, for a TIFF and a film at most 2; reads as little as possible.
 pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize, Error> {
+    if let Some((grid, _)) = options.views.and_then(ViewsChoice::picture) {
+        return Ok(grid.count());
+    }
     // Extensions are tried first, because this is called for every picture of a folder.
     if let Some(Kind::Raw | Kind::Picture(_)) = Kind::named(path) {
         return Ok(1);

@@ -7,7 +7,7 @@
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use super::plain::{Index, Plain};
-use crate::burst::layout::{Axis, AxisChoice};
+use crate::burst::layout::{Axis, AxisChoice, ViewGrid, ViewsChoice};
 use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
 use crate::error::{Error, ErrorKind};
@@ -76,7 +76,7 @@ impl ArrayHeader {
 
     /// Whether it has the number of axes that frames have.
     pub(super) fn is_of_frames(&self) -> bool {
-        (2..=4).contains(&self.shape.len()) && DTYPES.iter().any(|(code, _)| self.descr.get(1..) == Some(*code))
+        (2..=5).contains(&self.shape.len()) && DTYPES.iter().any(|(code, _)| self.descr.get(1..) == Some(*code))
     }
 
     /// Its frames. `length` is that of the file or the member, bytes; a shape beyond the limits is refused.
@@ -100,7 +100,13 @@ impl ArrayHeader {
             ">" => true,
             _ => return Err(Error::corrupt(path, kind, "its byte order is unknown")),
         };
-        let (mut indices, taken) = meaning(&self.shape, options.axis.as_ref()).map_err(|remedy| {
+        let of_views = axes_of_views(&self.shape, options.views);
+        let shape = of_views.as_ref().map_or(&self.shape, |(_, shape)| shape);
+        if of_views.is_some() && self.fortran_order {
+            let reason = "its views are in Fortran's order; save it as numpy.ascontiguousarray makes it";
+            return Err(Error::unsupported(path, kind, reason));
+        }
+        let (mut indices, taken) = meaning(shape, options.axis.as_ref()).map_err(|remedy| {
             let problem = format!("this array has the shape {:?}", self.shape);
             Error::new(ErrorKind::Unsupported, problem, remedy).about(path)
         })?;
@@ -124,6 +130,7 @@ impl ArrayHeader {
             big_endian,
             channels: channels as usize,
             is_encoded: channels > 1 && number == Number::U8,
+            views: of_views.map(|(grid, _)| grid),
             taken: taken.into_iter().collect(),
             scattered: if is_in_order { Vec::new() } else { scattered.collect() },
             ..Plain::new(kind, (width as usize, height as usize), places, number)
@@ -137,14 +144,30 @@ pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 /// Axes of an array as indices with their lengths, and a word about what was guessed.
 type Meaning = (Vec<(Index, u64)>, Option<String>);
 
+/// Least number of columns of views in an array that is taken for a light field unasked: fewer may be colours.
+const MIN_COLUMNS: u64 = 5;
+
+/// Grid of views of an array [rows, columns, v, u] or [rows, columns, v, u, colours], and the shape of its frames one
+/// after the other. One of four axes has to be what `views` says, or what no stack of frames is.
+fn axes_of_views(shape: &[u64], views: Option<ViewsChoice>) -> Option<(ViewGrid, Vec<u64>)> {
+    let [rows, columns, frame @ ..] = shape else { return None };
+    let grid = ViewGrid::new(usize::try_from(*rows).ok()?, usize::try_from(*columns).ok()?)?;
+    let is_of_views = match (frame, views) {
+        (_, Some(ViewsChoice::Grid(asked))) => (2..=3).contains(&frame.len()) && asked == grid,
+        ([_, last], None) => *columns >= MIN_COLUMNS && !matches!(last, 1 | 3 | 4),
+        ([_, _, 1 | 3 | 4], None) => true,
+        _ => false,
+    };
+    is_of_views.then(|| (grid, [&[grid.count() as u64], frame].concat()))
+}
+
 /// Meaning of the axes of an array. The error is a remedy.
 fn meaning(shape: &[u64], axis: Option<&AxisChoice>) -> Result<Meaning, String> {
     use Index::{Colour, Column, Frame, Row};
     /// The last axis is taken for that of the frames where it is this many times shorter than the others.
     const SHORTER: u64 = 8;
     let axis = axis.map(|choice| choice.along);
-    let usual =
-        "a stack is [frames, rows, columns], one frame is [rows, columns], and [frames, rows, columns, 3] has colours";
+    let usual = "a stack is [frames, rows, columns], one frame is [rows, columns], and [frames, rows, columns, 3] has colours; a light field is [rows, columns, v, u] with --views ROWSxCOLUMNS";
     let (indices, taken): (&[Index], _) = match *shape {
         _ if !matches!(axis, None | Some(Axis::First | Axis::Last)) => {
             return Err("the axes of an array have no names; say --axis first or --axis last".to_owned());
@@ -253,6 +276,26 @@ mod tests {
             [(&[5, 2, 480, 640][..], None), (&[5], None), (&[5, 4, 4], Some("T")), (&[1, 1, 1, 1, 1], None)]
         {
             assert!(of(bad, axis).is_err(), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn arrays_of_views_are_told_from_colours() {
+        let of = |shape: &[u64], views: Option<&str>| {
+            axes_of_views(shape, views.map(|text| text.parse().expect("a choice"))).map(|found| found.1)
+        };
+        assert_eq!(of(&[9, 9, 480, 640], None), Some(vec![81, 480, 640]));
+        assert_eq!(of(&[2, 3, 480, 640, 3], None), Some(vec![6, 480, 640, 3]));
+        assert_eq!(of(&[5, 3, 480, 640], Some("5x3")), Some(vec![15, 480, 640]));
+        for (shape, views) in [
+            (&[10, 3, 480, 640][..], None),
+            (&[10, 480, 640, 3], None),
+            (&[9, 9, 480, 640], Some("3x27")),
+            (&[81, 480, 640], Some("9x9")),
+            (&[0, 9, 480, 640], None),
+            (&[u64::MAX, 9, 480, 640], None),
+        ] {
+            assert_eq!(of(shape, views), None, "{shape:?}");
         }
     }
 

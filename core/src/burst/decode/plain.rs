@@ -3,7 +3,7 @@
 
 use super::{Expected, FileScale, Header, RawFrame, Ticker, frame_of_plane, in_order};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
-use crate::burst::layout::Mosaic;
+use crate::burst::layout::{Mosaic, ViewGrid};
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::times::Times;
@@ -51,6 +51,8 @@ pub(super) struct Plain {
     pub is_encoded: bool,
     pub mosaic: Option<Mosaic>,
     pub times: Times,
+    /// Grid of views that the frames are.
+    pub views: Option<ViewGrid>,
     /// Guesses and choices, for the user.
     pub taken: Vec<String>,
     /// Lengths of an array whose frames are not one after the other, the index that runs fastest first; empty for
@@ -76,6 +78,7 @@ impl Plain {
             is_encoded: false,
             mosaic: None,
             times: Times::default(),
+            views: None,
             taken: Vec::new(),
             scattered: Vec::new(),
             member: None,
@@ -88,6 +91,7 @@ impl Plain {
         Header {
             mosaic,
             times: self.times,
+            views: self.views,
             taken: self.taken,
             ..Header::new(self.kind, self.size, self.places.len(), samples, is_colour)
         }

@@ -6,6 +6,7 @@
 //! π), or structure that is ρ times as strong as the noise of S (a share π). It is about 0 for noise, whatever the
 //! slope, and grows as z²/2 for what stands out; a plain square would add the noise of all empty cells to each window.
 
+use crate::burst::Offset;
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use crate::detector::stack::FrameTimes;
 use crate::kernel::stack::any_masked;
@@ -60,7 +61,9 @@ impl Evidence {
         let fine_px = cell_px / MERGED_CELLS;
         let bands = frames.par_iter().map(|frame| band(frame, fine_px, monitor));
         let bands: Vec<Plane> = bands.collect::<Result<_, _>>()?;
-        let times_cells: Vec<f32> = times.from_middle().iter().map(|time| time / fine_px as f32).collect();
+        let in_cells = |at: Offset<f32>| Offset { u: at.u / fine_px as f32, v: at.v / fine_px as f32 };
+        let at_cells: Vec<Offset<f32>> = times.from_middle().into_iter().map(in_cells).collect();
+        let are_views = times.positions.are_views();
         let grid = swept(grid, times, cell_px);
         let slopes: Vec<Slope> = grid.slopes().collect();
         let size = bands[0].size();
@@ -69,15 +72,17 @@ impl Evidence {
         variance.data_mut().fill(f32::MAX);
         let hidden = hidden_squares(frames, fine_px * NOISE_CELLS, variance.size());
         let mut nats = Vec::with_capacity(slopes.len());
-        for same_v in slopes.chunk_by(|a, b| a.v == b.v) {
+        // Views of a light field move down by any slope.
+        for same_v in slopes.chunk_by(|a, b| !are_views && a.v == b.v) {
             monitor.check()?;
-            let reach = |slope: &Slope| times_cells.iter().map(|time| (slope.u * time).abs()).fold(0.0, f32::max);
+            let moved = |slope: &Slope| at_cells.iter().map(|at| slope.displacement(*at)).collect::<Vec<_>>();
+            let reach = |slope: &Slope| moved(slope).iter().map(|(u, _)| u.abs()).fold(0.0, f32::max);
             let margin = same_v.iter().map(reach).fold(0.0, f32::max).ceil() as usize + 3;
-            let v = same_v[0].v;
-            let shifted = bands.par_iter().zip(&times_cells).map(|(band, time)| shifted_down(band, v * time, margin));
+            let down = moved(&same_v[0]);
+            let shifted = bands.par_iter().zip(down).map(|(band, (_, v))| shifted_down(band, v, margin));
             let shifted: Vec<Plane> = shifted.collect();
             let stacks = same_v.par_iter().map(|slope| {
-                let shifts: Vec<Shift> = times_cells.iter().map(|time| Shift::new(slope.u * time)).collect();
+                let shifts: Vec<Shift> = moved(slope).into_iter().map(|(u, _)| Shift::new(u)).collect();
                 let (power, mut residual) = stacked(&shifted, &shifts, margin);
                 // NaN stays out of the windows around it, and out of the least variance.
                 hidden.iter().for_each(|&square| residual.data_mut()[square] = f32::NAN);

@@ -46,7 +46,8 @@ pub fn in_focus(frames: &[&Plane], times: &FrameTimes, field: &MotionField) -> P
         let at = |u: usize| {
             let slope = field.smooth_at(u as f32, v as f32, same);
             let read = frames.iter().zip(&times).filter_map(|(frame, time)| {
-                let (u, v) = (u as f32 + time * slope.u, v as f32 + time * slope.v);
+                let (moved_u, moved_v) = slope.displacement(*time);
+                let (u, v) = (u as f32 + moved_u, v as f32 + moved_v);
                 let weight = |mask: &Arc<Mask>| bilinear(mask.weights(), u, v).map(|weight| weight.max(HIDDEN_WEIGHT));
                 Some((bilinear(frame, u, v)?, frame.mask().map_or(Some(1.0), weight)?))
             });

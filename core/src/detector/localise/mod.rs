@@ -23,7 +23,7 @@ use crate::detector::params::{DetectorParams, Localisation, SlopeExtrema, SlopeG
 use crate::detector::refine::{peak_offset, peak_offset_2d};
 use crate::detector::scale_space::{Base, octave_pixel, octave_size};
 use crate::detector::search::setup::{FirstLevels, Search};
-use crate::detector::stack::interpolation_blur;
+use crate::detector::stack::{FrameTimes, interpolation_blur};
 use crate::kernel::compact_kernel::{CompactKernel, KernelResponse, PixelView, RIM, SOFT};
 use crate::kernel::patch::{Patch, PatchScratch};
 
@@ -105,7 +105,7 @@ pub(super) fn located(
     let grid = &search.grid;
     let own = grid.coordinates(keypoint.slope_index);
     let answer = answer_in(&raw.pixels());
-    let width = motion_width(&answer, grid) * pixel / spread_frames;
+    let width = motion_width(&answer, grid, &search.inputs.times) * pixel / spread_frames;
     let (i, j) = slope_steps(sharp(&answer, keypoint.slope_index), |di, dj| {
         let i = own.0.checked_add_signed(di).filter(|&i| i < grid.u.count)?;
         let j = own.1.checked_add_signed(dj).filter(|&j| j < grid.v.count)?;
@@ -126,10 +126,14 @@ pub(super) fn located(
 /// Distance, in pixels of `answer`, at which a wrong motion weakens the response by the factor e^−½ where it blurs the
 /// frames by so much (standard deviation): along the line of `grid`, or in a plane where that is farthest. A small blur
 /// of variance ε along a direction changes a response R by ε/2 times its second derivative there, so that is
-/// √(−R/R″), which is σ for a blob of scale σ. Infinite along an edge.
-fn motion_width(answer: &KernelResponse, grid: &SlopeGrid) -> f32 {
+/// √(−R/R″), which is σ for a blob of scale σ. Infinite along an edge. Views of a light field lie in all directions,
+/// and blur in each by their variance there.
+fn motion_width(answer: &KernelResponse, grid: &SlopeGrid, times: &FrameTimes) -> f32 {
     let [uu, vv, uv] = answer.hessian.map(|second| -second / answer.value);
-    let sharpness = if grid.is_plane() {
+    let sharpness = if times.positions.are_views() {
+        let [views_uu, views_vv, views_uv] = times.moments().map(f64::from);
+        (views_uu * uu + views_vv * vv + 2.0 * views_uv * uv) / (views_uu + views_vv)
+    } else if grid.is_plane() {
         0.5 * (uu + vv) - (0.5 * (uu - vv)).hypot(uv)
     } else {
         let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();

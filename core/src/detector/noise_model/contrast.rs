@@ -7,6 +7,7 @@
 //! choice does not change the noise measured.
 
 use super::reading::BoxPyramid;
+use crate::burst::Offset;
 use crate::detector::params::Slope;
 use crate::detector::scale_space::stack_tiles;
 use crate::kernel::stack::FrameOffset;
@@ -45,6 +46,41 @@ pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     (looked, apart)
 }
 
+/// As [`looked_at`] for views of a light field at `offsets`, which do not follow one another: triples of neighbours in a
+/// row or in a column, no two of which share a view.
+pub fn looked_at_views(offsets: &[Offset<f32>], pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
+    let at = |place: Offset<f32>| {
+        offsets.iter().position(|own| (own.u - place.u).abs() < NEAR_STEPS && (own.v - place.v).abs() < NEAR_STEPS)
+    };
+    let mut free = vec![true; offsets.len()];
+    let mut triples: Vec<[usize; 3]> = Vec::new();
+    for step in [Offset { u: 1.0, v: 0.0 }, Offset { u: 0.0, v: 1.0 }] {
+        for (middle, place) in offsets.iter().enumerate() {
+            let back = at(*place - step);
+            let on = at(Offset { u: place.u + step.u, v: place.v + step.v });
+            let triple = back.zip(on).map(|(back, on)| [back, middle, on]);
+            if let Some(triple) = triple.filter(|triple| triple.iter().all(|view| free[*view])) {
+                triple.iter().for_each(|view| free[*view] = false);
+                triples.push(triple);
+            }
+        }
+    }
+    if triples.is_empty() {
+        return looked_at(offsets.len(), pixels);
+    }
+    let count = (LOOKED_PIXELS / (3 * pixels.max(1))).clamp(2, triples.len().max(2)).min(triples.len());
+    let chosen: Vec<[usize; 3]> = (0..count).map(|i| triples[i * triples.len() / count]).collect();
+    let mut looked: Vec<usize> = chosen.iter().flatten().copied().collect();
+    looked.sort_unstable();
+    let place = |view: &usize| looked.binary_search(view).unwrap_or_default();
+    let weights = contrasts(3)[0].clone();
+    let contrast = |triple: &[usize; 3]| triple.iter().map(place).zip(&weights).map(|(at, (_, w))| (at, *w)).collect();
+    let contrasts = chosen.iter().map(contrast).collect();
+    (looked, contrasts)
+}
+
+/// Distance in steps of the grid of views up to which a view is at a place of it.
+const NEAR_STEPS: f32 = 0.1;
 /// Number of pixels of all frames that are examined closely, about.
 const LOOKED_PIXELS: usize = 3_000_000;
 
@@ -61,7 +97,7 @@ impl Pixels<'_> {
     /// Writes the contrast in `region` of the octave, for a scene that moves by `slope` px/frame. `single` is scratch.
     pub fn contrast(
         &self,
-        (contrast, times, slope): (&Contrast, &[f32], Slope),
+        (contrast, offsets, slope): (&Contrast, &[Offset<f32>], Slope),
         region: &Region,
         (out, single): (&mut Tile, &mut Vec<Tile>),
     ) {
@@ -75,9 +111,10 @@ impl Pixels<'_> {
         let read = |range: &Range<usize>| {
             (range.start as f32 * unit).floor() as usize..(range.end as f32 * unit).ceil() as usize
         };
-        let shifts_u = shifts(contrast, times, slope.u / pixel, &read(&region.columns), width);
-        let shifts_v = shifts(contrast, times, slope.v / pixel, &read(&region.rows), height);
-        for ((&(t, weight), whole_u), whole_v) in contrast.iter().zip(shifts_u).zip(shifts_v) {
+        let in_pixels = Slope::new(slope.u / pixel, slope.v / pixel);
+        let region_read = (&read(&region.columns), &read(&region.rows));
+        let shifts = shifts(contrast, offsets, in_pixels, region_read, (width, height));
+        for (&(t, weight), (whole_u, whole_v)) in contrast.iter().zip(shifts) {
             let mut add = |v: usize, row: &[f32]| {
                 out.row_mut(v).iter_mut().zip(row).for_each(|(sum, x)| *sum += weight * x);
             };
@@ -106,11 +143,24 @@ impl Pixels<'_> {
 /// Number of extra columns that a row of a tile has room for, for filters that read whole vectors.
 const PADDING: usize = 32;
 
-/// Shifts in whole pixels by which frames at `times` are read farther along an axis of `n` pixels for a scene that
-/// moves by `slope` px/frame; all moved alike where that keeps the read of `range` inside.
-pub(super) fn shifts(contrast: &Contrast, times: &[f32], slope: f32, range: &Range<usize>, n: usize) -> Vec<i64> {
-    let middle = times[contrast[contrast.len() / 2].0];
-    let mut shifts: Vec<i64> = contrast.iter().map(|&(t, _)| ((times[t] - middle) * slope).round() as i64).collect();
+/// Shifts (u, v) in whole pixels by which the frames of a contrast, at `offsets`, are read farther for a scene that
+/// moves by `slope` px/frame; on each axis all moved alike where that keeps the read of `columns` or `rows` inside.
+pub(super) fn shifts(
+    contrast: &Contrast,
+    offsets: &[Offset<f32>],
+    slope: Slope,
+    (columns, rows): (&Range<usize>, &Range<usize>),
+    (width, height): (usize, usize),
+) -> Vec<(i64, i64)> {
+    let middle = offsets[contrast[contrast.len() / 2].0];
+    let moved = |&(t, _): &(usize, f32)| slope.displacement(offsets[t] - middle);
+    let moved: Vec<(f32, f32)> = contrast.iter().map(moved).collect();
+    let u = kept_inside(moved.iter().map(|by| by.0.round() as i64).collect(), columns, width);
+    let v = kept_inside(moved.iter().map(|by| by.1.round() as i64).collect(), rows, height);
+    u.into_iter().zip(v).collect()
+}
+
+fn kept_inside(mut shifts: Vec<i64>, range: &Range<usize>, n: usize) -> Vec<i64> {
     let (min, max) = shifts.iter().fold((0, 0), |(a, b), &s| (a.min(s), b.max(s)));
     let (start, end, n) = (range.start as i64, range.end as i64, n as i64);
     if end - start + max - min > n {
@@ -136,8 +186,8 @@ const MAX_PARTS: usize = 48;
 #[derive(Debug, Clone, Copy)]
 pub struct SceneMotion<'a> {
     pub pyramids: &'a [&'a BoxPyramid],
-    /// Times at which they were taken, in frames of the burst.
-    pub times: &'a [f32],
+    /// Positions at which they were taken, in frames of the burst.
+    pub offsets: &'a [Offset<f32>],
     /// Possible slopes, px/frame.
     pub slopes: &'a [Slope],
 }
@@ -156,11 +206,13 @@ impl SceneMotion<'_> {
             return OctaveMotion { planes: Vec::new(), square: 1.0, candidates: vec![(slowest, Vec::new())] };
         }
         let square = (1usize << level) as f32;
-        let middle = 0.5 * (self.times[0] + self.times[self.times.len() - 1]);
+        let (first, last) = (self.offsets[0], self.offsets[self.offsets.len() - 1]);
+        let middle = Offset { u: 0.5 * (first.u + last.u), v: 0.5 * (first.v + last.v) };
         let (mut candidates, mut known) = (Vec::new(), BTreeSet::new());
         for slope in slopes {
-            let shift = |t: f32, along: f32| ((t - middle) * along / square).round() as i64;
-            let shifts: Vec<(i64, i64)> = self.times.iter().map(|&t| (shift(t, slope.u), shift(t, slope.v))).collect();
+            let squares = |px: f32| (px / square).round() as i64;
+            let moved = self.offsets.iter().map(|&at| slope.displacement(at - middle));
+            let shifts: Vec<(i64, i64)> = moved.map(|(u, v)| (squares(u), squares(v))).collect();
             if known.insert(shifts.clone()) {
                 candidates.push((slope, shifts));
             }
@@ -295,9 +347,29 @@ mod tests {
     }
 
     #[test]
+    fn views_are_compared_with_their_neighbours_in_rows_and_columns() {
+        let grid = |rows: usize, columns: usize| -> Vec<Offset<f32>> {
+            crate::burst::Positions::grid(rows, columns).offsets().iter().map(|at| at.to_f32()).collect()
+        };
+        let (looked, contrasts) = looked_at_views(&grid(3, 5), 10_000);
+        assert_eq!((looked.len(), contrasts.len()), (15, 5));
+        assert_eq!(contrasts[1].iter().map(|(t, _)| looked[*t]).collect::<Vec<_>>(), [5, 6, 7]);
+        assert_eq!(contrasts[3].iter().map(|(t, _)| looked[*t]).collect::<Vec<_>>(), [3, 8, 13]);
+        let (looked, contrasts) = looked_at_views(&grid(9, 9), 500_000);
+        assert_eq!((looked.len(), contrasts.len()), (6, 2));
+        assert!(contrasts.iter().flatten().all(|(t, _)| *t < 6) && looked.is_sorted());
+        assert_eq!(looked_at_views(&grid(2, 2), 10_000), looked_at(4, 10_000));
+    }
+
+    #[test]
     fn reads_stay_inside() {
         let contrast = &contrasts(3)[0];
-        let shifts = |slope: f32, range: Range<usize>| shifts(contrast, &[0.0, 1.0, 2.0], slope, &range, 40);
+        let at = [0.0, 1.0, 2.0].map(|time| Offset::from(time).to_f32());
+        let both =
+            |slope: f32, range: Range<usize>| shifts(contrast, &at, Slope::new(slope, 0.0), (&range, &range), (40, 40));
+        let shifts = |slope: f32, range: Range<usize>| -> Vec<i64> {
+            both(slope, range).into_iter().map(|(u, v)| if v == 0 { u } else { i64::MAX }).collect()
+        };
         assert_eq!(shifts(3.0, 0..20), [0, 3, 6]);
         assert_eq!(shifts(3.0, 20..40), [-6, -3, 0]);
         assert_eq!(shifts(-3.0, 10..20), [3, 0, -3]);
@@ -317,9 +389,9 @@ mod tests {
         };
         let frames: Vec<BoxPyramid> = (0..8).map(|t| BoxPyramid::new(&frame(t), 5)).collect();
         let pyramids: Vec<&BoxPyramid> = frames.iter().collect();
-        let times: Vec<f32> = (0..8).map(|t| t as f32).collect();
+        let at: Vec<Offset<f32>> = (0..8).map(|t| Offset::from(f64::from(t)).to_f32()).collect();
         let slopes: Vec<Slope> = SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3).slopes().collect();
-        let motion = SceneMotion { pyramids: &pyramids, times: &times, slopes: &slopes };
+        let motion = SceneMotion { pyramids: &pyramids, offsets: &at, slopes: &slopes };
         let found = motion.slopes_at(&[(30.0, 90.0), (220.0, 90.0)], (256, 192));
         assert_eq!(found, [Slope::new(2.0, 0.0), Slope::new(-2.0, 0.0)]);
         // Where pixels are so large that nothing moves, and where there is no choice, the slowest is taken.

@@ -5,7 +5,7 @@
 
 use super::changing_lines::ChangingLines;
 use super::codec::Flattened;
-use super::contrast::{SceneMotion, looked_at};
+use super::contrast::{SceneMotion, looked_at, looked_at_views};
 use super::fixed_pattern::{FixedPattern, are_struck, mask_struck};
 use super::frames::FrameSurvey;
 use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS, median};
@@ -14,7 +14,7 @@ use super::spectrum::{Sources, measure};
 use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
 use super::{FRAMES_SAMPLED, NoiseModel};
-use crate::burst::Positions;
+use crate::burst::{Offset, Positions};
 use crate::detector::params::{Flicker, Slope};
 use crate::detector::scale_space::ScaleSpace;
 use crate::monitor::{Cancelled, Monitor};
@@ -79,7 +79,12 @@ pub fn examine(
             Arc::make_mut(frame).data_mut().iter_mut().for_each(|x| *x /= gain);
         }
     }
-    let (looked, contrasts) = looked_at(clean.len(), frames[0].data().len());
+    let offsets: Vec<Offset<f32>> = kept.iter().map(|&t| positions.offset(t).to_f32()).collect();
+    let (looked, contrasts) = if positions.are_views() {
+        looked_at_views(&offsets, frames[0].data().len())
+    } else {
+        looked_at(clean.len(), frames[0].data().len())
+    };
     let first_look = squares.only(&looked.iter().map(|&i| kept[i]).collect::<Vec<_>>());
     let about = first_look.noise_in(first_look.mean_variances(&contrasts));
     let shown = survey.shown(&first_look, &contrasts);
@@ -100,14 +105,14 @@ pub fn examine(
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
 
-    let times: Vec<f32> = looked.iter().map(|&i| positions.offset(kept[i]) as f32).collect();
+    let at: Vec<Offset<f32>> = looked.iter().map(|&i| offsets[i]).collect();
     let pyramids: Vec<&BoxPyramid> = reading.pyramids.iter().collect();
     // Noise that frames share stays in place; read at shifted places it would seem larger.
     let slopes = if !survey.correlations.is_empty() { &[Slope::new(0.0, 0.0)] } else { *slopes };
-    let motion = SceneMotion { pyramids: &pyramids, times: &times, slopes };
+    let motion = SceneMotion { pyramids: &pyramids, offsets: &at, slopes };
     let measured = |squares: &HighPass| {
         let of_squares = motion.slopes_at(&squares.places, frames[0].size());
-        let variances = squares.still_variances(&looked_planes, &contrasts, &times, &of_squares);
+        let variances = squares.still_variances(&looked_planes, &contrasts, &at, &of_squares);
         listed(squares, variances, looked.len())
     };
     let seen = |(list, free): (Vec<Square>, f32)| (list.into_iter().filter(|s| !s.variance.is_nan()).collect(), free);

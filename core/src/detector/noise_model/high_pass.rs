@@ -5,6 +5,7 @@
 //! combination of frames is filtered as the same combination of filtered frames.
 
 use super::contrast::{Contrast, shifts};
+use crate::burst::Offset;
 use crate::detector::params::Slope;
 use crate::plane::Plane;
 use crate::plane::tile::Region;
@@ -109,22 +110,21 @@ impl HighPass {
         &self,
         frames: &[&Plane],
         contrasts: &[Contrast],
-        times: &[f32],
+        offsets: &[Offset<f32>],
         slopes: &[Slope],
     ) -> Vec<f32> {
         let of_square = |square: usize| {
             let (u, v) = self.corners[square];
             let of_contrast = |contrast: &Contrast| {
-                let shifts = |along: f32, at: usize, n: usize| shifts(contrast, times, along, &(at..at + 2 * PATCH), n);
-                let shifts_u = shifts(slopes[square].u, u, frames[0].width());
-                let shifts_v = shifts(slopes[square].v, v, frames[0].height());
+                let read = (&(u..u + 2 * PATCH), &(v..v + 2 * PATCH));
+                let shifts = shifts(contrast, offsets, slopes[square], read, frames[0].size());
                 let moved = |u: usize, by: i64| u.saturating_add_signed(by as isize);
-                let places = || shifts_u.iter().zip(&shifts_v).map(|(&du, &dv)| (moved(u, du), moved(v, dv)));
+                let places = || shifts.iter().map(|&(du, dv)| (moved(u, du), moved(v, dv)));
                 let hides = |(t, at): (usize, (usize, usize))| frames[t].hides(&around_square(at));
                 if contrast.iter().any(|&(t, _)| hides((t, (u, v)))) {
                     return f32::NAN;
                 }
-                if shifts_u.iter().chain(&shifts_v).all(|&s| s == 0)
+                if shifts.iter().all(|&by| by == (0, 0))
                     || contrast.iter().zip(places()).any(|(&(t, _), at)| hides((t, at)))
                 {
                     return self.power(contrast, square);
@@ -318,9 +318,9 @@ mod tests {
         let frames: Vec<&Plane> = frames.iter().collect();
         let squares = HighPass::new(&frames);
         let contrasts = &contrasts(6)[..2];
-        let times = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let at = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|time| Offset::from(time).to_f32());
         let mean = |slope: Slope| {
-            let variances = squares.still_variances(&frames, contrasts, &times, &vec![slope; squares.places.len()]);
+            let variances = squares.still_variances(&frames, contrasts, &at, &vec![slope; squares.places.len()]);
             variances.iter().sum::<f32>() / variances.len() as f32
         };
         let still = mean(Slope::new(4.0, -1.0));

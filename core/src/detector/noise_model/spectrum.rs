@@ -8,7 +8,7 @@
 
 use super::contrast::{Contrast, Pixels as Source, SceneMotion, shifts};
 use super::high_pass::{quantile, quiet_variance, sorted, spread};
-use crate::burst::Positions;
+use crate::burst::{Offset, Positions};
 use crate::detector::noise::{dog_energy, dog_noise_variance};
 use crate::detector::params::{Interpolation, Slope};
 use crate::detector::scale_space::{
@@ -229,11 +229,11 @@ pub fn tiles_of_octave(
         let of_region = motion.slope_in(&in_image);
         let of_round = |round: usize| {
             let contrast = &contrasts[(index + round) % contrasts.len()];
-            let is_seen = is_seen_along(frames, contrast, sources.motion.times, of_region, &in_image);
+            let is_seen = is_seen_along(frames, contrast, sources.motion.offsets, of_region, &in_image);
             // Where a mask hides what has moved, frames are compared where they are.
             let slope = if is_seen { of_region } else { Slope::default() };
             let Scratch { filter, dog, single, input } = &mut *scratch;
-            source.contrast((contrast, sources.motion.times, slope), &filters.inputs(region), (&mut *input, single));
+            source.contrast((contrast, sources.motion.offsets, slope), &filters.inputs(region), (&mut *input, single));
             dog_tile(&filters, Pixels::Stacked(input), region, filter, dog, None, &mut |_, _| ());
             moments(dog, region, &white, variance)
         };
@@ -248,15 +248,19 @@ pub fn tiles_of_octave(
 }
 
 /// Whether the frames of a contrast see `region` where it has moved by `slope`.
-fn is_seen_along(frames: &[&Plane], contrast: &Contrast, times: &[f32], slope: Slope, region: &Region) -> bool {
-    let by = |along: f32, range: &Range<usize>, n: usize| shifts(contrast, times, along, range, n);
-    let (width, height) = frames[0].size();
-    let (along_u, along_v) = (by(slope.u, &region.columns, width), by(slope.v, &region.rows, height));
+fn is_seen_along(
+    frames: &[&Plane],
+    contrast: &Contrast,
+    offsets: &[Offset<f32>],
+    slope: Slope,
+    region: &Region,
+) -> bool {
+    let shifts = shifts(contrast, offsets, slope, (&region.columns, &region.rows), frames[0].size());
     let moved = |range: &Range<usize>, by: i64| {
         let to = |at: usize| at.saturating_add_signed(by as isize);
         to(range.start)..to(range.end)
     };
-    contrast.iter().zip(along_u.iter().zip(&along_v)).all(|(&(t, _), (&du, &dv))| {
+    contrast.iter().zip(shifts).all(|(&(t, _), (du, dv))| {
         !frames[t].hides(&Region { columns: moved(&region.columns, du), rows: moved(&region.rows, dv) })
     })
 }
@@ -379,9 +383,9 @@ mod tests {
         let pyramids: Vec<BoxPyramid> = frames.iter().map(|f| BoxPyramid::new(f, 6)).collect();
         let pyramids: Vec<&BoxPyramid> = pyramids.iter().collect();
         let frames: Vec<&Plane> = frames.iter().map(|f| &**f).collect();
-        let times: Vec<f32> = (0..frames.len()).map(|t| t as f32).collect();
+        let at: Vec<Offset<f32>> = (0..frames.len()).map(|t| Offset::from(t as f64).to_f32()).collect();
         let slopes: Vec<Slope> = slopes.slopes().collect();
-        let motion = SceneMotion { pyramids: &pyramids, times: &times, slopes: &slopes };
+        let motion = SceneMotion { pyramids: &pyramids, offsets: &at, slopes: &slopes };
         let sources = Sources {
             frames: &frames,
             contrasts: &contrasts(frames.len()),

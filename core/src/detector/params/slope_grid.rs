@@ -4,6 +4,7 @@
 //! axes, `u` and `v`, turned as a whole by `direction_deg`: with one value on the `v` axis it is a line through the
 //! slope plane (BuFF 1D), horizontal unless turned; with several values on both axes it is BuFF 2D.
 
+use crate::burst::Offset;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
@@ -33,6 +34,11 @@ impl Slope {
     /// Length, in pixels per frame.
     pub fn magnitude(self) -> f32 {
         self.u.hypot(self.v)
+    }
+
+    /// Displacement (u, v), pixels, in a frame at `offset` from mid-burst.
+    pub fn displacement(self, offset: Offset<f32>) -> (f32, f32) {
+        offset.displacement((self.u, self.v))
     }
 }
 

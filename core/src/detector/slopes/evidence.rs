@@ -7,8 +7,9 @@
 //! that makes it much smaller. Its slopes are multiples of the step and end one to two steps beyond the evidence, so
 //! that the grid of a burst and that of a part of it have their points in common.
 
+use super::lags::Lags;
 use super::peak::{SearchTable, Track};
-use super::spectra::{CrossSpectra, Fourier, Lags, PairSpectra, SIDE, Scratch};
+use super::spectra::{CrossSpectra, Fourier, PairSpectra, SIDE, Scratch};
 use crate::detector::params::{Slope, SlopeAxis, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;

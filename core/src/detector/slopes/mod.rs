@@ -9,6 +9,7 @@
 
 mod event;
 mod evidence;
+mod lags;
 mod order;
 mod peak;
 mod regularity;
@@ -30,10 +31,11 @@ use event::Event;
 use evidence::{
     LINE_SLOPES, PLANE_SLOPES, Seen, Steps, confirmed, direction_deg, grid_for, is_clear, is_significant, look, turned,
 };
+use lags::{Lags, MAX_LAG};
 use order::Blocks;
 use peak::{Path, SearchTable, Track};
 use serde::Serialize;
-use spectra::{Fourier, Lags, MAX_LAG, SIDE};
+use spectra::{Fourier, SIDE};
 use std::path::PathBuf;
 
 /// Smear of the outermost frames, in pixels, below which two slopes are equal: about the σ of the finest features.
@@ -52,7 +54,8 @@ const MIN_MOVING: usize = 3;
 const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
-/// from +u towards +v) or anywhere in the plane.
+/// from +u towards +v) or anywhere in the plane. Views of a light field have a disparity: without a direction it is
+/// that of a grid along the picture's axes, 0.
 ///
 /// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ over the time
 /// from the first to the last frame for the finest σ searched, or coarser where the range is long. Results do not
@@ -77,9 +80,10 @@ pub fn find_slopes(
     let copies = event::copies(&all);
     let kept: Vec<usize> = (0..all.len()).filter(|t| !copies.contains(t)).collect();
     let frames: Vec<&Plane> = kept.iter().map(|t| all[*t]).collect();
-    // With times of their own, frames are in their order and the gaps are known.
-    let is_even = positions.is_even();
+    // With times of their own, frames are in their order and the gaps are known; views follow no time.
+    let (is_even, are_views) = (positions.is_even(), positions.are_views());
     let positions = if is_even { Positions::even(kept.len()) } else { positions.of(&kept) };
+    let direction_deg = direction_deg.or(are_views.then_some(0.0));
     let fourier = Fourier::new();
     let track = direction_deg.map_or(Track::Plane, |degrees| {
         let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
@@ -88,7 +92,7 @@ pub fn find_slopes(
     let levels = spectra::levels_for(burst.size(), SIDE);
     let lags = Lags::of(&positions);
     let (mut seen, mut table) = look((&frames, &lags), (levels.clone(), 0), track, &fourier, monitor)?;
-    let whole = seen.wholes.first();
+    let whole = seen.wholes.first().filter(|_| !are_views);
     let shared = whole.map_or(0, |whole| peak::lags_of_shared_noise(&whole.products, &whole.pairs, &lags, &fourier));
     if shared > 0 {
         (seen, table) = look((&frames, &lags), (levels.clone(), shared), track, &fourier, monitor)?;
@@ -96,7 +100,7 @@ pub fn find_slopes(
     let steps = steps_of(params, &positions);
     let size = Size { gaps: positions.span(), pixels: burst.size() };
     let finding = conclude(&seen, steps, direction_deg, size);
-    let path = path_of(&seen, &fourier, levels.start).filter(|_| shared == 0);
+    let path = if are_views || shared > 0 { None } else { path_of(&seen, &fourier, levels.start) };
     let is_told = is_even && (event::MIN_FRAMES..=event::MAX_FRAMES).contains(&frames.len());
     let blocks = seen.blocks.first().filter(|_| is_told);
     let blocks = blocks.map(|blocks| Blocks::of(blocks, (&lags, shared), levels.start, &fourier));
@@ -116,6 +120,7 @@ pub fn find_slopes(
         {
             SlopeVerdict::NotStraight
         }
+        SlopeVerdict::Film if are_views => SlopeVerdict::Found,
         verdict => verdict,
     };
     let deviation_px = deviation.map(|(distance, _)| distance as f32);
@@ -150,7 +155,8 @@ fn steps_of(params: &DetectorParams, positions: &Positions) -> Steps {
     let space = ScaleSpace::of(params);
     Steps {
         search: 2.0 * space.sigma_image(space.first_octave, 0.0) / gaps,
-        same: 2.0 * SAME_SMEAR_PX / gaps.min(MAX_LAG as f64),
+        // Half of the lags of views are along the rows.
+        same: 2.0 * SAME_SMEAR_PX / gaps.min(MAX_LAG as f64 / if positions.are_views() { 2.0 } else { 1.0 }),
     }
 }
 

@@ -9,7 +9,9 @@
 //! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a
 //! whole. The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
-use super::spectra::{CrossSpectra, Fourier, Lags, PairSpectra, SIDE};
+use super::lags::Lags;
+use super::spectra::{CrossSpectra, Fourier, PairSpectra, SIDE};
+use crate::burst::Offset;
 
 /// Largest shift used, level pixels: at larger ones little of the window overlaps.
 const REACH: f64 = 0.4 * SIDE as f64;
@@ -52,13 +54,13 @@ pub(super) struct SearchTable {
     pub slopes: Vec<[f64; 2]>,
     taps: Vec<Vec<Tap>>,
     step: f64,
-    /// Distance of the frames of each lag, frame intervals.
-    distances: Vec<f64>,
+    /// Distance of the frames of each lag.
+    distances: Vec<Offset>,
     overlap: Vec<f32>,
 }
 
 impl SearchTable {
-    pub fn new(distances: &[f64], track: Track, overlap: &[f32]) -> Self {
+    pub fn new(distances: &[Offset], track: Track, overlap: &[f32]) -> Self {
         let lag_count = distances.len();
         let lags = lag_count.clamp(1, SEARCH_LAGS);
         let step = SEARCH_STEP / lags as f64;
@@ -181,8 +183,8 @@ fn best(scores: &[f64], counts: impl Fn(usize) -> bool) -> Option<usize> {
 }
 
 impl Tap {
-    fn new(slope: [f64; 2], apart: f64, overlap: &[f32]) -> Option<Self> {
-        let shift = slope.map(|s| s * apart);
+    fn new(slope: [f64; 2], apart: Offset, overlap: &[f32]) -> Option<Self> {
+        let shift = shift_at(slope, apart);
         let w = overlap_at(overlap, shift);
         if w < MIN_OVERLAP {
             return None;
@@ -192,6 +194,11 @@ impl Tap {
         let weight = [(1.0 - fv) * (1.0 - fu), (1.0 - fv) * fu, fv * (1.0 - fu), fv * fu].map(|x| w * x as f32);
         Some(Self { at, weight, overlap: w })
     }
+}
+
+/// Shift of one frame against another, `apart` from it, at `slope`.
+fn shift_at([u, v]: [f64; 2], apart: Offset) -> [f64; 2] {
+    apart.displacement((u, v)).into()
 }
 
 fn split(shift: [f64; 2]) -> ([i64; 2], [f64; 2]) {
@@ -222,14 +229,14 @@ struct Stack<'a> {
     /// Correlations divided by the overlap.
     planes: &'a [Vec<f32>],
     variance: &'a [f64],
-    /// Distance of the frames of each lag, frame intervals.
-    distances: &'a [f64],
+    /// Distance of the frames of each lag.
+    distances: &'a [Offset],
     overlap: &'a [f32],
 }
 
 impl Stack<'_> {
     fn weights(&self, slope: [f64; 2]) -> Vec<f64> {
-        let weight = |apart: &f64| f64::from(overlap_at(self.overlap, slope.map(|s| s * apart)));
+        let weight = |apart: &Offset| f64::from(overlap_at(self.overlap, shift_at(slope, *apart)));
         self.distances
             .iter()
             .take(self.planes.len())
@@ -239,7 +246,7 @@ impl Stack<'_> {
     }
 
     fn power(&self, weights: &[f64], slope: [f64; 2]) -> f64 {
-        let lag = |(k, w): (usize, &f64)| w * w * cubic(&self.planes[k], slope.map(|s| s * self.distances[k]));
+        let lag = |(k, w): (usize, &f64)| w * w * cubic(&self.planes[k], shift_at(slope, self.distances[k]));
         weights.iter().enumerate().filter(|(_, w)| **w > 0.0).map(lag).sum()
     }
 
@@ -373,17 +380,18 @@ pub(super) fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<(
     Some((at, significance))
 }
 
-/// Largest distance of points reached at `times`, whose mean is 0, from the uniform motion that fits them best.
-pub(super) fn distance_from_a_line(way: &[[f64; 2]], times: &[f64]) -> f64 {
-    let spread: f64 = times.iter().map(|t| t * t).sum();
+/// Largest distance of points reached at times `at`, whose mean is 0, from the uniform motion that fits them best.
+pub(super) fn distance_from_a_line(way: &[[f64; 2]], at: &[Offset]) -> f64 {
+    let times = || at.iter().map(|at| at.u);
+    let spread: f64 = times().map(|t| t * t).sum();
     let fit = |axis: usize| {
         let mean = way.iter().map(|x| x[axis]).sum::<f64>() / way.len() as f64;
-        let slope = way.iter().zip(times).map(|(x, t)| x[axis] * t).sum::<f64>() / spread;
+        let slope = way.iter().zip(times()).map(|(x, t)| x[axis] * t).sum::<f64>() / spread;
         (mean, slope)
     };
     let fits = [fit(0), fit(1)];
     let off = |x: &[f64; 2], t: f64, axis: usize| x[axis] - fits[axis].0 - fits[axis].1 * t;
-    way.iter().zip(times).map(|(x, t)| off(x, *t, 0).hypot(off(x, *t, 1))).fold(0.0, f64::max)
+    way.iter().zip(times()).map(|(x, t)| off(x, t, 0).hypot(off(x, t, 1))).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -395,6 +403,8 @@ mod tests {
         let uniform: Vec<[f64; 2]> = (0..6).map(|t| [1.5 * f64::from(t), 2.0 - 0.5 * f64::from(t)]).collect();
         assert!(distance_from_a_line(&uniform, crate::burst::Positions::even(6).offsets()) < 1e-12);
         let there_and_back = [[0.0, 0.0], [3.0, 0.0], [0.0, 0.0]];
-        assert!((distance_from_a_line(&there_and_back, &[-1.0, 0.0, 1.0]) - 2.0).abs() < 1e-12);
+        assert!(
+            (distance_from_a_line(&there_and_back, crate::burst::Positions::even(3).offsets()) - 2.0).abs() < 1e-12
+        );
     }
 }

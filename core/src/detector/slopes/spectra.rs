@@ -2,11 +2,11 @@
 //!
 //! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level
 //! pixels is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The
-//! product conj(F_s)·F_t is the spectrum of the cross-correlation of frames s and t; products of the same lag, the
-//! whole number of frame intervals nearest to their distance in time, are added up. A frame is never multiplied by
+//! product conj(F_s)·F_t is the spectrum of the cross-correlation of frames s and t; products of the same
+//! [lag](super::lags) are added up. A frame is never multiplied by
 //! itself, so that the frames' own noise adds nothing on average.
 
-use crate::burst::Positions;
+use super::lags::Lags;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -24,50 +24,6 @@ const HALF: usize = (SIDE / 2 + 1) * SIDE;
 /// σ of the band's inner Gaussian, level pixels: with the mean over a pixel 2 to 2.5 image pixels at level 1.
 const BAND_SIGMA: f64 = 1.0;
 const BAND_RATIO: f64 = 1.6;
-/// Largest lag that is used: pairs of frames further apart add little new information.
-pub(super) const MAX_LAG: usize = 12;
-/// Largest number of frames between those of pairs whose products are kept one by one.
-const MAX_NEAR: usize = 6;
-
-/// Pairs of frames by their lag: the whole number of frame intervals that is nearest to their distance in time.
-pub(super) struct Lags {
-    /// Number of frames.
-    pub frames: usize,
-    /// Pairs of lag 1, 2, …; pairs of frames closer than half an interval, and those too far apart, are in none.
-    pairs: Vec<Vec<(usize, usize)>>,
-    /// Mean distance of the pairs of each lag, frame intervals; the lag itself where it has no pair.
-    pub distances: Vec<f64>,
-    /// Pairs of frames that follow one another, t and t + 1, and then those with more and more frames between them.
-    pub near: Vec<(usize, usize)>,
-}
-
-impl Lags {
-    pub fn of(positions: &Positions) -> Self {
-        let count =
-            (positions.span().round().max(1.0) as usize).min(MAX_LAG).min(positions.len().saturating_sub(1) * MAX_LAG);
-        let mut pairs = vec![Vec::new(); count];
-        let apart = |(s, t): (usize, usize)| positions.offset(t) - positions.offset(s);
-        for pair in (0..positions.len()).flat_map(|s| (s + 1..positions.len()).map(move |t| (s, t))) {
-            let lag = apart(pair).round();
-            if (1.0..=count as f64).contains(&lag) {
-                pairs[lag as usize - 1].push(pair);
-            }
-        }
-        let distance = |(of, lag): (&Vec<(usize, usize)>, usize)| match of.len() {
-            0 => lag as f64,
-            n => of.iter().map(|pair| apart(*pair)).sum::<f64>() / n as f64,
-        };
-        let distances = pairs.iter().zip(1..).map(distance).collect();
-        let frames = positions.len();
-        let near = (1..frames.min(MAX_NEAR + 1)).flat_map(|apart| (apart..frames).map(move |t| (t - apart, t)));
-        Self { frames, pairs, distances, near: near.collect() }
-    }
-
-    /// Number of pairs of `lag`, from 1.
-    pub fn pairs(&self, lag: usize) -> usize {
-        self.pairs[lag - 1].len()
-    }
-}
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Spectrum {
@@ -138,7 +94,7 @@ impl PairSpectra {
 
 impl CrossSpectra {
     pub fn zeros(of: &Lags) -> Self {
-        let lags = of.pairs.len();
+        let lags = of.by_lag.len();
         Self { lags: vec![Spectrum::zeros(); lags], variance: vec![0.0; lags] }
     }
 
@@ -232,7 +188,7 @@ impl Fourier {
             }
         }
         let mut out = CrossSpectra::zeros(lags);
-        for ((lag, pairs), of_lag) in out.lags.iter_mut().zip(&lags.pairs).zip(&mut out.variance) {
+        for ((lag, pairs), of_lag) in out.lags.iter_mut().zip(&lags.by_lag).zip(&mut out.variance) {
             let mut variance = 0.0;
             for &(s, t) in pairs {
                 lag.add_product(&scratch.frames[s], &scratch.frames[t]);
@@ -389,6 +345,7 @@ fn mean_row(row: &mut [f32], sums: &[f32], side: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::burst::Positions;
     use crate::synth::random::Stream;
 
     /// Frames of smooth noise that moves by `step` level pixels a frame.

@@ -21,7 +21,7 @@ pub use layout::{lay_out, round_length};
 pub use links::{FigureAmount, FigureLink, FigureMatches, MatchKind};
 pub use svg::write_drawing_svg;
 
-use crate::burst::Positions;
+use crate::burst::{Offset, Positions};
 use crate::detector::Feature;
 use crate::plane::display::Display;
 use serde::{Deserialize, Serialize};
@@ -115,18 +115,22 @@ impl FigureMark {
 /// [motion](Feature::motion), image pixels.
 pub fn motion_over(feature: &Feature, positions: &Positions) -> [[f32; 2]; 2] {
     let (motion, _) = feature.motion();
-    ends(positions).map(|offset| [feature.u + offset * motion.u, feature.v + offset * motion.v])
+    ends(positions).map(|offset| {
+        let (u, v) = motion.displacement(offset);
+        [feature.u + u, feature.v + v]
+    })
 }
 
 /// Standard deviation of the second of these places by that of the [motion](Feature::motion), image pixels.
 pub fn sigma_over(feature: &Feature, positions: &Positions) -> f32 {
-    ends(positions)[1] * feature.motion().1
+    let last = ends(positions)[1];
+    last.u.hypot(last.v) * feature.motion().1
 }
 
-/// Times of the first and of the last frame from mid-burst, frame intervals.
-fn ends(positions: &Positions) -> [f32; 2] {
+/// Positions of the first and of the last frame from mid-burst.
+fn ends(positions: &Positions) -> [Offset<f32>; 2] {
     let offsets = positions.offsets();
-    [offsets.first(), offsets.last()].map(|offset| offset.map_or(0.0, |offset| *offset as f32))
+    [offsets.first(), offsets.last()].map(|offset| offset.copied().unwrap_or_default().to_f32())
 }
 
 /// Colours of values, from the smallest to the largest.

@@ -125,8 +125,12 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
 
 /// The share of a picture of `size` that all frames at `positions` show at `slope`.
 pub fn coverage_share(slope: Slope, positions: &Positions, size: (usize, usize)) -> f32 {
-    let part = |slope: f32, n: usize| (1.0 - slope.abs() * positions.span() as f32 / n as f32).max(0.0);
-    part(slope.u, size.0) * part(slope.v, size.1)
+    let moved = || positions.offsets().iter().map(|offset| slope.displacement(offset.to_f32()));
+    let part = |of: fn((f32, f32)) -> f32, n: usize| {
+        let (least, most) = moved().map(of).fold((0.0, 0.0), |(a, b): (f32, f32), x| (a.min(x), b.max(x)));
+        (1.0 - (most - least) / n as f32).max(0.0)
+    };
+    part(|by| by.0, size.0) * part(|by| by.1, size.1)
 }
 
 /// Coordinates in the grid, or in its continuation beyond the rim.

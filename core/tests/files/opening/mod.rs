@@ -18,3 +18,4 @@ mod plain;
 mod raw;
 mod support;
 mod times;
+mod views;

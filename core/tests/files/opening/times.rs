@@ -175,7 +175,7 @@ proptest! {
         for times in ["list.txt", "names"] {
             match with_list(&[&names[0], &names[1]], &format!("{known}{text}"), times) {
                 Ok(burst) => {
-                    let offsets = burst.positions.offsets();
+                    let offsets = burst.positions.since_first();
                     prop_assert!(offsets.len() == 2 && offsets[0] < offsets[1] && offsets[1].is_finite());
                 }
                 Err(error) => prop_assert!(error.to_string().len() > 20, "{error}"),

@@ -139,7 +139,14 @@ pub struct Trajectory {
 
 impl TrajectoryParams {
     fn check(&self) -> Result<(), Error> {
-        check_common(self.width, self.height, self.frames, self.max_slope, self.read_noise, self.bits)?;
+        check_common(
+            self.width,
+            self.height,
+            (self.frames, self.frames as f64 - 1.0),
+            self.max_slope,
+            self.read_noise,
+            self.bits,
+        )?;
         if !(1..=1000).contains(&self.bursts) {
             return Err(Error::param("bursts", format!("{} bursts", self.bursts), "give 1 to 1000"));
         }

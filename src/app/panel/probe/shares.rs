@@ -41,7 +41,10 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &m
 fn strip_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
     let shares = &answer.probe.shares;
     let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);
-    let columns = shares.frames.len().min(fits);
+    // Views lie as in their grid.
+    let grid = model.burst_of(model.probe.side).and_then(|burst| burst.burst.positions.rows_and_columns());
+    let grid = grid.filter(|(rows, columns)| rows * columns == shares.frames.len());
+    let columns = grid.map_or(shares.frames.len().min(fits), |(_, columns)| columns);
     let rows = shares.frames.len().div_ceil(columns);
     let side = (ui.available_width() / columns as f32).min(44.0).floor();
     let (rect, response) = ui.allocate_exact_size(vec2(side * columns as f32, side * rows as f32), Sense::click());

@@ -12,6 +12,7 @@ use crate::app::project::Model;
 use crate::app::project::method::MethodId;
 use crate::app::project::pair::{MatchRow, Matches, MatchesAs, PATCHES, Side};
 use crate::app::view::signed_slope;
+use crate::burst::Offset;
 use crate::detector::Feature;
 use crate::export::MatchKind;
 use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
@@ -111,11 +112,15 @@ fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<us
     overlay::feature_at(&placed, None, view.output.ui_from_image, pos)
 }
 
-/// `shifts` are frames after mid-burst. The line has the colour of its kind, or of the difference of the motions beside
+/// `shifts` are positions from mid-burst. The line has the colour of its kind, or of the difference of the motions beside
 /// the `largest` one.
-pub(in crate::app::workspace) fn line_of(row: &MatchRow<'_>, shifts: [f32; 2], largest: Option<f32>) -> MatchLine {
+pub(in crate::app::workspace) fn line_of(
+    row: &MatchRow<'_>,
+    shifts: [Offset<f32>; 2],
+    largest: Option<f32>,
+) -> MatchLine {
     let kind = MatchKind::of(row.inlier);
-    let place = |f: &Feature, dt: f32| {
+    let place = |f: &Feature, dt: Offset<f32>| {
         let f = at_time(f, dt);
         pos2(f.u, f.v)
     };
@@ -193,7 +198,7 @@ pub struct MatchView<'a> {
     pub side: Side,
     pub output: &'a CanvasOutput,
     /// Time of its picture, frames after mid-burst; 0 if it shows no frame.
-    pub shift: f32,
+    pub shift: Offset<f32>,
 }
 
 /// Panes of one method, or of none where no methods are compared.
@@ -216,7 +221,7 @@ impl<'a> MatchViews<'a> {
         };
         let view = |(place, side): &(usize, Side)| {
             let drawn = &drawn[*place].1;
-            MatchView { side: *side, output: &drawn.output, shift: shift(drawn.shown).unwrap_or(0.0) }
+            MatchView { side: *side, output: &drawn.output, shift: shift(drawn.shown).unwrap_or_default() }
         };
         let views = of_drawn.iter().map(view).collect();
         let place = |of: usize| of_drawn.iter().position(|(place, _)| *place == of);
@@ -274,7 +279,7 @@ impl<'a> MatchViews<'a> {
 pub struct Canvases {
     pub panes: [Pane; 2],
     /// Times of their pictures, frames after mid-burst.
-    pub shifts: [f32; 2],
+    pub shifts: [Offset<f32>; 2],
     /// Indices of the views; `None` for a missing partner.
     pub places: [Option<usize>; 2],
 }

@@ -1,0 +1,144 @@
+//! Light fields: folders of views, arrays, and pictures of all views, opened to the same frames and places.
+
+use super::support::{folder, save};
+use burstscope_core::Monitor;
+use burstscope_core::burst::{ArrayFrame, Arrays, Burst, Info, OpenOptions, Positions, find_bursts};
+use burstscope_core::error::Error;
+use image::{GrayImage, Luma};
+use ndarray::{Array4, Array5};
+use std::path::{Path, PathBuf};
+
+const ROWS: usize = 3;
+const COLUMNS: usize = 5;
+/// Columns and rows of a view.
+const SIZE: (usize, usize) = (20, 18);
+
+fn value(row: usize, column: usize, u: usize, v: usize) -> u8 {
+    (60 * row + 11 * column + 2 * u + v) as u8
+}
+
+fn picture((width, height): (usize, usize), at: impl Fn(usize, usize) -> u8) -> GrayImage {
+    GrayImage::from_fn(width as u32, height as u32, |x, y| Luma([at(x as usize, y as usize)]))
+}
+
+fn options(views: &str) -> OpenOptions {
+    OpenOptions { views: (!views.is_empty()).then(|| views.parse().expect("a choice")), ..OpenOptions::default() }
+}
+
+fn open(path: &Path, views: &str) -> Result<Burst, Error> {
+    Burst::open_with(&[path.to_owned()], &options(views), &Monitor::default())
+}
+
+/// A folder of views whose names `name` makes.
+fn views(name: impl Fn(usize, usize) -> String) -> tempfile::TempDir {
+    let home = folder();
+    for (row, column) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
+        let view = picture(SIZE, |u, v| value(row, column, u, v));
+        save(&home.path().join(name(row, column)), &view);
+    }
+    home
+}
+
+/// Whether a burst has all views, each at its place.
+fn is_whole(burst: &Burst) -> bool {
+    let is_view = |k: usize| {
+        let at = |u: usize, v: usize| f32::from(value(k / COLUMNS, k % COLUMNS, u, v)) / 255.0;
+        let frame = &burst.frames[k];
+        frame.size() == SIZE && (0..SIZE.1).all(|v| (0..SIZE.0).all(|u| (frame.at(u, v) - at(u, v)).abs() < 1e-6))
+    };
+    burst.positions == Positions::grid(ROWS, COLUMNS) && (0..ROWS * COLUMNS).all(is_view)
+}
+
+#[test]
+fn names_arrays_and_pictures_of_all_views_give_the_same_light_field() {
+    let usual = views(|row, column| format!("view_{row:02}_{column:02}.png"));
+    let burst = open(usual.path(), "").expect("a light field");
+    assert!(is_whole(&burst) && burst.taken[0].contains("3 rows and 5 columns"), "{:?}", burst.taken);
+    assert!(is_whole(&open(usual.path(), "3x5").expect("a light field")));
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(usual.path()).expect("read").map(|e| e.expect("an entry").path()).collect();
+    files.sort_by(|a, b| b.cmp(a));
+    let backwards = Burst::open_with(&files, &options(""), &Monitor::default()).expect("a light field");
+    assert!(is_whole(&backwards) && backwards.frame_names[0] == "view_00_00.png");
+    let others = views(|row, column| format!("shot_{row}_{column}_{}.5.png", 9 - column));
+    assert!(is_whole(&open(others.path(), "names").expect("a light field")));
+    assert!(!open(others.path(), "").expect("a burst").positions.are_views());
+
+    let home = folder();
+    let path = |name: &str| home.path().join(name);
+    let all = (COLUMNS * SIZE.0, ROWS * SIZE.1);
+    save(&path("tiled.png"), &picture(all, |x, y| value(y / SIZE.1, x / SIZE.0, x % SIZE.0, y % SIZE.1)));
+    save(&path("eslf.png"), &picture(all, |x, y| value(y % ROWS, x % COLUMNS, x / COLUMNS, y / ROWS)));
+    let array = Array4::from_shape_fn((ROWS, COLUMNS, SIZE.1, SIZE.0), |(t, s, v, u)| value(t, s, u, v));
+    ndarray_npy::write_npy(path("array.npy"), &array).expect("written");
+    let colours = Array5::from_shape_fn((ROWS, COLUMNS, SIZE.1, SIZE.0, 3), |(t, s, v, u, _)| value(t, s, u, v));
+    ndarray_npy::write_npy(path("colours.npy"), &colours).expect("written");
+    for (name, views) in [
+        ("tiled.png", "3x5:tiled"),
+        ("eslf.png", "3x5:eslf"),
+        ("array.npy", ""),
+        ("array.npy", "3x5"),
+        ("colours.npy", ""),
+    ] {
+        let burst = open(&path(name), views).expect("a light field");
+        assert!(is_whole(&burst), "{name} {views}: {:?}", burst.positions);
+        assert!(burst.frame_names[COLUMNS].ends_with("[1, 0]"), "{:?}", burst.frame_names);
+        let info = Info::of(&[path(name)], &options(views), &Monitor::default()).expect("described");
+        assert_eq!((info.frames, info.width, info.height, info.views), (15, SIZE.0, SIZE.1, Some([ROWS, COLUMNS])));
+        assert!(info.text().contains("views   3 rows × 5 columns"), "{}", info.text());
+    }
+    let frames = (0..ROWS * COLUMNS).map(|k| {
+        let pixels = (0..SIZE.0 * SIZE.1).map(move |i| value(k / COLUMNS, k % COLUMNS, i % SIZE.0, i / SIZE.0));
+        ArrayFrame::of_u8(SIZE.0, SIZE.1, pixels.collect::<Vec<_>>().into_iter())
+    });
+    let arrays = Arrays { frames: frames.collect(), ..Arrays::default() };
+    let made = Burst::from_arrays("made", arrays, &options("3x5"), &Monitor::default()).expect("made");
+    assert!(is_whole(&made));
+}
+
+#[test]
+fn pictures_of_all_views_are_bursts_of_a_dataset_and_one_row_is_a_burst() {
+    let home = folder();
+    let all = (COLUMNS * SIZE.0, ROWS * SIZE.1);
+    for name in ["a.png", "b.png"] {
+        save(&home.path().join(name), &picture(all, |x, y| value(y / SIZE.1, x / SIZE.0, x % SIZE.0, y % SIZE.1)));
+    }
+    let input = [home.path().to_owned()];
+    let found = find_bursts(&input, &options("3x5:tiled")).expect("bursts");
+    assert_eq!(found.iter().map(|burst| &*burst.name).collect::<Vec<_>>(), ["a", "b"]);
+    let usual = views(|row, column| format!("{row}_{column}.png"));
+    let burst = open(usual.path(), "1x15").expect("a burst");
+    assert_eq!(burst.positions, Positions::even(15));
+    assert!(
+        Info::of(&[usual.path().to_owned()], &options("1x15"), &Monitor::default()).expect("described").views.is_none()
+    );
+}
+
+#[test]
+fn what_is_no_light_field_is_refused_with_a_remedy() {
+    let usual = views(|row, column| format!("view_{row}_{column}.png"));
+    let refused = |path: &Path, options: &OpenOptions| {
+        let opened = Burst::open_with(&[path.to_owned()], options, &Monitor::default());
+        let described = Info::of(&[path.to_owned()], options, &Monitor::default());
+        let error = opened.expect_err("refused").to_string();
+        assert_eq!(described.expect_err("refused").to_string(), error);
+        error
+    };
+    let of = |views: &str| refused(usual.path(), &options(views));
+    assert!(of("4x4").contains("4x4 are 16 views, but there are 15 frames"), "{}", of("4x4"));
+    let timed = OpenOptions { times: "names".parse().ok(), ..options("3x5") };
+    assert!(refused(usual.path(), &timed).contains("have no times"));
+    let home = folder();
+    let file = home.path().join("odd.png");
+    save(&file, &picture((41, 30), |x, _| x as u8));
+    assert!(refused(&file, &options("3x5:tiled")).contains("41×30"));
+    assert!(refused(&file, &options("3x5")).contains("for one picture of all, such as 9x9:tiled"));
+    // Axes of few columns may be colours.
+    let array = home.path().join("few.npy");
+    ndarray_npy::write_npy(&array, &Array4::<u8>::zeros((4, 3, 18, 20))).expect("written");
+    assert!(refused(&array, &OpenOptions::default()).contains("--views ROWSxCOLUMNS"));
+    assert!(open(&array, "4x3").is_ok());
+    let paths: Vec<PathBuf> = vec![file.clone(), file];
+    let several = Burst::open_with(&paths, &options("3x5"), &Monitor::default()).expect_err("two files");
+    assert!(several.to_string().contains("15 views, but there are 2 frames"), "{several}");
+}
