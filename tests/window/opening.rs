@@ -126,7 +126,8 @@ fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
         window.settle();
         let source = BurstSource::Example(example);
         assert_eq!(window.app().model.slots.a.burst.as_ref().map(|open| &open.source), Some(&source));
-        assert_eq!(window.app().model.frame_count(), burstscope::synth::examples::EXAMPLE_FRAMES);
+        let frames = if example == Example::Views { 25 } else { burstscope::synth::examples::EXAMPLE_FRAMES };
+        assert_eq!(window.app().model.frame_count(), frames);
         assert!(window.shows(example.name()), "the status line names it");
         let text = toml::to_string(&std::collections::BTreeMap::from([("source", &source)])).expect("TOML");
         let read: std::collections::BTreeMap<String, BurstSource> = toml::from_str(&text).expect("the same");

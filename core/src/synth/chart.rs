@@ -142,8 +142,7 @@ impl ChartParams {
     /// The first one that makes no sense.
     pub fn check(&self) -> Result<(), Error> {
         check_snr(self.snr)?;
-        let frames = self.uneven.whole(self.frames);
-        let frames = (frames.len(), frames.span());
+        let frames = self.uneven.count_and_span(self.frames);
         check_common(self.width, self.height, frames, self.max_slope, self.read_noise, self.bits)?;
         let (smallest, largest) = (*self.radius.start(), *self.radius.end());
         if !(smallest.is_finite() && largest.is_finite() && smallest >= 0.5 && smallest <= largest) {

@@ -87,9 +87,9 @@ const CLEARANCE_SIGMAS: f64 = 5.0;
 /// # Errors
 /// A parameter that makes no sense, or cancellation.
 pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
-    let whole = params.uneven.whole(params.frames);
-    let frames = (whole.len(), whole.span());
+    let frames = params.uneven.count_and_span(params.frames);
     check_common(params.width, params.height, frames, params.max_slope, params.read_noise, params.bits)?;
+    let whole = params.uneven.whole(params.frames);
     if !(1..=16).contains(&params.layers) {
         return Err(Error::param("layers", format!("{} layers", params.layers), "give 1 to 16"));
     }

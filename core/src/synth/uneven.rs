@@ -44,6 +44,13 @@ impl Uneven {
         self.views.map_or_else(|| Positions::even(frames), |views| Positions::grid(views.rows(), views.columns()))
     }
 
+    /// Number of all frames, and their [span](Positions::span), without making their positions: the numbers may be any.
+    pub fn count_and_span(&self, frames: usize) -> (usize, f64) {
+        let Some(views) = self.views else { return (frames, frames.saturating_sub(1) as f64) };
+        let [rows, columns] = [views.rows(), views.columns()].map(|side| (side - 1) as f64);
+        (views.count(), if rows > 0.0 { rows.hypot(columns) } else { columns })
+    }
+
     /// Frames that are taken of `frames` even ones, or of the views.
     ///
     /// # Errors
@@ -131,5 +138,20 @@ impl Taken {
             (feature.u, feature.v) = feature.position(later);
         }
         truth
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_spans_are_those_of_the_positions() {
+        for text in ["", "1x9", "9x1", "3x5", "9x9"] {
+            let uneven = Uneven { views: text.parse().ok(), ..Uneven::default() };
+            let (whole, (count, span)) = (uneven.whole(10), uneven.count_and_span(10));
+            assert!(count == whole.len() && (span - whole.span()).abs() < 1e-9, "{text}: {count} {span}");
+        }
+        assert_eq!(Uneven::default().count_and_span(usize::MAX).0, usize::MAX, "any number costs nothing");
     }
 }

@@ -256,7 +256,7 @@ impl From<&ChartParams> for ChartSummary {
             radius: [*chart.radius.start(), *chart.radius.end()],
             radius_law: chart.radius_law,
             contrast: chart.contrast,
-            frames: chart.frames,
+            frames: chart.uneven.count_and_span(chart.frames).0,
             motion: motion_name(chart.motion),
             max_slope: chart.max_slope,
             read_noise: chart.read_noise,
