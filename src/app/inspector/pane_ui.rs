@@ -19,6 +19,7 @@ use crate::app::{canvas, style};
 use crate::detector::Slope;
 use crate::inspect::shares::Slice;
 use crate::inspect::words::{counted, number};
+use crate::plane::Plane;
 use crate::requests::Probed;
 use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
@@ -235,7 +236,7 @@ pub(super) fn slice_ui(
     let Some(pane) = model.panes.get(id) else { return touched };
     let (slope, display) = (pane.cursor.slope, model.ranges_of(pane).intensity);
     let area = Area::of(whole, slice);
-    widgets.of(id).slice.draw(ui, area.rect, name, &answer.probe, display, || slice.plane.clone());
+    widgets.of(id).slice.draw(ui, area.rect, name, &answer.probe, display, || area.over_time.plane(slice));
     numbers_ui(ui, &area, slice);
     line(ui, &area, slice, answer.probe.subject.slope, false);
     line(ui, &area, slice, slope, true);
@@ -251,39 +252,98 @@ pub(super) fn slice_ui(
 
 const HOW: &str = "Shift+click a place in another pane: this shows it in every frame, one row each.";
 
+/// A slice over time: its rows are at even distances in time, so that each frame stands where it was taken.
+#[derive(Debug)]
+struct OverTime {
+    first: f32,
+    step: f32,
+    rows: usize,
+    /// Farthest from a frame that its row reaches: half of the usual time to the next one. Beyond nothing is drawn.
+    reach: f32,
+}
+
+impl OverTime {
+    /// Rows for a frame at most: as many as the shortest time between two frames has in that from first to last.
+    const FINEST: usize = 4;
+
+    fn of(times: &[f32]) -> Self {
+        let mut gaps: Vec<f32> = times.windows(2).map(|two| two[1] - two[0]).collect();
+        gaps.sort_by(f32::total_cmp);
+        let (Some(first), Some(last), Some(shortest)) = (times.first(), times.last(), gaps.first()) else {
+            return Self {
+                first: times.first().copied().unwrap_or_default(),
+                step: 1.0,
+                rows: times.len(),
+                reach: 0.5,
+            };
+        };
+        let span = last - first;
+        let rows = ((span / shortest).round() as usize + 1).min(Self::FINEST * times.len());
+        Self { first: *first, step: span / (rows - 1) as f32, rows, reach: 0.505 * gaps[gaps.len() / 2] }
+    }
+
+    /// Frame, by its place in `times`, that is nearest to a time.
+    fn nearest(times: &[f32], time: f32) -> Option<usize> {
+        (0..times.len()).min_by(|a, b| (times[*a] - time).abs().total_cmp(&(times[*b] - time).abs()))
+    }
+
+    /// Frame of each row; `None` where none was taken.
+    fn frames(&self, times: &[f32]) -> Vec<Option<usize>> {
+        let of_row = |row: usize| {
+            let time = self.first + row as f32 * self.step;
+            Self::nearest(times, time).filter(|frame| (times[*frame] - time).abs() <= self.reach)
+        };
+        (0..self.rows).map(of_row).collect()
+    }
+
+    fn plane(&self, slice: &Slice) -> Plane {
+        let frames = self.frames(&slice.times);
+        Plane::from_fn(slice.plane.width(), self.rows, |column, row| {
+            frames[row].map_or(f32::NAN, |frame| slice.plane.at(column, frame))
+        })
+    }
+}
+
 struct Area {
     rect: Rect,
     columns: f32,
-    rows: f32,
+    over_time: OverTime,
 }
 
 impl Area {
     fn of(whole: Rect, slice: &Slice) -> Self {
-        let (columns, rows) = (slice.plane.width() as f32, slice.plane.height() as f32);
+        let over_time = OverTime::of(&slice.times);
         let room = Rect::from_min_max(whole.min + vec2(LEFT, 6.0), whole.max - vec2(8.0, BELOW));
-        let height = (MAX_ROW * rows).min(room.height()).max(8.0);
+        let height = (MAX_ROW * over_time.rows as f32).min(room.height()).max(8.0);
         let rect = Rect::from_center_size(room.center(), vec2(room.width().max(8.0), height));
-        Self { rect, columns, rows }
+        Self { rect, columns: slice.plane.width() as f32, over_time }
     }
 
-    fn pos(&self, column: f32, row: f32) -> Pos2 {
-        let part = vec2((column + 0.5) / self.columns, (row + 0.5) / self.rows);
+    fn pos(&self, column: f32, time: f32) -> Pos2 {
+        let OverTime { first, step, rows, .. } = self.over_time;
+        let part = vec2((column + 0.5) / self.columns, ((time - first) / step + 0.5) / rows as f32);
         self.rect.min + part * self.rect.size()
     }
 
+    /// Column and time.
     fn at(&self, pos: Pos2) -> (f32, f32) {
+        let OverTime { first, step, rows, .. } = self.over_time;
         let part = (pos - self.rect.min) / self.rect.size();
-        (part.x * self.columns - 0.5, part.y * self.rows - 0.5)
+        let row = (part.y * rows as f32 - 0.5).clamp(0.0, rows as f32 - 1.0);
+        (part.x * self.columns - 0.5, first + row * step)
     }
 }
 
 fn numbers_ui(ui: &Ui, area: &Area, slice: &Slice) {
     let (painter, colour) = (ui.painter(), ui.visuals().text_color());
     let font = TextStyle::Small.resolve(ui.style());
-    let each = (13.0 * area.rows / area.rect.height()).ceil().max(1.0) as usize;
-    for (row, frame) in slice.frames.iter().enumerate().step_by(each) {
-        let at = pos2(area.rect.left() - 5.0, area.pos(0.0, row as f32).y);
-        painter.text(at, Align2::RIGHT_CENTER, frame.to_string(), font.clone(), colour);
+    let mut free = f32::NEG_INFINITY;
+    for (frame, time) in slice.frames.iter().zip(&slice.times) {
+        let at = pos2(area.rect.left() - 5.0, area.pos(0.0, *time).y);
+        if at.y >= free {
+            painter.text(at, Align2::RIGHT_CENTER, frame.to_string(), font.clone(), colour);
+            free = at.y + 13.0;
+        }
     }
     let half = slice.centre_column as f32;
     for part in [-1.0, -0.5, 0.0, 0.5, 1.0] {
@@ -298,9 +358,8 @@ fn numbers_ui(ui: &Ui, area: &Area, slice: &Slice) {
 
 /// Draws the path of an object that moves by `slope`: solid for the pane's slope, dashed for the probed one.
 fn line(ui: &Ui, area: &Area, slice: &Slice, slope: Slope, own: bool) {
-    let rows = slice.times.len();
-    let Some(last) = rows.checked_sub(1) else { return };
-    let ends = [0, last].map(|row| area.pos(slice.column_at(slope, row), row as f32));
+    let Some(last) = slice.times.len().checked_sub(1) else { return };
+    let ends = [0, last].map(|row| area.pos(slice.column_at(slope, row), slice.times[row]));
     let painter = ui.painter().with_clip_rect(area.rect);
     if own {
         painter.line_segment(ends, Stroke::new(4.0, Color32::from_black_alpha(150)));
@@ -315,11 +374,7 @@ fn line(ui: &Ui, area: &Area, slice: &Slice, slope: Slope, own: bool) {
 
 /// Component along the slice of the slope through the place and `pos`; `None` within half a frame of the place's time.
 fn along_at(area: &Area, slice: &Slice, pos: Pos2) -> Option<f32> {
-    let (column, row) = area.at(pos);
-    let row = row.clamp(0.0, area.rows - 1.0);
-    let (below, part) = (row.floor() as usize, row.fract());
-    let at = |row: usize| slice.times[row.min(slice.times.len() - 1)];
-    let time = at(below) + part * (at(below + 1) - at(below));
+    let (column, time) = area.at(pos);
     (time.abs() >= 0.5).then(|| (column - slice.centre_column as f32) / time)
 }
 
@@ -334,9 +389,9 @@ fn dragged_slope(area: &Area, slice: &Slice, slope: Slope, response: &Response) 
 }
 
 fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {
-    let (column, row) = area.at(pos);
-    let (column, row) = (column.round().max(0.0) as usize, row.round().max(0.0) as usize);
-    let (column, row) = (column.min(slice.plane.width() - 1), row.min(slice.plane.height() - 1));
+    let (column, time) = area.at(pos);
+    let column = (column.round().max(0.0) as usize).min(slice.plane.width() - 1);
+    let row = OverTime::nearest(&slice.times, time).unwrap_or_default();
     let scale = answer.request.traced.cache.burst.full_scale;
     let value = canvas::number(slice.plane.at(column, row) * scale, 4);
     let way = along_at(area, slice, pos).map_or_else(String::new, |along| {
@@ -354,4 +409,25 @@ pub(super) fn method_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn) {
     );
     let text = format!("{}  ·  {count}", method.label());
     chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &text, ("method", id));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_stand_where_their_frames_were_taken() {
+        let frames = |times: &[f32]| OverTime::of(times).frames(times);
+        assert_eq!(
+            frames(&[-1.5, -0.5, 0.5, 1.5]),
+            [Some(0), Some(1), Some(2), Some(3)],
+            "even frames are as they are"
+        );
+        assert_eq!(frames(&[0.0, 1.0, 4.0, 5.0, 6.0]), [Some(0), Some(1), None, None, Some(2), Some(3), Some(4)]);
+        let late = frames(&[0.0, 1.5, 2.0, 3.0]);
+        assert_eq!(late, [Some(0), Some(0), Some(1), Some(1), Some(2), Some(2), Some(3)], "{late:?}");
+        assert_eq!((frames(&[]).len(), frames(&[7.0])), (0, vec![Some(0)]));
+        let close = OverTime::of(&[0.0, 1e-6, 1.0, 2.0]);
+        assert_eq!(close.rows, 16, "no more rows than can be seen");
+    }
 }
