@@ -114,9 +114,9 @@ class Burst:
         black_level: float | None = None,
         name: str = "burst",
     ) -> None:
-        if getattr(frames, "ndim", 0) == 4 and frames.shape[-1] > 4:  # type: ignore[union-attr]
-            rows, columns, *size = frames.shape  # type: ignore[union-attr]
-            views, frames = views or f"{rows}x{columns}", np.reshape(frames, (-1, *size))
+        if isinstance(frames, np.ndarray) and frames.ndim == 4 and frames.shape[-1] > 4:
+            rows, columns, *size = frames.shape
+            views, frames = views or f"{rows}x{columns}", frames.reshape(-1, *size)
         arrays = _frames("frames", frames)
         if times is not None and views is not None:
             raise ValueError("views: the views of a light field have no times; leave out either")
