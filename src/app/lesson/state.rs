@@ -171,7 +171,7 @@ impl Lessons {
     /// Adds the lessons of a file or a folder to the list, and opens it.
     ///
     /// # Errors
-    /// What is wrong with each file that cannot be used.
+    /// A line for each file that cannot be used, with its fault.
     pub fn open_at(&mut self, path: &Path) -> Result<(), String> {
         let texts = |errors: Vec<_>| errors.iter().map(ToString::to_string).collect::<Vec<String>>().join("\n");
         self.add(lessons_at(path).map_err(texts)?);

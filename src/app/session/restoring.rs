@@ -48,7 +48,7 @@ impl Session {
         OpenRequest { source: self.burst.clone(), options: self.document.calibration.clone() }
     }
 
-    /// What follows once the burst of `side` `is_open`, or could not be opened. The one that is open stays then.
+    /// Actions that follow once the burst of `side` `is_open`, or could not be opened: the one on show stays then.
     pub fn after(&self, side: Side, is_open: bool, now: &Document) -> Vec<Action> {
         match side {
             Side::A => self.after_first(is_open, now),
@@ -87,7 +87,7 @@ impl Session {
     }
 }
 
-/// What a case is opened with.
+/// Content of a case that is opened first.
 pub enum OfCase {
     Session(Box<Session>),
     /// Its search and the place asked about, and why there is no session, if that is an error.
