@@ -64,7 +64,7 @@ pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<
     Ok(shapes)
 }
 
-/// Correlation of each row with the next one over the whole frame, less that with a row that is far; −1 for values that
+/// Correlation of the rows of the upper half with the next ones, less that with rows that are far; −1 for values that
 /// no camera gives.
 fn likeness_of_rows(plane: &Plane) -> f32 {
     let (width, height) = plane.size();
