@@ -8,15 +8,17 @@ use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart, synth_scene};
 use clap::Parser;
 
-/// The burst that `synth` with these `arguments`, a chart or a scene and its options, writes into a folder.
+/// The burst that `synth` with these `arguments`, a chart or a scene and its options, writes into a folder, with its
+/// mask.
 pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Result<(Burst, Truth), Failure> {
     // The folder is not used.
     let line = ["burstscope", "synth"].into_iter().chain(arguments.iter().map(String::as_str)).chain(["--out", "."]);
-    match parsed(line)?.command {
-        Some(Command::Synth(SynthArgs { kind: SynthKind::Chart(args) })) => Ok(synth_chart(&args.params, monitor)?),
-        Some(Command::Synth(SynthArgs { kind: SynthKind::Scene(args) })) => Ok(synth_scene(&args.params, monitor)?),
-        _ => Err(Failure::usage("this makes no burst; make a chart or a scene")),
-    }
+    let (burst, truth) = match parsed(line)?.command {
+        Some(Command::Synth(SynthArgs { kind: SynthKind::Chart(args) })) => synth_chart(&args.params, monitor)?,
+        Some(Command::Synth(SynthArgs { kind: SynthKind::Scene(args) })) => synth_scene(&args.params, monitor)?,
+        _ => return Err(Failure::usage("this makes no burst; make a chart or a scene")),
+    };
+    Ok((truth.masked(burst), truth))
 }
 
 fn parsed<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<Cli, Failure> {

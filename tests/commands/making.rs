@@ -1,7 +1,7 @@
 //! `synth`: frames that open again, with their truth.
 
 use super::support::{names, run, run_badly, run_well, stderr};
-use burstscope::synth::{ChartParams, Motion, Truth, TruthKind, synth_chart};
+use burstscope::synth::{ChartParams, FeatureTruth, Motion, Truth, TruthKind, synth_chart};
 use burstscope::{Burst, Monitor};
 use std::path::Path;
 
@@ -82,6 +82,47 @@ fn a_light_field_opens_again_by_its_names_with_its_truth() {
     assert!(found.count() >= 7, "{rows:?}");
     let badly = run_badly(home.path(), &["synth", "chart", "--views", "5x4", "--drop", "1", "--out", "odd"], 2);
     assert!(badly.contains("views: the views of a light field have no times"), "{badly}");
+}
+
+#[test]
+fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
+    let home = tempfile::tempdir().expect("a folder");
+    let synth = |out: &str, more: &str| {
+        let line = format!(
+            "synth chart --out {out} --width 320 --height 240 --discs 12 --radius 4:10 --frames 7 --max-slope 2 --snr 2 {more}"
+        );
+        run_well(home.path(), &line.split_whitespace().collect::<Vec<_>>());
+        truth(&home.path().join(out))
+    };
+    let known = synth("exchanged", "--exchange 1,4");
+    assert_eq!(known.times, [0.0, 4.0, 2.0, 3.0, 1.0, 5.0, 6.0]);
+    let found = |more: &str| {
+        let line = format!("detect {more} --slopes-u -2.5:2.5:11 --json --force --out found");
+        run_well(home.path(), &line.split_whitespace().collect::<Vec<_>>())
+    };
+    let answers = |folder: &str, known: &Truth| {
+        let rows = super::support::features(&home.path().join(format!("found/{folder}.csv")));
+        let is_found = |disc: &&FeatureTruth| {
+            rows.iter().any(|row| (row[0] - disc.u).hypot(row[1] - disc.v) < 1.0 && (row[4] - disc.slope_u).abs() < 0.2)
+        };
+        (known.features.iter().filter(is_found).count(), known.features.len())
+    };
+    let said = found("exchanged --times found");
+    assert!(said.contains("exchanged"), "{said}");
+    let (right, all) = answers("exchanged", &known);
+    assert!(right + 1 >= all, "{right} of {all}");
+    let known = synth("behind", "--mask 0.4");
+    let seen = known.features.len();
+    assert!(known.mask_columns == 128 && (1..12).contains(&seen), "{known:?}");
+    let at_edge = |folder: &str| {
+        let rows = super::support::features(&home.path().join(format!("found/{folder}.csv")));
+        rows.iter().filter(|row| row[0] < 128.0).count()
+    };
+    found("behind");
+    let without = at_edge("behind");
+    found("behind --mask behind/masks/mask.png");
+    let (right, all) = answers("behind", &known);
+    assert!(right + 1 >= all && at_edge("behind") < 5 && without > 20, "{right} of {all}, {without} without a mask");
 }
 
 #[test]

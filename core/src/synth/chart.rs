@@ -3,6 +3,7 @@
 //! The test target on which detectors are compared: any feature that is no disc is false. Discs do not touch at
 //! mid-burst and stay inside the image in all frames. Where they cross the faster one is in front, as if nearer.
 
+use super::arm::Arm;
 use super::noise::Camera;
 #[cfg(feature = "cli")]
 use super::options::{SNR_HELP, motions, parse_range, words};
@@ -54,6 +55,11 @@ pub struct ChartParams {
     #[cfg_attr(feature = "cli", command(flatten))]
     #[serde(default, skip_serializing_if = "Uneven::is_even")]
     pub uneven: Uneven,
+    /// Share of the columns that a textured thing hides, on the left, which stands still in all frames, as a robot's
+    /// arm. Its mask is written to masks/mask.png, and what it hides is not among the known features.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", default_value_t = 0.0))]
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub mask: f64,
     /// Directions of motion: 1d is horizontal, 2d any.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions()))]
     pub motion: Motion,
@@ -87,6 +93,7 @@ impl Default for ChartParams {
             contrast: 1.2,
             frames: 10,
             uneven: Uneven::default(),
+            mask: 0.0,
             motion: Motion::OneD,
             max_slope: 3.0,
             snr: 0.6,
@@ -170,6 +177,7 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
     params.check()?;
     let exposure = params.exposure()?;
     let taken = params.uneven.taken(params.frames, params.seed)?;
+    let arm = Arm::new(params.mask, params.width, exposure.background, params.seed)?;
     let features = place_discs(params, monitor)?;
     // Far (slow) discs first, so that faster ones are drawn over them.
     let mut order: Vec<&FeatureTruth> = features.iter().collect();
@@ -182,11 +190,14 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
             let (u, v) = disc.position(at);
             draw_disc(&mut signal, u, v, disc.radius, exposure.disc as f32);
         }
+        arm.draw_over(&mut signal);
         Ok(signal)
     })?;
     let (size, noise) = ((params.width, params.height), (exposure.background, Some(params.snr)));
     let truth = Truth::captured(TruthKind::Chart, size, (params.frames, params.seed), &exposure.camera, noise);
-    Ok((burst, taken.truth(Truth { features, ..truth })))
+    let truth = taken.truth(Truth { features, ..truth });
+    let offsets = truth.offsets();
+    Ok((burst, arm.truth(truth, &offsets)))
 }
 
 /// Blends a disc of level `value` into `plane`, weighting each pixel by the share of its area that the disc covers.
@@ -213,6 +224,12 @@ pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
             }
         }
     }
+}
+
+/// Whether a share is 0, as in sessions of charts without a mask.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands references")]
+fn is_zero(share: &f64) -> bool {
+    *share == 0.0
 }
 
 /// Draws positions, radii and slopes at random; large discs first, because they are hardest to place.

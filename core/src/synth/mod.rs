@@ -14,6 +14,7 @@
 //! # Ok::<(), burstscope_core::Error>(())
 //! ```
 
+mod arm;
 pub mod chart;
 pub mod demo;
 pub mod examples;

@@ -3,6 +3,7 @@
 //! The farthest layer fills the frame: relief, cracks and blobs. Each nearer one carries boards with rows of strokes
 //! like writing, with stripes, or with dots, which are the landmarks of the truth.
 
+use super::arm::Arm;
 use super::layer::{Layer, draw_layers, visible_landmarks};
 use super::noise::Camera;
 #[cfg(feature = "cli")]
@@ -35,6 +36,10 @@ pub struct SceneParams {
     /// Times of the frames.
     #[cfg_attr(feature = "cli", command(flatten))]
     pub uneven: Uneven,
+    /// Share of the columns that a textured thing hides, on the left, which stands still in all frames, as a robot's
+    /// arm. Its mask is written to masks/mask.png, and what it hides is not among the known features.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", default_value_t = 0.0))]
+    pub mask: f64,
     /// Directions of motion: 1d is horizontal, 2d any.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions()))]
     pub motion: Motion,
@@ -64,6 +69,7 @@ impl Default for SceneParams {
             layers: 4,
             frames: 10,
             uneven: Uneven::default(),
+            mask: 0.0,
             motion: Motion::OneD,
             max_slope: 3.0,
             snr: 1.0,
@@ -102,15 +108,21 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
             "give a ratio of 0.5 or more",
         ));
     }
+    let arm = Arm::new(params.mask, params.width, BOARD, params.seed)?;
     let layers = build_layers(params, whole.offsets(), monitor)?;
     let size = (params.width, params.height);
     let taken = params.uneven.taken(params.frames, params.seed)?;
-    let burst =
-        capture_burst("scene", &taken, params.seed, &camera, monitor, |at| draw_layers(&layers, size, at, monitor))?;
+    let burst = capture_burst("scene", &taken, params.seed, &camera, monitor, |at| {
+        let mut picture = draw_layers(&layers, size, at, monitor)?;
+        arm.draw_over(&mut picture);
+        Ok(picture)
+    })?;
     let noise = (BOARD, Some(params.snr));
     let truth = Truth::captured(TruthKind::Scene, size, (params.frames, params.seed), &camera, noise);
     let features = visible_landmarks(&layers, size, whole.offsets());
-    Ok((burst, taken.truth(Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth })))
+    let truth = taken.truth(Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth });
+    let offsets = truth.offsets();
+    Ok((burst, arm.truth(truth, &offsets)))
 }
 
 fn build_layers(params: &SceneParams, offsets: &[Offset], monitor: &Monitor) -> Result<Vec<Layer>, Error> {

@@ -33,13 +33,17 @@ pub struct Truth {
     pub frames: usize,
     /// Reference time, the mean of the frames' times, in frames: (N − 1)/2 for even ones.
     pub t0: f64,
-    /// Time of each frame, in frame intervals of the even burst; empty for even ones: 0, 1, 2, ….
+    /// Time of each frame, in frame intervals of the even burst; empty for even ones: 0, 1, 2, …. Where frames are
+    /// exchanged it is the time at which each was taken, which nothing else tells.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub times: Vec<f64>,
     /// Column and row of each view of a light field from the first one, whose mean is the reference; empty for frames in
     /// time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub views: Vec<[f64; 2]>,
+    /// Columns, from the left, that a thing which stands still hides in all frames; no feature is behind it.
+    #[serde(default, skip_serializing_if = "is_nothing")]
+    pub mask_columns: usize,
     /// Seed from which everything is derived.
     pub seed: u64,
     /// The camera's noise; `None` (null) for a noiseless burst.
@@ -88,7 +92,21 @@ impl Truth {
         let (t0, noise) = (0.5 * (frames as f64 - 1.0), NoiseTruth::of(camera, background, snr));
         let (black_level, layers, features) = (camera.black_level, Vec::new(), Vec::new());
         let (times, views) = (Vec::new(), Vec::new());
-        Self { kind, width, height, frames, t0, times, views, seed, noise, black_level, layers, features }
+        Self {
+            kind,
+            width,
+            height,
+            frames,
+            t0,
+            times,
+            views,
+            mask_columns: 0,
+            seed,
+            noise,
+            black_level,
+            layers,
+            features,
+        }
     }
 
     /// Offset of each frame from the reference.
@@ -103,7 +121,10 @@ impl Truth {
     pub fn span(&self) -> f64 {
         match self.times[..] {
             _ if !self.views.is_empty() => Positions::of_views(&self.views).map_or(0.0, |positions| positions.span()),
-            [first, .., last] => last - first,
+            [_, _, ..] => {
+                self.times.iter().copied().fold(f64::MIN, f64::max)
+                    - self.times.iter().copied().fold(f64::MAX, f64::min)
+            }
             _ => self.frames as f64 - 1.0,
         }
     }
@@ -140,6 +161,11 @@ impl Truth {
         }
         Ok(())
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands references")]
+fn is_nothing(columns: &usize) -> bool {
+    *columns == 0
 }
 
 impl NoiseTruth {

@@ -1,5 +1,5 @@
-//! Positions of the frames of a synthetic burst: even times, or with frames left out, or early and late; or the places
-//! of the views of a light field.
+//! Positions of the frames of a synthetic burst: even times, or with frames left out, early and late, or exchanged; or
+//! the places of the views of a light field.
 //!
 //! Things that an even burst shows stay: an uneven one shows them at other times, so that it can be compared with the
 //! even one frame by frame.
@@ -21,6 +21,11 @@ pub struct Uneven {
     /// Largest distance of a frame from its even time, frame intervals; the first and the last frame keep theirs.
     #[cfg_attr(feature = "cli", arg(long, value_name = "FRAMES", default_value_t = 0.0))]
     pub jitter: f64,
+    /// Two frames, counted from 0 among those that are not left out, that stand in each other's place, as a recorder
+    /// may write them: only the images and the truth tell it.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A,B", value_delimiter = ','))]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub exchange: Vec<usize>,
     /// Rows and columns of the views of a light field, such as 9x9, in the place of frames in time; the slope is the
     /// disparity between neighbouring views.
     #[cfg_attr(feature = "cli", arg(long, value_name = "ROWSxCOLUMNS"))]
@@ -54,12 +59,13 @@ impl Uneven {
     /// Frames that are taken of `frames` even ones, or of the views.
     ///
     /// # Errors
-    /// No frame would be left, there is no such frame, the jitter exchanges frames, or views have times.
+    /// No frame would be left, there is no such frame, the jitter exchanges frames, not two frames are exchanged, or
+    /// views have times.
     pub fn taken(&self, frames: usize, seed: u64) -> Result<Taken, Error> {
         if self.views.is_some() {
-            if !self.drop.is_empty() || self.jitter != 0.0 {
+            if !self.drop.is_empty() || self.jitter != 0.0 || !self.exchange.is_empty() {
                 let problem = "the views of a light field have no times, so none can be early, late or missing";
-                return Err(Error::param("views", problem, "leave out drop and jitter"));
+                return Err(Error::param("views", problem, "leave out drop, jitter and exchange"));
             }
             return Ok(Taken::all(&self.whole(frames)));
         }
@@ -81,7 +87,16 @@ impl Uneven {
             let late = if is_end || self.jitter == 0.0 { 0.0 } else { stream.within(-self.jitter, self.jitter) };
             (t, Offset::from(even.frames[t].1.u + late))
         };
-        Ok(Taken { frames: kept.into_iter().map(at).collect(), is_even: self.is_even() })
+        let mut frames: Vec<_> = kept.into_iter().map(at).collect();
+        match self.exchange[..] {
+            [] => {}
+            [a, b] if a != b && a.max(b) < frames.len() => frames.swap(a, b),
+            _ => {
+                let remedy = format!("give two frames from 0 to {}, such as 1,2", frames.len() - 1);
+                return Err(Error::param("exchange", format!("these are no two frames: {:?}", self.exchange), remedy));
+            }
+        }
+        Ok(Taken { frames, is_even: self.is_even() })
     }
 }
 
@@ -105,9 +120,11 @@ impl Taken {
         Self { frames: positions.offsets().iter().copied().enumerate().collect(), is_even }
     }
 
+    /// Time of each frame, frame intervals of the even burst.
     fn times(&self) -> Vec<f64> {
-        let first = self.frames.first().map_or(0.0, |(t, _)| *t as f64);
-        self.frames.iter().map(|(_, at)| at.u - self.frames[0].1.u + first).collect()
+        let earliest = self.frames.iter().min_by(|(_, a), (_, b)| a.u.total_cmp(&b.u));
+        let Some(&(first, at_first)) = earliest else { return Vec::new() };
+        self.frames.iter().map(|(_, at)| at.u - at_first.u + first as f64).collect()
     }
 
     /// Column and row of each view; empty for frames in time.
@@ -117,9 +134,11 @@ impl Taken {
         if are_views { places.map(|at| [at.u, at.v]).collect() } else { Vec::new() }
     }
 
+    /// Positions of the frames in the order in which they stand: what a recorder says of exchanged ones.
     pub(super) fn positions(&self) -> Positions {
-        let views = self.views();
-        let positions = if views.is_empty() { Positions::new(&self.times()) } else { Positions::of_views(&views) };
+        let (views, mut times) = (self.views(), self.times());
+        times.sort_by(f64::total_cmp);
+        let positions = if views.is_empty() { Positions::new(&times) } else { Positions::of_views(&views) };
         positions.expect("frames follow one another, and views differ")
     }
 
@@ -153,5 +172,31 @@ mod tests {
             assert!(count == whole.len() && (span - whole.span()).abs() < 1e-9, "{text}: {count} {span}");
         }
         assert_eq!(Uneven::default().count_and_span(usize::MAX).0, usize::MAX, "any number costs nothing");
+    }
+
+    #[test]
+    fn exchanged_frames_are_told_by_the_images_and_the_truth_alone() {
+        use super::super::{ChartParams, synth_chart};
+        use crate::Monitor;
+        let chart = ChartParams { width: 200, height: 150, discs: 4, max_slope: 1.0, frames: 5, ..Default::default() };
+        let chart = ChartParams { radius: 3.6..=8.0, ..chart };
+        let made = |drop: &[usize], exchange: &[usize]| {
+            let uneven = Uneven { drop: drop.to_vec(), exchange: exchange.to_vec(), ..Uneven::default() };
+            synth_chart(&ChartParams { uneven, ..chart.clone() }, &Monitor::default())
+        };
+        let ((even, plain), (burst, truth)) = (made(&[], &[]).expect("even"), made(&[], &[0, 3]).expect("exchanged"));
+        assert_eq!(truth.times, [3.0, 1.0, 2.0, 0.0, 4.0]);
+        assert!(burst.positions.is_even() && (truth.t0, truth.span()) == (plain.t0, 4.0));
+        assert_eq!((&burst.frames[0], &burst.frames[3]), (&even.frames[3], &even.frames[0]));
+        assert_eq!(truth.features, plain.features);
+        let (burst, truth) = made(&[1], &[0, 1]).expect("exchanged and dropped");
+        assert_eq!(
+            (&truth.times[..], burst.positions.since_first()),
+            (&[2.0, 0.0, 3.0, 4.0][..], vec![0.0, 2.0, 3.0, 4.0])
+        );
+        for wrong in [&[1][..], &[2, 2], &[0, 5], &[0, 1, 2]] {
+            let error = made(&[], wrong).expect_err("no two frames").to_string();
+            assert!(error.starts_with("exchange: these are no two frames"), "{error}");
+        }
     }
 }

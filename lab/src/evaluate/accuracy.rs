@@ -75,7 +75,7 @@ impl AccuracyStudy {
             Motion::OneD => 1.0,
             Motion::TwoD => 2.0,
         };
-        let relative_motion = 2.0 * chart.max_slope * axes.sqrt() * 0.5 * (chart.frames as f64 - 1.0);
+        let relative_motion = 2.0 * chart.max_slope * axes.sqrt() * 0.5 * chart.uneven.count_and_span(chart.frames).1;
         let gap = (SURROUNDINGS_IN_RADII - 1.0) * chart.radius.end() + relative_motion;
         Self { chart: ChartParams { discs, gap: gap.ceil(), ..chart.clone() }, ..self.clone() }
     }

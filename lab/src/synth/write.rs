@@ -21,8 +21,9 @@ use image::ImageFormat;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Writes `burst` as `frame_000.png` …, a light field as `view_00_00.png` …, and `truth` as `truth.json` into the folder `dir`, which is created. An earlier
-/// synthetic burst in it is replaced as a whole; a folder that holds anything else is left unchanged.
+/// Writes `burst` as `frame_000.png` …, a light field as `view_00_00.png` …, its mask as `masks/mask.png`, and `truth`
+/// as `truth.json` into the folder `dir`, which is created. An earlier synthetic burst in it is replaced as a whole; a
+/// folder that holds anything else is left unchanged.
 ///
 /// # Errors
 /// The folder is a link, holds other files or cannot be written; it is then unchanged.
@@ -38,6 +39,10 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
             let rows: String = rows.map(|(t, position)| format!("{},{position}\n", frame_name(t))).collect();
             let path = fresh.join("times.csv");
             std::fs::write(&path, format!("name,frames\n{rows}")).map_err(io(&path))?;
+        }
+        if let Some(mask) = truth.mask() {
+            std::fs::create_dir(fresh.join("masks")).map_err(io(&fresh))?;
+            write_frame(&fresh.join("masks/mask.png"), mask.weights())?;
         }
         let path = fresh.join("truth.json");
         let text = serde_json::to_string_pretty(truth).map_err(std::io::Error::other).map_err(io(&path))?;
