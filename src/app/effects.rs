@@ -7,7 +7,8 @@ use super::document::Action;
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
 use super::{clipboard, files};
-use crate::app::project::{Effect, effect::Purpose, side::Side};
+use crate::app::project::effect::{ExportKind, Purpose};
+use crate::app::project::{Effect, side::Side};
 use crate::engine::Ended;
 use crate::inspect::probe::Wanted as Subject;
 use crate::requests::{OpenRequest, ProbeQuestion};
@@ -144,6 +145,7 @@ impl BurstscopeApp {
             Effect::UseFiles(purpose, paths) => self.use_files(purpose, paths),
             Effect::Write(purpose, path) => {
                 let lesson = self.lessons.open.as_ref().map(|open| &*open.lesson);
+                self.overlays.mask = (purpose == Purpose::Export(ExportKind::Mask)).then(|| path.clone());
                 let begun = files::write(purpose, path, lesson, model, &self.widgets, engine);
                 model.messages.settle(purpose.title(), begun);
             }
@@ -162,7 +164,9 @@ impl BurstscopeApp {
         match purpose {
             Purpose::OpenBias => self.overlays.calibration_draft(&model.calibration).bias = Some(first.clone()),
             Purpose::OpenFlat => self.overlays.calibration_draft(&model.calibration).flat = Some(first.clone()),
-            Purpose::OpenMask => self.overlays.calibration_draft(&model.calibration).mask = Some(first.clone()),
+            Purpose::OpenMask | Purpose::OpenMasks => {
+                self.overlays.calibration_draft(&model.calibration).mask = Some(first.clone())
+            }
             Purpose::OpenLessons => model.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => model.make_figures(first.clone(), engine),
             #[cfg(feature = "colmap")]

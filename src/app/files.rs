@@ -7,7 +7,7 @@ use super::document::Action;
 use super::session::Session;
 use crate::app::figure::{drawing_of, rasterise, write_drawing};
 use crate::app::inspector::PaneWidgets;
-use crate::app::measure::profiles_of;
+use crate::app::measure::{mask_of, profiles_of};
 use crate::app::panel::lab::curves::shown_plots;
 use crate::app::project::Model;
 use crate::app::project::effect::{ExportKind, Purpose};
@@ -70,6 +70,7 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
                 ExportKind::FilmGif => "film",
+                ExportKind::Mask => "mask",
                 ExportKind::Sheet => "lesson",
                 ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
             };
@@ -227,6 +228,7 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::CurvesCsv) => Ok(whole_work(curves_csv(&shown_plots(model)))),
         Purpose::Export(ExportKind::Sheet) => Err("no lesson is open; open one first".to_owned()),
         Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(model)))),
+        Purpose::Export(ExportKind::Mask) => mask_work(model),
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(ExportKind::FilmGif) => {
             let film = model.film_to_export().ok_or("there is no burst; open one first")?;
@@ -302,6 +304,16 @@ fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
         return Err("the pane with the line is closed; draw another line with Q".to_owned());
     }
     Ok(work(move |path| export::write_profiles_csv(path, &profiles)))
+}
+
+fn mask_work(model: &Model) -> Result<Work, String> {
+    let open = model.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
+    let outlines = model.measure.hidden.clone();
+    Ok(work(move |path| {
+        let greys = mask_of(&open.burst, &outlines);
+        let ((width, height), pixels) = (open.burst.size(), greys.iter().flat_map(|grey| [*grey; 3]));
+        export::write_png(path, export::Picture::rgb(width, height, &pixels.collect::<Vec<u8>>()))
+    }))
 }
 
 fn export_row(row: &MatchRow<'_>) -> export::MatchRow {

@@ -33,6 +33,8 @@ pub(super) struct Overlays {
     pub shape: ShapeDialog,
     pub cut: Option<CutDialog>,
     pub replace_features: bool,
+    /// The mask that is being written, which then is that of the frames.
+    pub mask: Option<PathBuf>,
     /// A burst that could be cut, and that the user chose not to cut.
     pub stays_whole: Option<BurstId>,
 }
@@ -105,6 +107,11 @@ impl Overlays {
         self.film.ui(ctx, model, queue);
         match crate::app::panel::modals::calibration_ui(ctx, &mut self.calibration) {
             Some(CalibrationChoice::Choose(purpose)) => effects.push(Effect::Ask(purpose)),
+            Some(CalibrationChoice::Draw) => {
+                self.calibration = None;
+                queue.push(ActionId::WorkspaceInspect);
+                queue.push(ActionId::DrawMask);
+            }
             Some(CalibrationChoice::Apply(options)) => queue.push(Action::Calibrate(options)),
             None => {}
         }

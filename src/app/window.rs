@@ -15,7 +15,7 @@ use super::overlays::Overlays;
 use super::pane::PaneId;
 use super::panel::probe::{PlaneTexture, ProbePanel};
 use super::panel::selection::SelectionState;
-use super::project::effect::Purpose;
+use super::project::effect::{ExportKind, Purpose};
 use super::project::side::Side;
 use super::project::{Effect, Model, Project};
 use super::recovery::Recovery;
@@ -220,7 +220,14 @@ impl BurstscopeApp {
                 continue;
             }
             match done.result {
-                Ok(text) => messages.note(text),
+                Ok(text) => {
+                    messages.note(text);
+                    if done.label == Purpose::Export(ExportKind::Mask).title()
+                        && let Some(path) = self.overlays.mask.take()
+                    {
+                        self.overlays.calibration_draft(&self.model.calibration).mask = Some(path);
+                    }
+                }
                 Err(error) => messages.error(done.label, error.to_string()),
             }
         }

@@ -1,7 +1,9 @@
-//! Bias and flat frames in the window: chosen, dropped, applied, saved in the session.
+//! Bias and flat frames and masks in the window: chosen, dropped, drawn, applied, saved in the session.
 
-use crate::support::Start;
+use crate::support::{Start, Window};
+use burstscope::app::measure::Tool;
 use egui::accesskit::Role;
+use egui::{Key, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
 use image::{ImageBuffer, Luma};
 use std::path::Path;
@@ -28,7 +30,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     let home = tempfile::tempdir().unwrap();
     frames(home.path());
     let mut window = Start::of(&home.path().join("night")).open();
-    let value = |window: &crate::support::Window, u: usize, v: usize| {
+    let value = |window: &Window, u: usize, v: usize| {
         window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
     };
     assert!((value(&window, 0, 0) - 1300.0).abs() < 3.0 && (value(&window, 90, 1) - 900.0).abs() < 3.0);
@@ -101,4 +103,74 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
     window.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(window.shows("the bias frame is 8×8"));
     assert_eq!(window.app().model.slots.a.burst.as_ref().unwrap().burst.len(), 4);
+}
+
+/// Drags along the places of the focused pane's image.
+fn drag_along(window: &mut Window, places: &[Pos2]) {
+    let places: Vec<Pos2> = places.iter().map(|pos| window.app().ui_from_image(*pos).unwrap()).collect();
+    window.harness.hover_at(places[0]);
+    window.harness.run_steps(1);
+    window.harness.drag_at(places[0]);
+    for pos in &places {
+        window.harness.hover_at(*pos);
+        window.harness.run_steps(1);
+    }
+    window.harness.drop_at(places[places.len() - 1]);
+    window.harness.run_steps(2);
+}
+
+#[test]
+fn a_mask_is_drawn_on_the_picture_written_and_used() {
+    let home = tempfile::tempdir().unwrap();
+    frames(home.path());
+    let mut window = Start { size: [900.0, 600.0], ..Start::of(&home.path().join("night")) }.open();
+    window.key(Key::Num1);
+    window.run_action("calibration");
+    window.click("Draw");
+    assert_eq!(window.app().model.measure.tool, Tool::Mask);
+    assert!(window.shows("Drag around what is not to be seen"));
+    let arm = [pos2(2.0, 20.0), pos2(30.0, 30.0), pos2(26.0, 40.0), pos2(2.0, 50.0)];
+    drag_along(&mut window, &arm);
+    drag_along(&mut window, &[pos2(60.0, 52.0), pos2(90.0, 52.0), pos2(90.0, 60.0), pos2(60.0, 60.0)]);
+    assert_eq!(window.app().model.measure.hidden.len(), 2);
+    window.click("Take back");
+    assert_eq!(window.app().model.measure.hidden.len(), 1);
+    let file = home.path().join("arm.png");
+    window.dialogs.will_choose(&file);
+    window.click("Use as mask…");
+    window.wait("the mask is written", |_| file.is_file());
+    window.settle();
+    window.harness.run_steps(3);
+    assert!(window.shows("arm.png"));
+    window.click("Apply");
+    window.settle();
+    let frame = window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
+    assert_eq!(
+        [frame.is_hidden_at(10, 35), frame.is_hidden_at(10, 15), frame.is_hidden_at(80, 56)],
+        [true, false, false]
+    );
+    assert!(window.app().model.measure.is_empty(), "what was drawn is in the mask");
+    // Another outline is added to it.
+    window.run_action("draw mask");
+    drag_along(&mut window, &[pos2(60.0, 52.0), pos2(90.0, 52.0), pos2(90.0, 60.0), pos2(60.0, 60.0)]);
+    window.snapshot("mask_drawn");
+    let both = home.path().join("both.png");
+    window.dialogs.will_choose(&both);
+    window.click("Use as mask…");
+    window.wait("the mask is written", |_| both.is_file());
+    window.settle();
+    let greys = image::open(both).unwrap().into_luma8();
+    let grey = |u: u32, v: u32| greys.get_pixel(u, v).0[0];
+    assert_eq!([grey(10, 35), grey(80, 56), grey(50, 40)], [0, 0, 255]);
+    // Masks of all frames lie in a folder.
+    let masks = home.path().join("masks");
+    std::fs::create_dir(&masks).unwrap();
+    (0..4).for_each(|t| drop(std::fs::copy(&file, masks.join(format!("{t}.png.png"))).unwrap()));
+    window.dialogs.will_choose(&masks);
+    window.click("Folder…");
+    window.wait("the dialog names the folder", |app| app.is_settled());
+    window.click("Apply");
+    window.settle();
+    let frame = window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[3].clone();
+    assert!(frame.is_hidden_at(10, 35) && !frame.is_hidden_at(80, 56));
 }

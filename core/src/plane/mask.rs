@@ -67,6 +67,11 @@ impl Plane {
         self.mask.as_ref().map_or(1.0, |mask| mask.weights.at(u, v))
     }
 
+    /// Whether the sample at column `u`, row `v` is hidden.
+    pub fn is_hidden_at(&self, u: usize, v: usize) -> bool {
+        self.weight_at(u, v) < SEEN
+    }
+
     /// Whether too many samples of `region` are hidden for a measurement of the noise there.
     pub(crate) fn hides(&self, region: &Region) -> bool {
         let Some(mask) = &self.mask else { return false };

@@ -31,8 +31,9 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
         A::CloseFeatures => model.has_reference(model.active_side(), Reference::File),
         A::ShowTruth => model.has_reference(model.active_side(), Reference::Truth),
         A::CopyPicture => model.picture().is_some(),
-        A::MeasureLine | A::MeasureRegion => has_burst && in_inspect,
+        A::MeasureLine | A::MeasureRegion | A::DrawMask => has_burst && in_inspect,
         A::ClearMeasure => !model.measure.is_empty(),
+        A::UseMask => !model.measure.hidden.is_empty() && in_inspect,
         A::ExportProfile => model.measure.line.is_some() && in_inspect,
         A::ClearSelection if in_inspect && model.measure.tool != Tool::Pan => true,
         A::NextLayout => many_panes,
@@ -150,6 +151,7 @@ pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
         A::ProbeFollow => Some(model.probe.follows),
         A::Play => Some(model.playing),
         A::MeasureLine => Some(model.measure.tool == Tool::Line),
+        A::DrawMask => Some(model.measure.tool == Tool::Mask),
         A::MeasureRegion => Some(model.measure.tool == Tool::Region),
         A::Preset1d => Some(
             !model.slopes.is_auto()

@@ -6,6 +6,7 @@
 //!
 //! The wheel (with or without Ctrl) and pinching zoom at the pointer, dragging pans, a double click fits.
 
+mod hatch;
 pub mod overlay;
 mod picture;
 mod readout;
@@ -154,6 +155,7 @@ impl<'a> Canvas<'a> {
             backdrop,
         };
         output.painter.add(paint.into_shape(rect));
+        hatch::draw(&output.painter, picture, output.ui_from_image, rect);
         if self.values {
             readout::draw_values(
                 &output.painter,

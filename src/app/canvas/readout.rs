@@ -38,6 +38,8 @@ pub struct Readout {
     pub quantity: Quantity,
     /// Standard deviation by which the picture is smoothed around the value, input pixels; the value itself is not.
     pub smoothing_px: f32,
+    /// Whether a mask hides the pixel, whose value is filled in.
+    pub is_masked: bool,
 }
 
 /// Without interpolation; `None` outside the picture. `full_scale` is the burst's.
@@ -52,6 +54,7 @@ pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Re
         image_from_picture_scale: picture.image_from_picture_scale,
         quantity: Quantity::Value,
         smoothing_px: 0.0,
+        is_masked: picture.plane.is_hidden_at(pixel.0, pixel.1),
     })
 }
 
@@ -97,6 +100,9 @@ impl std::fmt::Display for Readout {
         if self.full_scale != 1.0 && matches!(self.quantity, Quantity::Value | Quantity::Sigma) {
             write!(f, " = {} of {}", number(self.file_value(), 4), number(self.full_scale, 6))?;
         }
+        if self.is_masked {
+            write!(f, "  (masked: filled in from around)")?;
+        }
         if self.smoothing_px > 0.0 {
             write!(f, "  (display smoothed, σ {} px)", number(self.smoothing_px, 2))?;
         }
@@ -126,7 +132,7 @@ pub fn draw_values(
     let digits = if pixel_points > 60.0 { 4 } else { 3 };
     let colours = display.colours();
     for v in region.rows {
-        for u in region.columns.clone() {
+        for u in region.columns.clone().filter(|u| !picture.plane.is_hidden_at(*u, v)) {
             let value = picture.plane.at(u, v);
             let centre = ui_from_picture.pos(pos2(u as f32, v as f32));
             painter.text(
@@ -149,7 +155,7 @@ pub fn readable_on(colour: [u8; 3]) -> Color32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::Plane;
+    use crate::plane::{Mask, Plane};
     use egui::pos2;
     use std::sync::Arc;
 
@@ -166,6 +172,10 @@ mod tests {
         let share = Readout { quantity: Quantity::FramesShare, value: 0.8, ..r };
         assert_eq!(share.to_string(), "u 1.2  v 1.9    80 % of the frames");
         assert_eq!(readout(&picture, pos2(4.0, 0.0), 255.0), None);
+        let mask = Mask::new(Plane::from_fn(4, 4, |u, _| f32::from(u != 1)));
+        let masked = Picture::new(Arc::new(Plane::clone(&plane).masked(mask)), "frame");
+        let [hidden, seen] = [1.2, 2.2].map(|u| readout(&masked, pos2(u, 1.9), 255.0).unwrap().to_string());
+        assert!(hidden.ends_with("(masked: filled in from around)") && !seen.contains("masked"), "{hidden} {seen}");
         let octave = Picture::of_octave(plane, 1, (8, 8), "DoG");
         assert!(readout(&octave, pos2(4.0, 2.0), 1.0).unwrap().to_string().contains("pixel 2, 1"));
     }

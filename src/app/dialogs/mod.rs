@@ -56,6 +56,7 @@ impl FileDialogs for SystemDialogs {
             Purpose::OpenFolder
             | Purpose::OpenFolderB
             | Purpose::OpenLessons
+            | Purpose::OpenMasks
             | Purpose::OpenDataset
             | Purpose::FeatureFolder
             | Purpose::PaperFigures

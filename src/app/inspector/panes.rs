@@ -7,7 +7,7 @@ use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, slice
 use super::widgets::{PaneWidgets, canvas_name, compact_description};
 use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::document::Action;
-use crate::app::measure::{draw_ui, measure_ui};
+use crate::app::measure::{draw_ui, hidden_ui, measure_ui};
 use crate::app::pane::{Content, PaneId, arrangement_of, tree_of};
 use crate::app::panel::display::colour_bar_ui;
 use crate::app::panel::features::features_ui;
@@ -152,6 +152,7 @@ impl Inspector<'_> {
             measure_ui(self.model, id, &drawn.output);
             if in_focus {
                 stale_ui(ui, self.model, rect, self.queue);
+                hidden_ui(ui, self.model, rect, self.queue);
             }
         }
         picture_menu_ui(&drawn, self.model, id, self.widgets, self.queue);

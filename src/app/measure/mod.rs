@@ -1,8 +1,11 @@
-//! Measuring line and rectangle, drawn on a picture, whose values are measured in all linked panes together.
+//! Measuring line and rectangle, drawn on a picture, whose values are measured in all linked panes together; and
+//! outlines of what the frames do not show.
 
+mod hidden;
 mod panels;
 
 pub use crate::app::project::measure::{Measure, MeasuredLine, MeasuredRegion, Tool};
+pub use hidden::{hidden_ui, mask_of};
 pub use panels::{RegionCache, profile_ui, region_ui};
 
 use crate::app::actions::Queue;
@@ -78,11 +81,17 @@ pub fn region_in(model: &Model, widgets: &PaneWidgets, region: &MeasuredRegion, 
 }
 
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
+/// Least distance between two corners of an outline, points.
+const CORNER_POINTS: f32 = 4.0;
+
+fn strokes() -> [Stroke; 2] {
+    [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, COLOUR)]
+}
 
 pub fn draw_ui(model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
     let response = &output.response;
     let place = |pos: Pos2| output.image_from_ui.pos(pos);
-    let mut measure = model.measure;
+    let mut measure = model.measure.clone();
     if measure.tool == Tool::Pan {
         return;
     }
@@ -92,6 +101,9 @@ pub fn draw_ui(model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Que
         // Place of the press, not the place where the drag was recognised.
         let press = pos - response.total_drag_delta().unwrap_or_default();
         measure.drag = Some((id, place(press)));
+        if measure.tool == Tool::Mask {
+            measure.hidden.push(vec![place(press)]);
+        }
     }
     let Some((_, from)) = measure.drag.filter(|(on, _)| *on == id) else { return };
     if let Some(pos) = response.interact_pointer_pos().filter(|_| response.dragged()) {
@@ -101,20 +113,32 @@ pub fn draw_ui(model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Que
             Tool::Region => {
                 measure.region = Some(MeasuredRegion { pane: id, rect_image: Rect::from_two_pos(from, to) });
             }
+            Tool::Mask => {
+                let outline = measure.hidden.last_mut();
+                let is_far = |outline: &&mut Vec<Pos2>| {
+                    outline.last().is_none_or(|last| output.ui_from_image.pos(*last).distance(pos) >= CORNER_POINTS)
+                };
+                outline.filter(is_far).into_iter().for_each(|outline| outline.push(to));
+            }
             Tool::Pan => {}
         }
     }
     if response.drag_stopped() {
         measure.drag = None;
-        let tab = if measure.tool == Tool::Line { BottomTab::Profile } else { BottomTab::Region };
-        queue.push(Action::OpenTab(tab));
+        match measure.tool {
+            Tool::Line => queue.push(Action::OpenTab(BottomTab::Profile)),
+            Tool::Region => queue.push(Action::OpenTab(BottomTab::Region)),
+            Tool::Mask => measure.hidden.retain(|outline| outline.len() > 2),
+            Tool::Pan => {}
+        }
     }
     queue.set(&model.measure, measure, Action::SetMeasure);
 }
 
 pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
     let pos_ui = |pos: Pos2| output.ui_from_image.pos(pos);
-    let strokes = [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, COLOUR)];
+    let strokes = strokes();
+    hidden::outlines_ui(model, id, output);
     if let Some(line) = model.measure.line
         && measured_panes(model, line.pane).contains(&id)
         && let [Some(from), Some(to)] = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos))

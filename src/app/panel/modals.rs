@@ -1,5 +1,6 @@
 //! Small dialogs: the calibration of files, the choice of one burst of several, and the box about the program.
 
+use crate::app::actions::ActionId;
 use crate::app::panel::widgets::named;
 use crate::app::project::effect::Purpose;
 use crate::burst::{OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
@@ -10,6 +11,8 @@ use std::path::PathBuf;
 #[derive(Debug)]
 pub enum CalibrationChoice {
     Choose(Purpose),
+    /// Leaves the dialog to draw a mask.
+    Draw,
     Apply(OpenOptions),
 }
 
@@ -107,7 +110,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
     let options = draft.as_mut()?;
     let (mut choice, mut close) = (None, false);
     let modal = egui::Modal::new(egui::Id::unique("calibration")).show(ctx, |ui| {
-        ui.set_width(460.0);
+        ui.set_width(520.0);
         ui.heading("Calibration");
         ui.weak("How values in files become intensities. A calibration frame can be dropped here.");
         ui.add_space(6.0);
@@ -116,15 +119,13 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             let flat = "Picture of an evenly lit bright surface, by which each frame is divided";
             let mask = "Picture of the frames' size, white where they are seen: what it hides is in no mean and gives no features";
             let frames = [
-                ("Bias frame", &mut options.bias, bias, Purpose::OpenBias),
-                ("Flat frame", &mut options.flat, flat, Purpose::OpenFlat),
-                ("Mask", &mut options.mask, mask, Purpose::OpenMask),
+                ("Bias frame", &mut options.bias, bias, &[Purpose::OpenBias][..]),
+                ("Flat frame", &mut options.flat, flat, &[Purpose::OpenFlat]),
+                ("Mask", &mut options.mask, mask, &[Purpose::OpenMask, Purpose::OpenMasks]),
             ];
-            for (label, path, tip, purpose) in frames {
+            for (label, path, tip, purposes) in frames {
                 ui.label(label).on_hover_text(tip);
-                if file_ui(ui, label, path) {
-                    choice = Some(CalibrationChoice::Choose(purpose));
-                }
+                choice = file_ui(ui, label, path, purposes).or(choice.take());
                 ui.end_row();
             }
             let full = "Value in the files that becomes intensity 1, such as 4095 for 12 bits in 16-bit files";
@@ -171,11 +172,19 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
     choice
 }
 
-/// Draws the choice of an optional file; returns whether to ask for one.
-fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
-    let mut choose = false;
+/// Draws the choice of an optional file, and of a folder or a drawing in its place where there are `purposes` for them.
+fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>, purposes: &[Purpose]) -> Option<CalibrationChoice> {
+    let mut choice = None;
     ui.horizontal(|ui| {
-        choose = ui.button(format!("Choose {}…", label.to_lowercase())).clicked();
+        let words = [format!("Choose {}…", label.to_lowercase()), "Folder…".to_owned()];
+        for (word, purpose) in words.into_iter().zip(purposes) {
+            if ui.button(word).on_hover_text(purpose.hint()).clicked() {
+                choice = Some(CalibrationChoice::Choose(*purpose));
+            }
+        }
+        if purposes.len() > 1 && ui.button("Draw").on_hover_text(ActionId::DrawMask.action().help).clicked() {
+            choice = Some(CalibrationChoice::Draw);
+        }
         let name = path.as_ref().map(|path| {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
             (name, path.display().to_string())
@@ -192,7 +201,7 @@ fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>) -> bool {
             }
         }
     });
-    choose
+    choice
 }
 
 fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip: &str) {

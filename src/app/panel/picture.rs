@@ -2,6 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{self, Quantity, Readout, overlay};
+use crate::app::measure::Tool;
 use crate::app::panel::widgets::paint;
 use crate::app::project::filter::Filter;
 use crate::app::project::look::{FeaturesShown, RangeClass};
@@ -212,7 +213,10 @@ pub(in crate::app) fn at_time(feature: &Feature, from_middle: Offset<f32>) -> Fe
 
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
-    if model.look.overlay == FeaturesShown::None || model.slots.a.detecting.is_pending() {
+    if model.measure.tool == Tool::Mask
+        || model.look.overlay == FeaturesShown::None
+        || model.slots.a.detecting.is_pending()
+    {
         return;
     }
     let text = match stale {

@@ -56,6 +56,7 @@ pub enum Purpose {
     OpenBias,
     OpenFlat,
     OpenMask,
+    OpenMasks,
     OpenLessons,
     RestoreSession,
     SaveSession,
@@ -80,6 +81,8 @@ pub enum ExportKind {
     CurvesSvg,
     Case,
     FilmGif,
+    /// What was drawn around.
+    Mask,
     /// The open lesson's tasks, questions and answers.
     Sheet,
 }
@@ -109,6 +112,7 @@ impl ExportKind {
             Self::CurvesSvg => (&["svg"], "Export curves as SVG"),
             Self::Case => (&[CASE_EXTENSION], "Save case"),
             Self::FilmGif => (&["gif"], "Export film as GIF"),
+            Self::Mask => (&["png"], "Save the mask"),
             Self::Sheet => (&["md"], "Export lesson sheet as Markdown"),
         }
     }
@@ -135,6 +139,7 @@ impl Purpose {
             Self::OpenBias => "Choose a bias frame",
             Self::OpenFlat => "Choose a flat frame",
             Self::OpenMask => "Choose a mask",
+            Self::OpenMasks => "Choose a folder of masks",
             Self::OpenLessons => "Open lessons",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
@@ -159,6 +164,7 @@ impl Purpose {
             }
             Self::PaperFigures => "A new or an empty folder, or one with figures: finished ones are kept",
             Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
+            Self::OpenMasks => "A folder with a mask for each file of frames: NAME.EXT.png, or the frame's own name",
             Self::OpenFeatures(_) => "A table of features (CSV), or the text that COLMAP imports",
             Self::OpenLessons => "A folder of lessons (TOML files), or one of them",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",

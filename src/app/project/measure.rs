@@ -1,4 +1,4 @@
-//! Line and rectangle drawn on a picture, as plain values.
+//! Line, rectangle and outlines drawn on a picture, as plain values.
 
 use crate::app::pane::PaneId;
 use egui::{Pos2, Rect};
@@ -10,6 +10,8 @@ pub enum Tool {
     Pan,
     Line,
     Region,
+    /// Outlines of what the frames do not show.
+    Mask,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -25,12 +27,15 @@ pub struct MeasuredRegion {
     pub rect_image: Rect,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Measure {
     pub tool: Tool,
     pub line: Option<MeasuredLine>,
     pub region: Option<MeasuredRegion>,
     pub drag: Option<(PaneId, Pos2)>,
+    /// Closed outlines around what the frames do not show, image pixels; the last one is being drawn during a drag.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hidden: Vec<Vec<Pos2>>,
 }
 
 impl Measure {
