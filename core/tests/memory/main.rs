@@ -51,10 +51,17 @@ fn a_search_over_a_line_and_over_a_plane_of_slopes_stay_within_their_bounds() {
     let plane = DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), ..line.clone() };
     // Two threads, for which the bounds were set; each thread has a window of slopes of its own.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
-    for (name, params, bound) in [("a line", line, 200 * MB), ("a plane", plane, 400 * MB)] {
+    // Weights of masked frames are kept beside their values.
+    let (arm, truth) = synth_scene(&SceneParams { mask: 0.2, ..scene }, &Monitor::default()).expect("valid parameters");
+    let masked = truth.masked(arm);
+    for (name, burst, params, bound) in [
+        ("a line", &burst, line.clone(), 200 * MB),
+        ("a plane", &burst, plane, 400 * MB),
+        ("masked frames", &masked, line, 200 * MB),
+    ] {
         let mut count = 0;
         let params_of = params.clone();
-        let peak = peak_over(|| count = pool.install(|| found(&burst, &params)));
+        let peak = peak_over(|| count = pool.install(|| found(burst, &params)));
         println!("{name}: {count} features, {} MB over the burst, at most {} MB", peak / MB, bound / MB);
         let estimate = memory::estimate(&params_of, burst.len(), burst.size());
         println!("{name}: estimated {} MB", estimate / MB);
