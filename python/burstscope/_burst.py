@@ -303,6 +303,7 @@ def open(
     axis: str | None = None,
     array: str | None = None,
     topic: str | None = None,
+    take: str | None = None,
     times: str | os.PathLike[str] | None = None,
     views: str | None = None,
     progress: Progress = None,
@@ -341,6 +342,8 @@ def open(
         Array of an ``.npz`` archive, or image of a FITS file, that holds the frames.
     topic : str, optional
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures.
+    take : str, optional
+        Frames of a long recording that are opened, ``"300..310"``, counted from 0.
     times : str or path, optional
         Times of the frames: a list in a file, ``"names"`` for stamps in the names of files, ``"header"`` for times that
         the files hold (EXIF, FITS, SER, bags), ``"found"`` for those in which the images move uniformly. Without, frames are
@@ -373,7 +376,7 @@ def open(
         "mask_saturated": bool(mask_saturated),
         "raw_colour": needed("raw_colour", raw_colour, str, "give luma, green, red or blue"),
     }
-    for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array, "topic": topic, "views": views}.items():
+    for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array, "topic": topic, "take": take, "views": views}.items():
         calibration[name] = None if word is None else needed(name, word, str, "see the documentation")
     calibration["times"] = None if times is None else path("times", times)
     with shown(progress) as tell:

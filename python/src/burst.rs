@@ -3,7 +3,8 @@
 use crate::lent::LentArray;
 use crate::work::run;
 use burstscope::burst::{
-    ArrayFrame, Arrays, AxisChoice, Burst, Dump, Mosaic, OpenOptions, Positions, RawColour, TimesChoice, ViewsChoice,
+    ArrayFrame, Arrays, AxisChoice, Burst, Dump, FrameRange, Mosaic, OpenOptions, Positions, RawColour, TimesChoice,
+    ViewsChoice,
 };
 use burstscope::cli::Failure;
 use burstscope::plane::Plane;
@@ -52,6 +53,8 @@ pub(crate) struct Calibration {
     #[pyo3(item)]
     topic: Option<String>,
     #[pyo3(item)]
+    take: Option<String>,
+    #[pyo3(item)]
     times: Option<String>,
     #[pyo3(item)]
     views: Option<String>,
@@ -69,6 +72,8 @@ impl Calibration {
         let raw = self.raw.map(|raw| raw.parse::<Dump>().map_err(|e| PyValueError::new_err(format!("raw: {e}"))));
         let axis =
             self.axis.map(|axis| axis.parse::<AxisChoice>().map_err(|e| PyValueError::new_err(format!("axis: {e}"))));
+        let take =
+            self.take.map(|range| range.parse::<FrameRange>().map_err(|e| PyValueError::new_err(format!("take: {e}"))));
         let times = self
             .times
             .map(|times| times.parse::<TimesChoice>().map_err(|e| PyValueError::new_err(format!("times: {e}"))));
@@ -87,6 +92,7 @@ impl Calibration {
             axis: axis.transpose()?,
             array: self.array,
             topic: self.topic,
+            take: take.transpose()?,
             times: times.transpose()?,
             views: views_choice(self.views)?,
             ..OpenOptions::default()

@@ -3,9 +3,9 @@
 
 use super::choices::{COMBINES, MOSAICS, RAW_COLOURS, words};
 use super::search_options::SearchArgs;
-use crate::burst::{AxisChoice, Dump, Mosaic, OpenOptions, RawColour, TimesChoice, ViewsChoice};
+use crate::burst::{AxisChoice, Dump, FrameRange, Mosaic, OpenOptions, RawColour, TimesChoice, ViewsChoice};
 use crate::detector::params::doc;
-use crate::detector::{Combine, FrameRange, Slope, memory};
+use crate::detector::{Combine, Slope, memory};
 use crate::export::ExportFormat;
 use clap::Args;
 use std::path::PathBuf;
@@ -220,6 +220,10 @@ pub struct CalibrationArgs {
     /// Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as /camera/image_raw.
     #[arg(long, value_name = "TOPIC")]
     pub topic: Option<String>,
+    /// Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those of these
+    /// frames.
+    #[arg(long, value_name = "A..B")]
+    pub take: Option<FrameRange>,
     /// Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for stamps in
     /// the names of the files, header or exif for times that the files hold, found for those in which the images move
     /// uniformly, even for none [default: even].
@@ -249,6 +253,7 @@ impl CalibrationArgs {
             axis: self.axis.clone(),
             array: self.array.clone(),
             topic: self.topic.clone(),
+            take: self.take,
             times: self.times.clone(),
             views: self.views,
             ..OpenOptions::default()

@@ -203,6 +203,7 @@ pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> R
         ("axis", options.axis.is_some()),
         ("array", options.array.is_some()),
         ("topic", options.topic.is_some()),
+        ("take", options.take.is_some()),
         ("times", options.times.is_some()),
         ("views", options.views.is_some()),
     ];

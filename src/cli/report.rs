@@ -4,7 +4,6 @@ use crate::burst::{Burst, Encoding, Note};
 use crate::detect::Searched;
 use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
-use crate::detector::slopes::grid_text;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{
     Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test, explain,
@@ -223,9 +222,8 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     line("noise", &format!("{noise:.5} of full scale in a frame; noise gate {gate:.2} σ{rule}"));
     report.noise.warnings.iter().for_each(|warning| line("warning", &warning.text));
     if let Some(finding) = &report.slopes_found {
-        // What happened to the frames is in the judgement below.
-        let is_judged = finding.uniform.is_some() && report.slopes_judged.is_some();
-        line("slopes", &if is_judged { grid_text(&finding.grid) } else { finding.summary() });
+        let is_judged = report.slopes_judged.is_some();
+        line("slopes", &if is_judged { finding.summary_beside_judgement() } else { finding.summary() });
     }
     if let Some(SlopeJudgement { sentence, advice }) = &report.slopes_judged {
         line(if report.slopes_found.is_some() { "" } else { "slopes" }, sentence);

@@ -39,6 +39,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         axis,
         array,
         topic,
+        take,
         times,
         views,
         limits: _,
@@ -61,6 +62,7 @@ fn calibration_options(calibration: &OpenOptions) -> Vec<(&'static str, Option<S
         ("axis", axis.as_ref().map(|axis| Some(axis.to_string()))),
         ("array", array.clone().map(Some)),
         ("topic", topic.clone().map(Some)),
+        ("take", take.map(|range| Some(range.to_string()))),
         ("times", times.as_ref().map(|times| Some(times.to_string()))),
         ("views", views.map(|views| Some(views.to_string()))),
     ];

@@ -165,7 +165,9 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     // Masks of all frames lie in a folder.
     let masks = home.path().join("masks");
     std::fs::create_dir(&masks).unwrap();
-    (0..4).for_each(|t| drop(std::fs::copy(&file, masks.join(format!("{t}.png.png"))).unwrap()));
+    for t in 0..4 {
+        std::fs::copy(&file, masks.join(format!("{t}.png.png"))).unwrap();
+    }
     window.dialogs.will_choose(&masks);
     window.click("Folder…");
     window.wait("the dialog names the folder", |app| app.is_settled());

@@ -60,8 +60,9 @@ impl Info {
     /// Describes the burst that `inputs` name, as [`Burst::open_with`] takes them. Reads headers; of a raw file, which
     /// declares little, the frame.
     pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
-        let source = only_burst(inputs, options)?;
-        let mut files = source.files()?;
+        let (source, range) = (only_burst(inputs, options)?, options.take);
+        let (mut files, options) = source.taken_files(options)?;
+        let options = &options;
         let first = files.first().ok_or_else(Error::nothing_given)?;
         let (header, decoded) = decode::header(first, options, monitor)?;
         let Header { kind, width, height, frames, samples, is_colour, mosaic, times, views, taken } = header;
@@ -70,6 +71,8 @@ impl Info {
         // The frame of a raw file is binned already.
         let (width, height) = if is_mosaic { (width / 2, height / 2) } else { (width, height) };
         let frames = if files.len() == 1 { frames } else { files.len() };
+        let mut taken = taken;
+        taken.extend(range.map(|range| format!("the frames {range} are taken")));
         let (width, height, frames) = match options.views.and_then(ViewsChoice::picture).filter(|_| files.len() == 1) {
             Some((grid, _)) => {
                 let (width, height) = size_of_view(&files[0], (width, height), grid)?;
@@ -101,7 +104,6 @@ impl Info {
             }
             of_files => of_files,
         };
-        let mut taken = taken;
         taken.extend(timing.said);
         let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         taken.extend(options.mask.as_ref().map(|mask| format!("masked by {}", name(mask))));

@@ -17,6 +17,7 @@ mod options;
 mod positions;
 mod source;
 mod stamps;
+mod take;
 mod times;
 mod views;
 
@@ -31,6 +32,7 @@ pub use source::{
     BurstFiles, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,
 };
+pub use take::FrameRange;
 
 use crate::plane::Plane;
 use std::path::PathBuf;

@@ -147,9 +147,9 @@ impl RawBurst {
 }
 
 fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, Error> {
-    let limits = &options.limits;
     let source = only_burst(inputs, options)?;
-    let mut files = source.files()?;
+    let (mut files, options) = source.taken_files(options)?;
+    let (options, limits) = (&options, &options.limits);
     let count = files.len();
     let timing = if count > 1 { placed(&mut files, (count, None), options, monitor)? } else { Timing::even(1) };
     let first = files.first().ok_or_else(Error::nothing_given)?;
@@ -159,7 +159,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
         let mut frames = match decoded {
             Some(frame) => {
                 ticker.tick();
-                vec![frame]
+                options.taken(first, vec![frame], (1, 1))?
             }
             None => decode::stack(first, options, &ticker)?,
         };
@@ -172,9 +172,9 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
         let name = file_name(first);
         let columns = positions.rows_and_columns().map_or(frames.len(), |(_, columns)| columns);
         let frame_names = match frames.len() {
-            1 => vec![name],
+            1 if options.take.is_none() => vec![name],
             n if columns < n => (0..n).map(|k| format!("{name} [{}, {}]", k / columns, k % columns)).collect(),
-            n => (0..n).map(|t| format!("{name} [{t}]")).collect(),
+            n => (0..n).map(|t| format!("{name} [{}]", t + options.first_taken())).collect(),
         };
         let page = |t: usize| PathBuf::from(format!("{} (frame {t})", first.display()));
         check_samples(&frames, options, page)?;

@@ -5,6 +5,7 @@
 //! cannot take the machine's memory.
 
 use super::layout::{AxisChoice, Dump, Mosaic, TimesChoice, ViewsChoice};
+use super::take::FrameRange;
 use crate::error::{Error, ErrorKind};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
@@ -60,6 +61,9 @@ pub struct OpenOptions {
     /// Topic of a bag that holds the frames, where several hold pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
+    /// Frames that are opened, counted from 0 in the file or folder. `None` opens all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub take: Option<FrameRange>,
     /// Source of the frames' times. `None` takes the frames as even, whatever their files say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times: Option<TimesChoice>,
@@ -122,7 +126,7 @@ pub struct Limits {
     pub max_side_px: usize,
     /// Pixels of one frame. Default 2²⁸ (16384×16384).
     pub max_pixels: u64,
-    /// Number of frames. Default 4096.
+    /// Number of frames. Default 4096; `usize::MAX` where they are looked through one by one.
     pub max_frames: usize,
     /// Memory of all frames together as `f32`, bytes. Default 16 GiB. The process's own memory is a further limit.
     pub max_bytes: u64,
@@ -153,8 +157,15 @@ impl Limits {
     pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), Error> {
         if frames > self.max_frames as u64 {
             let (found, limit) = (format!("it has {frames} frames"), format!("{} frames", self.max_frames));
-            return Err(Error::too_large(path, found, limit, "split it into shorter bursts"));
+            return Err(Error::too_large(
+                path,
+                found,
+                limit,
+                "take a part of it, such as --take 0..10 (in the window: Calibration…)",
+            ));
         }
+        // A file that is looked through is not kept.
+        let frames = if self.max_frames == usize::MAX { 1 } else { frames };
         let bytes = frames.saturating_mul(width).saturating_mul(height).saturating_mul(4);
         let max_bytes = machine_bytes().map_or(self.max_bytes, |bytes| bytes.min(self.max_bytes));
         if bytes > max_bytes {

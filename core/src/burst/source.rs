@@ -30,6 +30,17 @@ impl BurstFiles {
     pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
         files_at(&self.paths)
     }
+
+    /// Those of several files that `options` take, with the options for these; a single file stays, whose frames are
+    /// then taken from it.
+    pub(super) fn taken_files(&self, options: &OpenOptions) -> Result<(Vec<PathBuf>, OpenOptions), Error> {
+        let files = self.files()?;
+        if files.len() == 1 {
+            return Ok((files, options.clone()));
+        }
+        let path = self.paths.first().cloned().unwrap_or_default();
+        Ok((options.taken(&path, files, (1, 1))?, OpenOptions { take: None, ..options.clone() }))
+    }
 }
 
 /// Files with the frames at `paths`: those of a single folder in natural order, or the paths themselves.

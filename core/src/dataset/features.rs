@@ -129,7 +129,7 @@ impl FeatureStore {
         });
         // Absent where they are not given, as in records of versions that did not have them.
         let layout = json!({ "mosaic": job.open.mosaic, "raw": job.open.raw, "axis": job.open.axis, "array": job.open.array,
-                    "times": job.open.times });
+                    "topic": job.open.topic, "take": job.open.take, "times": job.open.times, "views": job.open.views });
         for (name, value) in layout.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null()) {
             settings[name] = value.clone();
         }

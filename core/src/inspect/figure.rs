@@ -210,7 +210,7 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
         counted(spectrum.features, "feature"),
         counted(spectrum.cost.slopes, "slope"),
         spectrum.at_limit,
-        spectrum.finding.summary()
+        spectrum.finding.summary_beside_judgement()
     );
     let top = sheet.paragraph((24.0, 52.0), 13.0, SLOPES_WIDTH - 48.0, &found) + 24.0;
     let mut end =

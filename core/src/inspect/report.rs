@@ -238,7 +238,7 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
         spectrum.at_limit,
         cost.search_secs
     )?;
-    writeln!(out, "  the frames show  {}", spectrum.finding.summary())?;
+    writeln!(out, "  the frames show  {}", spectrum.finding.summary_beside_judgement())?;
     let max = spectrum.bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1);
     let mut shown: Vec<&SlopeBar> =
         spectrum.bars.iter().filter(|bar| bar.features > 0 || bar.evidence >= 0.005).collect();

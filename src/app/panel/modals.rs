@@ -3,7 +3,7 @@
 use crate::app::actions::ActionId;
 use crate::app::panel::widgets::named;
 use crate::app::project::effect::Purpose;
-use crate::burst::{OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
+use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use crate::requests::BurstSource;
 use egui::{DragValue, RichText, ScrollArea, TextEdit, Ui, vec2};
 use std::path::PathBuf;
@@ -51,6 +51,25 @@ fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) {
     })
     .response
     .labelled_by(name.id);
+    ui.end_row();
+}
+
+fn take_ui(ui: &mut Ui, take: &mut Option<FrameRange>) {
+    let mut own = take.is_some();
+    ui.checkbox(&mut own, "Take frames").on_hover_text("Frames of a long recording that are opened, counted from 0");
+    let FrameRange { mut start, mut end } = take.unwrap_or(FrameRange { start: 0, end: 10 });
+    ui.horizontal(|ui| {
+        if own {
+            ui.add(DragValue::new(&mut start).range(0..=usize::MAX - 1)).on_hover_text("First frame");
+            ui.label("…");
+            end = end.max(start + 1) - 1;
+            ui.add(DragValue::new(&mut end).range(start..=usize::MAX - 1)).on_hover_text("Last frame");
+            end += 1;
+        } else {
+            ui.weak("all");
+        }
+    });
+    *take = own.then_some(FrameRange { start, end });
     ui.end_row();
 }
 
@@ -141,6 +160,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             .response
             .labelled_by(name.id);
             ui.end_row();
+            take_ui(ui, &mut options.take);
             times_ui(ui, &mut options.times);
             views_ui(ui, &mut options.views);
             topic_ui(ui, &mut options.topic);

@@ -91,10 +91,12 @@ fn last_words(stderr: impl Read) -> String {
 
 /// Size, number of frames and times, without decoding more than the first.
 pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header, Error> {
-    let times = run(path, &LIST, true, options, monitor, |reader| times(path, reader, options))?;
+    let whole = &options.of_whole();
+    let mut times = run(path, &LIST, true, options, monitor, |reader| times(path, reader, whole))?;
     let film = run(path, &FRAMES, false, options, monitor, |reader| Film::read(path, &mut BufReader::new(reader)))?;
     let (width, height) = (film.size.0 as u64, film.size.1 as u64);
     options.limits.check_frame(path, width, height)?;
+    times.seconds = options.taken(path, times.seconds, film.size)?;
     options.limits.check_burst(path, times.seconds.len() as u64, width, height)?;
     let plain = film.plain(vec![0; times.seconds.len()]);
     Ok(Header { kind: KIND, times, ..plain.header() })
@@ -124,18 +126,25 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
 }
 
 pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
-    run(path, &FRAMES, true, options, ticker.monitor(), |reader| {
+    let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
+    run(path, &FRAMES, options.take.is_none(), options, ticker.monitor(), |reader| {
         let mut reader = BufReader::new(reader);
         let film = Film::read(path, &mut reader)?;
         let (width, height) = (film.size.0 as u64, film.size.1 as u64);
         options.limits.check_frame(path, width, height)?;
         let plain = film.plain(vec![0]);
-        let mut frames = Vec::new();
-        while Film::next_frame(path, &mut reader)? {
-            options.limits.check_burst(path, frames.len() as u64 + 1, width, height)?;
-            frames.push(plain.read(path, frames.len(), &mut reader, options, ticker)?);
-            let skipped = io::copy(&mut (&mut reader).take(film.rest_bytes()), &mut io::sink());
-            if skipped.map_err(|e| Error::from_read(path, KIND, &e))? < film.rest_bytes() {
+        let (mut frames, mut count) = (Vec::new(), 0);
+        while count < range.end && Film::next_frame(path, &mut reader)? {
+            let mut rest = film.rest_bytes();
+            if count < range.start {
+                rest += plain.frame_bytes();
+            } else {
+                options.limits.check_burst(path, frames.len() as u64 + 1, width, height)?;
+                frames.push(plain.read(path, frames.len(), &mut reader, options, ticker)?);
+            }
+            count += 1;
+            let skipped = io::copy(&mut (&mut reader).take(rest), &mut io::sink());
+            if skipped.map_err(|e| Error::from_read(path, KIND, &e))? < rest {
                 return Err(Error::corrupt(path, KIND, "its last frame is not whole"));
             }
         }

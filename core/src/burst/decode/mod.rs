@@ -179,13 +179,15 @@ pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize, E
     // A thumbnail may lie between two pages.
     const PAGES: usize = 3;
     let input = InputFile::open(path, PAGES, options)?;
+    let options =
+        &OpenOptions { limits: Limits { max_frames: usize::MAX, ..Limits::default() }, take: None, ..options.clone() };
     guarded(path, input.kind, || match input.kind {
         Kind::Raw | Kind::Picture(_) => Ok(1),
         Kind::Film => Ok(2),
         #[cfg(feature = "bags")]
-        Kind::Bag => bag::frame_count(path, &OpenOptions { limits: Limits::default(), ..options.clone() }),
+        Kind::Bag => bag::frame_count(path, options),
         Kind::Tiff => tiff::frame_count(path, input.file),
-        _ => Ok(plain(path, input, &OpenOptions { limits: Limits::default(), ..options.clone() })?.places.len()),
+        _ => Ok(plain(path, input, options)?.places.len()),
     })
 }
 
@@ -251,9 +253,9 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
         Kind::Bag => guarded(path, input.kind, || bag::stack(path, options, ticker)),
         Kind::Tiff => guarded(path, input.kind, || tiff::stack(path, input, options, ticker)),
         Kind::Raw | Kind::Picture(_) => {
-            let frame = frame(path, None, options, ticker.monitor());
+            let frame = frame(path, None, options, ticker.monitor())?;
             ticker.tick();
-            return frame.map(|frame| vec![frame]);
+            return options.taken(path, vec![frame], (1, 1));
         }
         _ => guarded(path, input.kind, || plain(path, input, options)?.stack(path, options, ticker)),
     }?;
@@ -264,17 +266,19 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
 /// Pixels of a file that holds plain numbers.
 fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain, Error> {
     let InputFile { mut file, length, kind, .. } = input;
-    match kind {
-        Kind::Npy => npy::ArrayHeader::read(path, kind.name(), &mut file)?.plain(path, kind.name(), length, options),
-        Kind::Npz => npz::plain(path, file, options),
-        Kind::Y4m => y4m::plain(path, file, length, options),
-        Kind::Ser => ser::plain(path, file, length, options),
-        Kind::Fits => fits::plain(path, file, length, options),
-        Kind::Dump => dump::plain(path, length, options),
+    let whole = &options.of_whole();
+    let plain = match kind {
+        Kind::Npy => npy::ArrayHeader::read(path, kind.name(), &mut file)?.plain(path, kind.name(), length, whole),
+        Kind::Npz => npz::plain(path, file, whole),
+        Kind::Y4m => y4m::plain(path, file, length, whole),
+        Kind::Ser => ser::plain(path, file, length, whole),
+        Kind::Fits => fits::plain(path, file, length, whole),
+        Kind::Dump => dump::plain(path, length, whole),
         #[cfg(feature = "bags")]
         Kind::Bag => unreachable!("it has a decoder of its own"),
         Kind::Raw | Kind::Film | Kind::Tiff | Kind::Picture(_) => unreachable!("these have decoders of their own"),
-    }
+    }?;
+    plain.part(path, options)
 }
 
 /// Decodes one page of a TIFF, or one picture of a bag, which is frame `frame` of its burst.

@@ -97,6 +97,27 @@ impl Plain {
         }
     }
 
+    /// These frames, or the part of them that is to be taken.
+    pub(super) fn part(mut self, path: &Path, options: &OpenOptions) -> Result<Self, Error> {
+        if options.take.is_none() {
+            return Ok(self);
+        }
+        if !self.scattered.is_empty() {
+            let reason = "its frames are not one after the other, so no part of them can be taken; save [N,H,W]";
+            return Err(Error::unsupported(path, self.kind, reason));
+        }
+        if self.times.seconds.len() == self.places.len() {
+            self.times.seconds = options.taken(path, self.times.seconds, self.size)?;
+        }
+        let places = options.taken(path, self.places, self.size)?;
+        Ok(Self { places, views: None, ..self })
+    }
+
+    /// Bytes of a frame.
+    pub(super) fn frame_bytes(&self) -> u64 {
+        self.number.bytes(self.samples() as u64)
+    }
+
     fn samples(&self) -> usize {
         self.size.0 * self.size.1 * self.channels
     }

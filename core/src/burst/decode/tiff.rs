@@ -35,8 +35,7 @@ pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, Error> {
 }
 
 pub(super) fn header(path: &Path, file: File, options: &OpenOptions) -> Result<Header, Error> {
-    let Pages { size, list, samples, is_colour, taken } =
-        Pages::read(path, file, &options.limits, options.axis.as_ref())?;
+    let Pages { size, list, samples, is_colour, taken } = Pages::taken(path, file, options)?;
     let header = Header::new("TIFF", size, list.len(), samples, is_colour);
     Ok(Header { taken: taken.into_iter().collect(), ..header })
 }
@@ -48,7 +47,7 @@ pub(super) fn frame(
     options: &OpenOptions,
     monitor: &Monitor,
 ) -> Result<RawFrame, Error> {
-    let pages = Pages::read(path, input.file, &options.limits, options.axis.as_ref())?;
+    let pages = Pages::taken(path, input.file, options)?;
     let [page] = pages.list[..] else {
         return Err(Error::stack_among_frames(path, pages.list.len()));
     };
@@ -64,7 +63,7 @@ pub(super) fn page(
     frame: usize,
     options: &OpenOptions,
 ) -> Result<RawFrame, Error> {
-    let pages = Pages::read(path, input.file, &options.limits, options.axis.as_ref())?;
+    let pages = Pages::taken(path, input.file, options)?;
     if !pages.list.contains(&page) {
         return Err(Error::corrupt(path, "TIFF", format!("it has no page {} any more", page + 1)));
     }
@@ -77,7 +76,7 @@ pub(super) fn stack(
     options: &OpenOptions,
     ticker: &Ticker<'_>,
 ) -> Result<Vec<RawFrame>, Error> {
-    let pages = Pages::read(path, input.file, &options.limits, options.axis.as_ref())?.list;
+    let pages = Pages::taken(path, input.file, options)?.list;
     // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
     let runs: Vec<&[usize]> = pages.chunks(run).collect();
@@ -121,6 +120,12 @@ struct Pages {
 }
 
 impl Pages {
+    /// The pages that are to be taken.
+    fn taken(path: &Path, file: File, options: &OpenOptions) -> Result<Self, Error> {
+        let pages = Self::read(path, file, &options.of_whole().limits, options.axis.as_ref())?;
+        Ok(Self { list: options.taken(path, pages.list, pages.size)?, ..pages })
+    }
+
     fn read(path: &Path, file: File, limits: &Limits, axis: Option<&AxisChoice>) -> Result<Self, Error> {
         let fail = |e| failure(path, e);
         let mut decoder = decoder(path, file, limits)?;

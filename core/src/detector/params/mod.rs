@@ -13,11 +13,12 @@ mod searched;
 pub mod slope_grid;
 mod validate;
 
+pub use crate::burst::FrameRange;
 pub use change::ParamChange;
 pub(crate) use choices::words;
 pub use choices::{
-    CoarseStart, DescribeSlope, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method, NoiseGate,
-    NoiseModelKind, SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
+    CoarseStart, DescribeSlope, Distinct, Flicker, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
+    SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
 };
 pub use doc::DetectorParams;
 pub(crate) use record::params;

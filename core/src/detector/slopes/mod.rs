@@ -194,6 +194,11 @@ impl SlopeFinding {
         };
         if self.warnings.is_empty() { verdict } else { format!("{verdict}; {}", self.irregularities()) }
     }
+
+    /// The summary where a judgement of the slopes stands beside it, which says what happened to the frames.
+    pub fn summary_beside_judgement(&self) -> String {
+        if self.uniform.is_some() { grid_text(&self.grid) } else { self.summary() }
+    }
 }
 
 /// Axis of slopes in direction `direction_deg` for a line that holds the confirmed `evidence`; `None` without any.

@@ -4,7 +4,7 @@ use super::crafted;
 use super::damaged::PROGRESSIVE;
 use super::support::{folder, grey8, raw_tiff, save, tiff_pages};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Limits, OpenOptions};
+use burstscope_core::burst::{Burst, Info, Limits, OpenOptions};
 use burstscope_core::error::{Error, ErrorKind};
 use image::{ImageBuffer, Luma, Rgb};
 use proptest::prelude::*;
@@ -117,6 +117,50 @@ fn the_samples_are_valid() {
     for (name, bytes) in samples() {
         open(name, bytes).expect(name);
     }
+}
+
+#[test]
+fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
+    let mut several = 0;
+    for (name, bytes) in samples() {
+        let folder = folder();
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        let raw = name.ends_with(".raw").then(|| "3x2:u16le".parse().expect("a shape"));
+        let opened = |take: &str, max_frames: usize| {
+            let limits = Limits { max_frames, ..Limits::default() };
+            let take = Some(take).filter(|take| !take.is_empty()).map(|take| take.parse().expect("a range"));
+            let options = OpenOptions { limits, raw, take, ..OpenOptions::default() };
+            Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default())
+        };
+        let whole = opened("", 4096).expect(name);
+        let beyond = opened(&format!("0..{}", whole.len() + 1), 4096).expect_err("there are not as many").to_string();
+        assert!(whole.len() == 1 || beyond.contains(&format!("reaches beyond the {} frames", whole.len())), "{beyond}");
+        if whole.len() < 2 || whole.positions.are_views() {
+            continue;
+        }
+        let part = match opened("1..2", 1) {
+            Err(error) if error.to_string().contains("not one after the other") => continue,
+            part => part.expect(name),
+        };
+        several += 1;
+        assert!(opened("", 1).expect_err(name).to_string().contains("--take"), "{name}");
+        assert!(opened("1..1", 4096).expect_err(name).to_string().contains("take: 1..1 holds no frame"), "{name}");
+        assert_eq!(
+            (part.len(), &part.frames[0], &part.frame_names[0]),
+            (1, &whole.frames[1], &whole.frame_names[1]),
+            "{name}"
+        );
+    }
+    assert!(several > 12, "{several} samples hold several frames");
+    // Of a folder it is a part of its files.
+    let folder = folder();
+    (0..5u8).for_each(|t| save(&folder.path().join(format!("{t}.png")), &grey8(9, 7, t)));
+    let options = OpenOptions { take: "3..4".parse().ok(), ..OpenOptions::default() };
+    let part = Burst::open_with(&[folder.path().into()], &options, &Monitor::default()).expect("a part");
+    assert_eq!((part.len(), &*part.frame_names[0]), (1, "3.png"));
+    let info = Info::of(&[folder.path().into()], &options, &Monitor::default()).expect("described");
+    assert!(info.frames == 1 && info.taken.contains(&"the frames 3..4 are taken".to_owned()), "{info:?}");
 }
 
 proptest! {

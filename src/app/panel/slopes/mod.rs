@@ -29,7 +29,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let judged = spectrum.judgement.as_ref().map_or("", |judgement| judgement.sentence.as_str());
     let features = grouped(spectrum.features as u64);
     let text = format!("{features} features at {} slopes  ·  {judged}", spectrum.cost.slopes);
-    let tip = format!("{}\nThe frames: {}", sentence_of(judged), spectrum.finding.summary());
+    let tip = format!("{}\nThe frames: {}", sentence_of(judged), spectrum.finding.summary_beside_judgement());
     ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }
 

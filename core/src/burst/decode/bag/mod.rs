@@ -94,7 +94,7 @@ impl<'a> Topic<'a> {
         let problem = match chosen {
             Ok((channel, _)) => {
                 let others = topics.values().filter(|(other, _)| other.topic != channel.topic).map(said).collect();
-                let topic = Self::of(segments, channel, options)?;
+                let topic = Self::of(segments, channel, &options.of_whole())?.part(path, options)?;
                 options.limits.check_burst(path, topic.frames() as u64, 1, 1)?;
                 return Ok(Self { others, ..topic });
             }
@@ -105,7 +105,7 @@ impl<'a> Topic<'a> {
             all => {
                 // The first message alone is read.
                 let limits = Limits { max_frames: usize::MAX, ..options.limits };
-                let options = OpenOptions { limits, ..options.clone() };
+                let options = OpenOptions { limits, take: None, ..options.clone() };
                 let said = all.iter().map(|(channel, count)| {
                     let header = Self::of(segments, channel, &options).and_then(|topic| topic.header(&options));
                     let size = header.map(|header| format!("{}×{}", header.width, header.height));
@@ -119,6 +119,16 @@ impl<'a> Topic<'a> {
             }
         };
         Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path))
+    }
+
+    /// This topic with the messages alone that are to be taken.
+    fn part(self, path: &Path, options: &OpenOptions) -> Result<Self, Error> {
+        let all = self.parts.iter().enumerate();
+        let all = all.flat_map(|(k, (_, messages))| messages.iter().map(move |message| (k, *message))).collect();
+        let taken = options.taken(path, all, (1, 1))?;
+        let of = |k: usize| taken.iter().filter(|(of, _)| *of == k).map(|(_, message)| *message).collect();
+        let parts = self.parts.iter().enumerate().map(|(k, (segment, _))| (*segment, of(k))).collect();
+        Ok(Self { parts, ..self })
     }
 
     fn frames(&self) -> usize {
