@@ -50,7 +50,9 @@ struct BurstInfo {
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let inputs = resolve(&args.inputs, &args.calibration.options());
-    let options = open_options(&inputs, &args.calibration)?;
+    let mut options = open_options(&inputs, &args.calibration)?;
+    // Headers alone are read, also of recordings of which only a part can be opened.
+    options.limits.max_frames = usize::MAX;
     let mut report = InfoReport { bursts: Vec::new(), failures: Vec::new() };
     for input in inputs {
         let name = input.name.clone();

@@ -32,8 +32,6 @@ pub mod matching_args;
 mod opening;
 mod param_args;
 pub mod probe;
-#[cfg(all(feature = "app", target_os = "linux"))]
-mod quiet;
 pub mod recover;
 #[cfg(feature = "app")]
 pub mod render;
@@ -95,7 +93,7 @@ pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) 
     };
     #[cfg(all(feature = "app", target_os = "linux"))]
     if host == Host::Program {
-        quiet::without_display(&cli);
+        window::without_messages_on_displays(&cli);
     }
     #[cfg(not(all(feature = "app", target_os = "linux")))]
     let _ = host;

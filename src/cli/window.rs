@@ -2,7 +2,7 @@
 //! features.
 
 use super::args::OutputArgs;
-use super::commands::Cli;
+use super::commands::{Cli, Command};
 use super::console::Console;
 use super::failure::{Failure, print};
 use super::inputs::{DEMO, Input};
@@ -94,6 +94,33 @@ fn lesson_named(name: &Path) -> Result<(Arc<Lesson>, Vec<Lesson>), Failure> {
 pub(super) fn has_display() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     !cfg!(all(unix, not(target_os = "macos"))) || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(set)
+}
+
+/// Starts this program anew, in this process, if `cli` draws a window and there is no folder of displays.
+///
+/// Mesa's Vulkan driver asks a Wayland display which graphics adapter is the first one, whenever it lists them. Where
+/// there is none, and no folder in which it could be, Wayland's library writes "XDG_RUNTIME_DIR is invalid" each time
+/// to the standard error. An environment variable, which is read when the driver is loaded, turns this question off.
+#[cfg(target_os = "linux")]
+pub(super) fn without_messages_on_displays(cli: &Cli) {
+    use std::os::unix::process::CommandExt;
+    /// Variable that turns off Mesa's choice of the first adapter.
+    const NO_CHOICE: &str = "NODEVICE_SELECT";
+    /// Variables by which the user has chosen an adapter, or none.
+    const CHOICES: [&str; 3] = [NO_CHOICE, "MESA_VK_DEVICE_SELECT", "DRI_PRIME"];
+    let draws = cli.command.as_ref().map_or(!has_display(), |command| matches!(command, Command::Render(_)));
+    let has_folder = std::env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_dir());
+    let chooses = CHOICES.into_iter().any(|name| std::env::var_os(name).is_some());
+    if draws
+        && !has_folder
+        && !chooses
+        && let Ok(program) = std::env::current_exe()
+    {
+        let mut arguments = std::env::args_os();
+        let name = arguments.next().unwrap_or_default();
+        // Only returns where it fails: then the messages come.
+        let _ = std::process::Command::new(program).arg0(name).args(arguments).env(NO_CHOICE, "1").exec();
+    }
 }
 
 /// Prints that the window is drawn into a file, and `else_is_done`. Returns the file's path and the console.

@@ -178,6 +178,16 @@ fn info_says_what_an_input_is_and_a_dump_is_searched_as_it_says() {
         std::fs::read(home.path().join("stack.tiff")).expect("written")
     };
     assert!(stack("night", &[]) == stack("night.raw", &shape), "the same frames have the same stack");
+    let part = stack("night.raw", &[&shape[..], &["--take", "2..5"]].concat());
+    assert!(part == stack("night", &["--frames", "2..5"]), "a part has the stack of its frames");
+    // A recording of any length is described, and a part of it opens.
+    std::fs::write(home.path().join("long.raw"), vec![9; 5000 * 400]).expect("written");
+    let long = ["long.raw", "--raw", "20x20:u8"];
+    let text = run_well(home.path(), &[&["info"], &long[..]].concat());
+    assert!(text.contains("5000 frames") && text.contains("take a part, such as --take 0..10"), "{text}");
+    let words = run_badly(home.path(), &[&["detect"], &long[..], &["--out", "long"]].concat(), 1);
+    assert!(words.contains("--take"), "{words}");
+    assert!(run_well(home.path(), &[&["info"], &long[..], &["--take", "4990..5000"]].concat()).contains("10 frames"));
     let wrong = run_badly(home.path(), &["info", "demo", "--raw", "1x1:u8"], 2);
     assert!(wrong.contains("--raw: built-in bursts"), "{wrong}");
     assert!(run_badly(home.path(), &["info", "night.raw", "--raw", "1600"], 2).contains("WIDTHxHEIGHT:TYPE"));

@@ -3,7 +3,7 @@
 use super::Burst;
 use super::decode::{self, Header};
 use super::layout::{TimesChoice, ViewsChoice};
-use super::options::OpenOptions;
+use super::options::{Limits, OpenOptions};
 use super::positions::Positions;
 use super::source::only_burst;
 use super::stamps::{Timing, of_headers};
@@ -73,6 +73,10 @@ impl Info {
         let frames = if files.len() == 1 { frames } else { files.len() };
         let mut taken = taken;
         taken.extend(range.map(|range| format!("the frames {range} are taken")));
+        let most = Limits::default().max_frames;
+        if frames > most {
+            taken.push(format!("a burst has at most {most} frames; take a part, such as --take 0..10"));
+        }
         let (width, height, frames) = match options.views.and_then(ViewsChoice::picture).filter(|_| files.len() == 1) {
             Some((grid, _)) => {
                 let (width, height) = size_of_view(&files[0], (width, height), grid)?;

@@ -257,6 +257,43 @@ impl fmt::Display for TimesChoice {
     }
 }
 
+/// Frames `start..end` of a burst (`end` excluded), as `--frames A..B` and `--take A..B` name them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrameRange {
+    /// First frame, counted from 0.
+    pub start: usize,
+    /// One past the last frame.
+    pub end: usize,
+}
+
+impl FrameRange {
+    /// Checks that the range holds a frame; otherwise the fault and its remedy.
+    pub(crate) fn check(&self) -> Result<(), (String, String)> {
+        if self.start < self.end {
+            return Ok(());
+        }
+        Err((format!("{self} holds no frame"), "give A..B with A below B".to_owned()))
+    }
+}
+
+impl fmt::Display for FrameRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..{}", self.start, self.end)
+    }
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    /// Reads `A..B`, the frames A … B−1.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let bad = || format!("'{text}' is not A..B, such as 0..10 for the first ten frames");
+        let (start, end) = text.split_once("..").ok_or_else(bad)?;
+        Ok(Self { start: start.trim().parse().map_err(|_| bad())?, end: end.trim().parse().map_err(|_| bad())? })
+    }
+}
+
 /// Numbers of rows and of columns of a grid of views.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]

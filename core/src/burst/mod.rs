@@ -17,14 +17,13 @@ mod options;
 mod positions;
 mod source;
 mod stamps;
-mod take;
 mod times;
 mod views;
 
 pub use arrays::{ArrayFrame, Arrays};
 pub use decode::{DecodeWorker, LUMA_WEIGHTS, LikelyShape, likely_shapes, serve_decoding};
 pub use info::Info;
-pub use layout::{Axis, AxisChoice, Dump, Mosaic, Tiling, TimesChoice, ViewGrid, ViewsChoice};
+pub use layout::{Axis, AxisChoice, Dump, FrameRange, Mosaic, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
 pub use positions::{Offset, Positions};
@@ -32,7 +31,6 @@ pub use source::{
     BurstFiles, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,
 };
-pub use take::FrameRange;
 
 use crate::plane::Plane;
 use std::path::PathBuf;

@@ -4,8 +4,7 @@
 //! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
 //! cannot take the machine's memory.
 
-use super::layout::{AxisChoice, Dump, Mosaic, TimesChoice, ViewsChoice};
-use super::take::FrameRange;
+use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoice};
 use crate::error::{Error, ErrorKind};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
@@ -102,6 +101,43 @@ impl OpenOptions {
     pub fn paths(&self) -> Vec<PathBuf> {
         self.clone().paths_mut().map(|path| path.clone()).collect()
     }
+
+    /// These options for looking through a whole file, of which a part may be taken.
+    pub(super) fn of_whole(&self) -> Self {
+        let limits = if self.take.is_some() { self.limits.of_whole() } else { self.limits };
+        Self { limits, ..self.clone() }
+    }
+
+    /// The part of `all` frames of the file or folder `path` that is to be taken; their size (columns, rows) is needed
+    /// for the limits.
+    ///
+    /// # Errors
+    /// It has no such frames, or they are too many.
+    pub(super) fn taken<T>(
+        &self,
+        path: &Path,
+        mut all: Vec<T>,
+        (width, height): (usize, usize),
+    ) -> Result<Vec<T>, Error> {
+        let Some(range) = self.take else { return Ok(all) };
+        let count = all.len();
+        let problem = match range.check() {
+            Err((problem, _)) => problem,
+            Ok(()) if range.end > count => format!("{range} reaches beyond the {count} frames of {}", path.display()),
+            Ok(()) => {
+                all.truncate(range.end);
+                all.drain(..range.start);
+                self.limits.check_burst(path, all.len() as u64, width as u64, height as u64)?;
+                return Ok(all);
+            }
+        };
+        Err(Error::param("take", problem, format!("give A..B with 0 ≤ A < B ≤ {count}")))
+    }
+
+    /// Number of the first frame that is taken.
+    pub(super) fn first_taken(&self) -> usize {
+        self.take.map_or(0, |range| range.start)
+    }
 }
 
 /// Colour that is taken of a raw frame, whose pixels have one colour each, in squares of 2×2.
@@ -139,6 +175,11 @@ impl Default for Limits {
 }
 
 impl Limits {
+    /// Limits for a file of any length that is looked through, not kept.
+    fn of_whole(self) -> Self {
+        Self { max_frames: usize::MAX, ..self }
+    }
+
     /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
     pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), Error> {
         if width == 0 || height == 0 {

@@ -6,7 +6,6 @@
 //!
 //! The wheel (with or without Ctrl) and pinching zoom at the pointer, dragging pans, a double click fits.
 
-mod hatch;
 pub mod overlay;
 mod picture;
 mod readout;
@@ -155,7 +154,7 @@ impl<'a> Canvas<'a> {
             backdrop,
         };
         output.painter.add(paint.into_shape(rect));
-        hatch::draw(&output.painter, picture, output.ui_from_image, rect);
+        picture.hatch(&output.painter, output.ui_from_image, rect);
         if self.values {
             readout::draw_values(
                 &output.painter,

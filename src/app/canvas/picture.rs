@@ -1,11 +1,16 @@
-//! A plane with its place in the image.
+//! A plane with its place in the image, and the hatching over what a mask hides of it.
 
 use super::RectTransform;
 use crate::app::gpu::PictureId;
 use crate::plane::Plane;
 use crate::plane::statistics::Region;
-use egui::{Pos2, Rect, pos2};
+use egui::{Color32, Painter, Pos2, Rect, Stroke, pos2};
 use std::sync::Arc;
+
+/// Distance between two lines of the hatching, points.
+const BETWEEN: f32 = 9.0;
+/// Distance of the places along a line at which the mask is looked up, points.
+const STEP: f32 = 1.5;
 
 /// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`.
 #[derive(Debug, Clone)]
@@ -65,6 +70,47 @@ impl Picture {
             rows: range(rect_image.min.y, rect_image.max.y),
         };
         region.within(&self.plane)
+    }
+
+    /// Draws rising lines over the hidden pixels that lie in `rect`. They keep their places in the image.
+    pub(super) fn hatch(&self, painter: &Painter, ui_from_image: RectTransform, rect: Rect) {
+        if self.plane.mask().is_none() {
+            return;
+        }
+        let of_picture = ui_from_image.rect(self.rect_image());
+        let seen = rect.intersect(of_picture);
+        if !seen.is_positive() {
+            return;
+        }
+        let image_from_ui = ui_from_image.inverse();
+        let hides = |pos_ui| {
+            let pixel = self.pixel_at(image_from_ui.pos(pos_ui));
+            pixel.is_some_and(|(u, v)| self.plane.is_hidden_at(u, v))
+        };
+        // A line holds the places whose x + y is the same.
+        let origin = of_picture.min.x + of_picture.min.y;
+        let first = ((seen.min.x + seen.min.y - origin) / BETWEEN).ceil() as i32;
+        let last = ((seen.max.x + seen.max.y - origin) / BETWEEN).floor() as i32;
+        for line in first..=last {
+            let sum = origin + line as f32 * BETWEEN;
+            let (from, to) = (seen.min.x.max(sum - seen.max.y), seen.max.x.min(sum - seen.min.y));
+            let mut begun = None;
+            for k in 0..=((to - from) / STEP) as usize + 1 {
+                let x = from + k as f32 * STEP;
+                let pos = pos2(x, sum - x);
+                let is_hidden = x <= to && hides(pos);
+                match begun {
+                    None if is_hidden => begun = Some(pos),
+                    Some(start) if !is_hidden => {
+                        for (width, colour) in [(2.5, Color32::from_black_alpha(110)), (1.0, Color32::from_gray(190))] {
+                            painter.line_segment([start, pos], Stroke::new(width, colour));
+                        }
+                        begun = None;
+                    }
+                    _ => {}
+                }
+            }
+        }
     }
 }
 

@@ -17,7 +17,6 @@ mod jpeg;
 mod look;
 mod mosaic;
 mod npy;
-mod npz;
 mod pixels;
 mod plain;
 #[cfg(feature = "raw")]
@@ -269,7 +268,7 @@ fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain, 
     let whole = &options.of_whole();
     let plain = match kind {
         Kind::Npy => npy::ArrayHeader::read(path, kind.name(), &mut file)?.plain(path, kind.name(), length, whole),
-        Kind::Npz => npz::plain(path, file, whole),
+        Kind::Npz => npy::of_archive(path, file, whole),
         Kind::Y4m => y4m::plain(path, file, length, whole),
         Kind::Ser => ser::plain(path, file, length, whole),
         Kind::Fits => fits::plain(path, file, length, whole),

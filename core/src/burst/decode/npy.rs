@@ -1,5 +1,5 @@
 //! `.npy` arrays, of any integer or float type in either byte order, in C or Fortran order: a stack, one frame, with or
-//! without colours. Booleans become 0 and 1.
+//! without colours. Booleans become 0 and 1. Of `.npz` archives one array is taken.
 //!
 //! The header is a Python dictionary such as `{'descr': '<u2', 'fortran_order': False, 'shape': (10, 480, 640), }`. It
 //! is read here rather than by a library, because a stack is read frame by frame, and because a hostile header must
@@ -11,8 +11,10 @@ use crate::burst::layout::{Axis, AxisChoice, ViewGrid, ViewsChoice};
 use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
 use crate::error::{Error, ErrorKind};
-use std::io::Read;
+use std::fs::File;
+use std::io::{BufReader, Error as IoError, Read};
 use std::path::Path;
+use zip::ZipArchive;
 
 /// Largest header allowed, bytes. Longer ones are of structured arrays, which are no pictures.
 const MAX_HEADER_BYTES: usize = 4096;
@@ -237,6 +239,49 @@ fn parse(text: &str) -> Option<(String, bool, Vec<u64>)> {
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let quote = text.chars().next().filter(|c| *c == '\'' || *c == '"')?;
     text[1..].split_once(quote)
+}
+
+/// Largest number of members that are looked at.
+const MAX_MEMBERS: usize = 256;
+
+/// The array of an `.npz` archive, stored or deflated, that the options name, or the only one that can be frames.
+pub(super) fn of_archive(path: &Path, file: File, options: &OpenOptions) -> Result<Plain, Error> {
+    let fail = |e: zip::result::ZipError| Error::from_read(path, "NPZ", &IoError::from(e));
+    let mut archive = ZipArchive::new(BufReader::new(file)).map_err(fail)?;
+    let mut found = Vec::new();
+    for index in 0..archive.len().min(MAX_MEMBERS) {
+        let mut member = archive.by_index(index).map_err(fail)?;
+        let Some(name) = member.name().strip_suffix(".npy").map(str::to_owned) else { continue };
+        let length = member.size();
+        found.push((name, index, length, ArrayHeader::read(path, "NPZ", &mut member)?));
+    }
+    if found.is_empty() {
+        let problem = "this archive holds no arrays (.npy)";
+        return Err(Error::new(ErrorKind::Unsupported, problem, "unpack it, and open what is in it").about(path));
+    }
+    let refused = |problem: String| {
+        let all: Vec<String> = found.iter().map(|(name, .., header)| format!("{name} {:?}", header.shape)).collect();
+        let remedy = format!("say with --array NAME which one holds the frames: {}", all.join(", "));
+        Error::new(ErrorKind::Unsupported, problem, remedy).about(path)
+    };
+    let chosen = match &options.array {
+        Some(array) => {
+            let named = found.iter().find(|(name, ..)| name == array);
+            named.ok_or_else(|| refused(format!("this archive has no array '{array}'")))?
+        }
+        None => {
+            let frames: Vec<_> = found.iter().filter(|(.., header)| header.is_of_frames()).collect();
+            match frames[..] {
+                [only] => only,
+                [] => return Err(refused("no array of this archive can be frames".to_owned())),
+                _ => return Err(refused(format!("this archive has {} arrays that can be frames", frames.len()))),
+            }
+        }
+    };
+    let (name, index, length, header) = chosen;
+    let plain = header.plain(path, "NPZ", *length, options)?;
+    let more = (found.len() > 1).then(|| format!("of {} arrays '{name}' is taken", found.len()));
+    Ok(Plain { member: Some(*index), taken: plain.taken.iter().cloned().chain(more).collect(), ..plain })
 }
 
 #[cfg(test)]
