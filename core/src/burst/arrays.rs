@@ -7,7 +7,7 @@ use super::masks::Masks;
 use super::open::{Measured, RawBurst, calibrated};
 use super::options::OpenOptions;
 use super::views::placed;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ impl ArrayFrame {
         }
     }
 
-    fn decoded(self, path: &Path, t: usize) -> Result<RawFrame, Error> {
+    fn decoded(self, path: &Path, t: usize) -> Result<RawFrame> {
         match self {
             Self::Integers { plane, range } => Ok(RawFrame::linear(plane, FileScale::Range(range))),
             Self::Floats(plane) => frame_of_plane(path, t, plane, false),
@@ -79,7 +79,7 @@ impl Burst {
         arrays: Arrays,
         options: &OpenOptions,
         monitor: &Monitor,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
         let frames = decoded("frames", arrays.frames, options)?.ok_or_else(Error::nothing_given)?;
@@ -101,7 +101,7 @@ impl Burst {
     }
 }
 
-fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result<Option<Measured>, Error> {
+fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result<Option<Measured>> {
     let path = PathBuf::from(name);
     let Some(first) = frames.first() else { return Ok(None) };
     let (width, height) = first.plane().size();

@@ -9,7 +9,7 @@ use super::source::only_burst;
 use super::stamps::{Timing, of_headers};
 use super::times::{Times, time_text};
 use super::views::{placed, size_of_view};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -59,7 +59,7 @@ pub struct Info {
 impl Info {
     /// Describes the burst that `inputs` name, as [`Burst::open_with`] takes them. Reads headers; of a raw file, which
     /// declares little, the frame.
-    pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         let source = only_burst(inputs, options)?;
         let mut files = source.files()?;
         let first = files.first().ok_or_else(Error::nothing_given)?;

@@ -5,7 +5,7 @@
 //! cannot take the machine's memory.
 
 use super::layout::{AxisChoice, Dump, Mosaic, TimesChoice, ViewsChoice};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -136,7 +136,7 @@ impl Default for Limits {
 
 impl Limits {
     /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
-    pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), Error> {
+    pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<()> {
         if width == 0 || height == 0 {
             let problem = format!("this file's frames have no pixels ({width}×{height})");
             return Err(Error::new(ErrorKind::Damaged, problem, "write it again or remove it").about(path));
@@ -150,7 +150,7 @@ impl Limits {
     }
 
     /// Checks the number of frames, and the memory that they need together.
-    pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), Error> {
+    pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<()> {
         if frames > self.max_frames as u64 {
             let (found, limit) = (format!("it has {frames} frames"), format!("{} frames", self.max_frames));
             return Err(Error::too_large(path, found, limit, "split it into shorter bursts"));

@@ -9,7 +9,7 @@ use super::layout::TimesChoice;
 use super::options::OpenOptions;
 use super::positions::Positions;
 use super::times::{Times, seconds_of};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use std::collections::{HashMap, HashSet};
 use std::fmt;
@@ -387,7 +387,7 @@ impl Timing {
     ///
     /// # Errors
     /// There is no such list, it has no time for a frame, files or names have none, or two are equal.
-    pub fn of(files: &mut [PathBuf], frames: usize, options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn of(files: &mut [PathBuf], frames: usize, options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         let choice = options.times.as_ref().filter(|choice| !matches!(choice, TimesChoice::Even | TimesChoice::Found));
         let Some(choice) = choice.filter(|_| frames > 1) else { return Ok(Self::even(frames)) };
         let found = FoundTimes::of(choice, files, frames, options, monitor)?;
@@ -424,7 +424,7 @@ impl FoundTimes {
         frames: usize,
         options: &OpenOptions,
         monitor: &Monitor,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let names: Vec<String> = files.iter().map(|file| base_name(&file.to_string_lossy()).to_owned()).collect();
         let first = files.first().cloned().unwrap_or_default();
         let wrong = |problem: String, remedy: &str, file: &Path| {
@@ -498,7 +498,7 @@ impl FoundTimes {
     }
 }
 
-fn read_list(path: &Path, names: &[String]) -> Result<List, Error> {
+fn read_list(path: &Path, names: &[String]) -> Result<List> {
     let metadata = std::fs::metadata(path).map_err(|e| Error::from_io(path, &e))?;
     if !metadata.is_file() {
         return Err(Error::not_a_file(path));
@@ -531,7 +531,7 @@ fn rows_of(list: &List, names: &[String], frames: usize) -> Result<Vec<usize>, (
 }
 
 /// Times that the files of frames hold; those before the first that holds none.
-pub(super) fn of_headers(files: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Times, Error> {
+pub(super) fn of_headers(files: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Times> {
     if let [file] = files {
         return decode::times(file, options, monitor);
     }

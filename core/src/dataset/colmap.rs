@@ -9,7 +9,7 @@ use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGE
 use super::pairs::{BurstSide, MatchedPair, match_pairs};
 use crate::burst::BurstFiles;
 use crate::detector::open_burst;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
     ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database,
 };
@@ -98,7 +98,7 @@ pub fn export_colmap(
     job: &ColmapJob,
     on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
-) -> Result<ColmapReport, Error> {
+) -> Result<ColmapReport> {
     let matching = job.verified_matching()?;
     if bursts.len() < 2 {
         return Err(too_few(bursts.len()));
@@ -155,7 +155,7 @@ fn add_burst(
     burst: &BurstFeatures,
     job: &ColmapJob,
     report: &mut ColmapReport,
-) -> Result<(), Error> {
+) -> Result<()> {
     let camera = job.camera.for_images(burst.size)?;
     let camera_id = match report.cameras.iter().position(|c| *c == camera) {
         Some(index) => index as u32 + 1,
@@ -192,10 +192,10 @@ fn match_all(
     database: &mut DatabaseWriter<'_>,
     (pairs, blobs): (&[(usize, usize)], &[Vec<Blob>]),
     matching: &MatchParams,
-    with_pictures: &dyn Fn(usize, BurstSide) -> Result<BurstSide, Error>,
+    with_pictures: &dyn Fn(usize, BurstSide) -> Result<BurstSide>,
     report: &mut ColmapReport,
     monitor: &Monitor,
-) -> Result<(), Error> {
+) -> Result<()> {
     let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
     let database = RefCell::new(database);
     let mut load = |index: usize| {
@@ -240,7 +240,7 @@ fn align_all(
     matching: &MatchParams,
     report: &mut ColmapReport,
     monitor: &Monitor,
-) -> Result<(), Error> {
+) -> Result<()> {
     let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
     let mut alignment = Alignment::default();
     for (&id, blobs) in ids.iter().zip(blobs) {
@@ -284,7 +284,7 @@ fn too_few(bursts: usize) -> Error {
 }
 
 impl ColmapJob {
-    fn verified_matching(&self) -> Result<MatchParams, Error> {
+    fn verified_matching(&self) -> Result<MatchParams> {
         let camera = match &self.camera {
             CameraChoice::Known(camera) => Some(camera.clone()),
             CameraChoice::Guessed(_) => None,

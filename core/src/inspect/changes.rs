@@ -7,7 +7,7 @@
 //! together.
 
 use crate::detector::{Feature, Slope};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::export::{feature_header, read_colmap, read_features_csv};
 use crate::inspect::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use serde::Serialize;
@@ -215,7 +215,7 @@ pub struct ForeignFeature {
 /// # Errors
 /// The file cannot be read, or a line, which is named, has a wrong form, a place that is no number, or a scale that is
 /// not above 0.
-pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, Error> {
+pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>> {
     let features: Vec<ForeignFeature> = if is_table(path)? {
         let rows = read_features_csv(path)?.into_iter().map(|row| ForeignFeature {
             pos_image: [row.u, row.v],
@@ -246,7 +246,7 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, Error> {
 }
 
 /// Whether a file is a feature table of ours, from its beginning; otherwise it is COLMAP's text.
-fn is_table(path: &Path) -> Result<bool, Error> {
+fn is_table(path: &Path) -> Result<bool> {
     let read = |e: std::io::Error| Error::unread_file(path, e);
     let mut start = Vec::new();
     std::fs::File::open(path).map_err(read)?.take(256).read_to_end(&mut start).map_err(read)?;

@@ -9,7 +9,7 @@
 use super::words::{counted, number};
 use crate::detector::stack::FrameTimes;
 use crate::detector::{Feature, Method, SearchParams, Trail};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::synth::random::Stream;
 use serde::Serialize;
@@ -51,13 +51,13 @@ impl DecoyStudy {
     ///
     /// # Errors
     /// As [`decoys`].
-    pub fn check(&self, params: &SearchParams, frames: usize) -> Result<(), Error> {
+    pub fn check(&self, params: &SearchParams, frames: usize) -> Result<()> {
         let is_one = params.detector.method == Method::Merge;
         self.orders(if is_one { 1 } else { params.detector.used_frames(frames).len() }).map(|_| ())
     }
 
     /// Orders of `frames` frames, no two of them alike or each other's reverse, all nearly unrelated to time.
-    fn orders(&self, frames: usize) -> Result<Vec<Vec<usize>>, Error> {
+    fn orders(&self, frames: usize) -> Result<Vec<Vec<usize>>> {
         let error = |parameter: &str, problem: String, remedy: String| Error::param(parameter, problem, remedy);
         if !(1..=MAX_COPIES).contains(&self.copies) {
             return Err(error("copies", self.copies.to_string(), format!("give 1 to {MAX_COPIES}")));
@@ -135,7 +135,7 @@ pub struct FalseRate {
 ///
 /// # Errors
 /// A number of copies that is out of range or that so few frames do not have, and cancellation.
-pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<DecoyReport, Error> {
+pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<DecoyReport> {
     let (_, kept, positions) = trail.frames();
     let mut orders = study.orders(kept.len())?;
     if trail.params().max_features > 0 {

@@ -15,7 +15,7 @@ use super::verdict::Judged;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{Sample, Slope, Test, Trail};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::inspect::telling::fate;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
@@ -153,7 +153,7 @@ impl Probe {
 
 /// Checks that `place` (u, v) lies in a picture of `size` (columns, rows), whose outer pixels reach half a pixel
 /// beyond their centres.
-pub fn check_place(place: [f32; 2], size: (usize, usize)) -> Result<(), Error> {
+pub fn check_place(place: [f32; 2], size: (usize, usize)) -> Result<()> {
     let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
     if inside(place[0], size.0) && inside(place[1], size.1) { Ok(()) } else { Err(outside(place, size)) }
 }
@@ -165,7 +165,7 @@ pub fn outside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Error {
 }
 
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
-pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monitor: &Monitor) -> Result<Probe, Error> {
+pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monitor: &Monitor) -> Result<Probe> {
     let trail = &cache.trail;
     let mut nearness = Nearness { place, sigma: options.near_sigma, slopes: options.in_view.into_iter().collect() };
     if let Wanted::Feature(index) = options.wanted {
@@ -271,12 +271,7 @@ fn reasons(
     Ok(small.into_iter().chain(at_another_slope(trail, nearness, fates, own_slope)).collect())
 }
 
-fn subject(
-    trail: &Trail,
-    nearness: &Nearness,
-    (fates, peaks): (&[Fate], &[Peak]),
-    wanted: Wanted,
-) -> Result<Subject, Error> {
+fn subject(trail: &Trail, nearness: &Nearness, (fates, peaks): (&[Fate], &[Peak]), wanted: Wanted) -> Result<Subject> {
     let (grid, place) = (trail.params().used_slopes(), nearness.place);
     if let Wanted::Scale { octave, level, slope_index } = wanted {
         let levels = 0..trail.space().levels as i32;

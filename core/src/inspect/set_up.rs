@@ -15,7 +15,7 @@ use super::words::number;
 use crate::burst::Positions;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// Camera and scene.
@@ -88,7 +88,7 @@ const MAX_COUNT: usize = 1024;
 
 impl SetUp {
     /// Checks the numbers.
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<()> {
         bounds::SPEED.check("speed", self.speed_m_s)?;
         bounds::DIRECTION.check("direction", self.direction_deg)?;
         bounds::TURN.check("turn-deg-s", self.turn_deg_s)?;

@@ -10,7 +10,7 @@ use super::plain::{Index, Plain};
 use crate::burst::layout::{Axis, AxisChoice, ViewGrid, ViewsChoice};
 use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use std::io::Read;
 use std::path::Path;
 
@@ -45,7 +45,7 @@ pub(super) struct ArrayHeader {
 
 impl ArrayHeader {
     /// Reads the header with which `reader` begins; `kind` is the name of the file's kind.
-    pub(super) fn read(path: &Path, kind: &str, reader: &mut impl Read) -> Result<Self, Error> {
+    pub(super) fn read(path: &Path, kind: &str, reader: &mut impl Read) -> Result<Self> {
         let corrupt = |reason: &str| Error::corrupt(path, kind, reason);
         let fail = |e: std::io::Error| Error::from_read(path, kind, &e);
         let mut start = [0u8; 10];
@@ -80,13 +80,7 @@ impl ArrayHeader {
     }
 
     /// Its frames. `length` is that of the file or the member, bytes; a shape beyond the limits is refused.
-    pub(super) fn plain(
-        &self,
-        path: &Path,
-        kind: &'static str,
-        length: u64,
-        options: &OpenOptions,
-    ) -> Result<Plain, Error> {
+    pub(super) fn plain(&self, path: &Path, kind: &'static str, length: u64, options: &OpenOptions) -> Result<Plain> {
         let (order, code) = self.descr.split_at_checked(1).unwrap_or(("", ""));
         let number = DTYPES.iter().find(|(known, _)| *known == code).map(|(_, number)| *number);
         let number = number.ok_or_else(|| {

@@ -3,7 +3,7 @@
 use super::npy::ArrayHeader;
 use super::plain::Plain;
 use crate::burst::options::OpenOptions;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use std::fs::File;
 use std::io::{BufReader, Error as IoError};
 use std::path::Path;
@@ -13,7 +13,7 @@ use zip::ZipArchive;
 const MAX_MEMBERS: usize = 256;
 
 /// The array that the options name, or the only one that can be frames.
-pub(super) fn plain(path: &Path, file: File, options: &OpenOptions) -> Result<Plain, Error> {
+pub(super) fn plain(path: &Path, file: File, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: zip::result::ZipError| Error::from_read(path, "NPZ", &IoError::from(e));
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(fail)?;
     let mut found = Vec::new();

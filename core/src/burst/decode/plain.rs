@@ -7,7 +7,7 @@ use crate::burst::layout::{Mosaic, ViewGrid};
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::times::Times;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use std::fs::File;
@@ -102,12 +102,7 @@ impl Plain {
     }
 
     /// The frame of a file that has one.
-    pub(super) fn only(
-        &self,
-        path: &Path,
-        expected: Option<Expected<'_>>,
-        options: &OpenOptions,
-    ) -> Result<RawFrame, Error> {
+    pub(super) fn only(&self, path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame> {
         if self.places.len() != 1 {
             return Err(Error::stack_among_frames(path, self.places.len()));
         }
@@ -115,12 +110,7 @@ impl Plain {
         Ok(self.stack(path, options, &Ticker::new(&Monitor::default(), 1))?.remove(0))
     }
 
-    pub(super) fn stack(
-        &self,
-        path: &Path,
-        options: &OpenOptions,
-        ticker: &Ticker<'_>,
-    ) -> Result<Vec<RawFrame>, Error> {
+    pub(super) fn stack(&self, path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>> {
         let fail = |e: io::Error| Error::from_read(path, self.kind, &e);
         let one_by_one = |reader: &mut dyn Read| {
             let frames = 0..self.places.len();
@@ -158,7 +148,7 @@ impl Plain {
         reader: &mut dyn Read,
         options: &OpenOptions,
         ticker: &Ticker<'_>,
-    ) -> Result<RawFrame, Error> {
+    ) -> Result<RawFrame> {
         let count = self.samples();
         // Colours are weighted, and an encoding is undone, after the conversion.
         let whole = self.channels > 1 || self.is_encoded && options.linearise;
@@ -179,7 +169,7 @@ impl Plain {
         whole: bool,
         ticker: &Ticker<'_>,
         mut take: impl FnMut(&[f32]),
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let divisor = if whole { 1.0 } else { self.white.unwrap_or(1.0) };
         let mut left = self.number.bytes(count as u64) as usize;
         let mut block = vec![0u8; BLOCK_BYTES.min(left)];
@@ -204,7 +194,7 @@ impl Plain {
         mut values: Vec<f32>,
         whole: bool,
         options: &OpenOptions,
-    ) -> Result<RawFrame, Error> {
+    ) -> Result<RawFrame> {
         if self.is_bgr {
             values.chunks_exact_mut(self.channels).for_each(|pixel| pixel.swap(0, 2));
         }
@@ -232,7 +222,7 @@ impl Plain {
         reader: &mut dyn Read,
         options: &OpenOptions,
         ticker: &Ticker<'_>,
-    ) -> Result<Vec<RawFrame>, Error> {
+    ) -> Result<Vec<RawFrame>> {
         let frames = self.places.len();
         let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(self.samples())).collect();
         // Distance of two samples of a frame that differ by one in an index.
@@ -277,7 +267,7 @@ impl Plain {
         (frames, height, width): (u64, u64, u64),
         (first, step, length): (u64, u64, u64),
         limits: &Limits,
-    ) -> Result<Vec<u64>, Error> {
+    ) -> Result<Vec<u64>> {
         limits.check_frame(path, width, height)?;
         limits.check_burst(path, frames, width, height)?;
         let (wanted, there) = (frames.saturating_mul(step), length.saturating_sub(first));

@@ -10,7 +10,7 @@ use super::pixels::turned;
 use super::{Expected, FileScale, RawFrame};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
 use crate::burst::options::{OpenOptions, RawColour};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::read_bytes;
 use crate::plane::Plane;
 use image::metadata::Orientation;
@@ -26,7 +26,7 @@ use std::path::Path;
 /// Largest file per allowed pixel, bytes: float values, and the file's other data.
 const BYTES_PER_PIXEL: u64 = 8;
 
-pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame, Error> {
+pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| Error::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);

@@ -10,7 +10,7 @@ use crate::detector::params::{
 };
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::{Slope, SlopeGrid, Test};
-use crate::error::Error;
+use crate::error::Result;
 use crate::plane::tile::Region;
 use crate::synth::chart::draw_disc;
 use crate::synth::random::Stream;
@@ -32,7 +32,7 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
 }
 
 /// Searches with all of `budget` bytes, whatever other tests of this process take at the same time.
-fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, Error> {
+fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail> {
     search_all(burst, params, &Account::new(), budget, Some(Keeping::ANEW), &Monitor::default())
 }
 

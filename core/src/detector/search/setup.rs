@@ -16,7 +16,7 @@ use crate::detector::scale_space::{Base, ScaleSpace, octave_pixel, searched_octa
 use crate::detector::search::around_field::SlopesAround;
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::{FrameTimes, coverage, frame_offsets};
-use crate::error::Error;
+use crate::error::Result;
 use crate::kernel::gaussian_bank::{FilterBank, FilterScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -111,7 +111,7 @@ pub(crate) struct Inputs {
 
 impl Inputs {
     /// Checks the parameters and examines the noise.
-    pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, Error> {
+    pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self> {
         params.validate_for(&burst.positions, burst.size())?;
         let frames_used = params.used_frames(burst.len());
         monitor.report(Stage::Noise, 0.0);
