@@ -49,6 +49,10 @@ pub struct SlopeAdvice {
 }
 
 impl SlopeAdvice {
+    pub(super) fn new(subject: Subject, number: f64, sentence: String, changes: Vec<ParamChange>) -> Self {
+        Self { subject, number, sentence, changes, times: None }
+    }
+
     /// Options of the command line that apply it; empty where none does.
     pub fn options(&self) -> String {
         let times = self.times.iter().map(|times| format!("--times {times}"));
@@ -98,13 +102,8 @@ impl Telling<'_> {
             counted(alias.inside_range, "time"),
             100.0 * alias.side_lobe
         );
-        Some(SlopeAdvice {
-            subject: Subject::Aliases,
-            number: f64::from(alias.period_px),
-            sentence,
-            changes: self.within_a_period(alias).into_iter().collect(),
-            times: None,
-        })
+        let changes = self.within_a_period(alias).into_iter().collect();
+        Some(SlopeAdvice::new(Subject::Aliases, f64::from(alias.period_px), sentence, changes))
     }
 
     /// The part of the range around the evidence that contains no alias; `None` where the evidence itself needs more.
@@ -159,12 +158,7 @@ impl Telling<'_> {
             100.0 * share,
             100.0 * covered(enough)
         );
-        Some(SlopeAdvice {
-            subject: Subject::Coverage,
-            number: f64::from(share),
-            sentence,
-            changes: vec![self.judging.middle_frames(enough)],
-            times: None,
-        })
+        let changes = vec![self.judging.middle_frames(enough)];
+        Some(SlopeAdvice::new(Subject::Coverage, f64::from(share), sentence, changes))
     }
 }
