@@ -219,12 +219,8 @@ mod tests {
         let burst = NoiseCase::NoisyHalf.burst((160, 120), 5, 0.02, 7, &Monitor::default()).expect("not cancelled");
         let monitor = Monitor::default();
         for slope_extrema in [SlopeExtrema::Each, SlopeExtrema::Joint] {
-            let params = DetectorParams {
-                slopes: SlopeGrid::line(-2.0..=2.0, 5),
-                octaves: 2,
-                slope_extrema,
-                ..DetectorParams::default()
-            };
+            let slopes = SlopeGrid::line(-2.0..=2.0, 5);
+            let params = DetectorParams { slopes, octaves: 2, slope_extrema, ..DetectorParams::default() };
             let trail = search_with_trail(&burst, &params, Keeping::ANEW, &monitor).expect("not cancelled");
             let all: Vec<usize> = (0..trail.frames().0.len()).collect();
             for (octave, level, slope) in [(0, 1, Slope::new(2.0, 0.0)), (1, 2, Slope::new(-0.7, 0.0))] {

@@ -17,13 +17,8 @@ fn descriptors(count: usize) -> Vec<Descriptor> {
 }
 
 fn camera() -> DatabaseCamera {
-    DatabaseCamera {
-        model_id: 2,
-        width: 640,
-        height: 480,
-        params: vec![500.0, 320.0, 240.0, 0.1],
-        prior_focal_length: true,
-    }
+    let params = vec![500.0, 320.0, 240.0, 0.1];
+    DatabaseCamera { model_id: 2, width: 640, height: 480, params, prior_focal_length: true }
 }
 
 /// Writes two images with four and three features, with matches and a geometry of every kind.

@@ -210,13 +210,8 @@ pub(in crate::matching) mod tests {
     }
 
     fn params(geometry: Geometry, camera: &Camera) -> MatchParams {
-        MatchParams {
-            geometry,
-            max_error_px: 3.0,
-            max_iterations: 100_000,
-            camera: (geometry == Geometry::Essential).then(|| camera.clone()),
-            ..MatchParams::default()
-        }
+        let camera = (geometry == Geometry::Essential).then(|| camera.clone());
+        MatchParams { geometry, max_error_px: 3.0, max_iterations: 100_000, camera, ..MatchParams::default() }
     }
 
     fn found(scene: &Scene, geometry: Geometry) -> Verification {
