@@ -87,14 +87,11 @@ impl Burst {
         let count = frames.frames.len();
         let views = options.views.filter(|views| matches!(views, ViewsChoice::Grid(_)));
         let of_grid = OpenOptions { views, ..OpenOptions::default() };
-        let raw = RawBurst {
-            name: name.into(),
-            frame_names: (0..count).map(|t| format!("frame {t}")).collect(),
-            origins: (0..count).map(|t| (frames.path.clone(), t)).collect(),
-            frames: frames.frames,
-            taken: Vec::new(),
-            positions: placed(&mut [frames.path.clone()], (count, None), &of_grid, monitor)?.positions,
-        };
+        let Measured { frames, path } = frames;
+        let frame_names = (0..count).map(|t| format!("frame {t}")).collect();
+        let origins = (0..count).map(|t| (path.clone(), t)).collect();
+        let positions = placed(&mut [path], (count, None), &of_grid, monitor)?.positions;
+        let raw = RawBurst { name: name.into(), frames, frame_names, origins, taken: Vec::new(), positions };
         let mask = decoded("mask", arrays.mask, options)?.map_or_else(Vec::new, |mask| mask.frames);
         let masks = Masks::of_frames(&mask, (count, raw.size()), options, Path::new("mask"))?;
         calibrated(raw, calibration, &masks, Vec::new(), options, monitor)

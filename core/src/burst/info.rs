@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 
 /// Description of a burst.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Info {
     /// Name of the burst.
     pub name: String,
@@ -137,20 +137,16 @@ impl Info {
         Self {
             name: burst.name.clone(),
             kind: kind.to_owned(),
-            files: 0,
             frames: burst.len(),
             width,
             height,
             samples: "floats of 32 bit".to_owned(),
-            is_colour: false,
             binning: burst.binning,
-            times_s: Vec::new(),
             positions: burst.positions.list(),
             are_times_used: !burst.positions.is_even() && !burst.positions.are_views(),
             views: burst.positions.rows_and_columns().map(|(rows, columns)| [rows, columns]),
             interval_s: burst.positions.interval_s(),
-            begins: None,
-            taken: Vec::new(),
+            ..Self::default()
         }
     }
 

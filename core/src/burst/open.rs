@@ -403,9 +403,7 @@ pub(super) fn mean_in_unit_of(
     for frame in of {
         let scale = if let FileScale::Data { .. } = frame.scale { whole(of) } else { frame.scale };
         let factor = factor(burst, levels, scale).map_err(|reason| Error::calibration(path, kind, reason))?;
-        for (sum, value) in mean.data_mut().iter_mut().zip(frame.plane.data()) {
-            *sum += value * factor / count;
-        }
+        mean.data_mut().iter_mut().zip(frame.plane.data()).for_each(|(sum, value)| *sum += value * factor / count);
     }
     Ok(mean)
 }

@@ -458,28 +458,18 @@ impl FoundTimes {
                     return Err(wrong(problem, "give a list of times, or names where these have stamps", &first));
                 }
                 let start = seconds.first().copied().unwrap_or_default();
-                Ok(Self {
-                    times: seconds.iter().map(|time| time - start).collect(),
-                    are_positions: false,
-                    are_seconds: true,
-                    lines: Vec::new(),
-                    file: first,
-                    said: "the times are those that the files hold".to_owned(),
-                })
+                let times = seconds.iter().map(|time| time - start).collect();
+                let (lines, said) = (Vec::new(), "the times are those that the files hold".to_owned());
+                Ok(Self { times, are_positions: false, are_seconds: true, lines, file: first, said })
             }
         }
     }
 
     fn of_stamps(stamps: &Stamps, lines: Vec<usize>, source: &str, file: PathBuf) -> Self {
         let are_frames = stamps.unit == Unit::Frames;
-        Self {
-            times: stamps.since_first(),
-            are_positions: are_frames && stamps.is_headed(),
-            are_seconds: !are_frames,
-            lines,
-            file,
-            said: format!("the times are those {source}, {} {}", stamps.unit, stamps.known_by),
-        }
+        let (times, are_positions) = (stamps.since_first(), are_frames && stamps.is_headed());
+        let said = format!("the times are those {source}, {} {}", stamps.unit, stamps.known_by);
+        Self { times, are_positions, are_seconds: !are_frames, lines, file, said }
     }
 
     fn not_increasing(&self, [a, b]: [usize; 2], are_equal: bool, files: &[PathBuf]) -> Error {

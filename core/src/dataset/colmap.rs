@@ -121,14 +121,10 @@ pub fn export_colmap(
     let pairs = job.pairs.pairs(done.len());
     on(BurstEvent::Matching(pairs.len()));
     store.begin_writing()?;
-    let mut report = ColmapReport {
-        database: out.join(DATABASE_FILE),
-        images_folder: out.join(IMAGES_FOLDER),
-        cameras: Vec::new(),
-        known_camera: job.camera.is_known(),
-        images: Vec::new(),
-        pairs: Vec::new(),
-    };
+    let (database, images_folder) = (out.join(DATABASE_FILE), out.join(IMAGES_FOLDER));
+    let (cameras, images, pair_reports) = (Vec::new(), Vec::new(), Vec::new());
+    let known_camera = job.camera.is_known();
+    let mut report = ColmapReport { database, images_folder, cameras, known_camera, images, pairs: pair_reports };
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
         let mut blobs = Vec::with_capacity(done.len());
@@ -160,25 +156,16 @@ fn add_burst(
     let camera_id = match report.cameras.iter().position(|c| *c == camera) {
         Some(index) => index as u32 + 1,
         None => {
-            let id = database.add_camera(&DatabaseCamera {
-                model_id: model_id(camera.model),
-                width: camera.width,
-                height: camera.height,
-                params: camera.params.clone(),
-                prior_focal_length: report.known_camera,
-            })?;
+            let Camera { model, width, height, params } = camera.clone();
+            let (model_id, prior_focal_length) = (model_id(model), report.known_camera);
+            let id = database.add_camera(&DatabaseCamera { model_id, width, height, params, prior_focal_length })?;
             report.cameras.push(camera);
             id
         }
     };
     let id = database.add_image(&burst.image_name, camera_id, &burst.keypoints, &burst.descriptors)?;
-    report.images.push(ImageReport {
-        id,
-        burst: burst.name.clone(),
-        image: burst.image_name.clone(),
-        features: burst.keypoints.len(),
-        resumed: burst.resumed,
-    });
+    let (name, image, features) = (burst.name.clone(), burst.image_name.clone(), burst.keypoints.len());
+    report.images.push(ImageReport { id, burst: name, image, features, resumed: burst.resumed });
     Ok(())
 }
 

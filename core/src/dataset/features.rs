@@ -140,15 +140,9 @@ impl FeatureStore {
             let problem = "this folder holds files, but no dataset that was begun by this command";
             return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));
         }
-        Ok(Self {
-            folder: folder.into(),
-            job: job.clone(),
-            made_with: MadeFrom::new(settings),
-            comparison: Comparison::default(),
-            opened: Vec::new(),
-            rules: OutputRules::default(),
-            lock: None,
-        })
+        let (folder, job, made_with) = (folder.into(), job.clone(), MadeFrom::new(settings));
+        let (comparison, opened, rules) = (Comparison::default(), Vec::new(), OutputRules::default());
+        Ok(Self { folder, job, made_with, comparison, opened, rules, lock: None })
     }
 
     /// This store, which never writes over the files `opened` either.
@@ -259,17 +253,8 @@ impl FeatureStore {
             return Err(NotKept::Altered);
         }
         let (name, size, seconds) = (source.name.clone(), record.size, record.seconds);
-        Ok(BurstFeatures {
-            name,
-            image_name,
-            size,
-            keypoints,
-            descriptors,
-            blobs,
-            resumed: true,
-            slopes: None,
-            seconds,
-        })
+        let (resumed, slopes) = (true, None);
+        Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds })
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
@@ -304,16 +289,9 @@ impl FeatureStore {
         write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
         let content = Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))?;
         let picture_content = self.write_picture_of(&found.image_name, &burst, monitor)?;
-        let of = KeptBurst {
-            files: stamps,
-            size: found.size,
-            features: found.keypoints.len(),
-            content,
-            blobs: StoredBlobs(found.blobs.clone()),
-            picture: self.job.images,
-            picture_content,
-            seconds: found.seconds,
-        };
+        let (blobs, picture) = (StoredBlobs(found.blobs.clone()), self.job.images);
+        let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
+        let of = KeptBurst { files, size, features, content, blobs, picture, picture_content, seconds };
         let record = Record { made_from: self.made_with.clone(), of };
         self.records().write(&found.image_name, &record)?;
         Ok(found)
@@ -381,17 +359,12 @@ impl FeatureStore {
         let burst = open_burst(&source.paths, &self.job.open, monitor)?;
         camera.for_images(burst.size())?;
         let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
-        let found = BurstFeatures {
-            name: source.name.clone(),
-            image_name: image_name(source),
-            size: burst.size(),
-            keypoints: detection.features.iter().map(ColmapKeypoint::from).collect(),
-            blobs: detection.features.iter().map(Blob::from).collect(),
-            descriptors: detection.descriptors,
-            resumed: false,
-            slopes: finding,
-            seconds: started.elapsed().as_secs_f64(),
-        };
+        let (name, image_name, size) = (source.name.clone(), image_name(source), burst.size());
+        let keypoints = detection.features.iter().map(ColmapKeypoint::from).collect();
+        let blobs = detection.features.iter().map(Blob::from).collect();
+        let (descriptors, slopes, seconds) = (detection.descriptors, finding, started.elapsed().as_secs_f64());
+        let resumed = false;
+        let found = BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds };
         Ok((found, burst))
     }
 

@@ -59,13 +59,10 @@ impl FileStamp {
     fn of_one(path: &Path) -> io::Result<Self> {
         let metadata = std::fs::metadata(path)?;
         let modified = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-        Ok(Self {
-            path: path_text(&std::path::absolute(path).unwrap_or_else(|_| path.into())),
-            bytes: metadata.len(),
-            modified_ns: modified.map_or(0, |since| since.as_nanos() as u64),
-            changed_ns: changed_ns(&metadata),
-            crc32: None,
-        })
+        let path = path_text(&std::path::absolute(path).unwrap_or_else(|_| path.into()));
+        let modified_ns = modified.map_or(0, |since| since.as_nanos() as u64);
+        let (bytes, changed_ns) = (metadata.len(), changed_ns(&metadata));
+        Ok(Self { path, bytes, modified_ns, changed_ns, crc32: None })
     }
 
     /// Whether `files` are those of the stamps `kept`, with unchanged content.

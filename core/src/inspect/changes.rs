@@ -111,13 +111,9 @@ pub fn compare(before: &[Spot], after: &[Spot]) -> Changes {
         changes.same.extend(earlier.iter().zip(&features).map(|(&was, &is)| {
             let (was_spot, is_spot) = (&before[was], &after[is]);
             let slopes = is_spot.slope.zip(was_spot.slope);
-            Same {
-                before: was,
-                after: is,
-                moved_px: apart(is_spot, was_spot),
-                slope_moved: slopes.map_or(0.0, |(a, b)| (a.u - b.u).hypot(a.v - b.v)),
-                scale_ratio: is_spot.sigma / was_spot.sigma,
-            }
+            let slope_moved = slopes.map_or(0.0, |(a, b)| (a.u - b.u).hypot(a.v - b.v));
+            let (moved_px, scale_ratio) = (apart(is_spot, was_spot), is_spot.sigma / was_spot.sigma);
+            Same { before: was, after: is, moved_px, slope_moved, scale_ratio }
         }));
         changes.gained.extend(&features[both..]);
         changes.lost.extend(&earlier[both..]);
@@ -332,14 +328,8 @@ mod tests {
     fn both_formats_come_back_with_the_same_places() {
         let home = tempfile::tempdir().expect("a folder");
         let slope = Slope::new(1.0, -0.5);
-        let features = [(10.25, 20.5), (0.0, 3.0)].map(|(u, v)| Feature {
-            u,
-            v,
-            sigma: 2.5,
-            orientation: 0.5,
-            slope,
-            ..Feature::default()
-        });
+        let at = |u, v| Feature { u, v, sigma: 2.5, orientation: 0.5, slope, ..Feature::default() };
+        let features = [at(10.25, 20.5), at(0.0, 3.0)];
         let (csv, text) = (home.path().join("a.csv"), home.path().join("a.txt"));
         write_csv(&csv, &features).expect("written");
         write_colmap(&text, &features, &[[7; 128]; 2]).expect("written");

@@ -299,12 +299,8 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     .into_iter()
     .enumerate()
     {
-        let area = Area {
-            x: SLOPES_LEFT + 380.0 * column as f64,
-            y: top,
-            width: side * size.0 as f64,
-            height: side * size.1 as f64,
-        };
+        let (width, height) = (side * size.0 as f64, side * size.1 as f64);
+        let area = Area { x: SLOPES_LEFT + 380.0 * column as f64, y: top, width, height };
         heading(sheet, 12.0, area, name);
         let mut values = Plane::from_fn(size.0, size.1, |_, _| 0.0);
         for bar in &spectrum.bars {

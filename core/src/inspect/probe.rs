@@ -66,14 +66,8 @@ pub struct ProbeOptions {
 
 impl Default for ProbeOptions {
     fn default() -> Self {
-        Self {
-            reach_sigmas: 2.0,
-            wanted: Wanted::Best,
-            near_sigma: None,
-            in_view: None,
-            motion: None,
-            slice_half_px: 60,
-        }
+        let (wanted, near_sigma, in_view, motion) = (Wanted::Best, None, None, None);
+        Self { reach_sigmas: 2.0, wanted, near_sigma, in_view, motion, slice_half_px: 60 }
     }
 }
 

@@ -200,17 +200,9 @@ pub fn response_map(
         values[column * octaves.len() + row / of_levels][row % of_levels]
     });
     let plane = if grid.is_plane() { Some(slope_plane(trail, place, scale, monitor)?) } else { None };
-    Ok(ResponseMap {
-        pos_image: place,
-        scales,
-        slopes,
-        along_v,
-        columns,
-        snr,
-        plane,
-        gate: trail.detection().noise_gate_factor,
-        is_noiseless: trail.detection().frame_noise <= 0.0,
-    })
+    let (pos_image, detection) = (place, trail.detection());
+    let (gate, is_noiseless) = (detection.noise_gate_factor, detection.frame_noise <= 0.0);
+    Ok(ResponseMap { pos_image, scales, slopes, along_v, columns, snr, plane, gate, is_noiseless })
 }
 
 fn scale_of(trail: &Trail, (octave, level): (i32, i32)) -> Scale {

@@ -39,14 +39,8 @@ pub struct SetUp {
 impl Default for SetUp {
     /// A walking pace past things one to eight metres away.
     fn default() -> Self {
-        Self {
-            speed_m_s: 0.5,
-            direction_deg: 0.0,
-            turn_deg_s: 0.0,
-            frames_per_second: 30.0,
-            focal_px: 1200.0,
-            depth_m: [1.0, 8.0],
-        }
+        let (speed_m_s, direction_deg, turn_deg_s) = (0.5, 0.0, 0.0);
+        Self { speed_m_s, direction_deg, turn_deg_s, frames_per_second: 30.0, focal_px: 1200.0, depth_m: [1.0, 8.0] }
     }
 }
 

@@ -146,13 +146,9 @@ pub fn match_features(
             None => {}
         }
     }
-    let counts = MatchCounts {
-        keypoints_a: a.places.len(),
-        keypoints_b: b.places.len(),
-        putative: matches.len(),
-        inliers: verification.as_ref().map(Verification::inlier_count),
-        refused,
-    };
+    let (keypoints_a, keypoints_b, putative) = (a.places.len(), b.places.len(), matches.len());
+    let inliers = verification.as_ref().map(Verification::inlier_count);
+    let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused };
     Ok(MatchResult { matches, verification, prediction, alignment: None, counts })
 }
 

@@ -236,10 +236,8 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // Fails for a child that has ended.
-        let _ = child.kill();
-        let _ = child.wait();
+        self.kill();
+        self.ends_well();
     }
 }
 

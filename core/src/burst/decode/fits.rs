@@ -150,14 +150,10 @@ impl Unit {
         let step = number.bytes(self.axes[0].saturating_mul(self.axes[1]));
         let shape = (frames, self.axes[1], self.axes[0]);
         let places = Plain::places_in(path, KIND, shape, (self.data, step, length), &options.limits)?;
-        Ok(Plain {
-            big_endian: true,
-            white,
-            scaling: (!is_plain).then_some(Scaling { factor, offset, blank }),
-            times: self.times(path, frames)?,
-            taken,
-            ..Plain::new(KIND, (self.axes[0] as usize, self.axes[1] as usize), places, number)
-        })
+        let scaling = (!is_plain).then_some(Scaling { factor, offset, blank });
+        let size = (self.axes[0] as usize, self.axes[1] as usize);
+        let (times, plain) = (self.times(path, frames)?, Plain::new(KIND, size, places, number));
+        Ok(Plain { big_endian: true, white, scaling, times, taken, ..plain })
     }
 
     /// The middle of the exposure of a single frame.

@@ -120,15 +120,11 @@ impl ArrayHeader {
             .map(|(index, _)| in_order.iter().position(|own| own == index))
             .is_sorted();
         let scattered = indices.iter().map(|(index, length)| (*index, *length as usize));
-        Ok(Plain {
-            big_endian,
-            channels: channels as usize,
-            is_encoded: channels > 1 && number == Number::U8,
-            views: of_views.map(|(grid, _)| grid),
-            taken: taken.into_iter().collect(),
-            scattered: if is_in_order { Vec::new() } else { scattered.collect() },
-            ..Plain::new(kind, (width as usize, height as usize), places, number)
-        })
+        let scattered = if is_in_order { Vec::new() } else { scattered.collect() };
+        let (views, taken) = (of_views.map(|(grid, _)| grid), taken.into_iter().collect());
+        let is_encoded = channels > 1 && number == Number::U8;
+        let plain = Plain::new(kind, (width as usize, height as usize), places, number);
+        Ok(Plain { big_endian, channels: channels as usize, is_encoded, views, taken, scattered, ..plain })
     }
 }
 

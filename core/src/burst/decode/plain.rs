@@ -87,14 +87,9 @@ impl Plain {
 
     pub(super) fn header(self) -> Header {
         let samples = self.white.map_or_else(|| self.number.words(), |white| FileScale::Range(white).samples());
-        let (is_colour, mosaic) = (self.channels > 2, self.mosaic);
-        Header {
-            mosaic,
-            times: self.times,
-            views: self.views,
-            taken: self.taken,
-            ..Header::new(self.kind, self.size, self.places.len(), samples, is_colour)
-        }
+        let header = Header::new(self.kind, self.size, self.places.len(), samples, self.channels > 2);
+        let Self { mosaic, times, views, taken, .. } = self;
+        Header { mosaic, times, views, taken, ..header }
     }
 
     fn samples(&self) -> usize {

@@ -68,15 +68,11 @@ impl Film {
         let halved = |side: u64, by: u64| side.div_ceil(by);
         let planes = chroma.map_or(0, |(across, down)| 2 * halved(width, across) * halved(height, down));
         let alpha = if colours.contains("alpha") { width * height } else { 0 };
-        Ok(Self {
-            size: (width as usize, height as usize),
-            luma_bytes: bytes * width * height,
-            frame_bytes: bytes * (width * height + planes + alpha),
-            bits,
-            has_colour: chroma.is_some(),
-            is_full_range: fields.clone().any(|field| field == "XCOLORRANGE=FULL"),
-            interval_s: interval_s.unwrap_or(0.0),
-        })
+        let (size, has_colour) = ((width as usize, height as usize), chroma.is_some());
+        let (luma_bytes, frame_bytes) = (bytes * width * height, bytes * (width * height + planes + alpha));
+        let is_full_range = fields.clone().any(|field| field == "XCOLORRANGE=FULL");
+        let interval_s = interval_s.unwrap_or(0.0);
+        Ok(Self { size, luma_bytes, frame_bytes, bits, has_colour, is_full_range, interval_s })
     }
 
     /// Reads the line of the next frame; false at the end of the film.
@@ -110,13 +106,10 @@ impl Film {
         }
         let seconds =
             if self.interval_s > 0.0 { (0..frames).map(|t| t as f64 * self.interval_s).collect() } else { Vec::new() };
-        Plain {
-            white: Some(range),
-            is_encoded: self.has_colour,
-            times: Times { seconds, is_absolute: false },
-            taken,
-            ..Plain::new(KIND, self.size, places, if self.bits > 8 { Number::U16 } else { Number::U8 })
-        }
+        let times = Times { seconds, is_absolute: false };
+        let number = if self.bits > 8 { Number::U16 } else { Number::U8 };
+        let plain = Plain::new(KIND, self.size, places, number);
+        Plain { white: Some(range), is_encoded: self.has_colour, times, taken, ..plain }
     }
 }
 

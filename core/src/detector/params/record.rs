@@ -264,16 +264,9 @@ pub struct Param<P: 'static> {
 impl<P> Param<P> {
     /// Record of a parameter with no bounds, which always has an effect.
     pub const fn new(placeholder: &'static str, stage: Stage, field: fn(&mut P) -> Field<'_>) -> Self {
-        Self {
-            doc: ParamDoc { name: "", label: "", unit: "", term: "", meaning: "", effect: "" },
-            placeholder,
-            stage,
-            field,
-            default_words: None,
-            bounds: None,
-            drag: Drag { speed: 0.05, decimals: 2, suffix: "", zero: None },
-            in_use: |_| true,
-        }
+        let doc = ParamDoc { name: "", label: "", unit: "", term: "", meaning: "", effect: "" };
+        let drag = Drag { speed: 0.05, decimals: 2, suffix: "", zero: None };
+        Self { doc, placeholder, stage, field, default_words: None, bounds: None, drag, in_use: |_| true }
     }
 
     /// Record of a parameter whose number is in `range`; `remedy` is given for others.
