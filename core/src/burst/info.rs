@@ -157,15 +157,10 @@ impl Info {
             files => format!(" in {files} files"),
         };
         let plural = if self.frames == 1 { "" } else { "s" };
+        let Self { name, frames, width, height, kind, samples, .. } = self;
+        let colours = if self.is_colour { ", colours (luma is taken)" } else { "" };
         let mut text = format!(
-            "{}: {} frame{plural} of {} × {}{files}\n  file    {}, {}{}\n",
-            self.name,
-            self.frames,
-            self.width,
-            self.height,
-            self.kind,
-            self.samples,
-            if self.is_colour { ", colours (luma is taken)" } else { "" }
+            "{name}: {frames} frame{plural} of {width} × {height}{files}\n  file    {kind}, {samples}{colours}\n"
         );
         if self.binning > 1 {
             text += &format!("  pixels  each of {0}×{0} of the mosaic of colours\n", self.binning);

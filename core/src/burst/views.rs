@@ -30,10 +30,8 @@ pub(super) fn placed(
     monitor: &Monitor,
 ) -> Result<Timing> {
     let grid = |grid: ViewGrid, said: String| {
-        Ok::<_, Error>(Timing {
-            positions: Positions::grid(grid.rows, grid.columns),
-            said: (grid.rows > 1).then_some(said),
-        })
+        let positions = Positions::grid(grid.rows, grid.columns);
+        Ok::<_, Error>(Timing { positions, said: (grid.rows > 1).then_some(said) })
     };
     let file = files.first().cloned().unwrap_or_default();
     let refused = |problem: String, remedy: &str| {
@@ -157,11 +155,8 @@ fn by_name(files: &mut [PathBuf], places: &[[usize; 2]]) -> Option<Timing> {
         order.iter().map(|index| places[*index]).map(|[row, column]| [column as f64, row as f64]).collect();
     let positions = Positions::of_views(&at)?;
     files.clone_from_slice(&sorted);
-    let said = format!(
-        "the names have rows and columns: {}; --views 1x{} takes them as frames in time",
-        positions.unevenness(),
-        files.len()
-    );
+    let (unevenness, count) = (positions.unevenness(), files.len());
+    let said = format!("the names have rows and columns: {unevenness}; --views 1x{count} takes them as frames in time");
     let said = positions.are_views().then_some(said);
     Some(Timing { positions, said })
 }

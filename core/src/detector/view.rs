@@ -89,18 +89,12 @@ fn used_positions(burst: &Burst, params: &DetectorParams) -> Positions {
 pub fn check_level(params: &DetectorParams, size: (usize, usize), octave: i32, level: i32) -> Result<Range<i32>> {
     let octaves = searched_octaves(params, size);
     if !octaves.contains(&octave) {
-        return Err(Error::param(
-            doc::OCTAVES.name,
-            format!("there is no octave {octave} in this search"),
-            format!("give {} to {}, or change octaves and first-octave", octaves.start, octaves.end - 1),
-        ));
+        let remedy = format!("give {} to {}, or change octaves and first-octave", octaves.start, octaves.end - 1);
+        return Err(Error::param(doc::OCTAVES.name, format!("there is no octave {octave} in this search"), remedy));
     }
     if !(-1..=params.levels as i32).contains(&level) {
-        return Err(Error::param(
-            doc::LEVELS.name,
-            format!("there is no DoG level {level}"),
-            format!("give -1 to {}", params.levels),
-        ));
+        let remedy = format!("give -1 to {}", params.levels);
+        return Err(Error::param(doc::LEVELS.name, format!("there is no DoG level {level}"), remedy));
     }
     Ok(octaves)
 }

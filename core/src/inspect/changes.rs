@@ -83,13 +83,8 @@ impl Changes {
 
     /// The counts as a sentence.
     pub fn summary(&self) -> String {
-        format!(
-            "{} gained, {} lost, {} moved, {} as before",
-            self.gained.len(),
-            self.lost.len(),
-            self.moved().count(),
-            self.same.len() - self.moved().count()
-        )
+        let (gained, lost, moved) = (self.gained.len(), self.lost.len(), self.moved().count());
+        format!("{gained} gained, {lost} lost, {moved} moved, {} as before", self.same.len() - moved)
     }
 }
 
@@ -213,15 +208,11 @@ pub struct ForeignFeature {
 /// not above 0.
 pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>> {
     let features: Vec<ForeignFeature> = if is_table(path)? {
-        let rows = read_features_csv(path)?.into_iter().map(|row| ForeignFeature {
-            pos_image: [row.u, row.v],
-            sigma: row.sigma,
-            orientation: row.orientation,
-            slope: Some(row.slope),
-            response: Some(row.response),
-            snr: Some(row.snr),
-        });
-        rows.collect()
+        let of_row = |Feature { u, v, sigma, orientation, slope, response, snr, .. }: Feature| {
+            let (slope, response, snr) = (Some(slope), Some(response), Some(snr));
+            ForeignFeature { pos_image: [u, v], sigma, orientation, slope, response, snr }
+        };
+        read_features_csv(path)?.into_iter().map(of_row).collect()
     } else {
         let keypoints = read_colmap(path)?.0.into_iter().map(|k| ForeignFeature {
             pos_image: k.pos_image().map(|x| x as f32),

@@ -348,12 +348,9 @@ mod tests {
 
     #[test]
     fn still_features_put_the_rates_in_doubt() {
-        let rate = |snr, found: usize, rate: f64| FalseRate {
-            snr,
-            found,
-            in_copies: vec![(rate * found as f64) as usize],
-            rate: (found > 0).then_some(rate),
-            error: (found > 0).then_some(0.1),
+        let rate = |snr, found: usize, rate: f64| {
+            let (in_copies, is_known) = (vec![(rate * found as f64) as usize], found > 0);
+            FalseRate { snr, found, in_copies, rate: is_known.then_some(rate), error: is_known.then_some(0.1) }
         };
         let rates = vec![rate(0.0, 100, 0.9), rate(8.0, 50, 0.79), rate(30.0, 10, 0.13)];
         let report = DecoyReport { frames: 10, copies: 1, seed: 1, still: 10, rates };

@@ -372,9 +372,7 @@ pub(super) struct Near {
 /// Examines the samples within `reach_sigmas` of their σ of a place (u, v), input pixels.
 pub(super) fn near(trail: &Trail, place: [f32; 2], reach_sigmas: f32, monitor: &Monitor) -> Result<Near, Cancelled> {
     let mut out = Near::default();
-    for octave in trail.octaves() {
-        add_octave(trail, place, octave, reach_sigmas, monitor, &mut out)?;
-    }
+    trail.octaves().try_for_each(|octave| add_octave(trail, place, octave, reach_sigmas, monitor, &mut out))?;
     Ok(out)
 }
 
@@ -429,12 +427,7 @@ pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Opti
     }))
 }
 
-fn summary_of(
-    nearness: &Nearness,
-    (fates, near): (&[Fate], usize),
-    reasons: &[Reason],
-    response: &ResponseMap,
-) -> String {
+fn summary_of(nearness: &Nearness, (fates, near): (&[Fate], usize), reasons: &[Reason], map: &ResponseMap) -> String {
     let here: Vec<&Fate> = fates.iter().filter(|fate| nearness.is_here(fate)).collect();
     let kept = here.iter().filter(|f| f.is_kept()).count();
     if let Some(small) = reasons.iter().find(|reason| reason.kind == ReasonKind::TooSmall) {
@@ -478,14 +471,12 @@ fn summary_of(
         let reach = if fates.len() == 1 { "reaches" } else { "reach" };
         return format!("{nothing}; {} {reach} over it.", counted(fates.len(), "larger blob"));
     }
-    let (column, row, strongest) = response.strongest();
-    let scale = response.scales.get(row).map_or(0.0, |scale| scale.sigma);
-    let slope = response.columns.get(column).copied().unwrap_or_default();
-    let strength = if response.is_noiseless { format!("{strongest:+.1e}") } else { format!("{strongest:+.1} σ") };
+    let (column, row, strongest) = map.strongest();
+    let scale = number(map.scales.get(row).map_or(0.0, |scale| scale.sigma), 1);
+    let slope = slope_text(map.columns.get(column).copied().unwrap_or_default());
+    let strength = if map.is_noiseless { format!("{strongest:+.1e}") } else { format!("{strongest:+.1} σ") };
     format!(
-        "Nothing here is an extremum at any slope and scale. The strongest response is {strength}, at scale {} px and slope {}.",
-        number(scale, 1),
-        slope_text(slope)
+        "Nothing here is an extremum at any slope and scale. The strongest response is {strength}, at scale {scale} px and slope {slope}."
     )
 }
 

@@ -7,6 +7,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::ops::Range;
 
 /// One scale of the search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -236,12 +237,7 @@ fn slope_plane(
 }
 
 /// D over its noise at each of the levels; D itself where there is no noise.
-pub(super) fn snr_at(
-    trail: &Trail,
-    (octave, levels): (i32, std::ops::Range<i32>),
-    [u, v]: [f32; 2],
-    slope: Slope,
-) -> Vec<f32> {
+pub(super) fn snr_at(trail: &Trail, (octave, levels): (i32, Range<i32>), [u, v]: [f32; 2], slope: Slope) -> Vec<f32> {
     let covering = covering(trail, [u, v], slope);
     let values = trail.point_response((octave, levels.clone()), ((u, v), slope), &covering);
     let of_noise = |(level, value): (i32, f32)| {

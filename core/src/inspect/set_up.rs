@@ -172,12 +172,10 @@ impl SetUpSlopes {
     pub fn sentence(&self, set_up: &SetUp) -> String {
         let text = |slope: Slope| format!("({}, {})", number(slope.u, 2), number(slope.v, 2));
         let [near, far] = set_up.depth_m.map(|depth| number(depth as f32, 2));
+        let (near_at, far_at) = (text(self.nearest), text(self.farthest));
+        let (count, step) = (self.grid.len(), number(self.grid.u.step(), 3));
         format!(
-            "things {near} m away move at {} px/frame, things {far} m away at {}; {} slopes of step {}",
-            text(self.nearest),
-            text(self.farthest),
-            self.grid.len(),
-            number(self.grid.u.step(), 3)
+            "things {near} m away move at {near_at} px/frame, things {far} m away at {far_at}; {count} slopes of step {step}"
         )
     }
 }

@@ -107,15 +107,10 @@ impl AgainstTruth {
     /// The counts as a sentence.
     pub fn summary(&self) -> String {
         let discs = [self.found.len(), self.at_wrong_motion.len(), self.missed.len()];
+        let [all, repeated, elsewhere] = [discs.iter().sum(), self.repeated.len(), self.elsewhere.len()];
+        let ([found, wrong, missed], name) = (discs, self.name_of_elsewhere().to_lowercase());
         format!(
-            "{} of {} found; {} at a wrong motion, {} missed, {} repeated, {} {}",
-            discs[0],
-            discs.iter().sum::<usize>(),
-            discs[1],
-            discs[2],
-            self.repeated.len(),
-            self.elsewhere.len(),
-            self.name_of_elsewhere().to_lowercase()
+            "{found} of {all} found; {wrong} at a wrong motion, {missed} missed, {repeated} repeated, {elsewhere} {name}"
         )
     }
 }

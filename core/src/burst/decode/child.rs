@@ -218,10 +218,9 @@ impl Running {
         // The standard library prints this before it aborts.
         let asked = words.split("memory allocation of ").nth(1);
         if let Some(bytes) = asked.and_then(|rest| rest.split(' ').next()?.parse::<u64>().ok()) {
+            let (asked, all) = (bytes.div_ceil(1 << 20), budget.memory_bytes >> 20);
             return Ending::OfFile(format!(
-                "its decoder asked for {} MiB of memory, and may have {} MiB in all",
-                bytes.div_ceil(1 << 20),
-                budget.memory_bytes >> 20
+                "its decoder asked for {asked} MiB of memory, and may have {all} MiB in all"
             ));
         }
         match status {

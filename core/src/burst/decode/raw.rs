@@ -173,12 +173,9 @@ impl RawLevels {
             (black, black_size, black_steps) = (vec![level; raw.cpp], (1, 1), BlackSteps::default());
         }
         if !black_steps.fits(size) {
+            let ((width, height), [columns, rows]) = (size, [&black_steps.columns, &black_steps.rows].map(Vec::len));
             return Err(format!(
-                "its black levels of columns and rows are {} and {}, not one for each of {}×{}; give one black level",
-                black_steps.columns.len(),
-                black_steps.rows.len(),
-                size.0,
-                size.1
+                "its black levels of columns and rows are {columns} and {rows}, not one for each of {width}×{height}; give one black level"
             ));
         }
         let mut white: Vec<f32> = raw.whitelevel.0.iter().map(|level| *level as f32).collect();

@@ -417,15 +417,11 @@ impl<'a> Judging<'a> {
         let changed = |axis: &SlopeAxis, wanted: SlopeAxis| (*axis != wanted).then_some((*axis, wanted));
         let both = [changed(&self.grid.u, wanted.u), changed(&self.grid.v, wanted.v)];
         let (axis, finer) = both.into_iter().flatten().max_by(|a, b| a.0.step().total_cmp(&b.0.step()))?;
+        let (step, finer_step, frames) = (number(axis.step(), 2), number(finer.step(), 2), self.frames);
+        let moved = number(axis.step() * self.positions.reach() as f32, 1);
+        let (sigma, lost, lost_then) = (number(self.sigma, 1), 100.0 * loss(&axis), 100.0 * loss(&finer));
         let sentence = format!(
-            "a step of {} px/frame moves the outermost of {} frames by {} px between two slopes: half-way the finest features (σ {} px) lose {:.0} % of their response; a step of {} loses {:.0} %",
-            number(axis.step(), 2),
-            self.frames,
-            number(axis.step() * self.positions.reach() as f32, 1),
-            number(self.sigma, 1),
-            100.0 * loss(&axis),
-            number(finer.step(), 2),
-            100.0 * loss(&finer)
+            "a step of {step} px/frame moves the outermost of {frames} frames by {moved} px between two slopes: half-way the finest features (σ {sigma} px) lose {lost:.0} % of their response; a step of {finer_step} loses {lost_then:.0} %"
         );
         let changes = self.changes_to(wanted);
         Some(SlopeAdvice::new(Subject::Step, f64::from(loss(&axis)), sentence, changes))
@@ -438,11 +434,9 @@ impl<'a> Judging<'a> {
         if part > NEEDED {
             return None;
         }
-        let sentence = format!(
-            "{} were searched, and {} are enough: nothing in the frames has other motions",
-            counted(grid.len(), "slope"),
-            found.len()
-        );
+        let (searched, enough) = (counted(grid.len(), "slope"), found.len());
+        let sentence =
+            format!("{searched} were searched, and {enough} are enough: nothing in the frames has other motions");
         Some(SlopeAdvice::new(Subject::Cost, part, sentence, self.changes_to(found)))
     }
 }
