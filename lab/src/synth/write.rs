@@ -41,7 +41,7 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
             std::fs::write(&path, format!("name,frames\n{rows}")).map_err(io(&path))?;
         }
         if let Some(mask) = truth.mask() {
-            std::fs::create_dir(fresh.join("masks")).map_err(io(&fresh))?;
+            std::fs::create_dir(fresh.join("masks")).map_err(io(fresh))?;
             write_frame(&fresh.join("masks/mask.png"), mask.weights())?;
         }
         let path = fresh.join("truth.json");
