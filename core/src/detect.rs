@@ -8,7 +8,7 @@ use crate::burst::{Burst, Info, OpenOptions};
 use crate::detector::pipeline;
 use crate::detector::slopes::resolve;
 use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeFinding, memory};
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::Monitor;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,7 +18,7 @@ use std::time::Instant;
 /// # Errors
 /// Parameters that make no sense for the burst, and cancellation once `monitor`
 /// was cancelled.
-pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, Error> {
+pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection> {
     Ok(search(burst, &params.clone().into(), monitor)?.detection)
 }
 
@@ -36,7 +36,7 @@ pub struct Searched {
 }
 
 /// Finds the slopes of a burst if they are to be found, and then its features.
-pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched, Error> {
+pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched> {
     let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
         PreparedSearch::new(burst, params, monitor)?;
     let detection = pipeline::search(&prepared, &params, &rest)?;
@@ -60,7 +60,7 @@ pub(crate) struct PreparedSearch {
 }
 
 impl PreparedSearch {
-    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self> {
         let started = Instant::now();
         let (asked, finding) = resolve(burst, params, &monitor.part(0.0, SLOPES_SHARE))?;
         let share = if finding.is_some() { SLOPES_SHARE } else { 0.0 };
@@ -73,7 +73,7 @@ impl PreparedSearch {
 
 /// Checks, before the burst that `inputs` name is opened, that there is memory for its search; the error says the least
 /// that it needs, and changes that would lower it. A file that cannot be read passes: opening it reports the error.
-pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<(), Error> {
+pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<()> {
     match Info::of(inputs, options, &Monitor::default()) {
         Ok(info) => memory::check_before_opening(params, info.frames, (info.width, info.height)),
         Err(_) => Ok(()),
@@ -84,7 +84,7 @@ pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchPa
 ///
 /// # Errors
 /// As [`detect`].
-pub fn prepare(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<(Burst, DetectorParams), Error> {
+pub fn prepare(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<(Burst, DetectorParams)> {
     params.validate_for(&burst.positions, burst.size())?;
     match params.method {
         Method::Buff | Method::Sift => Ok((burst.clone(), params.clone())),

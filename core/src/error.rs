@@ -19,6 +19,9 @@ pub struct Error {
     pub remedy: String,
 }
 
+/// Result of what can go wrong; with an [`Error`], unless another type is given.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
 /// Kinds of [`Error`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]

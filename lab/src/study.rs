@@ -11,7 +11,7 @@ use crate::evaluate::{
 use crate::synth::{ChartParams, Truth};
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::score::{Curve, Judged};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
@@ -139,7 +139,7 @@ impl ChartOfStudy {
     ///
     /// # Errors
     /// As [`Study::run_telling`].
-    pub fn show(self, monitor: &Monitor) -> Result<ShownChart, Error> {
+    pub fn show(self, monitor: &Monitor) -> Result<ShownChart> {
         let StudyPoint { row_value, method } = self.point;
         let looked = match &self.study {
             Study::Accuracy(study) => study.look(row_value, self.seed, monitor)?,
@@ -168,12 +168,12 @@ impl Study {
     ///
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or cancellation.
-    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(StudyReport) + Sync)) -> Result<StudyReport, Error> {
+    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(StudyReport) + Sync)) -> Result<StudyReport> {
         fn as_one<R>(
             one: fn(Box<R>) -> StudyReport,
             tell: &(dyn Fn(StudyReport) + Sync),
-            run: impl FnOnce(&(dyn Fn(R) + Sync)) -> Result<R, Error>,
-        ) -> Result<StudyReport, Error> {
+            run: impl FnOnce(&(dyn Fn(R) + Sync)) -> Result<R>,
+        ) -> Result<StudyReport> {
             run(&|report| tell(one(Box::new(report)))).map(|report| one(Box::new(report)))
         }
         match self {

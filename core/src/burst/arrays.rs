@@ -7,7 +7,7 @@ use super::masks::Masks;
 use super::open::{Measured, RawBurst, calibrated};
 use super::options::OpenOptions;
 use super::views::placed;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ impl ArrayFrame {
         }
     }
 
-    fn decoded(self, path: &Path, t: usize) -> Result<RawFrame, Error> {
+    fn decoded(self, path: &Path, t: usize) -> Result<RawFrame> {
         match self {
             Self::Integers { plane, range } => Ok(RawFrame::linear(plane, FileScale::Range(range))),
             Self::Floats(plane) => frame_of_plane(path, t, plane, false),
@@ -79,7 +79,7 @@ impl Burst {
         arrays: Arrays,
         options: &OpenOptions,
         monitor: &Monitor,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
         let frames = decoded("frames", arrays.frames, options)?.ok_or_else(Error::nothing_given)?;
@@ -87,21 +87,18 @@ impl Burst {
         let count = frames.frames.len();
         let views = options.views.filter(|views| matches!(views, ViewsChoice::Grid(_)));
         let of_grid = OpenOptions { views, ..OpenOptions::default() };
-        let raw = RawBurst {
-            name: name.into(),
-            frame_names: (0..count).map(|t| format!("frame {t}")).collect(),
-            origins: (0..count).map(|t| (frames.path.clone(), t)).collect(),
-            frames: frames.frames,
-            taken: Vec::new(),
-            positions: placed(&mut [frames.path.clone()], (count, None), &of_grid, monitor)?.positions,
-        };
+        let Measured { frames, path } = frames;
+        let frame_names = (0..count).map(|t| format!("frame {t}")).collect();
+        let origins = (0..count).map(|t| (path.clone(), t)).collect();
+        let positions = placed(&mut [path], (count, None), &of_grid, monitor)?.positions;
+        let raw = RawBurst { name: name.into(), frames, frame_names, origins, taken: Vec::new(), positions };
         let mask = decoded("mask", arrays.mask, options)?.map_or_else(Vec::new, |mask| mask.frames);
         let masks = Masks::of_frames(&mask, (count, raw.size()), options, Path::new("mask"))?;
         calibrated(raw, calibration, &masks, Vec::new(), options, monitor)
     }
 }
 
-fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result<Option<Measured>, Error> {
+fn decoded(name: &str, frames: Vec<ArrayFrame>, options: &OpenOptions) -> Result<Option<Measured>> {
     let path = PathBuf::from(name);
     let Some(first) = frames.first() else { return Ok(None) };
     let (width, height) = first.plane().size();

@@ -9,13 +9,13 @@ use super::source::only_burst;
 use super::stamps::{Timing, of_headers};
 use super::times::{Times, time_text};
 use super::views::{placed, size_of_view};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Description of a burst.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Info {
     /// Name of the burst.
     pub name: String,
@@ -59,7 +59,7 @@ pub struct Info {
 impl Info {
     /// Describes the burst that `inputs` name, as [`Burst::open_with`] takes them. Reads headers; of a raw file, which
     /// declares little, the frame.
-    pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         let (source, range) = (only_burst(inputs, options)?, options.take);
         let (mut files, options) = source.taken_files(options)?;
         let options = &options;
@@ -143,20 +143,16 @@ impl Info {
         Self {
             name: burst.name.clone(),
             kind: kind.to_owned(),
-            files: 0,
             frames: burst.len(),
             width,
             height,
             samples: "floats of 32 bit".to_owned(),
-            is_colour: false,
             binning: burst.binning,
-            times_s: Vec::new(),
             positions: burst.positions.list(),
             are_times_used: !burst.positions.is_even() && !burst.positions.are_views(),
             views: burst.positions.rows_and_columns().map(|(rows, columns)| [rows, columns]),
             interval_s: burst.positions.interval_s(),
-            begins: None,
-            taken: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -167,15 +163,10 @@ impl Info {
             files => format!(" in {files} files"),
         };
         let plural = if self.frames == 1 { "" } else { "s" };
+        let Self { name, frames, width, height, kind, samples, .. } = self;
+        let colours = if self.is_colour { ", colours (luma is taken)" } else { "" };
         let mut text = format!(
-            "{}: {} frame{plural} of {} × {}{files}\n  file    {}, {}{}\n",
-            self.name,
-            self.frames,
-            self.width,
-            self.height,
-            self.kind,
-            self.samples,
-            if self.is_colour { ", colours (luma is taken)" } else { "" }
+            "{name}: {frames} frame{plural} of {width} × {height}{files}\n  file    {kind}, {samples}{colours}\n"
         );
         if self.binning > 1 {
             text += &format!("  pixels  each of {0}×{0} of the mosaic of colours\n", self.binning);

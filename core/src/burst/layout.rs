@@ -63,37 +63,9 @@ impl fmt::Display for Dump {
 }
 
 /// Sizes of usual sensors and pictures, columns and rows.
-const USUAL_SIZES: [(usize, usize); 29] = [
-    (1600, 1200),
-    (640, 480),
-    (1280, 960),
-    (1920, 1080),
-    (1280, 1024),
-    (1440, 1080),
-    (2048, 1536),
-    (2448, 2048),
-    (1936, 1216),
-    (1920, 1200),
-    (2592, 1944),
-    (4096, 3000),
-    (5472, 3648),
-    (1024, 768),
-    (1280, 720),
-    (800, 600),
-    (720, 540),
-    (752, 480),
-    (320, 240),
-    (512, 512),
-    (1024, 1024),
-    (2048, 2048),
-    (256, 256),
-    (2064, 1544),
-    (3840, 2160),
-    (4000, 3000),
-    (1936, 1096),
-    (3096, 2080),
-    (346, 260),
-];
+const USUAL_SIZES: &str = "1600x1200 640x480 1280x960 1920x1080 1280x1024 1440x1080 2048x1536 2448x2048 1936x1216 1920x1200 \
+    2592x1944 4096x3000 5472x3648 1024x768 1280x720 800x600 720x540 752x480 320x240 512x512 1024x1024 \
+    2048x2048 256x256 2064x1544 3840x2160 4000x3000 1936x1096 3096x2080 346x260";
 
 impl Dump {
     /// Bytes of a frame.
@@ -105,8 +77,10 @@ impl Dump {
     /// frames; those of the fewest frames first.
     pub(super) fn likely(length: u64, max_frames: u64) -> Vec<(Self, u64)> {
         let whole = |(dump, _): &(Self, u64)| length.is_multiple_of(dump.frame_bytes());
-        let sizes = USUAL_SIZES.iter().flat_map(|size| TYPES.iter().map(move |kind| (*size, *kind)));
-        let mut found: Vec<(Self, u64)> = sizes
+        let size = |text: &str| text.split_once('x').and_then(|(u, v)| Some((u.parse().ok()?, v.parse().ok()?)));
+        let sizes = USUAL_SIZES.split(' ').filter_map(size);
+        let shapes = sizes.flat_map(|size| TYPES.iter().map(move |kind| (size, *kind)));
+        let mut found: Vec<(Self, u64)> = shapes
             .filter(|(_, (name, ..))| ["u8", "u16le", "f32", "mono12p"].contains(name))
             .map(|(size, (_, number, big_endian))| Self { size, number, big_endian, skip: 0 })
             .map(|dump| (dump, length / dump.frame_bytes()))
@@ -434,17 +408,8 @@ mod tests {
         for text in ["1600x1200:u16le", "3x2:mono12packed+16", "640x480:f32be"] {
             assert_eq!(text.parse::<Dump>().map(|dump| dump.to_string()), Ok(text.to_owned()));
         }
-        for bad in [
-            "",
-            "1600x1200",
-            "0x2:u8",
-            "3x2:u12",
-            "3x2:u8+",
-            "-3x2:u8",
-            "3x2:u8+-1",
-            "3:u8",
-            "99999999999999999999x2:u8",
-        ] {
+        let bad = "1600x1200 0x2:u8 3x2:u12 3x2:u8+ -3x2:u8 3x2:u8+-1 3:u8 99999999999999999999x2:u8";
+        for bad in bad.split(' ').chain([""]) {
             assert!(bad.parse::<Dump>().is_err(), "{bad}");
         }
         for text in ["T", "Z,C=1", "T,C=0,Z=12", "last"] {

@@ -14,7 +14,7 @@ use super::positions::Positions;
 use super::source::only_burst;
 use super::stamps::Timing;
 use super::views::{placed, views_of};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 impl Burst {
     /// Opens a folder of frames, a picture, a multi-page TIFF or a `.npy` stack with the default options.
-    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+    pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
 
@@ -44,7 +44,7 @@ impl Burst {
     /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
     /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty
     /// frames the error names the first.
-    pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
         let raw = read(inputs, options, monitor)?;
@@ -73,7 +73,7 @@ pub(super) fn calibrated(
     sources: Vec<PathBuf>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<Burst, Error> {
+) -> Result<Burst> {
     let remarks = Remark::of(&mut raw.frames);
     let levels = Levels::of(&raw.frames, options.full_scale, options.black_level)?;
     let is_plain = options.is_plain() && measured.iter().all(Option::is_none);
@@ -89,7 +89,7 @@ pub(super) fn calibrated(
         let (plane, masked) = masks.applied(t, calibration.apply(frame, levels), &saturated);
         Ok((Arc::new(plane), masked))
     });
-    let (frames, masked): (Vec<_>, Vec<_>) = frames.collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+    let (frames, masked): (Vec<_>, Vec<_>) = frames.collect::<Result<Vec<_>>>()?.into_iter().unzip();
     raw.taken.extend(told(&raw.origins, frames[0].data().len(), &masked, options)?);
     if !is_plain {
         check_overflow(&frames, &raw.origins)?;
@@ -115,7 +115,7 @@ pub(super) struct Measured {
     pub path: PathBuf,
 }
 
-fn calibration(burst: &RawBurst, levels: Levels, measured: [Option<Measured>; 2]) -> Result<Calibration, Error> {
+fn calibration(burst: &RawBurst, levels: Levels, measured: [Option<Measured>; 2]) -> Result<Calibration> {
     let mean = |of: &Measured, kind| mean_in_unit_of(&burst.frames, levels, &of.frames, kind, &of.path);
     let [bias, flat] = measured;
     let bias = bias.map(|of| {
@@ -146,7 +146,7 @@ impl RawBurst {
     }
 }
 
-fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst, Error> {
+fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst> {
     let source = only_burst(inputs, options)?;
     let (mut files, options) = source.taken_files(options)?;
     let (options, limits) = (&options, &options.limits);
@@ -202,7 +202,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
 }
 
 /// Checks that the frames' values have a common unit; `path` gives the path of a frame.
-fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<(), Error> {
+fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<()> {
     let Some((first, others)) = frames.split_first() else { return Ok(()) };
     for (t, frame) in others.iter().enumerate() {
         let mismatch = |problem: String, remedy: String| Err(Error::new(ErrorKind::Mismatch, problem, remedy));
@@ -229,7 +229,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// Fails at the first value that the bias or a tiny full scale has driven out of the range of `f32`.
-fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result<(), Error> {
+fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result<()> {
     let bad = frames.par_iter().map(|plane| plane.data().iter().position(|v| !v.is_finite())).collect::<Vec<_>>();
     for ((plane, (path, frame)), index) in frames.iter().zip(origins).zip(bad) {
         if let Some(index) = index {
@@ -260,7 +260,7 @@ pub(super) struct Levels {
 
 impl Levels {
     /// Levels of `frames`, where no others are given; an error for given ones that make no sense.
-    pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self, Error> {
+    pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self> {
         if let Some(value) = given.filter(|s| !(s.is_finite() && *s > 0.0)) {
             let problem = "the full scale is the file's value that becomes 1.0";
             let remedy = format!("it must be a positive number, not {value}");
@@ -379,7 +379,7 @@ pub(super) fn mean_in_unit_of(
     of: &[RawFrame],
     kind: &str,
     path: &Path,
-) -> Result<Plane, Error> {
+) -> Result<Plane> {
     let (own_size, frame_size) = (of[0].plane.size(), frames[0].plane.size());
     if own_size != frame_size {
         let ((width, height), (frame_width, frame_height)) = (own_size, frame_size);
@@ -403,15 +403,13 @@ pub(super) fn mean_in_unit_of(
     for frame in of {
         let scale = if let FileScale::Data { .. } = frame.scale { whole(of) } else { frame.scale };
         let factor = factor(burst, levels, scale).map_err(|reason| Error::calibration(path, kind, reason))?;
-        for (sum, value) in mean.data_mut().iter_mut().zip(frame.plane.data()) {
-            *sum += value * factor / count;
-        }
+        mean.data_mut().iter_mut().zip(frame.plane.data()).for_each(|(sum, value)| *sum += value * factor / count);
     }
     Ok(mean)
 }
 
 /// Checks that a converted bias whose files are `of` another kind is not brighter on average than all frames.
-pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<(), Error> {
+pub(super) fn check_bias(bias: &Plane, of: FileScale, frames: &[RawFrame], path: &Path) -> Result<()> {
     let is_alike = match (of, frames[0].scale) {
         (FileScale::Range(a), FileScale::Range(b)) => a == b,
         (a, b) => std::mem::discriminant(&a) == std::mem::discriminant(&b),
@@ -434,7 +432,7 @@ fn mean_of(plane: &Plane) -> f64 {
 
 /// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1;
 /// a flat frame without light, or with many of them, is refused.
-pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Path) -> Result<Plane, Error> {
+pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Path) -> Result<Plane> {
     match bias {
         Some(bias) => flat.data_mut().iter_mut().zip(bias.data()).for_each(|(f, b)| *f -= b),
         None => flat.data_mut().iter_mut().for_each(|f| *f -= black),

@@ -5,7 +5,7 @@
 //! cannot take the machine's memory.
 
 use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoice};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -113,12 +113,7 @@ impl OpenOptions {
     ///
     /// # Errors
     /// It has no such frames, or they are too many.
-    pub(super) fn taken<T>(
-        &self,
-        path: &Path,
-        mut all: Vec<T>,
-        (width, height): (usize, usize),
-    ) -> Result<Vec<T>, Error> {
+    pub(super) fn taken<T>(&self, path: &Path, mut all: Vec<T>, (width, height): (usize, usize)) -> Result<Vec<T>> {
         let Some(range) = self.take else { return Ok(all) };
         let count = all.len();
         let problem = match range.check() {
@@ -181,7 +176,7 @@ impl Limits {
     }
 
     /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
-    pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<(), Error> {
+    pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<()> {
         if width == 0 || height == 0 {
             let problem = format!("this file's frames have no pixels ({width}×{height})");
             return Err(Error::new(ErrorKind::Damaged, problem, "write it again or remove it").about(path));
@@ -195,7 +190,7 @@ impl Limits {
     }
 
     /// Checks the number of frames, and the memory that they need together.
-    pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<(), Error> {
+    pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<()> {
         if frames > self.max_frames as u64 {
             let (found, limit) = (format!("it has {frames} frames"), format!("{} frames", self.max_frames));
             return Err(Error::too_large(

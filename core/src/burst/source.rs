@@ -9,7 +9,7 @@
 
 use super::decode::{self, Rank};
 use super::options::OpenOptions;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::files::path_text;
 use std::cmp::Ordering;
 use std::collections::HashSet;
@@ -27,13 +27,13 @@ pub struct BurstFiles {
 
 impl BurstFiles {
     /// Files with its frames: those of its folder in natural order, or its paths.
-    pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
+    pub fn files(&self) -> Result<Vec<PathBuf>> {
         files_at(&self.paths)
     }
 
     /// Those of several files that `options` take, with the options for these; a single file stays, whose frames are
     /// then taken from it.
-    pub(super) fn taken_files(&self, options: &OpenOptions) -> Result<(Vec<PathBuf>, OpenOptions), Error> {
+    pub(super) fn taken_files(&self, options: &OpenOptions) -> Result<(Vec<PathBuf>, OpenOptions)> {
         let files = self.files()?;
         if files.len() == 1 {
             return Ok((files, options.clone()));
@@ -44,7 +44,7 @@ impl BurstFiles {
 }
 
 /// Files with the frames at `paths`: those of a single folder in natural order, or the paths themselves.
-pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
     match paths {
         [folder] if folder.is_dir() => Ok(list(folder)?.0),
         paths => Ok(paths.to_vec()),
@@ -61,12 +61,12 @@ pub fn supported_extensions() -> Vec<&'static str> {
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
-pub fn find_bursts(inputs: &[PathBuf], options: &OpenOptions) -> Result<Vec<BurstFiles>, Error> {
+pub fn find_bursts(inputs: &[PathBuf], options: &OpenOptions) -> Result<Vec<BurstFiles>> {
     Ok(find_entries(inputs, options)?.bursts)
 }
 
 /// The burst that `inputs` name, if they name one.
-pub(super) fn only_burst(inputs: &[PathBuf], options: &OpenOptions) -> Result<BurstFiles, Error> {
+pub(super) fn only_burst(inputs: &[PathBuf], options: &OpenOptions) -> Result<BurstFiles> {
     let mut bursts = find_bursts(inputs, options)?;
     if bursts.len() > 1 {
         const FEW: usize = 8;
@@ -88,7 +88,7 @@ pub struct Entries {
 }
 
 /// Finds bursts as [`find_bursts`], and the pictures that belong to none.
-pub fn find_entries(inputs: &[PathBuf], options: &OpenOptions) -> Result<Entries, Error> {
+pub fn find_entries(inputs: &[PathBuf], options: &OpenOptions) -> Result<Entries> {
     if inputs.is_empty() {
         return Err(Error::nothing_given());
     }
@@ -126,7 +126,7 @@ pub fn find_entries(inputs: &[PathBuf], options: &OpenOptions) -> Result<Entries
     Ok(entries)
 }
 
-fn entries_of_folder(folder: &Path, look_into_subfolders: bool, options: &OpenOptions) -> Result<Entries, Error> {
+fn entries_of_folder(folder: &Path, look_into_subfolders: bool, options: &OpenOptions) -> Result<Entries> {
     let (mut pictures, subfolders) = list(folder)?;
     // Archives and logs lie beside folders of pictures; in a dataset they are none of its bursts.
     let is_other = pictures.first().and_then(|path| decode::rank(path)) == Some(Rank::Other);
@@ -160,7 +160,7 @@ fn folder_source(folder: &Path) -> BurstFiles {
     BurstFiles { name: folder_name(folder), paths: vec![folder.into()] }
 }
 
-fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<BurstFiles>, Error> {
+fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<BurstFiles>> {
     if let [single] = &files[..] {
         return Ok(vec![stack_source(single.clone())]);
     }
@@ -198,7 +198,7 @@ pub(super) fn folder_name(folder: &Path) -> String {
 
 /// Pictures and subfolders of a folder, each in natural order, without hidden files and those of other kinds. Without
 /// pictures, the films; without these, the archives and the files without header.
-fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Error> {
+fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     let (mut found, mut subfolders) = (Vec::<(Rank, PathBuf)>::new(), Vec::new());
     let entries = std::fs::read_dir(folder).map_err(|e| Error::from_io(folder, &e))?;
     for entry in entries {
@@ -249,7 +249,7 @@ pub struct SequenceCut {
 impl SequenceCut {
     /// Bursts of `length` frames; each begins `step` frames after the one before, by default `length`: each frame is in
     /// one burst. Either being 0 is an error.
-    pub fn new(length: usize, step: Option<usize>) -> Result<Self, Error> {
+    pub fn new(length: usize, step: Option<usize>) -> Result<Self> {
         let step = step.unwrap_or(length);
         if length == 0 || step == 0 {
             let problem = format!(
@@ -285,7 +285,7 @@ impl SequenceCut {
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
-pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptions) -> Result<Vec<BurstFiles>, Error> {
+pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptions) -> Result<Vec<BurstFiles>> {
     let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f, options)) {
         let held = decode::frame_count(path, options).unwrap_or(2);

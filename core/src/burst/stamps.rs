@@ -9,10 +9,9 @@ use super::layout::TimesChoice;
 use super::options::OpenOptions;
 use super::positions::Positions;
 use super::times::{Times, seconds_of};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use std::collections::{HashMap, HashSet};
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Value of a stamp in billionths of its unit, so that the nanoseconds of 1970 on keep their digits.
@@ -76,15 +75,16 @@ enum Unit {
     Frames,
 }
 
-impl fmt::Display for Unit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Seconds => "seconds",
-            Self::Milliseconds => "milliseconds",
-            Self::Microseconds => "microseconds",
-            Self::Nanoseconds => "nanoseconds",
-            Self::Frames => "numbers of frames",
-        })
+impl Unit {
+    /// Its name, and a billionth of it in seconds, or in frame intervals.
+    fn record(self) -> (&'static str, f64) {
+        match self {
+            Self::Seconds => ("seconds", 1e-9),
+            Self::Milliseconds => ("milliseconds", 1e-12),
+            Self::Microseconds => ("microseconds", 1e-15),
+            Self::Nanoseconds => ("nanoseconds", 1e-18),
+            Self::Frames => ("numbers of frames", 1e-9),
+        }
     }
 }
 
@@ -122,11 +122,6 @@ struct Stamps {
 }
 
 impl Stamps {
-    /// Whether a heading says the unit.
-    pub fn is_headed(&self) -> bool {
-        self.known_by == HEADED
-    }
-
     fn new(values: Vec<Stamp>, unit: Option<Unit>) -> Self {
         if let Some(unit) = unit.filter(|_| values.iter().all(|one| !one.is_date)) {
             return Self { values, unit, known_by: HEADED };
@@ -164,12 +159,7 @@ impl Stamps {
 
     /// Times from the first stamp on: in seconds, or in frame intervals for [`Unit::Frames`].
     pub fn since_first(&self) -> Vec<f64> {
-        let unit = match self.unit {
-            Unit::Seconds | Unit::Frames => 1e-9,
-            Unit::Milliseconds => 1e-12,
-            Unit::Microseconds => 1e-15,
-            Unit::Nanoseconds => 1e-18,
-        };
+        let (_, unit) = self.unit.record();
         let first = self.values.first().map_or(0, |one| one.value);
         // Differences are exact; the one multiplication rounds.
         self.values.iter().map(|one| (one.value - first) as f64 * unit).collect()
@@ -308,16 +298,9 @@ fn date_in(runs: &[&str]) -> Option<Stamp> {
         return None;
     }
     let part = |range: std::ops::Range<usize>| &digits[range];
-    let text = format!(
-        "{}-{}-{}T{}:{}:{}.{}",
-        part(0..4),
-        part(4..6),
-        part(6..8),
-        part(8..10),
-        part(10..12),
-        part(12..14),
-        part(DATE_DIGITS..digits.len())
-    );
+    let [year, month, day, hour, minute, second] = [0..4, 4..6, 6..8, 8..10, 10..12, 12..14].map(part);
+    let fraction = part(DATE_DIGITS..digits.len());
+    let text = format!("{year}-{month}-{day}T{hour}:{minute}:{second}.{fraction}");
     Stamp::date(&text)
 }
 
@@ -387,7 +370,7 @@ impl Timing {
     ///
     /// # Errors
     /// There is no such list, it has no time for a frame, files or names have none, or two are equal.
-    pub fn of(files: &mut [PathBuf], frames: usize, options: &OpenOptions, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn of(files: &mut [PathBuf], frames: usize, options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         let choice = options.times.as_ref().filter(|choice| !matches!(choice, TimesChoice::Even | TimesChoice::Found));
         let Some(choice) = choice.filter(|_| frames > 1) else { return Ok(Self::even(frames)) };
         let found = FoundTimes::of(choice, files, frames, options, monitor)?;
@@ -424,7 +407,7 @@ impl FoundTimes {
         frames: usize,
         options: &OpenOptions,
         monitor: &Monitor,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let names: Vec<String> = files.iter().map(|file| base_name(&file.to_string_lossy()).to_owned()).collect();
         let first = files.first().cloned().unwrap_or_default();
         let wrong = |problem: String, remedy: &str, file: &Path| {
@@ -458,28 +441,18 @@ impl FoundTimes {
                     return Err(wrong(problem, "give a list of times, or names where these have stamps", &first));
                 }
                 let start = seconds.first().copied().unwrap_or_default();
-                Ok(Self {
-                    times: seconds.iter().map(|time| time - start).collect(),
-                    are_positions: false,
-                    are_seconds: true,
-                    lines: Vec::new(),
-                    file: first,
-                    said: "the times are those that the files hold".to_owned(),
-                })
+                let times = seconds.iter().map(|time| time - start).collect();
+                let (lines, said) = (Vec::new(), "the times are those that the files hold".to_owned());
+                Ok(Self { times, are_positions: false, are_seconds: true, lines, file: first, said })
             }
         }
     }
 
     fn of_stamps(stamps: &Stamps, lines: Vec<usize>, source: &str, file: PathBuf) -> Self {
         let are_frames = stamps.unit == Unit::Frames;
-        Self {
-            times: stamps.since_first(),
-            are_positions: are_frames && stamps.is_headed(),
-            are_seconds: !are_frames,
-            lines,
-            file,
-            said: format!("the times are those {source}, {} {}", stamps.unit, stamps.known_by),
-        }
+        let (times, are_positions) = (stamps.since_first(), are_frames && stamps.known_by == HEADED);
+        let said = format!("the times are those {source}, {} {}", stamps.unit.record().0, stamps.known_by);
+        Self { times, are_positions, are_seconds: !are_frames, lines, file, said }
     }
 
     fn not_increasing(&self, [a, b]: [usize; 2], are_equal: bool, files: &[PathBuf]) -> Error {
@@ -498,7 +471,7 @@ impl FoundTimes {
     }
 }
 
-fn read_list(path: &Path, names: &[String]) -> Result<List, Error> {
+fn read_list(path: &Path, names: &[String]) -> Result<List> {
     let metadata = std::fs::metadata(path).map_err(|e| Error::from_io(path, &e))?;
     if !metadata.is_file() {
         return Err(Error::not_a_file(path));
@@ -531,7 +504,7 @@ fn rows_of(list: &List, names: &[String], frames: usize) -> Result<Vec<usize>, (
 }
 
 /// Times that the files of frames hold; those before the first that holds none.
-pub(super) fn of_headers(files: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Times, Error> {
+pub(super) fn of_headers(files: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Times> {
     if let [file] = files {
         return decode::times(file, options, monitor);
     }

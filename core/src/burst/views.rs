@@ -10,7 +10,7 @@ use super::layout::{MAX_SIDE, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use super::options::OpenOptions;
 use super::positions::Positions;
 use super::stamps::{Timing, base_name, stem};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use std::collections::BTreeSet;
@@ -28,12 +28,10 @@ pub(super) fn placed(
     (frames, declared): (usize, Option<ViewGrid>),
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<Timing, Error> {
+) -> Result<Timing> {
     let grid = |grid: ViewGrid, said: String| {
-        Ok::<_, Error>(Timing {
-            positions: Positions::grid(grid.rows, grid.columns),
-            said: (grid.rows > 1).then_some(said),
-        })
+        let positions = Positions::grid(grid.rows, grid.columns);
+        Ok::<_, Error>(Timing { positions, said: (grid.rows > 1).then_some(said) })
     };
     let file = files.first().cloned().unwrap_or_default();
     let refused = |problem: String, remedy: &str| {
@@ -157,11 +155,8 @@ fn by_name(files: &mut [PathBuf], places: &[[usize; 2]]) -> Option<Timing> {
         order.iter().map(|index| places[*index]).map(|[row, column]| [column as f64, row as f64]).collect();
     let positions = Positions::of_views(&at)?;
     files.clone_from_slice(&sorted);
-    let said = format!(
-        "the names have rows and columns: {}; --views 1x{} takes them as frames in time",
-        positions.unevenness(),
-        files.len()
-    );
+    let (unevenness, count) = (positions.unevenness(), files.len());
+    let said = format!("the names have rows and columns: {unevenness}; --views 1x{count} takes them as frames in time");
     let said = positions.are_views().then_some(said);
     Some(Timing { positions, said })
 }
@@ -170,11 +165,7 @@ fn by_name(files: &mut [PathBuf], places: &[[usize; 2]]) -> Option<Timing> {
 ///
 /// # Errors
 /// The sides are no multiples of the numbers of views.
-pub(super) fn size_of_view(
-    path: &Path,
-    (width, height): (usize, usize),
-    grid: ViewGrid,
-) -> Result<(usize, usize), Error> {
+pub(super) fn size_of_view(path: &Path, (width, height): (usize, usize), grid: ViewGrid) -> Result<(usize, usize)> {
     if width % grid.columns == 0 && height % grid.rows == 0 && width > 0 && height > 0 {
         return Ok((width / grid.columns, height / grid.rows));
     }
@@ -190,7 +181,7 @@ pub(super) fn size_of_view(
 ///
 /// # Errors
 /// As [`size_of_view`].
-pub(super) fn views_of(path: &Path, frame: &RawFrame, grid: ViewGrid, tiling: Tiling) -> Result<Vec<RawFrame>, Error> {
+pub(super) fn views_of(path: &Path, frame: &RawFrame, grid: ViewGrid, tiling: Tiling) -> Result<Vec<RawFrame>> {
     let (width, height) = size_of_view(path, frame.plane.size(), grid)?;
     let view = |k: usize| {
         let (row, column) = (k / grid.columns, k % grid.columns);

@@ -1,6 +1,6 @@
 //! The camera of a dataset, and the default for an unknown camera.
 
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use crate::matching::{Camera, CameraModel};
 use std::path::Path;
@@ -27,7 +27,7 @@ impl CameraChoice {
     ///
     /// # Errors
     /// The known camera's images have another size.
-    pub fn for_images(&self, size: (usize, usize)) -> Result<Camera, Error> {
+    pub fn for_images(&self, size: (usize, usize)) -> Result<Camera> {
         match self {
             Self::Guessed(model) => Ok(guessed(*model, size)),
             Self::Known(camera) if (camera.width, camera.height) == size => Ok(camera.clone()),
@@ -63,7 +63,7 @@ fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {
 ///
 /// # Errors
 /// The problem of the file, and what would be right.
-pub fn read_camera(path: &Path) -> Result<Camera, Error> {
+pub fn read_camera(path: &Path) -> Result<Camera> {
     let fail = |problem: String| {
         Error::param(
             "camera",

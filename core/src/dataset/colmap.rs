@@ -9,7 +9,7 @@ use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGE
 use super::pairs::{BurstSide, MatchedPair, match_pairs};
 use crate::burst::BurstFiles;
 use crate::detector::open_burst;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
     ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database,
 };
@@ -98,7 +98,7 @@ pub fn export_colmap(
     job: &ColmapJob,
     on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
-) -> Result<ColmapReport, Error> {
+) -> Result<ColmapReport> {
     let matching = job.verified_matching()?;
     if bursts.len() < 2 {
         return Err(too_few(bursts.len()));
@@ -121,14 +121,10 @@ pub fn export_colmap(
     let pairs = job.pairs.pairs(done.len());
     on(BurstEvent::Matching(pairs.len()));
     store.begin_writing()?;
-    let mut report = ColmapReport {
-        database: out.join(DATABASE_FILE),
-        images_folder: out.join(IMAGES_FOLDER),
-        cameras: Vec::new(),
-        known_camera: job.camera.is_known(),
-        images: Vec::new(),
-        pairs: Vec::new(),
-    };
+    let (database, images_folder) = (out.join(DATABASE_FILE), out.join(IMAGES_FOLDER));
+    let (cameras, images, pair_reports) = (Vec::new(), Vec::new(), Vec::new());
+    let known_camera = job.camera.is_known();
+    let mut report = ColmapReport { database, images_folder, cameras, known_camera, images, pairs: pair_reports };
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
         let mut blobs = Vec::with_capacity(done.len());
@@ -155,30 +151,21 @@ fn add_burst(
     burst: &BurstFeatures,
     job: &ColmapJob,
     report: &mut ColmapReport,
-) -> Result<(), Error> {
+) -> Result<()> {
     let camera = job.camera.for_images(burst.size)?;
     let camera_id = match report.cameras.iter().position(|c| *c == camera) {
         Some(index) => index as u32 + 1,
         None => {
-            let id = database.add_camera(&DatabaseCamera {
-                model_id: model_id(camera.model),
-                width: camera.width,
-                height: camera.height,
-                params: camera.params.clone(),
-                prior_focal_length: report.known_camera,
-            })?;
+            let Camera { model, width, height, params } = camera.clone();
+            let (model_id, prior_focal_length) = (model_id(model), report.known_camera);
+            let id = database.add_camera(&DatabaseCamera { model_id, width, height, params, prior_focal_length })?;
             report.cameras.push(camera);
             id
         }
     };
     let id = database.add_image(&burst.image_name, camera_id, &burst.keypoints, &burst.descriptors)?;
-    report.images.push(ImageReport {
-        id,
-        burst: burst.name.clone(),
-        image: burst.image_name.clone(),
-        features: burst.keypoints.len(),
-        resumed: burst.resumed,
-    });
+    let (name, image, features) = (burst.name.clone(), burst.image_name.clone(), burst.keypoints.len());
+    report.images.push(ImageReport { id, burst: name, image, features, resumed: burst.resumed });
     Ok(())
 }
 
@@ -192,10 +179,10 @@ fn match_all(
     database: &mut DatabaseWriter<'_>,
     (pairs, blobs): (&[(usize, usize)], &[Vec<Blob>]),
     matching: &MatchParams,
-    with_pictures: &dyn Fn(usize, BurstSide) -> Result<BurstSide, Error>,
+    with_pictures: &dyn Fn(usize, BurstSide) -> Result<BurstSide>,
     report: &mut ColmapReport,
     monitor: &Monitor,
-) -> Result<(), Error> {
+) -> Result<()> {
     let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
     let database = RefCell::new(database);
     let mut load = |index: usize| {
@@ -240,7 +227,7 @@ fn align_all(
     matching: &MatchParams,
     report: &mut ColmapReport,
     monitor: &Monitor,
-) -> Result<(), Error> {
+) -> Result<()> {
     let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
     let mut alignment = Alignment::default();
     for (&id, blobs) in ids.iter().zip(blobs) {
@@ -284,7 +271,7 @@ fn too_few(bursts: usize) -> Error {
 }
 
 impl ColmapJob {
-    fn verified_matching(&self) -> Result<MatchParams, Error> {
+    fn verified_matching(&self) -> Result<MatchParams> {
         let camera = match &self.camera {
             CameraChoice::Known(camera) => Some(camera.clone()),
             CameraChoice::Guessed(_) => None,

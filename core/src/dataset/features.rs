@@ -8,7 +8,7 @@ use super::stamp::{Comparison, FileStamp};
 use crate::burst::{Burst, BurstFiles, OpenOptions, files_at};
 use crate::detect::{Searched, check_memory, search};
 use crate::detector::{Descriptor, SearchParams, SlopeFinding, open_burst};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
     ColmapKeypoint, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records, may_begin,
     parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
@@ -111,8 +111,8 @@ impl FeatureStore {
     ///
     /// # Errors
     /// The folder holds other files, or the bias or flat frame cannot be read.
-    pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self, Error> {
-        let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>, Error> {
+    pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self> {
+        let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>> {
             let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
             Ok(stamps.iter().map(FileStamp::content).collect())
         };
@@ -140,15 +140,9 @@ impl FeatureStore {
             let problem = "this folder holds files, but no dataset that was begun by this command";
             return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));
         }
-        Ok(Self {
-            folder: folder.into(),
-            job: job.clone(),
-            made_with: MadeFrom::new(settings),
-            comparison: Comparison::default(),
-            opened: Vec::new(),
-            rules: OutputRules::default(),
-            lock: None,
-        })
+        let (folder, job, made_with) = (folder.into(), job.clone(), MadeFrom::new(settings));
+        let (comparison, opened, rules) = (Comparison::default(), Vec::new(), OutputRules::default());
+        Ok(Self { folder, job, made_with, comparison, opened, rules, lock: None })
     }
 
     /// This store, which never writes over the files `opened` either.
@@ -182,7 +176,7 @@ impl FeatureStore {
     ///
     /// # Errors
     /// An opened file, a link, or a file of others in the place of an output file.
-    pub fn protect(&mut self, bursts: &[BurstFiles]) -> Result<(), Error> {
+    pub fn protect(&mut self, bursts: &[BurstFiles]) -> Result<()> {
         let of_bursts = bursts.iter().flat_map(|burst| self.files(burst).unwrap_or_else(|_| burst.paths.clone()));
         let of_options = self.job.open.paths().into_iter().map(Some);
         let calibration = of_options.map(|path| calibration_files(&path).unwrap_or_default());
@@ -198,7 +192,7 @@ impl FeatureStore {
     }
 
     /// Checks whether `file` of the dataset's folder may be written; errors as of [`Self::protect`].
-    pub(super) fn check_output(&self, file: &Path) -> Result<(), Error> {
+    pub(super) fn check_output(&self, file: &Path) -> Result<()> {
         self.rules.check_own(file, &[])
     }
 
@@ -212,7 +206,7 @@ impl FeatureStore {
     }
 
     /// Files with the frames of `source`, with their masks and with the list of their times.
-    fn files(&self, source: &BurstFiles) -> Result<Vec<PathBuf>, Error> {
+    fn files(&self, source: &BurstFiles) -> Result<Vec<PathBuf>> {
         let mut files = source.files()?;
         let list = self.job.open.list_of_times(&files).filter(|list| list.is_file());
         files.extend(self.job.open.mask_files(&files));
@@ -239,7 +233,7 @@ impl FeatureStore {
 
     /// Reads the features that this store has found or kept in this run. The frames are not compared again.
     #[cfg(feature = "colmap")]
-    pub(super) fn written(&self, source: &BurstFiles) -> Result<BurstFeatures, Error> {
+    pub(super) fn written(&self, source: &BurstFiles) -> Result<BurstFeatures> {
         let image_name = image_name(source);
         let record = self.records().read(&image_name).filter(|record| record.made_from == self.made_with);
         let read = record.ok_or(NotKept::NoRecord).and_then(|record| self.read(source, &record.of));
@@ -259,26 +253,12 @@ impl FeatureStore {
             return Err(NotKept::Altered);
         }
         let (name, size, seconds) = (source.name.clone(), record.size, record.seconds);
-        Ok(BurstFeatures {
-            name,
-            image_name,
-            size,
-            keypoints,
-            descriptors,
-            blobs,
-            resumed: true,
-            slopes: None,
-            seconds,
-        })
+        let (resumed, slopes) = (true, None);
+        Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds })
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
-    pub fn features(
-        &mut self,
-        source: &BurstFiles,
-        camera: &CameraChoice,
-        monitor: &Monitor,
-    ) -> Result<BurstFeatures, Error> {
+    pub fn features(&mut self, source: &BurstFiles, camera: &CameraChoice, monitor: &Monitor) -> Result<BurstFeatures> {
         let files = self.files(source)?;
         match self.kept_with_record(source, &files, monitor) {
             Ok((kept, record)) => {
@@ -297,7 +277,7 @@ impl FeatureStore {
         files: &[PathBuf],
         camera: &CameraChoice,
         monitor: &Monitor,
-    ) -> Result<BurstFeatures, Error> {
+    ) -> Result<BurstFeatures> {
         // Checked before anything is read.
         check_memory(&source.paths, &self.job.open, &self.job.detector)?;
         let stamps = FileStamp::with_checksums(files, monitor)?;
@@ -309,16 +289,9 @@ impl FeatureStore {
         write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
         let content = Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))?;
         let picture_content = self.write_picture_of(&found.image_name, &burst, monitor)?;
-        let of = KeptBurst {
-            files: stamps,
-            size: found.size,
-            features: found.keypoints.len(),
-            content,
-            blobs: StoredBlobs(found.blobs.clone()),
-            picture: self.job.images,
-            picture_content,
-            seconds: found.seconds,
-        };
+        let (blobs, picture) = (StoredBlobs(found.blobs.clone()), self.job.images);
+        let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
+        let of = KeptBurst { files, size, features, content, blobs, picture, picture_content, seconds };
         let record = Record { made_from: self.made_with.clone(), of };
         self.records().write(&found.image_name, &record)?;
         Ok(found)
@@ -331,7 +304,7 @@ impl FeatureStore {
         files: &[PathBuf],
         Record { made_from, of }: BurstRecord,
         monitor: &Monitor,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let image_name = image_name(source);
         let picture_file = self.picture_file(&image_name);
         let is_whole = of.picture_content.is_of(&picture_file);
@@ -351,7 +324,7 @@ impl FeatureStore {
         self.records().write(&image_name, &Record { made_from, of })
     }
 
-    fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum, Error> {
+    fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum> {
         let path = self.picture_file(image_name);
         self.check_output(&path)?;
         let plane = burst_plane(burst, self.job.images, &self.job.detector.detector, monitor)?;
@@ -367,7 +340,7 @@ impl FeatureStore {
 
     /// Before the first write: locks the folder for this process, removes files that a killed run left, and writes the
     /// manifest. Later: checks that the folder is still the locked one.
-    pub(super) fn begin_writing(&mut self) -> Result<(), Error> {
+    pub(super) fn begin_writing(&mut self) -> Result<()> {
         if let Some(lock) = &self.lock {
             return lock.check();
         }
@@ -381,27 +354,17 @@ impl FeatureStore {
         Ok(())
     }
 
-    fn find(
-        &self,
-        source: &BurstFiles,
-        camera: &CameraChoice,
-        monitor: &Monitor,
-    ) -> Result<(BurstFeatures, Burst), Error> {
+    fn find(&self, source: &BurstFiles, camera: &CameraChoice, monitor: &Monitor) -> Result<(BurstFeatures, Burst)> {
         let started = Instant::now();
         let burst = open_burst(&source.paths, &self.job.open, monitor)?;
         camera.for_images(burst.size())?;
         let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
-        let found = BurstFeatures {
-            name: source.name.clone(),
-            image_name: image_name(source),
-            size: burst.size(),
-            keypoints: detection.features.iter().map(ColmapKeypoint::from).collect(),
-            blobs: detection.features.iter().map(Blob::from).collect(),
-            descriptors: detection.descriptors,
-            resumed: false,
-            slopes: finding,
-            seconds: started.elapsed().as_secs_f64(),
-        };
+        let (name, image_name, size) = (source.name.clone(), image_name(source), burst.size());
+        let keypoints = detection.features.iter().map(ColmapKeypoint::from).collect();
+        let blobs = detection.features.iter().map(Blob::from).collect();
+        let (descriptors, slopes, seconds) = (detection.descriptors, finding, started.elapsed().as_secs_f64());
+        let resumed = false;
+        let found = BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds };
         Ok((found, burst))
     }
 
@@ -435,7 +398,7 @@ impl FeatureStore {
 }
 
 /// The files of a bias or flat frame, which may be a folder of them.
-fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>, Error> {
+fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>> {
     match path {
         Some(path) => files_at(std::slice::from_ref(path)),
         None => Ok(Vec::new()),
@@ -464,7 +427,7 @@ pub fn detect_all(
     camera: &CameraChoice,
     on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
-) -> Result<(), Error> {
+) -> Result<()> {
     store.job.detector.validate()?;
     store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;

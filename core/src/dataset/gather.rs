@@ -7,7 +7,7 @@ use super::BurstFeatures;
 use super::features::{FEATURES_FOLDER, FeatureStore, IMAGES_FOLDER, image_name};
 use super::kept::{KeptBurst, NotKept};
 use crate::burst::BurstFiles;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::export::write_whole;
 use crate::files::serialize_path;
 use crate::monitor::Monitor;
@@ -54,7 +54,7 @@ pub fn gather(
     bursts: &[BurstFiles],
     folders: &[PathBuf],
     monitor: &Monitor,
-) -> Result<GatherReport, Error> {
+) -> Result<GatherReport> {
     if let Some(missing) = folders.iter().find(|folder| !folder.is_dir()) {
         return Err(Error::unread_file(missing, "there is no such folder of kept features"));
     }
@@ -97,7 +97,7 @@ pub fn gather(
 }
 
 /// Copies the files of a burst that is finished in `other`. A picture that is missing there is made later.
-fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeatures) -> Result<(), Error> {
+fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeatures) -> Result<()> {
     let image = &features.image_name;
     let Some(record) = other.records().read::<KeptBurst>(image) else { return Ok(()) };
     store.begin_writing()?;

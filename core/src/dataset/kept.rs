@@ -7,7 +7,7 @@
 use super::ImageKind;
 use super::blobs::StoredBlobs;
 use super::stamp::FileStamp;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::export::{MadeFrom, Record, write_whole};
 use crate::files::mark::{Checksum, Kind, claiming, claims};
 use serde::{Deserialize, Serialize};
@@ -66,7 +66,7 @@ pub enum NotKept {
 }
 
 /// Writes the manifest into `folder`, unless it is there already.
-pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<(), Error> {
+pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<()> {
     if claims(folder, Kind::Dataset).as_ref() == Some(manifest) {
         return Ok(());
     }

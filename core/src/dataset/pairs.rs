@@ -4,7 +4,7 @@ use super::BurstFeatures;
 use crate::burst::Burst;
 use crate::detect::prepare;
 use crate::detector::{Descriptor, Detection, DetectorParams};
-use crate::error::Error;
+use crate::error::Result;
 use crate::export::ColmapKeypoint;
 use crate::matching::align::Measured;
 use crate::matching::aligned::{Pictures, align_pair, measure_inliers};
@@ -44,7 +44,7 @@ impl BurstSide {
     ///
     /// # Errors
     /// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
-    pub fn with_pictures(self, burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn with_pictures(self, burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self> {
         let (burst, params) = prepare(burst, params, monitor)?;
         let pictures = Some(Pictures::of(&burst, &params, &self.places, &self.blobs));
         Ok(Self { pictures, ..self })
@@ -73,7 +73,7 @@ pub struct DetectedBurst<'a> {
 }
 
 impl DetectedBurst<'_> {
-    fn side(&self, monitor: &Monitor) -> Result<BurstSide, Error> {
+    fn side(&self, monitor: &Monitor) -> Result<BurstSide> {
         let Detection { features, descriptors, .. } = self.detection;
         let places = features.iter().map(|feature| [feature.u, feature.v].map(f64::from)).collect();
         let blobs = features.iter().map(Blob::from).collect();
@@ -87,11 +87,7 @@ impl DetectedBurst<'_> {
 ///
 /// # Errors
 /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
-pub fn match_bursts(
-    [a, b]: [DetectedBurst<'_>; 2],
-    params: &MatchParams,
-    monitor: &Monitor,
-) -> Result<MatchResult, Error> {
+pub fn match_bursts([a, b]: [DetectedBurst<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
     if !params.align {
         return match_detections(a.detection, b.detection, params, monitor);
     }
@@ -118,7 +114,7 @@ impl MatchedPair<'_> {
     ///
     /// # Errors
     /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
-    pub fn aligned(&self, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult, Error> {
+    pub fn aligned(&self, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
         let mut result = self.result.clone();
         if !params.align {
             return Ok(result);
@@ -137,10 +133,10 @@ impl MatchedPair<'_> {
 pub fn match_pairs(
     pairs: &[(usize, usize)],
     params: &MatchParams,
-    load: &mut dyn FnMut(usize) -> Result<Option<BurstSide>, Error>,
-    on: &mut dyn FnMut(MatchedPair<'_>) -> Result<(), Error>,
+    load: &mut dyn FnMut(usize) -> Result<Option<BurstSide>>,
+    on: &mut dyn FnMut(MatchedPair<'_>) -> Result<()>,
     monitor: &Monitor,
-) -> Result<usize, Error> {
+) -> Result<usize> {
     params.validate()?;
     let mut ordered = pairs.to_vec();
     ordered.sort_by_key(|&(a, b)| (a / FIRST_AT_ONCE, b, a));
@@ -179,7 +175,7 @@ fn matched(
     [a, b]: [&BurstSide; 2],
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<(MatchResult, Vec<Option<Measured>>), Error> {
+) -> Result<(MatchResult, Vec<Option<Measured>>)> {
     let (Some(of_a), Some(of_b)) = (&a.pictures, &b.pictures) else {
         let params = MatchParams { align: false, ..params.clone() };
         let result = match_features(a.side(), b.side(), &params, monitor)?;

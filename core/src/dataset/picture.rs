@@ -4,7 +4,7 @@
 use crate::burst::{Burst, BurstFiles, OpenOptions, ViewsChoice};
 use crate::detect::prepare;
 use crate::detector::{DetectorParams, Method};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::export::Picture;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
@@ -60,12 +60,7 @@ impl BurstPicture {
 ///
 /// # Errors
 /// Frames that the burst does not have, or cancellation.
-pub fn burst_plane(
-    burst: &Burst,
-    kind: ImageKind,
-    params: &DetectorParams,
-    monitor: &Monitor,
-) -> Result<Arc<Plane>, Error> {
+pub fn burst_plane(burst: &Burst, kind: ImageKind, params: &DetectorParams, monitor: &Monitor) -> Result<Arc<Plane>> {
     monitor.check()?;
     let method = match kind {
         ImageKind::Middle => Method::Sift,
@@ -83,7 +78,7 @@ pub fn thumbnail(
     max_side_px: usize,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<BurstPicture, Error> {
+) -> Result<BurstPicture> {
     let files = source.files()?;
     let middle = files.get(files.len() / 2).ok_or_else(Error::nothing_given)?;
     // One of several files is no grid of views.

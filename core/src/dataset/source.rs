@@ -1,7 +1,7 @@
 //! The source of a dataset: its paths, and the cutting of long sequences.
 
 use crate::burst::{BurstFiles, Entries, OpenOptions, SequenceCut, cut_sequence, find_entries, name_among_several};
-use crate::error::Error;
+use crate::error::Result;
 use crate::export::{make_file_names_unique, safe_file_name};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -31,12 +31,12 @@ impl DatasetSource {
     /// # Errors
     /// A path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
     /// too short for it.
-    pub fn bursts(&self, options: &OpenOptions) -> Result<Vec<BurstFiles>, Error> {
+    pub fn bursts(&self, options: &OpenOptions) -> Result<Vec<BurstFiles>> {
         self.entries(options).map(|found| found.bursts)
     }
 
     /// As [`Self::bursts`], with the pictures beside them that belong to none.
-    pub fn entries(&self, options: &OpenOptions) -> Result<Entries, Error> {
+    pub fn entries(&self, options: &OpenOptions) -> Result<Entries> {
         let Entries { bursts: sequences, strays } = find_entries(&self.paths, options)?;
         let Some(length) = self.burst_length else {
             return Ok(Entries { bursts: with_unique_names(sequences), strays });

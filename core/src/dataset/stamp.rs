@@ -3,7 +3,7 @@
 //! By path, length, and the times at which a file was written and at which the system last changed anything about it,
 //! which cannot be set. Where a time differs (access rights change it too) the checksum decides.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::path_text;
 use crate::monitor::Monitor;
 use serde::{Deserialize, Serialize};
@@ -42,13 +42,13 @@ pub(super) struct FileStamp {
 
 impl FileStamp {
     /// Stamps of `files` as they are now, without checksums.
-    fn of(files: &[PathBuf]) -> Result<Vec<Self>, Error> {
+    fn of(files: &[PathBuf]) -> Result<Vec<Self>> {
         files.iter().map(|path| Self::of_one(path).map_err(|e| Error::unread(path, &e))).collect()
     }
 
     /// Stamps of `files` as they are now, with checksums. Each file's times are taken before it is read, so that a file
     /// that changes meanwhile differs from its stamp.
-    pub fn with_checksums(files: &[PathBuf], monitor: &Monitor) -> Result<Vec<Self>, Error> {
+    pub fn with_checksums(files: &[PathBuf], monitor: &Monitor) -> Result<Vec<Self>> {
         let mut stamps = Self::of(files)?;
         for (stamp, path) in stamps.iter_mut().zip(files) {
             stamp.crc32 = Some(checksum(path, monitor)?);
@@ -59,22 +59,14 @@ impl FileStamp {
     fn of_one(path: &Path) -> io::Result<Self> {
         let metadata = std::fs::metadata(path)?;
         let modified = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-        Ok(Self {
-            path: path_text(&std::path::absolute(path).unwrap_or_else(|_| path.into())),
-            bytes: metadata.len(),
-            modified_ns: modified.map_or(0, |since| since.as_nanos() as u64),
-            changed_ns: changed_ns(&metadata),
-            crc32: None,
-        })
+        let path = path_text(&std::path::absolute(path).unwrap_or_else(|_| path.into()));
+        let modified_ns = modified.map_or(0, |since| since.as_nanos() as u64);
+        let (bytes, changed_ns) = (metadata.len(), changed_ns(&metadata));
+        Ok(Self { path, bytes, modified_ns, changed_ns, crc32: None })
     }
 
     /// Whether `files` are those of the stamps `kept`, with unchanged content.
-    pub fn all_agree(
-        kept: &[Self],
-        files: &[PathBuf],
-        comparison: Comparison,
-        monitor: &Monitor,
-    ) -> Result<bool, Error> {
+    pub fn all_agree(kept: &[Self], files: &[PathBuf], comparison: Comparison, monitor: &Monitor) -> Result<bool> {
         let now = Self::of(files)?;
         let same_files = kept.len() == now.len()
             && kept.iter().zip(&now).all(|(kept, now)| kept.path == now.path && kept.bytes == now.bytes);
@@ -96,7 +88,7 @@ impl FileStamp {
     }
 
     /// The stamps `kept` with the times of `files` as they are now; their contents are the same.
-    pub fn with_times_of(kept: &[Self], files: &[PathBuf]) -> Result<Vec<Self>, Error> {
+    pub fn with_times_of(kept: &[Self], files: &[PathBuf]) -> Result<Vec<Self>> {
         let now = Self::of(files)?;
         Ok(kept.iter().zip(now).map(|(kept, now)| Self { crc32: kept.crc32, ..now }).collect())
     }
@@ -119,7 +111,7 @@ fn changed_ns(_: &Metadata) -> Option<u64> {
     None
 }
 
-fn checksum(path: &Path, monitor: &Monitor) -> Result<u32, Error> {
+fn checksum(path: &Path, monitor: &Monitor) -> Result<u32> {
     let mut file = File::open(path).map_err(|e| Error::unread(path, &e))?;
     let (mut hasher, mut piece) = (crc32fast::Hasher::new(), vec![0; 1 << 18]);
     loop {

@@ -65,12 +65,8 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
         return advice(problem, doc::FIRST_OCTAVE, (params.first_octave - 1).max(-1).to_string());
     }
     let took = |test: Test, reached: u64| {
-        format!(
-            "{what}: of {} samples {} were rejected as {}",
-            grouped(reached),
-            grouped(tally.rejected_by(test)),
-            test.reason()
-        )
+        let (reached, rejected) = (grouped(reached), grouped(tally.rejected_by(test)));
+        format!("{what}: of {reached} samples {rejected} were rejected as {}", test.reason())
     };
     let above_peak = tally.samples.saturating_sub(tally.rejected_by(Test::PeakThreshold));
     let above = above_peak.saturating_sub(tally.rejected_by(Test::NoiseGate));

@@ -53,13 +53,9 @@ impl Along<'_> {
                 f32::NAN
             };
             let (moved_u, moved_v) = slope.displacement(from_middle);
-            Ok(FrameResponse {
-                frame: frames_used.start + t,
-                pos_frame: [place[0] + moved_u, place[1] + moved_v],
-                covers,
-                value,
-                sigma_d: self.inputs.sigma_d(octave, level, slope, &offsets[own]) * factor,
-            })
+            let pos_frame = [place[0] + moved_u, place[1] + moved_v];
+            let sigma_d = self.inputs.sigma_d(octave, level, slope, &offsets[own]) * factor;
+            Ok(FrameResponse { frame: frames_used.start + t, pos_frame, covers, value, sigma_d })
         };
         times.kept.iter().zip(times.from_middle()).enumerate().map(response).collect()
     }

@@ -15,7 +15,7 @@ use super::scale_space::{octave_size, searched_octaves};
 use crate::detector::localise::slopes_around;
 use crate::detector::search::setup::SlopeGroup;
 use crate::detector::search::slope_window::OtherSlopes;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::kernel::machine::{WINDOW_BYTES, WINDOWS_BYTES};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -59,7 +59,7 @@ pub fn kept_bytes() -> u64 {
 ///
 /// # Errors
 /// As the search itself: the error gives the memory that it needs at least, and settings that need less.
-pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, usize)) -> Result<(), Error> {
+pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, usize)) -> Result<()> {
     let mut detector = params.detector.clone();
     if params.slopes.is_auto() {
         detector.slopes = SlopeGrid::single(Slope::default());
@@ -140,7 +140,7 @@ impl Account {
     }
 
     /// Plans as [`Plan::new`], within the part of `budget` that the other searches of this account leave.
-    pub(crate) fn plan(&self, wanted: Wanted<'_>, budget: Option<u64>) -> Result<(Plan, Share<'_>), Error> {
+    pub(crate) fn plan(&self, wanted: Wanted<'_>, budget: Option<u64>) -> Result<(Plan, Share<'_>)> {
         let mut taken = self.taken();
         let left = budget.map(|budget| budget.saturating_sub(*taken));
         let plan = Plan::new(wanted, left).or_else(|_| Plan::smallest(wanted, budget))?;
@@ -166,7 +166,7 @@ pub(crate) struct Plan {
 impl Plan {
     /// Plans the `wanted` search within `budget` bytes, or without a bound, on as many threads as there is memory for.
     /// Where even the smallest form needs more, the error gives its least memory.
-    pub(crate) fn new(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self, Error> {
+    pub(crate) fn new(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
         let several = (2..=rayon::current_num_threads()).rev();
         let fitting = several.map(|threads| Self::on(threads, wanted, budget)).find_map(Result::ok);
         // The error for one thread gives the least memory.
@@ -174,13 +174,13 @@ impl Plan {
     }
 
     /// Plan that takes the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
-    pub(crate) fn smallest(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self, Error> {
+    pub(crate) fn smallest(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
         let of_slopes = wanted.bytes_of_slope().saturating_mul(min_slopes(wanted.params) as u64);
         let min = wanted.bytes_beside_slopes(1).saturating_add(of_slopes);
         Self::on(1, wanted, Some(budget.map_or(min, |budget| budget.min(min))))
     }
 
-    fn on(threads: usize, wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self, Error> {
+    fn on(threads: usize, wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
         let params = wanted.params;
         let grid = params.used_slopes();
         let (count, of_slope, needed) = (grid.len(), wanted.bytes_of_slope(), wanted.bytes_on(threads));
@@ -275,7 +275,7 @@ mod tests {
         Wanted { params, frames: 10, size: SIZE }
     }
 
-    fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan, Error> {
+    fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan> {
         Plan::new(wanted(params), budget)
     }
 

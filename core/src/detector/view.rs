@@ -10,7 +10,7 @@ use crate::burst::{Burst, Positions};
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
 use crate::detector::stack::{coverage, frame_offsets, motion_stack};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -54,7 +54,7 @@ pub fn dog_view(
     octave: i32,
     level: i32,
     monitor: &Monitor,
-) -> Result<Plane, Error> {
+) -> Result<Plane> {
     let octaves = check_level(params, burst.size(), octave, level)?;
     let (mut frames, space) = (used_frames(burst, params), ScaleSpace::of(params));
     let binned = space.binned(&frames, monitor)?;
@@ -86,26 +86,15 @@ fn used_positions(burst: &Burst, params: &DetectorParams) -> Positions {
 ///
 /// # Errors
 /// An octave or level that the parameters do not have.
-pub fn check_level(
-    params: &DetectorParams,
-    size: (usize, usize),
-    octave: i32,
-    level: i32,
-) -> Result<Range<i32>, Error> {
+pub fn check_level(params: &DetectorParams, size: (usize, usize), octave: i32, level: i32) -> Result<Range<i32>> {
     let octaves = searched_octaves(params, size);
     if !octaves.contains(&octave) {
-        return Err(Error::param(
-            doc::OCTAVES.name,
-            format!("there is no octave {octave} in this search"),
-            format!("give {} to {}, or change octaves and first-octave", octaves.start, octaves.end - 1),
-        ));
+        let remedy = format!("give {} to {}, or change octaves and first-octave", octaves.start, octaves.end - 1);
+        return Err(Error::param(doc::OCTAVES.name, format!("there is no octave {octave} in this search"), remedy));
     }
     if !(-1..=params.levels as i32).contains(&level) {
-        return Err(Error::param(
-            doc::LEVELS.name,
-            format!("there is no DoG level {level}"),
-            format!("give -1 to {}", params.levels),
-        ));
+        let remedy = format!("give -1 to {}", params.levels);
+        return Err(Error::param(doc::LEVELS.name, format!("there is no DoG level {level}"), remedy));
     }
     Ok(octaves)
 }
@@ -114,7 +103,7 @@ pub fn check_level(
 ///
 /// # Errors
 /// Parameters that make no sense for the burst.
-pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Plane, Error> {
+pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Plane> {
     params.validate_for(&burst.positions, burst.size())?;
     let noise = known_noise(burst, params, &ScaleSpace::of(params), monitor)?.model;
     let (width, height) = burst.size();
@@ -136,7 +125,7 @@ pub fn gate_noise_map(
     octave: i32,
     level: i32,
     monitor: &Monitor,
-) -> Result<Plane, Error> {
+) -> Result<Plane> {
     check_level(params, burst.size(), octave, level)?;
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let offsets = inputs.offsets(slope);
@@ -150,7 +139,7 @@ pub fn gate_noise_map(
 ///
 /// # Errors
 /// Parameters that make no sense for the burst.
-pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Error> {
+pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let (offsets, size) = (inputs.offsets(slope), inputs.size_image);
     let share = |u, v| coverage(&inputs.frames, &offsets, (u, v), 0.0).1 / offsets.len().max(1) as f32;
@@ -162,7 +151,7 @@ pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monit
 ///
 /// # Errors
 /// Parameters that make no sense for the burst.
-pub fn field_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Option<MotionField>, Error> {
+pub fn field_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Option<MotionField>> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     Ok(motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?)
 }
@@ -171,7 +160,7 @@ pub fn field_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> 
 ///
 /// # Errors
 /// As [`field_view`].
-pub fn in_focus_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Plane>, Error> {
+pub fn in_focus_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Plane>> {
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let field = motion_field(&inputs.planes(), &inputs.times, &params.used_slopes(), monitor)?;
     Ok(field.map(|field| in_focus(&inputs.planes(), &inputs.times, &field)))
@@ -224,12 +213,8 @@ mod tests {
         let burst = NoiseCase::NoisyHalf.burst((160, 120), 5, 0.02, 7, &Monitor::default()).expect("not cancelled");
         let monitor = Monitor::default();
         for slope_extrema in [SlopeExtrema::Each, SlopeExtrema::Joint] {
-            let params = DetectorParams {
-                slopes: SlopeGrid::line(-2.0..=2.0, 5),
-                octaves: 2,
-                slope_extrema,
-                ..DetectorParams::default()
-            };
+            let slopes = SlopeGrid::line(-2.0..=2.0, 5);
+            let params = DetectorParams { slopes, octaves: 2, slope_extrema, ..DetectorParams::default() };
             let trail = search_with_trail(&burst, &params, Keeping::ANEW, &monitor).expect("not cancelled");
             let all: Vec<usize> = (0..trail.frames().0.len()).collect();
             for (octave, level, slope) in [(0, 1, Slope::new(2.0, 0.0)), (1, 2, Slope::new(-0.7, 0.0))] {

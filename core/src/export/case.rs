@@ -8,7 +8,7 @@
 use super::atomic::write_marked;
 use crate::burst::{Burst, Encoding, Limits, Positions};
 use crate::detector::SearchParams;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -164,7 +164,7 @@ impl Case {
     }
 
     /// A file may hold anything.
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         for place in self.place.iter().flatten() {
             bounds::PLACE.check("place", f64::from(*place))?;
         }
@@ -180,7 +180,7 @@ impl Case {
         self.search.validate()
     }
 
-    fn positions(&self) -> Result<Positions, Error> {
+    fn positions(&self) -> Result<Positions> {
         let positions = Positions::of_lists(self.frames, &self.times, &self.views);
         let positions =
             positions.filter(|_| self.interval_s.is_none_or(|seconds| seconds.is_finite() && seconds > 0.0));
@@ -252,12 +252,7 @@ impl Truth {
 }
 
 /// Writes a case; `burst` has its frames.
-pub fn write_case(
-    path: &Path,
-    (case, burst): (&Case, &Burst),
-    enclosed: &Enclosed,
-    monitor: &Monitor,
-) -> Result<(), Error> {
+pub fn write_case(path: &Path, (case, burst): (&Case, &Burst), enclosed: &Enclosed, monitor: &Monitor) -> Result<()> {
     let about = toml::to_string(case).expect("a case is plain values, which TOML can always hold");
     let truth = enclosed.truth.as_ref().map(|truth| truth.within(case));
     let truth = truth.map(|truth| serde_json::to_string(&truth).expect("a truth is plain values"));
@@ -319,12 +314,12 @@ pub fn is_case(path: &Path) -> bool {
 }
 
 /// Reads a case without its frames.
-pub fn read_about(path: &Path) -> Result<Case, Error> {
+pub fn read_about(path: &Path) -> Result<Case> {
     about(path, &mut opened(path)?)
 }
 
 /// Reads a case and its frames.
-pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Case, Burst), Error> {
+pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Case, Burst)> {
     let mut zip = opened(path)?;
     let case = about(path, &mut zip)?;
     let [width, height] = case.size;
@@ -359,12 +354,12 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
 }
 
 /// Reads the text of a case's session; `None` where it has none.
-pub fn read_session(path: &Path) -> Result<Option<String>, Error> {
+pub fn read_session(path: &Path) -> Result<Option<String>> {
     text(path, &mut opened(path)?, SESSION, MAX_SESSION_BYTES)
 }
 
 /// Reads the truth of a case's frames; `None` where it has none.
-pub fn read_truth(path: &Path) -> Result<Option<Truth>, Error> {
+pub fn read_truth(path: &Path) -> Result<Option<Truth>> {
     let text = text(path, &mut opened(path)?, TRUTH, MAX_SESSION_BYTES)?;
     let Some(text) = text else { return Ok(None) };
     let wrong = |problem: String| invalid(path, format!("{TRUTH}: {problem}"));
@@ -379,7 +374,7 @@ pub fn has_truth(path: &Path) -> bool {
 }
 
 /// The text of an entry, of which there may be `limit` bytes at most; `None` where there is no such entry.
-fn text(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Option<String>, Error> {
+fn text(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Option<String>> {
     if zip.index_for_name(name).is_none() {
         return Ok(None);
     }
@@ -394,12 +389,12 @@ fn invalid(path: &Path, problem: impl ToString) -> Error {
 
 type Zip = ZipArchive<BufReader<File>>;
 
-fn opened(path: &Path) -> Result<Zip, Error> {
+fn opened(path: &Path) -> Result<Zip> {
     let file = File::open(path).map_err(|error| invalid(path, error))?;
     ZipArchive::new(BufReader::new(file)).map_err(|error| invalid(path, error))
 }
 
-fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>, Error> {
+fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>> {
     let entry = zip.by_name(name).map_err(|error| invalid(path, format!("{name}: {error}")))?;
     let mut bytes = Vec::new();
     // The declared size is no promise.
@@ -410,7 +405,7 @@ fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>, 
     Ok(bytes)
 }
 
-fn about(path: &Path, zip: &mut Zip) -> Result<Case, Error> {
+fn about(path: &Path, zip: &mut Zip) -> Result<Case> {
     let text = text(path, zip, ABOUT, MAX_SETTINGS_BYTES)?;
     let text = text.ok_or_else(|| invalid(path, format!("there is no {ABOUT}")))?;
     let wrong = |problem: String| invalid(path, format!("{ABOUT}: {problem}"));
@@ -422,7 +417,7 @@ fn about(path: &Path, zip: &mut Zip) -> Result<Case, Error> {
     Ok(case)
 }
 
-fn frame(path: &Path, zip: &mut Zip, case: &Case, name: &str) -> Result<Plane, Error> {
+fn frame(path: &Path, zip: &mut Zip, case: &Case, name: &str) -> Result<Plane> {
     let [width, height] = case.size;
     let words = 2 * width as u64 * height as u64;
     // A PNG of random words is hardly larger than these.

@@ -5,7 +5,7 @@
 
 use super::atomic::write_whole;
 use crate::detector::{Feature, Moves, Quantity};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::{MAX_TABLE_BYTES, read_bytes, read_text};
 use crate::plane::sample::ProfileSample;
 use std::fs::File;
@@ -27,7 +27,7 @@ fn feature_columns() -> impl Iterator<Item = usize> {
 }
 
 /// Writes the features as CSV.
-pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), Error> {
+pub fn write_csv(path: &Path, features: &[Feature]) -> Result<()> {
     write_whole(path, |out| {
         writeln!(out, "{}", feature_header())?;
         for feature in features {
@@ -44,7 +44,7 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<(), Error> {
 ///
 /// # Errors
 /// The file cannot be read, or a line has a wrong form; it is named with its number.
-pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>, Error> {
+pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>> {
     let bytes = read_bytes(path, MAX_TABLE_BYTES).map_err(|e| Error::unread_file(path, e))?;
     let text = std::str::from_utf8(&bytes).map_err(|e| {
         let line = 1 + bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count();
@@ -129,7 +129,7 @@ pub struct MatchRow {
 pub const MATCH_COLUMNS: &str = "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation";
 
 /// Writes the matches as CSV.
-pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<(), Error> {
+pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<()> {
     write_whole(path, |out| {
         writeln!(out, "{MATCH_COLUMNS}")?;
         for MatchRow { features, a, b, distance, ratio, verified, aligned } in matches {
@@ -162,7 +162,7 @@ pub struct PictureProfile {
 }
 
 /// Writes the profiles, one after the other. A sample outside its picture has an empty value.
-pub fn write_profiles_csv(path: &Path, profiles: &[PictureProfile]) -> Result<(), Error> {
+pub fn write_profiles_csv(path: &Path, profiles: &[PictureProfile]) -> Result<()> {
     write_whole(path, |out| {
         writeln!(out, "{PROFILE_COLUMNS}")?;
         for profile in profiles {

@@ -1,7 +1,7 @@
 //! Films: pictures of one size one after the other, for ever, as GIF, which is shown everywhere.
 
 use super::atomic::write_marked;
-use crate::error::Error;
+use crate::error::Result;
 use crate::files::mark::Kind;
 use crate::monitor::{Monitor, Stage};
 use image::RgbaImage;
@@ -67,7 +67,7 @@ pub fn write_film(
     pictures: (usize, impl IntoIterator<Item = io::Result<RgbaImage>>),
     per_second: u16,
     monitor: &Monitor,
-) -> Result<(), Error> {
+) -> Result<()> {
     write_marked(path, Kind::Film, |mut out| encode_film(&mut out, pictures, per_second, monitor))
 }
 

@@ -4,7 +4,7 @@ use super::colmap::write_colmap;
 use super::csv::write_csv;
 use super::npz::write_npz;
 use crate::detector::Detection;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use std::collections::HashSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ impl ExportFormat {
     }
 
     /// Writes the features of `detection` to the file `path` in this format.
-    pub fn write(self, path: &Path, detection: &Detection) -> Result<(), Error> {
+    pub fn write(self, path: &Path, detection: &Detection) -> Result<()> {
         match self {
             Self::Csv => write_csv(path, &detection.features),
             Self::Colmap => write_colmap(path, &detection.features, &detection.descriptors),
@@ -63,7 +63,7 @@ impl fmt::Display for ExportFormat {
 impl FromStr for ExportFormat {
     type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
+    fn from_str(text: &str) -> Result<Self> {
         let named = |f: &Self| f.to_string().eq_ignore_ascii_case(text.trim());
         Self::ALL.into_iter().find(named).ok_or_else(|| {
             let problem = format!("there is no export format '{text}'");
@@ -83,7 +83,7 @@ pub fn write_detection(
     burst_name: &str,
     detection: &Detection,
     formats: &[ExportFormat],
-) -> Result<Vec<PathBuf>, Error> {
+) -> Result<Vec<PathBuf>> {
     let files = detection_files(folder, burst_name, formats);
     let written = files.into_iter().zip(formats).map(|(path, format)| {
         format.write(&path, detection)?;

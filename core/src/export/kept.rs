@@ -7,7 +7,7 @@
 
 use super::atomic::write_whole;
 use crate::detector::REVISION;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::mark::{Kind, claims};
 use crate::files::unfinished::{is_free, remove_abandoned};
 use crate::files::{MAX_SESSION_BYTES, read_text};
@@ -81,7 +81,7 @@ impl Records {
     }
 
     /// Creates the folder, and removes files that killed runs have left there.
-    pub fn begin(&self) -> Result<(), Error> {
+    pub fn begin(&self) -> Result<()> {
         std::fs::create_dir_all(&self.folder).map_err(|error| Error::unwritten(&self.folder, &error))?;
         remove_abandoned(&self.folder);
         Ok(())
@@ -93,7 +93,7 @@ impl Records {
     }
 
     /// Writes the record `name`, after the files that it describes.
-    pub fn write<T: Serialize>(&self, name: &str, record: &Record<T>) -> Result<(), Error> {
+    pub fn write<T: Serialize>(&self, name: &str, record: &Record<T>) -> Result<()> {
         self.check(name)?;
         write_whole(&self.path(name), |out| {
             serde_json::to_writer_pretty(&mut *out, record)?;
@@ -102,7 +102,7 @@ impl Records {
     }
 
     /// Removes the record `name`, before the files that it describes are changed.
-    pub fn remove(&self, name: &str) -> Result<(), Error> {
+    pub fn remove(&self, name: &str) -> Result<()> {
         self.check(name)?;
         let path = self.path(name);
         match std::fs::remove_file(&path) {
@@ -111,7 +111,7 @@ impl Records {
         }
     }
 
-    fn check(&self, name: &str) -> Result<(), Error> {
+    fn check(&self, name: &str) -> Result<()> {
         let path = self.path(name);
         let is_other = std::fs::metadata(&path).is_ok_and(|file| file.is_file() && file.len() > 0)
             && self.read::<serde_json::Map<String, Value>>(name).is_none();
@@ -128,7 +128,7 @@ impl Records {
 ///
 /// # Errors
 /// One of its `parts` is a link, which leads out of the folder.
-pub fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool, Error> {
+pub fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool> {
     match parts.iter().map(|part| folder.join(part)).find(|part| part.is_symlink()) {
         Some(path) => Err(Error::link(&path)),
         None => Ok(claims::<Value>(folder, kind).is_some() || is_free(folder).unwrap_or(true)),

@@ -5,7 +5,7 @@
 
 use super::atomic::write_marked;
 use crate::detector::{Descriptor, Feature, Motion, MotionField, Quantity};
-use crate::error::Error;
+use crate::error::Result;
 use crate::files::mark::Kind;
 use ndarray::{Array2, Array3, ArrayView2};
 use ndarray_npy::NpzWriter;
@@ -16,7 +16,7 @@ use std::path::Path;
 /// right and down and `covariance` `[rows, columns, 3]` (of u, of u with v, of v), pixels per frame; `known` and
 /// `layer`
 /// `[rows, columns]` uint8; `layers` `[n, 4]` float32, the motions of the layers, their spreads and shares.
-pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<(), Error> {
+pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<()> {
     let (columns, rows) = field.size;
     let floats = |last: usize, of: &dyn Fn(&Motion) -> Vec<f32>| {
         let values = field.motions.iter().flat_map(of).collect();
@@ -41,7 +41,7 @@ pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<(), Error> {
 }
 
 /// Writes features and descriptors, one for each feature (it panics if the numbers differ); also without any.
-pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), Error> {
+pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<()> {
     assert_eq!(features.len(), descriptors.len(), "each feature has one descriptor");
     let values = |f| Quantity::STORED.into_iter().filter_map(move |quantity| quantity.of(f));
     let rows: Vec<f32> = features.iter().flat_map(values).collect();

@@ -6,7 +6,7 @@
 use super::atomic::is_of_system;
 use super::colmap::is_colmap_text;
 use super::csv::is_table;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::mark::{Checksum, has_mark};
 use std::collections::HashSet;
 use std::fs::Metadata;
@@ -114,7 +114,7 @@ impl OutputRules {
     /// # Errors
     /// A file that was opened, in any case; a folder or a device; without [`Overwrite::Force`] a link, and a file that
     /// Burstscope did not write, or not as it is now.
-    pub fn check(&self, path: &Path) -> Result<(), Error> {
+    pub fn check(&self, path: &Path) -> Result<()> {
         self.check_if(path, || is_ours(path)).map_err(|refused| refused.unwrap_or(Error::foreign(path)))
     }
 
@@ -123,7 +123,7 @@ impl OutputRules {
     ///
     /// # Errors
     /// As [`Self::check`]; the remedy is another folder.
-    pub fn check_own(&self, path: &Path, known: &[Checksum]) -> Result<(), Error> {
+    pub fn check_own(&self, path: &Path, known: &[Checksum]) -> Result<()> {
         let is_ours =
             || has_mark(path, false) || is_colmap_text(path, false) || known.iter().any(|content| content.is_of(path));
         self.check_if(path, is_ours).map_err(|refused| refused.unwrap_or(Error::in_the_way(path)))
@@ -144,7 +144,7 @@ impl OutputRules {
     }
 
     /// Fails when an opened file lies in `folder`, which is to be replaced as a whole.
-    pub fn check_folder(&self, folder: &Path) -> Result<(), Error> {
+    pub fn check_folder(&self, folder: &Path) -> Result<()> {
         let holds = |real: PathBuf| self.inputs.places.iter().any(|place| place.starts_with(&real));
         if std::fs::canonicalize(folder).is_ok_and(holds) { Err(Error::opened(folder)) } else { Ok(()) }
     }

@@ -1,7 +1,7 @@
 //! PNG files of 8-bit RGB or RGBA pictures, as shown in the window.
 
 use super::atomic::write_marked;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::mark::{Kind, SOFTWARE};
 use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 use std::borrow::Cow;
@@ -40,7 +40,7 @@ impl<'a> Picture<'a> {
         self.pixels.chunks_exact(bytes).map(|p| [p[0], p[1], p[2]]).collect()
     }
 
-    pub(super) fn check_size(&self, path: &Path) -> Result<(), Error> {
+    pub(super) fn check_size(&self, path: &Path) -> Result<()> {
         // PNG's own limit is 2³¹ − 1 for each side.
         let fits = |side: usize| (1..=i32::MAX as usize).contains(&side);
         if fits(self.width) && fits(self.height) {
@@ -92,7 +92,7 @@ impl<'a> Picture<'a> {
 }
 
 /// Writes the picture as PNG.
-pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<(), Error> {
+pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<()> {
     picture.check_size(path)?;
     write_marked(path, Kind::Picture, |out| picture.encode_png(out))
 }

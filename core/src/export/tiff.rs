@@ -2,7 +2,7 @@
 
 use super::atomic::write_whole;
 use crate::detector::MotionField;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::mark::{Checksum, Kind, Mark, SOFTWARE};
 use crate::plane::Plane;
 use std::io::{self, Seek, Write};
@@ -18,13 +18,13 @@ use tiff::tags::Tag;
 const MAX_PLAIN_BYTES: usize = 0xf000_0000;
 
 /// Writes the plane's values unchanged.
-pub fn write_tiff(path: &Path, plane: &Plane) -> Result<(), Error> {
+pub fn write_tiff(path: &Path, plane: &Plane) -> Result<()> {
     write_samples::<Gray32Float>(path, plane.size(), plane.data())
 }
 
 /// Writes a field of motion on the pixels of an image of `size` (columns, rows), three samples a pixel: motion to the
 /// right and down, and its standard deviation along the least certain direction, pixels per frame.
-pub fn write_field_tiff(path: &Path, field: &MotionField, size: (usize, usize)) -> Result<(), Error> {
+pub fn write_field_tiff(path: &Path, field: &MotionField, size: (usize, usize)) -> Result<()> {
     write_samples::<RGB32Float>(path, size, &field_samples(field, size))
 }
 
@@ -44,7 +44,7 @@ fn write_samples<C: ColorType<Inner = f32>>(
     path: &Path,
     (width, height): (usize, usize),
     samples: &[f32],
-) -> Result<(), Error> {
+) -> Result<()> {
     let unfit = || Error::unfit(path, (width, height), "TIFF");
     let columns = u32::try_from(width).ok().filter(|w| *w > 0).ok_or_else(unfit)?;
     let rows = u32::try_from(height).ok().filter(|h| *h > 0).ok_or_else(unfit)?;

@@ -6,7 +6,7 @@
 //! Elsewhere that cannot be seen, and the hidden file stays. A file of its name with any other text is somebody's.
 
 use super::path_text;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use std::ffi::OsStr;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
@@ -56,12 +56,12 @@ impl FolderLock {
     ///
     /// # Errors
     /// Another process has it, or the folder cannot be written.
-    pub fn take(folder: &Path) -> Result<Self, Error> {
+    pub fn take(folder: &Path) -> Result<Self> {
         Self::at(folder, folder, folder.join(LOCK_FILE))
     }
 
     /// Takes the lock of a `folder` that is replaced as a whole: the lock lies in the parent folder, which is created.
-    pub fn beside(folder: &Path) -> Result<Self, Error> {
+    pub fn beside(folder: &Path) -> Result<Self> {
         let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         remove_abandoned(parent);
         let name = path_text(Path::new(folder.file_name().unwrap_or_default()));
@@ -69,7 +69,7 @@ impl FolderLock {
         Self::at(folder, parent, parent.join(format!("{HIDDEN_PREFIX}-{name}{LOCK_SUFFIX}")))
     }
 
-    fn at(folder: &Path, place: &Path, path: PathBuf) -> Result<Self, Error> {
+    fn at(folder: &Path, place: &Path, path: PathBuf) -> Result<Self> {
         let failed = |error: io::Error| Error::unwritten(&path, &error);
         let refused = |words: &str| failed(io::Error::other(words));
         // From here on the created folders are removed again, even if the lock cannot be taken.
@@ -116,7 +116,7 @@ impl FolderLock {
     }
 
     /// Fails when the folder was removed, or another one has its place.
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<()> {
         let there = match &self.file {
             Some(file) if self.is_locked => is_named(file, &self.path),
             // Another process may have put its own file there.

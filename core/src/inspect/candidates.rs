@@ -153,15 +153,11 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
         });
         let telling = Telling::new(trail, around, sample, &judgement);
         let margin = first_failed.and_then(|test| telling.report(test).margin());
-        Some(CandidateMark {
-            pos_image: [sample.x as f32 * pixel, sample.y as f32 * pixel],
-            sigma: trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32,
-            sample: *sample,
-            value: judgement.value,
-            snr: over(judgement.value.abs(), judgement.sigma_d),
-            first_failed,
-            margin: margin.map(|m| m as f32),
-        })
+        let pos_image = [sample.x as f32 * pixel, sample.y as f32 * pixel];
+        let sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
+        let (value, snr) = (judgement.value, over(judgement.value.abs(), judgement.sigma_d));
+        let margin = margin.map(|m| m as f32);
+        Some(CandidateMark { pos_image, sigma, sample: *sample, value, snr, first_failed, margin })
     };
     samples.iter().zip(judged).filter_map(mark).collect()
 }

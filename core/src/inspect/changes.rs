@@ -7,7 +7,7 @@
 //! together.
 
 use crate::detector::{Feature, Slope};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::export::{feature_header, read_colmap, read_features_csv};
 use crate::inspect::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use serde::Serialize;
@@ -83,13 +83,8 @@ impl Changes {
 
     /// The counts as a sentence.
     pub fn summary(&self) -> String {
-        format!(
-            "{} gained, {} lost, {} moved, {} as before",
-            self.gained.len(),
-            self.lost.len(),
-            self.moved().count(),
-            self.same.len() - self.moved().count()
-        )
+        let (gained, lost, moved) = (self.gained.len(), self.lost.len(), self.moved().count());
+        format!("{gained} gained, {lost} lost, {moved} moved, {} as before", self.same.len() - moved)
     }
 }
 
@@ -111,13 +106,9 @@ pub fn compare(before: &[Spot], after: &[Spot]) -> Changes {
         changes.same.extend(earlier.iter().zip(&features).map(|(&was, &is)| {
             let (was_spot, is_spot) = (&before[was], &after[is]);
             let slopes = is_spot.slope.zip(was_spot.slope);
-            Same {
-                before: was,
-                after: is,
-                moved_px: apart(is_spot, was_spot),
-                slope_moved: slopes.map_or(0.0, |(a, b)| (a.u - b.u).hypot(a.v - b.v)),
-                scale_ratio: is_spot.sigma / was_spot.sigma,
-            }
+            let slope_moved = slopes.map_or(0.0, |(a, b)| (a.u - b.u).hypot(a.v - b.v));
+            let (moved_px, scale_ratio) = (apart(is_spot, was_spot), is_spot.sigma / was_spot.sigma);
+            Same { before: was, after: is, moved_px, slope_moved, scale_ratio }
         }));
         changes.gained.extend(&features[both..]);
         changes.lost.extend(&earlier[both..]);
@@ -215,17 +206,13 @@ pub struct ForeignFeature {
 /// # Errors
 /// The file cannot be read, or a line, which is named, has a wrong form, a place that is no number, or a scale that is
 /// not above 0.
-pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, Error> {
+pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>> {
     let features: Vec<ForeignFeature> = if is_table(path)? {
-        let rows = read_features_csv(path)?.into_iter().map(|row| ForeignFeature {
-            pos_image: [row.u, row.v],
-            sigma: row.sigma,
-            orientation: row.orientation,
-            slope: Some(row.slope),
-            response: Some(row.response),
-            snr: Some(row.snr),
-        });
-        rows.collect()
+        let of_row = |Feature { u, v, sigma, orientation, slope, response, snr, .. }: Feature| {
+            let (slope, response, snr) = (Some(slope), Some(response), Some(snr));
+            ForeignFeature { pos_image: [u, v], sigma, orientation, slope, response, snr }
+        };
+        read_features_csv(path)?.into_iter().map(of_row).collect()
     } else {
         let keypoints = read_colmap(path)?.0.into_iter().map(|k| ForeignFeature {
             pos_image: k.pos_image().map(|x| x as f32),
@@ -246,7 +233,7 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>, Error> {
 }
 
 /// Whether a file is a feature table of ours, from its beginning; otherwise it is COLMAP's text.
-fn is_table(path: &Path) -> Result<bool, Error> {
+fn is_table(path: &Path) -> Result<bool> {
     let read = |e: std::io::Error| Error::unread_file(path, e);
     let mut start = Vec::new();
     std::fs::File::open(path).map_err(read)?.take(256).read_to_end(&mut start).map_err(read)?;
@@ -332,14 +319,8 @@ mod tests {
     fn both_formats_come_back_with_the_same_places() {
         let home = tempfile::tempdir().expect("a folder");
         let slope = Slope::new(1.0, -0.5);
-        let features = [(10.25, 20.5), (0.0, 3.0)].map(|(u, v)| Feature {
-            u,
-            v,
-            sigma: 2.5,
-            orientation: 0.5,
-            slope,
-            ..Feature::default()
-        });
+        let at = |u, v| Feature { u, v, sigma: 2.5, orientation: 0.5, slope, ..Feature::default() };
+        let features = [at(10.25, 20.5), at(0.0, 3.0)];
         let (csv, text) = (home.path().join("a.csv"), home.path().join("a.txt"));
         write_csv(&csv, &features).expect("written");
         write_colmap(&text, &features, &[[7; 128]; 2]).expect("written");

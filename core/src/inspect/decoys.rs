@@ -9,7 +9,7 @@
 use super::words::{counted, number};
 use crate::detector::stack::FrameTimes;
 use crate::detector::{Feature, Method, SearchParams, Trail};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::synth::random::Stream;
 use serde::Serialize;
@@ -51,16 +51,15 @@ impl DecoyStudy {
     ///
     /// # Errors
     /// As [`decoys`].
-    pub fn check(&self, params: &SearchParams, frames: usize) -> Result<(), Error> {
+    pub fn check(&self, params: &SearchParams, frames: usize) -> Result<()> {
         let is_one = params.detector.method == Method::Merge;
         self.orders(if is_one { 1 } else { params.detector.used_frames(frames).len() }).map(|_| ())
     }
 
     /// Orders of `frames` frames, no two of them alike or each other's reverse, all nearly unrelated to time.
-    fn orders(&self, frames: usize) -> Result<Vec<Vec<usize>>, Error> {
-        let error = |parameter: &str, problem: String, remedy: String| Error::param(parameter, problem, remedy);
+    fn orders(&self, frames: usize) -> Result<Vec<Vec<usize>>> {
         if !(1..=MAX_COPIES).contains(&self.copies) {
-            return Err(error("copies", self.copies.to_string(), format!("give 1 to {MAX_COPIES}")));
+            return Err(Error::param("copies", self.copies.to_string(), format!("give 1 to {MAX_COPIES}")));
         }
         let mut stream = Stream::new(self.seed, 0);
         let mut orders: Vec<Vec<usize>> = Vec::new();
@@ -76,13 +75,12 @@ impl DecoyStudy {
             }
         }
         Err(match orders.len() {
-            0 => error(
+            0 => Error::param(
                 "frames",
                 format!("{} taking part", counted(frames, "frame")),
-                "decoys are the frames in other orders, which takes 4 or more of them, and a method that reads them one by one"
-                    .to_owned(),
+                "decoys are the frames in other orders, which takes 4 or more of them, and a method that reads them one by one",
             ),
-            most => error(
+            most => Error::param(
                 "copies",
                 format!("{}; {frames} frames have only {most} orders unlike their own", self.copies),
                 format!("give at most {most}"),
@@ -135,7 +133,7 @@ pub struct FalseRate {
 ///
 /// # Errors
 /// A number of copies that is out of range or that so few frames do not have, and cancellation.
-pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<DecoyReport, Error> {
+pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<DecoyReport> {
     let (_, kept, positions) = trail.frames();
     let mut orders = study.orders(kept.len())?;
     if trail.params().max_features > 0 {
@@ -150,13 +148,9 @@ pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<De
     let here = all.as_ref().unwrap_or(&trail.detection().features);
     let spread = FrameTimes::all(positions.clone()).spread_frames();
     let spread_px = |feature: &Feature| feature.slope.magnitude() * spread;
-    Ok(DecoyReport {
-        frames: kept.len(),
-        copies: study.copies,
-        seed: study.seed,
-        still: here.iter().filter(|feature| spread_px(feature) < feature.sigma).count(),
-        rates: SNRS.iter().map(|&snr| FalseRate::of(snr, here, &searched)).collect(),
-    })
+    let still = here.iter().filter(|feature| spread_px(feature) < feature.sigma).count();
+    let rates = SNRS.iter().map(|&snr| FalseRate::of(snr, here, &searched)).collect();
+    Ok(DecoyReport { frames: kept.len(), copies: study.copies, seed: study.seed, still, rates })
 }
 
 impl FalseRate {
@@ -228,6 +222,7 @@ impl DecoyReport {
 mod tests {
     use super::*;
     use crate::burst::Burst;
+    use crate::detector::memory::on_threads;
     use crate::detector::{DetectorParams, NoiseGate, Slope, SlopeGrid};
     use crate::inspect::ProbeCache;
     use crate::plane::Plane;
@@ -300,10 +295,7 @@ mod tests {
     #[test]
     fn one_seed_gives_one_result_on_any_number_of_threads() {
         let cache = cache(&burst(6, 6, Slope::new(1.5, 0.0)), line(3.5));
-        let on = |threads: usize, seed: u64| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| report(&cache, DecoyStudy { copies: 2, seed }))
-        };
+        let on = |threads, seed| on_threads(threads, || report(&cache, DecoyStudy { copies: 2, seed }));
         let one = on(1, 7);
         assert_eq!(one, on(3, 7));
         assert_ne!(one, on(3, 8), "another seed is another order");
@@ -350,20 +342,15 @@ mod tests {
     #[test]
     fn it_ends_when_it_is_cancelled() {
         let cache = cache(&burst(5, 0, Slope::default()), line(5.0));
-        let monitor = Monitor::default();
-        monitor.cancel();
-        let ended = decoys(&cache.trail, &DecoyStudy::default(), &monitor);
+        let ended = decoys(&cache.trail, &DecoyStudy::default(), &Monitor::cancelled());
         assert!(ended.as_ref().is_err_and(Error::is_cancelled), "{ended:?}");
     }
 
     #[test]
     fn still_features_put_the_rates_in_doubt() {
-        let rate = |snr, found: usize, rate: f64| FalseRate {
-            snr,
-            found,
-            in_copies: vec![(rate * found as f64) as usize],
-            rate: (found > 0).then_some(rate),
-            error: (found > 0).then_some(0.1),
+        let rate = |snr, found: usize, rate: f64| {
+            let (in_copies, is_known) = (vec![(rate * found as f64) as usize], found > 0);
+            FalseRate { snr, found, in_copies, rate: is_known.then_some(rate), error: is_known.then_some(0.1) }
         };
         let rates = vec![rate(0.0, 100, 0.9), rate(8.0, 50, 0.79), rate(30.0, 10, 0.13)];
         let report = DecoyReport { frames: 10, copies: 1, seed: 1, still: 10, rates };

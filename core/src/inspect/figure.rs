@@ -205,13 +205,9 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
     let title = format!("Slopes of {name}");
     let mut sheet = Sheet::new(SLOPES_WIDTH, &title);
     sheet.styled_text((24.0, 30.0), 16.0, Anchor::Start, r#"font-weight="bold""#, &title);
-    let found = format!(
-        "{} at {}; {} at the limit. What the frames show: {}.",
-        counted(spectrum.features, "feature"),
-        counted(spectrum.cost.slopes, "slope"),
-        spectrum.at_limit,
-        spectrum.finding.summary_beside_judgement()
-    );
+    let (features, slopes) = (counted(spectrum.features, "feature"), counted(spectrum.cost.slopes, "slope"));
+    let (at_limit, summary) = (spectrum.at_limit, spectrum.finding.summary_beside_judgement());
+    let found = format!("{features} at {slopes}; {at_limit} at the limit. What the frames show: {summary}.");
     let top = sheet.paragraph((24.0, 52.0), 13.0, SLOPES_WIDTH - 48.0, &found) + 24.0;
     let mut end =
         if spectrum.grid.is_plane() { plane(&mut sheet, top, spectrum) } else { line(&mut sheet, top, spectrum) };
@@ -299,12 +295,8 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     .into_iter()
     .enumerate()
     {
-        let area = Area {
-            x: SLOPES_LEFT + 380.0 * column as f64,
-            y: top,
-            width: side * size.0 as f64,
-            height: side * size.1 as f64,
-        };
+        let (width, height) = (side * size.0 as f64, side * size.1 as f64);
+        let area = Area { x: SLOPES_LEFT + 380.0 * column as f64, y: top, width, height };
         heading(sheet, 12.0, area, name);
         let mut values = Plane::from_fn(size.0, size.1, |_, _| 0.0);
         for bar in &spectrum.bars {
@@ -317,12 +309,9 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
         sheet.picture(area, &inverted, &Display::default().with_range(0.0, max));
         sheet.rectangle(area, &format!(r#"fill="none" stroke="{GRID}""#));
         // Outline of the slopes that were searched.
-        let searched = Area {
-            x: area.x - i0 as f64 * side,
-            y: area.y - j0 as f64 * side,
-            width: grid.u.count as f64 * side,
-            height: grid.v.count as f64 * side,
-        };
+        let (x, y) = (area.x - i0 as f64 * side, area.y - j0 as f64 * side);
+        let (width, height) = (grid.u.count as f64 * side, grid.v.count as f64 * side);
+        let searched = Area { x, y, width, height };
         sheet.rectangle(searched, &format!(r#"fill="none" stroke="{RED}" stroke-width="1.5" stroke-dasharray="4 3""#));
         let ends = |axis: &crate::detector::SlopeAxis, first: i64, count: usize| {
             let begin = f64::from(axis.value(0.0)) + (first as f64 - 0.5) * f64::from(axis.step());

@@ -42,7 +42,7 @@ use crate::burst::Burst;
 use crate::detect::PreparedSearch;
 use crate::detector::pipeline::{FirstFeatures, Keeping, search_with_trail};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding, Trail};
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use std::sync::Arc;
 
@@ -61,7 +61,7 @@ pub struct ProbeCache {
 
 impl ProbeCache {
     /// Detects the features of `burst`, finding its slopes first if requested, and keeps the data that questions need.
-    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn new(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self> {
         Self::after(&[], burst, params, &|_| {}, monitor)
     }
 
@@ -74,7 +74,7 @@ impl ProbeCache {
         params: &SearchParams,
         first: FirstFeatures<'_>,
         monitor: &Monitor,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let PreparedSearch { burst, params: prepared, finding, rest, .. } =
             PreparedSearch::new(burst, params, monitor)?;
         let known = |cache: &&Arc<Self>| cache.trail.known_slopes(&burst, &prepared);

@@ -48,7 +48,7 @@ pub fn outlook(trail: &Trail, fate: &Fate) -> Option<Outlook> {
         return None;
     }
     let factor = (limit + NINE_OF_TEN) / value;
-    let frames_now = frames_showing(trail, fate);
+    let frames_now = trail.showing(fate.pos_image.into(), fate.slope).len().max(1);
     let frames_inside = frames_inside(trail, fate);
     let needed = frames_needed(frames_now, factor);
     let frames = needed.filter(|needed| frames_inside.is_none_or(|inside| *needed <= inside));
@@ -78,10 +78,6 @@ pub fn frames_needed(now: usize, factor: f64) -> Option<usize> {
 fn exposure_needed(shot_part: f64, factor: f64) -> f64 {
     let (s, f2) = (shot_part.clamp(0.0, 1.0), factor * factor);
     0.5 * (f2 * s + (f2 * f2 * s * s + 4.0 * f2 * (1.0 - s)).sqrt())
-}
-
-fn frames_showing(trail: &Trail, fate: &Fate) -> usize {
-    trail.showing((fate.pos_image[0], fate.pos_image[1]), fate.slope).len().max(1)
 }
 
 /// Number of frames for which a candidate is inside the picture, if the burst went on at both ends.
@@ -170,17 +166,8 @@ mod tests {
 
     /// Chart of one disc, and its search with a fixed gate.
     fn searched(frames: usize, snr: f64, seed: u64) -> (ProbeCache, [f32; 2]) {
-        let chart = ChartParams {
-            width: 160,
-            height: 120,
-            discs: 1,
-            radius: 5.0..=5.0001,
-            frames,
-            snr,
-            max_slope: 0.5,
-            seed,
-            ..ChartParams::default()
-        };
+        let small = ChartParams { width: 160, height: 120, ..ChartParams::default() };
+        let chart = ChartParams { discs: 1, radius: 5.0..=5.0001, frames, snr, max_slope: 0.5, seed, ..small };
         let (burst, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
         let slopes = SlopeGrid::line(-0.5..=0.5, 5);
         let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(5.0), ..DetectorParams::default() };

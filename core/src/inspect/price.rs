@@ -9,7 +9,7 @@ use crate::burst::Burst;
 use crate::detector::advice::grouped;
 use crate::detector::scale_space::{octave_size, searched_octaves};
 use crate::detector::{DetectorParams, ParamChange, Sample, SearchParams, Trail};
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 use std::cmp::Ordering;
@@ -67,7 +67,7 @@ pub fn price(
     change: &ParamChange,
     sample: Option<Sample>,
     monitor: &Monitor,
-) -> Result<Price, Error> {
+) -> Result<Price> {
     if let Some(price) = price_at_once(&cache.trail, change, sample, monitor)? {
         return Ok(price);
     }

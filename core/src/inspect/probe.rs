@@ -15,7 +15,7 @@ use super::verdict::Judged;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{Sample, Slope, Test, Trail};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::inspect::telling::fate;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
@@ -66,14 +66,8 @@ pub struct ProbeOptions {
 
 impl Default for ProbeOptions {
     fn default() -> Self {
-        Self {
-            reach_sigmas: 2.0,
-            wanted: Wanted::Best,
-            near_sigma: None,
-            in_view: None,
-            motion: None,
-            slice_half_px: 60,
-        }
+        let (wanted, near_sigma, in_view, motion) = (Wanted::Best, None, None, None);
+        Self { reach_sigmas: 2.0, wanted, near_sigma, in_view, motion, slice_half_px: 60 }
     }
 }
 
@@ -153,7 +147,7 @@ impl Probe {
 
 /// Checks that `place` (u, v) lies in a picture of `size` (columns, rows), whose outer pixels reach half a pixel
 /// beyond their centres.
-pub fn check_place(place: [f32; 2], size: (usize, usize)) -> Result<(), Error> {
+pub fn check_place(place: [f32; 2], size: (usize, usize)) -> Result<()> {
     let inside = |x: f32, n: usize| x >= -0.5 && x <= n as f32 - 0.5;
     if inside(place[0], size.0) && inside(place[1], size.1) { Ok(()) } else { Err(outside(place, size)) }
 }
@@ -165,7 +159,7 @@ pub fn outside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Error {
 }
 
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
-pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monitor: &Monitor) -> Result<Probe, Error> {
+pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monitor: &Monitor) -> Result<Probe> {
     let trail = &cache.trail;
     let mut nearness = Nearness { place, sigma: options.near_sigma, slopes: options.in_view.into_iter().collect() };
     if let Wanted::Feature(index) = options.wanted {
@@ -271,12 +265,7 @@ fn reasons(
     Ok(small.into_iter().chain(at_another_slope(trail, nearness, fates, own_slope)).collect())
 }
 
-fn subject(
-    trail: &Trail,
-    nearness: &Nearness,
-    (fates, peaks): (&[Fate], &[Peak]),
-    wanted: Wanted,
-) -> Result<Subject, Error> {
+fn subject(trail: &Trail, nearness: &Nearness, (fates, peaks): (&[Fate], &[Peak]), wanted: Wanted) -> Result<Subject> {
     let (grid, place) = (trail.params().used_slopes(), nearness.place);
     if let Wanted::Scale { octave, level, slope_index } = wanted {
         let levels = 0..trail.space().levels as i32;
@@ -383,9 +372,7 @@ pub(super) struct Near {
 /// Examines the samples within `reach_sigmas` of their σ of a place (u, v), input pixels.
 pub(super) fn near(trail: &Trail, place: [f32; 2], reach_sigmas: f32, monitor: &Monitor) -> Result<Near, Cancelled> {
     let mut out = Near::default();
-    for octave in trail.octaves() {
-        add_octave(trail, place, octave, reach_sigmas, monitor, &mut out)?;
-    }
+    trail.octaves().try_for_each(|octave| add_octave(trail, place, octave, reach_sigmas, monitor, &mut out))?;
     Ok(out)
 }
 
@@ -440,12 +427,7 @@ pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Opti
     }))
 }
 
-fn summary_of(
-    nearness: &Nearness,
-    (fates, near): (&[Fate], usize),
-    reasons: &[Reason],
-    response: &ResponseMap,
-) -> String {
+fn summary_of(nearness: &Nearness, (fates, near): (&[Fate], usize), reasons: &[Reason], map: &ResponseMap) -> String {
     let here: Vec<&Fate> = fates.iter().filter(|fate| nearness.is_here(fate)).collect();
     let kept = here.iter().filter(|f| f.is_kept()).count();
     if let Some(small) = reasons.iter().find(|reason| reason.kind == ReasonKind::TooSmall) {
@@ -489,14 +471,12 @@ fn summary_of(
         let reach = if fates.len() == 1 { "reaches" } else { "reach" };
         return format!("{nothing}; {} {reach} over it.", counted(fates.len(), "larger blob"));
     }
-    let (column, row, strongest) = response.strongest();
-    let scale = response.scales.get(row).map_or(0.0, |scale| scale.sigma);
-    let slope = response.columns.get(column).copied().unwrap_or_default();
-    let strength = if response.is_noiseless { format!("{strongest:+.1e}") } else { format!("{strongest:+.1} σ") };
+    let (column, row, strongest) = map.strongest();
+    let scale = number(map.scales.get(row).map_or(0.0, |scale| scale.sigma), 1);
+    let slope = slope_text(map.columns.get(column).copied().unwrap_or_default());
+    let strength = if map.is_noiseless { format!("{strongest:+.1e}") } else { format!("{strongest:+.1} σ") };
     format!(
-        "Nothing here is an extremum at any slope and scale. The strongest response is {strength}, at scale {} px and slope {}.",
-        number(scale, 1),
-        slope_text(slope)
+        "Nothing here is an extremum at any slope and scale. The strongest response is {strength}, at scale {scale} px and slope {slope}."
     )
 }
 

@@ -122,12 +122,8 @@ pub(super) fn clearest<'p>(trail: &Trail, peaks: impl Iterator<Item = &'p Peak>)
         let Sample { octave, level, slope_index, x, y } = peak.sample;
         let (pixel, slope) = (octave_pixel(octave), trail.params().used_slopes().slope(slope_index));
         let pos_image = [x as f32 * pixel, y as f32 * pixel];
-        Clear {
-            peak: *peak,
-            pos_image,
-            slope,
-            snr: peak.value.abs() / noise_at(trail, (octave, level), pos_image, slope),
-        }
+        let snr = peak.value.abs() / noise_at(trail, (octave, level), pos_image, slope);
+        Clear { peak: *peak, pos_image, slope, snr }
     };
     let strongest = of_slopes.into_iter().flatten().map(clear).max_by(|a, b| a.snr.total_cmp(&b.snr));
     strongest.filter(|clear| clear.snr.is_finite() && clear.snr >= LOWEST_GATE)

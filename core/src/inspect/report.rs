@@ -75,16 +75,9 @@ fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
         writeln!(out, "  {} here{which}", counted(alone.len(), "other candidate"))?;
         writeln!(out, "       u       v    σ px          slope   response  what happened")?;
         for fate in &alone[..shown] {
-            writeln!(
-                out,
-                "  {:>6} {:>7} {:>7} {:>14} {:>8} σ  {}",
-                number(fate.pos_image[0], 1),
-                number(fate.pos_image[1], 1),
-                number(fate.sigma, 1),
-                slope_text(fate.slope),
-                snr_text(fate.snr),
-                fate.verdict
-            )?;
+            let [u, v] = fate.pos_image.map(|x| number(x, 1));
+            let (sigma, slope, snr) = (number(fate.sigma, 1), slope_text(fate.slope), snr_text(fate.snr));
+            writeln!(out, "  {u:>6} {v:>7} {sigma:>7} {slope:>14} {snr:>8} σ  {}", fate.verdict)?;
         }
     }
     // Grouped by the keypoint that covers them, in order of the strongest covered.
@@ -98,17 +91,10 @@ fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
     }
     for (rival, fates) in groups.iter().take(LISTED) {
         let strongest = fates.iter().map(|f| f.snr).fold(0.0, f32::max);
-        writeln!(
-            out,
-            "  {} of {} at ({}, {}), σ {} px, slope {}: the strongest has {} σ",
-            counted(fates.len(), "duplicate"),
-            rival.name(),
-            number(rival.pos_image[0], 1),
-            number(rival.pos_image[1], 1),
-            number(rival.sigma, 1),
-            slope_text(rival.slope),
-            snr_text(strongest)
-        )?;
+        let (count, name, [u, v]) =
+            (counted(fates.len(), "duplicate"), rival.name(), rival.pos_image.map(|x| number(x, 1)));
+        let (sigma, slope, snr) = (number(rival.sigma, 1), slope_text(rival.slope), snr_text(strongest));
+        writeln!(out, "  {count} of {name} at ({u}, {v}), σ {sigma} px, slope {slope}: the strongest has {snr} σ")?;
     }
     write_larger(out, probe)
 }
@@ -127,17 +113,12 @@ fn write_larger(out: &mut String, probe: &Probe) -> std::fmt::Result {
 
 fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
     let [u, v] = fate.pos_image;
+    let [u, v] = [u, v].map(|x| number(x, 1));
+    let (sigma, slope) = (number(fate.sigma, 1), slope_text(fate.slope));
+    let Fate { octave, level, value, sigma_d, .. } = fate;
     writeln!(
         out,
-        "  candidate at ({}, {}), σ {} px, slope {} px/frame (octave {}, level {}): D {:+.2e}, its noise {:.2e}",
-        number(u, 1),
-        number(v, 1),
-        number(fate.sigma, 1),
-        slope_text(fate.slope),
-        fate.octave,
-        fate.level,
-        fate.value,
-        fate.sigma_d
+        "  candidate at ({u}, {v}), σ {sigma} px, slope {slope} px/frame (octave {octave}, level {level}): D {value:+.2e}, its noise {sigma_d:.2e}"
     )?;
     for report in &fate.tests {
         match report.outcome {
@@ -172,13 +153,8 @@ fn report_line(report: &TestReport, is_first_failed: bool) -> String {
 }
 
 fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
-    writeln!(
-        out,
-        "  each frame's response along slope {} (σ {} px): {}",
-        slope_text(shares.slope),
-        number(shares.sigma, 1),
-        shares.meaning
-    )?;
+    let (slope, sigma) = (slope_text(shares.slope), number(shares.sigma, 1));
+    writeln!(out, "  each frame's response along slope {slope} (σ {sigma} px): {}", shares.meaning)?;
     let sign = if shares.evenness.mean < 0.0 { -1.0 } else { 1.0 };
     let max =
         shares.frames.iter().filter(|f| f.covers).map(|f| (sign * f.value).abs()).fold(f32::MIN_POSITIVE, f32::max);
@@ -229,15 +205,10 @@ fn write_decoys(out: &mut String, report: &DecoyReport, name: &str) -> std::fmt:
 
 fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt::Result {
     let cost = &spectrum.cost;
-    writeln!(
-        out,
-        "{name}: {} at {} in {} frames, {} of them at the limit; searched in {:.2} s",
-        counted(spectrum.features, "feature"),
-        counted(cost.slopes, "slope"),
-        spectrum.frames,
-        spectrum.at_limit,
-        cost.search_secs
-    )?;
+    let (features, slopes) = (counted(spectrum.features, "feature"), counted(cost.slopes, "slope"));
+    let (frames, at_limit, secs) = (spectrum.frames, spectrum.at_limit, cost.search_secs);
+    write!(out, "{name}: {features} at {slopes} in {frames} frames, {at_limit} of them at the limit")?;
+    writeln!(out, "; searched in {secs:.2} s")?;
     writeln!(out, "  the frames show  {}", spectrum.finding.summary_beside_judgement())?;
     let max = spectrum.bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1);
     let mut shown: Vec<&SlopeBar> =
@@ -255,15 +226,11 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
             _ if bar.at_limit > 0 => &format!(" {} at the limit", bar.at_limit),
             _ => "",
         };
-        writeln!(
-            out,
-            "  {:>14} {:>9} {:>9} {:>7.0} %  {}{place}",
-            slope_text(bar.slope),
-            if bar.is_searched { bar.features.to_string() } else { "–".to_owned() },
-            if bar.evidence > 0.0 { format!("{:.1} %", 100.0 * bar.evidence) } else { "–".to_owned() },
-            100.0 * bar.coverage,
-            "#".repeat((bar.features * BAR_WIDTH as usize).div_ceil(max)),
-        )?;
+        let features = if bar.is_searched { bar.features.to_string() } else { "–".to_owned() };
+        let evidence = if bar.evidence > 0.0 { format!("{:.1} %", 100.0 * bar.evidence) } else { "–".to_owned() };
+        let (slope, percent) = (slope_text(bar.slope), 100.0 * bar.coverage);
+        let marks = "#".repeat((bar.features * BAR_WIDTH as usize).div_ceil(max));
+        writeln!(out, "  {slope:>14} {features:>9} {evidence:>9} {percent:>7.0} %  {marks}{place}")?;
     }
     if hidden > 0 {
         writeln!(out, "  and {} with less", counted(hidden, "more slope"))?;

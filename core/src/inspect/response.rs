@@ -7,6 +7,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::ops::Range;
 
 /// One scale of the search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -200,17 +201,9 @@ pub fn response_map(
         values[column * octaves.len() + row / of_levels][row % of_levels]
     });
     let plane = if grid.is_plane() { Some(slope_plane(trail, place, scale, monitor)?) } else { None };
-    Ok(ResponseMap {
-        pos_image: place,
-        scales,
-        slopes,
-        along_v,
-        columns,
-        snr,
-        plane,
-        gate: trail.detection().noise_gate_factor,
-        is_noiseless: trail.detection().frame_noise <= 0.0,
-    })
+    let (pos_image, detection) = (place, trail.detection());
+    let (gate, is_noiseless) = (detection.noise_gate_factor, detection.frame_noise <= 0.0);
+    Ok(ResponseMap { pos_image, scales, slopes, along_v, columns, snr, plane, gate, is_noiseless })
 }
 
 fn scale_of(trail: &Trail, (octave, level): (i32, i32)) -> Scale {
@@ -244,12 +237,7 @@ fn slope_plane(
 }
 
 /// D over its noise at each of the levels; D itself where there is no noise.
-pub(super) fn snr_at(
-    trail: &Trail,
-    (octave, levels): (i32, std::ops::Range<i32>),
-    [u, v]: [f32; 2],
-    slope: Slope,
-) -> Vec<f32> {
+pub(super) fn snr_at(trail: &Trail, (octave, levels): (i32, Range<i32>), [u, v]: [f32; 2], slope: Slope) -> Vec<f32> {
     let covering = covering(trail, [u, v], slope);
     let values = trail.point_response((octave, levels.clone()), ((u, v), slope), &covering);
     let of_noise = |(level, value): (i32, f32)| {

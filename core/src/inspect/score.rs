@@ -55,10 +55,8 @@ impl std::str::FromStr for Ranking {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|ranking| ranking.name() == text)
-            .ok_or_else(|| format!("'{text}' is not a ranking; give strength, response or snr"))
+        let named = Self::ALL.into_iter().find(|ranking| ranking.name() == text);
+        named.ok_or_else(|| format!("'{text}' is not a ranking; give strength, response or snr"))
     }
 }
 
@@ -190,11 +188,9 @@ impl Curve {
             curves.iter().fold(none, |sum, curve| {
                 let kept = curve.points.partition_point(|p| p.threshold >= threshold);
                 let point = curve.points[kept - 1];
-                CurvePoint {
-                    threshold,
-                    false_features: sum.false_features + point.false_features,
-                    true_positives: sum.true_positives + point.true_positives,
-                }
+                let false_features = sum.false_features + point.false_features;
+                let true_positives = sum.true_positives + point.true_positives;
+                CurvePoint { threshold, false_features, true_positives }
             })
         };
         Self { points: thresholds.into_iter().map(at).collect() }

@@ -15,7 +15,7 @@ use super::words::number;
 use crate::burst::Positions;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// Camera and scene.
@@ -39,14 +39,8 @@ pub struct SetUp {
 impl Default for SetUp {
     /// A walking pace past things one to eight metres away.
     fn default() -> Self {
-        Self {
-            speed_m_s: 0.5,
-            direction_deg: 0.0,
-            turn_deg_s: 0.0,
-            frames_per_second: 30.0,
-            focal_px: 1200.0,
-            depth_m: [1.0, 8.0],
-        }
+        let (speed_m_s, direction_deg, turn_deg_s) = (0.5, 0.0, 0.0);
+        Self { speed_m_s, direction_deg, turn_deg_s, frames_per_second: 30.0, focal_px: 1200.0, depth_m: [1.0, 8.0] }
     }
 }
 
@@ -88,7 +82,7 @@ const MAX_COUNT: usize = 1024;
 
 impl SetUp {
     /// Checks the numbers.
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<()> {
         bounds::SPEED.check("speed", self.speed_m_s)?;
         bounds::DIRECTION.check("direction", self.direction_deg)?;
         bounds::TURN.check("turn-deg-s", self.turn_deg_s)?;
@@ -178,12 +172,10 @@ impl SetUpSlopes {
     pub fn sentence(&self, set_up: &SetUp) -> String {
         let text = |slope: Slope| format!("({}, {})", number(slope.u, 2), number(slope.v, 2));
         let [near, far] = set_up.depth_m.map(|depth| number(depth as f32, 2));
+        let (near_at, far_at) = (text(self.nearest), text(self.farthest));
+        let (count, step) = (self.grid.len(), number(self.grid.u.step(), 3));
         format!(
-            "things {near} m away move at {} px/frame, things {far} m away at {}; {} slopes of step {}",
-            text(self.nearest),
-            text(self.farthest),
-            self.grid.len(),
-            number(self.grid.u.step(), 3)
+            "things {near} m away move at {near_at} px/frame, things {far} m away at {far_at}; {count} slopes of step {step}"
         )
     }
 }

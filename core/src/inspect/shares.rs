@@ -146,15 +146,10 @@ pub fn slice(trail: &Trail, place: [f32; 2], direction: [f32; 2], half_px: usize
         let (u, v) = (place[0] + along * direction[0], place[1] + along * direction[1]);
         bilinear(planes[row], u, v).unwrap_or(f32::NAN)
     };
-    Slice {
-        plane: Plane::from_fn(2 * half_px + 1, planes.len(), at),
-        centre_column: half_px,
-        pos_image: place,
-        direction,
-        frames: kept.iter().map(|t| t + trail.detection().frames_used.start).collect(),
-        times: kept.iter().map(|&t| if are_views { place_of(t).0 } else { positions.offset(t).u as f32 }).collect(),
-        are_views,
-    }
+    let plane = Plane::from_fn(2 * half_px + 1, planes.len(), at);
+    let frames = kept.iter().map(|t| t + trail.detection().frames_used.start).collect();
+    let times = kept.iter().map(|&t| if are_views { place_of(t).0 } else { positions.offset(t).u as f32 }).collect();
+    Slice { plane, centre_column: half_px, pos_image: place, direction, frames, times, are_views }
 }
 
 /// The direction of a slope; to the right for slope 0.

@@ -183,12 +183,8 @@ fn ghost(trail: &Trail, index: usize, feature: &Feature, evenness: &Evenness) ->
         || "no stronger feature crosses its path".to_owned(),
         |other| {
             let f = &features[other];
-            format!(
-                "feature {other} at ({}, {}) with slope {} crosses its path",
-                number(f.u, 1),
-                number(f.v, 1),
-                slope_text(f.slope)
-            )
+            let (u, v, slope) = (number(f.u, 1), number(f.v, 1), slope_text(f.slope));
+            format!("feature {other} at ({u}, {v}) with slope {slope} crosses its path")
         },
     );
     let evidence = format!("only some of the frames respond (coherence {coherence:.2}); {of_what}");
@@ -240,12 +236,10 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
     let (_, kept, _) = trail.frames();
     let lobe = dirichlet(kept.len(), 1.0, 1.5 / kept.len() as f64);
     let px = number(period.px, 1);
+    let (correlation, lobe) = (period.correlation, 100.0 * lobe);
+    let (at, times) = (slope_text(slope), number(ratio, 2));
     let evidence = format!(
-        "the texture repeats every {px} px (correlation {:.2}), so slopes {px} px/frame apart look alike: slope {} responds {} times as strongly, and the side lobes between reach {:.0} %",
-        period.correlation,
-        slope_text(slope),
-        number(ratio, 2),
-        100.0 * lobe
+        "the texture repeats every {px} px (correlation {correlation:.2}), so slopes {px} px/frame apart look alike: slope {at} responds {times} times as strongly, and the side lobes between reach {lobe:.0} %"
     );
     Ok(Some(Suspicion { other_slope: Some(slope), ..Suspicion::new(Kind::Alias, ratio, evidence) }))
 }

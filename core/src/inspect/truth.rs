@@ -8,7 +8,7 @@ use super::reason::too_small;
 use super::{Fate, ProbeCache};
 use crate::burst::Burst;
 use crate::detector::{Feature, Slope};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
 use crate::inspect::score::{Ranking, finds, is_of_disc, judge, motion_limit};
@@ -29,7 +29,7 @@ fn no_truth(path: &Path, reason: &str) -> Error {
 }
 
 /// Reads a `truth.json`.
-pub fn read_truth(path: &Path) -> Result<Truth, Error> {
+pub fn read_truth(path: &Path) -> Result<Truth> {
     let text = read_text(path, MAX_TABLE_BYTES).map_err(|e| wrong(path, format!("cannot be read: {e}"), ""))?;
     let invalid = |reason: String| no_truth(path, &reason);
     let truth: Truth = serde_json::from_str(&text).map_err(|e| invalid(e.to_string()))?;
@@ -38,7 +38,7 @@ pub fn read_truth(path: &Path) -> Result<Truth, Error> {
 }
 
 /// The truth of a burst, if it has one: the `truth.json` in its folder or case, or that of a built-in burst.
-pub fn truth_of(burst: &Burst) -> Result<Option<Truth>, Error> {
+pub fn truth_of(burst: &Burst) -> Result<Option<Truth>> {
     let [source] = &burst.sources[..] else {
         let name = Some(&burst.name).filter(|_| burst.sources.is_empty());
         let demo = name.filter(|name| *name == DEMO).map(|_| demo_truth());
@@ -107,15 +107,10 @@ impl AgainstTruth {
     /// The counts as a sentence.
     pub fn summary(&self) -> String {
         let discs = [self.found.len(), self.at_wrong_motion.len(), self.missed.len()];
+        let [all, repeated, elsewhere] = [discs.iter().sum(), self.repeated.len(), self.elsewhere.len()];
+        let ([found, wrong, missed], name) = (discs, self.name_of_elsewhere().to_lowercase());
         format!(
-            "{} of {} found; {} at a wrong motion, {} missed, {} repeated, {} {}",
-            discs[0],
-            discs.iter().sum::<usize>(),
-            discs[1],
-            discs[2],
-            self.repeated.len(),
-            self.elsewhere.len(),
-            self.name_of_elsewhere().to_lowercase()
+            "{found} of {all} found; {wrong} at a wrong motion, {missed} missed, {repeated} repeated, {elsewhere} {name}"
         )
     }
 }

@@ -199,14 +199,10 @@ impl<'a> Losses<'a> {
             let f = &pair.b.features[feature];
             let next = order.get(rank + 1).map(|(_, next)| *next);
             let apart = |first: &Feature| (f.u - first.u).hypot(f.v - first.v) / first.sigma.max(f.sigma);
-            Rivalry {
-                feature,
-                distance,
-                ratio: next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 }),
-                error_px: model.map(|model| model.error_px(own, place(f)) as f32),
-                slope: f.slope,
-                is_same_blob: first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS),
-            }
+            let ratio = next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 });
+            let error_px = model.map(|model| model.error_px(own, place(f)) as f32);
+            let is_same_blob = first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS);
+            Rivalry { feature, distance, ratio, error_px, slope: f.slope, is_same_blob }
         };
         let candidates: Vec<Rivalry> = order.iter().take(count).enumerate().map(candidate).collect();
         let there = model.map(|model| pair.there(model, index)).unwrap_or_default();

@@ -11,7 +11,7 @@ use super::{Blob, Match, MatchParams, MatchResult, Refusal};
 use crate::burst::Burst;
 use crate::detector::DetectorParams;
 use crate::detector::stack::FrameTimes;
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -122,7 +122,7 @@ pub fn align_pair(
     measured: &[Option<Measured>],
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<(), Error> {
+) -> Result<()> {
     let Some(verified) = result.verification.as_ref().filter(|v| v.model.is_some()) else { return Ok(()) };
     let mut alignment = Alignment::default();
     sides.into_iter().for_each(|(places, blobs)| alignment.add_image(places.to_vec(), blobs));
@@ -221,7 +221,7 @@ impl AlignedImages {
         inliers: &[(Match, Option<usize>)],
         params: &MatchParams,
         monitor: &Monitor,
-    ) -> Result<Option<Verification>, Error> {
+    ) -> Result<Option<Verification>> {
         let limit = NARROW * params.max_error_px;
         let agrees = |link: &Option<usize>| link.is_some_and(|link| self.residuals_px[link] <= f64::from(limit));
         let kept: Vec<usize> = (0..inliers.len()).filter(|&index| agrees(&inliers[index].1)).collect();

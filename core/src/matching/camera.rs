@@ -4,7 +4,7 @@
 //! pixel is (0.5, 0.5)** there. [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's
 //! convention, where it is (0, 0), and add the half pixel themselves.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -136,7 +136,7 @@ impl Camera {
     }
 
     /// Checks size and parameters. `parameter` names the option that they came from, for the error.
-    pub fn validate(&self, parameter: &'static str) -> Result<(), Error> {
+    pub fn validate(&self, parameter: &'static str) -> Result<()> {
         let fail = |problem: String, remedy: String| Err(Error::param(parameter, problem, remedy));
         let names = self.model.param_names();
         let wanted = || format!("{} takes {}", self.model.name(), names.join(", "));

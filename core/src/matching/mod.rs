@@ -32,7 +32,7 @@ pub use predicted::{Agreement, Expected, PREDICTED_RATIO, Prediction};
 pub use putative::{Match, match_descriptors};
 
 use crate::detector::{Descriptor, Detection, Feature, Slope};
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::Monitor;
 use serde::Serialize;
 use std::fmt;
@@ -93,12 +93,7 @@ impl From<&Feature> for Blob {
 ///
 /// # Errors
 /// Parameters that make no sense.
-pub fn match_detections(
-    a: &Detection,
-    b: &Detection,
-    params: &MatchParams,
-    monitor: &Monitor,
-) -> Result<MatchResult, Error> {
+pub fn match_detections(a: &Detection, b: &Detection, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
     let place = |feature: &Feature| [feature.u, feature.v].map(f64::from);
     let places = [a, b].map(|of| of.features.iter().map(place).collect::<Vec<_>>());
     let blobs = [a, b].map(|of| of.features.iter().map(Blob::from).collect::<Vec<_>>());
@@ -116,7 +111,7 @@ pub fn match_features(
     b: MatchSide<'_>,
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<MatchResult, Error> {
+) -> Result<MatchResult> {
     for side in [&a, &b] {
         assert_eq!(side.places.len(), side.descriptors.len(), "each feature has a place and a descriptor");
     }
@@ -151,13 +146,9 @@ pub fn match_features(
             None => {}
         }
     }
-    let counts = MatchCounts {
-        keypoints_a: a.places.len(),
-        keypoints_b: b.places.len(),
-        putative: matches.len(),
-        inliers: verification.as_ref().map(Verification::inlier_count),
-        refused,
-    };
+    let (keypoints_a, keypoints_b, putative) = (a.places.len(), b.places.len(), matches.len());
+    let inliers = verification.as_ref().map(Verification::inlier_count);
+    let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused };
     Ok(MatchResult { matches, verification, prediction, alignment: None, counts })
 }
 

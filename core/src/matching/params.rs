@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use crate::detector::params::{Param, TextValue, words};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// Geometry of the two views against which the matches are verified.
@@ -100,7 +100,7 @@ impl MatchParams {
     pub fn of_texts<'a>(
         camera: Option<Camera>,
         given: impl IntoIterator<Item = (Param<Self>, &'a str)>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let geometry = if camera.is_some() { Geometry::Essential } else { Geometry::default() };
         let mut params = Self { geometry, camera, ..Self::default() };
         for (record, text) in given {
@@ -111,7 +111,7 @@ impl MatchParams {
     }
 
     /// Checks the parameters.
-    pub fn validate(&self) -> Result<(), Error> {
+    pub fn validate(&self) -> Result<()> {
         doc::ALL.iter().try_for_each(|record| record.check(self))?;
         match &self.camera {
             Some(camera) => camera.validate(doc::CAMERA.name),

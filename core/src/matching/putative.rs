@@ -10,7 +10,7 @@
 
 use super::params::MatchParams;
 use crate::detector::Descriptor;
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -40,7 +40,7 @@ pub fn match_descriptors(
     b: &[Descriptor],
     params: &MatchParams,
     monitor: &Monitor,
-) -> Result<Vec<Match>, Error> {
+) -> Result<Vec<Match>> {
     params.validate()?;
     let (of_a, of_b) = search(a, b, params.mutual, monitor)?;
     let back = params.mutual.then_some(|b: usize| Some(of_b[b]));

@@ -5,7 +5,7 @@
 //! or a job in the background. A system may promise memory that it does not have and end the program later;
 //! [`crate::detector`] checks, before a search starts, the limit that keeps it well below that.
 
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use bytemuck::Zeroable;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::OnceLock;
@@ -66,7 +66,7 @@ fn address_space_of(limits: &str) -> Option<u64> {
 ///
 /// # Errors
 /// The one of the allocation.
-pub fn refusable<T>(work: impl FnOnce() -> T) -> Result<T, Error> {
+pub fn refusable<T>(work: impl FnOnce() -> T) -> Result<T> {
     // State that the work has changed halfway is its own, and dropped with it.
     catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.downcast::<Error>() {
         Ok(refused) => *refused,

@@ -24,7 +24,7 @@ use super::{RatioCharts, Steps, check_lists, run_charts};
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::inspect::score::{Ranking, judge};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
@@ -99,7 +99,7 @@ impl AccuracyStudy {
     ///
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport, Error> {
+    pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport> {
         self.run_telling(monitor, &|_| {})
     }
 
@@ -108,13 +108,9 @@ impl AccuracyStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn run_telling(
-        &self,
-        monitor: &Monitor,
-        tell: &(dyn Fn(AccuracyReport) + Sync),
-    ) -> Result<AccuracyReport, Error> {
+    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(AccuracyReport) + Sync)) -> Result<AccuracyReport> {
         check_lists(&self.snrs, self.seeds)?;
-        let discs = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| -> Result<_, Error> {
+        let discs = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| -> Result<_> {
             let LookedChart { truth, detection, judged, .. } = self.look(snr, seed, monitor)?;
             let mut found: Vec<FoundDisc> = truth
                 .features
@@ -137,7 +133,7 @@ impl AccuracyStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart, Error> {
+    pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let detection = detect(&burst, &self.detector, monitor)?;
         let judged = judge(&detection.features, &truth, Ranking::Strength);

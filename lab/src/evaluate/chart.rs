@@ -12,7 +12,7 @@ use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::Detection;
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::score::{Curve, Judged, Ranking, judge, mean_curve};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
@@ -68,7 +68,7 @@ pub struct LookedChart {
 }
 
 impl ChartStudy {
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(super) fn check(&self) -> Result<()> {
         check_lists(&self.snrs, self.seeds)?;
         if self.methods.is_empty() {
             return Err(Error::param("methods", "none is given", "give one or more, such as sift-mean,buff-1d"));
@@ -99,7 +99,7 @@ impl ChartStudy {
     ///
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<ChartReport, Error> {
+    pub fn run(&self, monitor: &Monitor) -> Result<ChartReport> {
         self.run_telling(monitor, &|_| {})
     }
 
@@ -109,7 +109,7 @@ impl ChartStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(ChartReport) + Sync)) -> Result<ChartReport, Error> {
+    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(ChartReport) + Sync)) -> Result<ChartReport> {
         self.check()?;
         let scores = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| {
             let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
@@ -118,7 +118,7 @@ impl ChartStudy {
                 steps.done();
                 Ok(self.score(method, seed, &detection, &truth))
             };
-            self.methods.iter().map(score).collect::<Result<Vec<ChartScore>, Error>>()
+            self.methods.iter().map(score).collect::<Result<Vec<ChartScore>>>()
         };
         let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
         run_charts(&self.snrs, seeds, self.methods.len(), monitor, scores, |charts| self.report(charts), tell)
@@ -128,7 +128,7 @@ impl ChartStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn look(&self, snr: f64, seed: u64, method: BurstMethod, monitor: &Monitor) -> Result<LookedChart, Error> {
+    pub fn look(&self, snr: f64, seed: u64, method: BurstMethod, monitor: &Monitor) -> Result<LookedChart> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let Searched { detection, .. } = self.searches.search(method, &burst, monitor)?;
         let judged = judge(&detection.features, &truth, self.ranking);

@@ -7,7 +7,7 @@
 use super::chart::{ChartReport, ChartStudy, ChartSummary, ComparisonSetup, MethodReport};
 use super::check_lists;
 use crate::synth::ChartParams;
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 
@@ -67,7 +67,7 @@ impl FramesStudy {
         ChartStudy { chart: ChartParams { frames, ..self.charts.chart.clone() }, ..self.charts.clone() }
     }
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_lists(&self.charts.snrs, self.charts.seeds)?;
         if self.charts.snrs.len() > 1 {
             let problem = format!("{} ratios", self.charts.snrs.len());
@@ -84,7 +84,7 @@ impl FramesStudy {
     ///
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<FramesReport, Error> {
+    pub fn run(&self, monitor: &Monitor) -> Result<FramesReport> {
         self.run_telling(monitor, &|_| {})
     }
 
@@ -93,7 +93,7 @@ impl FramesStudy {
     ///
     /// # Errors
     /// As [`Self::run`].
-    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(FramesReport) + Sync)) -> Result<FramesReport, Error> {
+    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(FramesReport) + Sync)) -> Result<FramesReport> {
         self.check()?;
         let counts = self.counts();
         // A chart of twice as many frames takes about twice as long.

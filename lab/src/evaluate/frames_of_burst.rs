@@ -12,7 +12,7 @@ use burstscope_core::burst::{Burst, Offset};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::slopes::resolve;
 use burstscope_core::detector::{Detection, DetectorParams, Feature, FrameRange, SearchParams, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::score::{Ranking, judge_by_discs};
 use burstscope_core::matching::{MatchCounts, MatchParams, match_detections};
 use burstscope_core::monitor::{Monitor, Stage};
@@ -80,7 +80,7 @@ struct Searched<'a> {
 }
 
 impl<'a> Searched<'a> {
-    fn new(burst: &'a Burst, search: &SearchParams, monitor: &Monitor) -> Result<Self, Error> {
+    fn new(burst: &'a Burst, search: &SearchParams, monitor: &Monitor) -> Result<Self> {
         let (params, _) = resolve(burst, search, monitor)?;
         params.validate_for(&burst.positions, burst.size())?;
         let frames = params.frames.map_or(0..burst.len(), |range| range.start..range.end);
@@ -91,7 +91,7 @@ impl<'a> Searched<'a> {
         self.frames.start + (self.frames.len() - count) / 2
     }
 
-    fn middle(&self, count: usize, monitor: &Monitor) -> Result<Detection, Error> {
+    fn middle(&self, count: usize, monitor: &Monitor) -> Result<Detection> {
         let start = self.first_of(count);
         let frames = Some(FrameRange { start, end: start + count });
         detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)
@@ -116,7 +116,7 @@ impl BurstFramesStudy {
         second: Option<&Burst>,
         truth: Option<&Truth>,
         monitor: &Monitor,
-    ) -> Result<BurstFramesReport, Error> {
+    ) -> Result<BurstFramesReport> {
         self.run_telling(burst, second, truth, monitor, &|_| {})
     }
 
@@ -131,7 +131,7 @@ impl BurstFramesStudy {
         truth: Option<&Truth>,
         monitor: &Monitor,
         tell: &(dyn Fn(BurstFramesReport) + Sync),
-    ) -> Result<BurstFramesReport, Error> {
+    ) -> Result<BurstFramesReport> {
         self.matching.validate()?;
         if let Some(truth) = truth.filter(|truth| truth.frames != burst.len()) {
             let problem = format!("truth.json is of {} frames, but the burst has {}", truth.frames, burst.len());
@@ -176,7 +176,7 @@ impl BurstFramesStudy {
     }
 
     /// The numbers of frames in ascending order, for a burst of `frames` frames.
-    fn counts(&self, frames: usize) -> Result<Vec<usize>, Error> {
+    fn counts(&self, frames: usize) -> Result<Vec<usize>> {
         if frames < 2 {
             let remedy = "name a burst of 2 frames or more";
             return Err(Error::param("frames", format!("{frames} is all there is"), remedy));

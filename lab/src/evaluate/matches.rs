@@ -13,7 +13,7 @@
 use super::methods::{BurstMethod, Searches};
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::{Descriptor, Detection, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::matching::{
     Blob, Geometry, ImageCounts, MatchCounts, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
     match_features,
@@ -68,7 +68,7 @@ impl Features {
 }
 
 impl MatchStudy {
-    fn check(&self, bursts: usize) -> Result<(), Error> {
+    fn check(&self, bursts: usize) -> Result<()> {
         self.matching.validate()?;
         if self.methods.is_empty() {
             let remedy = "give one or more, such as sift-merge,buff-1d";
@@ -145,7 +145,7 @@ impl MatchStudy {
             let of_pair = |&(a, b): &(usize, usize)| {
                 match_features(features[a].side(), features[b].side(), &self.matching, &monitor.silent())
             };
-            let found: Result<Vec<MatchResult>, Error> = pairs.par_iter().map(of_pair).collect();
+            let found: Result<Vec<MatchResult>> = pairs.par_iter().map(of_pair).collect();
             results.push(found?);
             step();
         }

@@ -5,7 +5,7 @@ use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::{Searched, detect, search};
 use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::monitor::Monitor;
 use serde::{Deserialize, Serialize};
 
@@ -148,7 +148,7 @@ impl Searches {
     ///
     /// # Errors
     /// Parameters that make no sense, or cancellation.
-    pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched, Error> {
+    pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched> {
         let params = self.params(method);
         if method != BurstMethod::SiftMean {
             return search(burst, &params, monitor);

@@ -42,7 +42,7 @@ pub use methods::{BurstMethod, Searches, slopes_of};
 pub use pure_noise::{NoiseReport, NoiseStudy};
 
 use crate::synth::Motion;
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -58,7 +58,7 @@ pub fn motion_name(motion: Motion) -> &'static str {
     }
 }
 
-fn check_lists(snrs: &[f64], seeds: u64) -> Result<(), Error> {
+fn check_lists(snrs: &[f64], seeds: u64) -> Result<()> {
     if snrs.is_empty() {
         return Err(Error::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
     }
@@ -92,16 +92,15 @@ fn run_jobs<J: Sync, R: Send>(
     jobs: &[J],
     steps_per_job: usize,
     monitor: &Monitor,
-    f: impl Fn(&J, &Monitor, &Steps<'_>) -> Result<R, Error> + Sync,
-) -> Result<Vec<R>, Error> {
+    f: impl Fn(&J, &Monitor, &Steps<'_>) -> Result<R> + Sync,
+) -> Result<Vec<R>> {
     let steps = Steps { monitor, finished: AtomicUsize::new(0), total: jobs.len() * steps_per_job };
     let silent = monitor.silent();
     monitor.report(Stage::Evaluate, 0.0);
     let mut results = Vec::with_capacity(jobs.len());
     for group in jobs.chunks(rayon::current_num_threads()) {
         monitor.check()?;
-        let answers: Vec<Result<R, Error>> =
-            group.par_iter().with_max_len(1).map(|job| f(job, &silent, &steps)).collect();
+        let answers: Vec<Result<R>> = group.par_iter().with_max_len(1).map(|job| f(job, &silent, &steps)).collect();
         for answer in answers {
             results.push(answer?);
         }
@@ -125,10 +124,10 @@ fn run_charts<C: Clone + Send, R>(
     seeds: Range<u64>,
     steps: usize,
     monitor: &Monitor,
-    f: impl Fn(f64, u64, &Monitor, &Steps<'_>) -> Result<C, Error> + Sync,
+    f: impl Fn(f64, u64, &Monitor, &Steps<'_>) -> Result<C> + Sync,
     report: impl Fn(&[RatioCharts<C>]) -> R + Sync,
     tell: &(dyn Fn(R) + Sync),
-) -> Result<R, Error> {
+) -> Result<R> {
     let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..snrs.len()).map(move |row| (row, seed))).collect();
     let report_of = |finished: &BTreeMap<(usize, u64), C>| {
         let of_ratio = |(row, &snr): (usize, &f64)| {

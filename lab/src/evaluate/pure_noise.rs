@@ -13,7 +13,7 @@ use burstscope_core::burst::{Burst, Positions};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::noise::gate_factor;
 use burstscope_core::detector::{DetectorParams, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
 use serde::Serialize;
@@ -153,7 +153,7 @@ pub struct NoiseCount {
 }
 
 impl NoiseStudy {
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         for level in &self.levels {
             if !(level.sigma.is_finite() && level.sigma > 0.0 && level.sigma <= 0.1) {
                 let remedy =
@@ -201,7 +201,7 @@ impl NoiseStudy {
     ///
     /// # Errors
     /// A parameter of study or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport, Error> {
+    pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport> {
         self.check()?;
         let burst_megapixels = (self.width * self.height) as f64 * 1e-6;
         let bursts = self.seeds.unwrap_or((self.megapixels / burst_megapixels).ceil().max(1.0) as usize);
@@ -217,7 +217,7 @@ impl NoiseStudy {
                 steps.done();
                 Ok((detection.features.len(), f64::from(detection.frame_noise)))
             };
-            self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>, Error>>()
+            self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>>>()
         })?;
         let megapixels = bursts as f64 * burst_megapixels;
         let row = |(&level, found): (&NoiseLevel, &[Vec<(usize, f64)>])| NoiseRow {
@@ -264,13 +264,7 @@ impl NoiseLevel {
 }
 
 /// Makes frames of noise around half of full scale, modified by the case.
-fn noise_burst(
-    level: NoiseLevel,
-    size: (usize, usize),
-    frames: usize,
-    seed: u64,
-    monitor: &Monitor,
-) -> Result<Burst, Error> {
+fn noise_burst(level: NoiseLevel, size: (usize, usize), frames: usize, seed: u64, monitor: &Monitor) -> Result<Burst> {
     if level.case != NoiseCase::White {
         return Ok(level.case.burst_at(level.mean, size, frames, level.sigma, seed, monitor)?);
     }

@@ -11,7 +11,7 @@ use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, FrameRange, Method};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::matching::{Geometry, MatchParams, match_detections};
 use burstscope_core::monitor::{Monitor, Stage};
@@ -94,7 +94,7 @@ impl Track {
 
 impl ApparentMotion {
     /// Tracks of features that are found in every frame and linked from each to the next.
-    fn tracks(&self, burst: &Burst, max_step: f64, monitor: &Monitor) -> Result<Vec<Track>, Error> {
+    fn tracks(&self, burst: &Burst, max_step: f64, monitor: &Monitor) -> Result<Vec<Track>> {
         let found: Vec<Detection> = (0..burst.len())
             .map(|t| {
                 let frames = Some(FrameRange { start: t, end: t + 1 });
@@ -130,7 +130,7 @@ impl ApparentMotion {
 }
 
 impl MakeFigure for ApparentMotion {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let silent = monitor.silent();
         let mut sheet = Sheet::new(WIDTH, "Apparent motion");
         let mut csv = String::from("motion,track,frame,u,v,line_u,line_v,slope_u,slope_v,deviation_px\n");

@@ -8,7 +8,7 @@ use crate::synth::demo_burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::view::{dog_view, stack_view};
 use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Anchor, Area, INK, RED, Sheet, short};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -55,7 +55,7 @@ struct Response {
 }
 
 impl MakeFigure for Architecture {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let silent = monitor.silent();
         let burst = demo_burst();
         let detection = detect(&burst, &self.detector, &silent)?;
@@ -169,7 +169,7 @@ impl Architecture {
         burst: &burstscope_core::burst::Burst,
         feature: &Feature,
         monitor: &Monitor,
-    ) -> Result<Response, Error> {
+    ) -> Result<Response> {
         let grid = self.detector.slopes;
         let slopes: Vec<f32> = (0..grid.u.count).map(|index| grid.u.value(index as f32)).collect();
         let levels = self.detector.levels as i32;

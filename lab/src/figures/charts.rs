@@ -10,7 +10,7 @@ use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, FramesStudy, Ranking
 use crate::synth::{ChartParams, Motion, synth_chart};
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::{Detection, DetectorParams, NoiseGate, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Sheet, stacked};
 use burstscope_core::inspect::score::{Curve, Judged, judge};
 use burstscope_core::monitor::{Monitor, Stage};
@@ -54,7 +54,7 @@ impl RocFigure {
 }
 
 impl MakeFigure for RocFigure {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let mut csv = String::from("motion,snr,method,false_features,discs_found\n");
         let mut drawn = Vec::with_capacity(2);
         let mut notes = Vec::new();
@@ -111,7 +111,7 @@ impl FramesFigure {
 }
 
 impl MakeFigure for FramesFigure {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let mut csv = String::from(
             "frames,method,discs_found,discs_found_error,default_discs_found,default_discs_found_error,default_false,default_false_error\n",
         );
@@ -176,7 +176,7 @@ struct FoundOnTarget {
 }
 
 impl MakeFigure for TestTarget {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let silent = monitor.silent();
         let (dark, truth) = synth_chart(&self.chart, &silent)?;
         // The same discs: noise comes from separate random streams.

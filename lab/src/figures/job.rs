@@ -2,7 +2,7 @@
 
 use super::record::{FigureRecord, KeptFigure, Pieces, begin, check_folder, read_record};
 use super::{FigureSize, Made, PaperFigure};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::export::{Escaped, MadeFrom, OutputRules, Record, Records, write_text, write_whole};
 use burstscope_core::files::lock::FolderLock;
 use burstscope_core::files::mark::{Checksum, Kind, sealed};
@@ -86,7 +86,7 @@ impl FiguresJob {
     /// # Errors
     /// A study, a file or COLMAP fails, or cancellation. Files are written completely or not at all; finished figures
     /// stay finished.
-    pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport, Error> {
+    pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport> {
         check_folder(&self.out)?;
         let lock = FolderLock::take(&self.out)?;
         begin(&self.out)?;
@@ -110,13 +110,7 @@ impl FiguresJob {
     }
 
     /// One figure: the finished one if it is up to date, otherwise made and written.
-    fn one(
-        &self,
-        figure: PaperFigure,
-        pieces: &Pieces,
-        lock: &FolderLock,
-        monitor: &Monitor,
-    ) -> Result<FigureReport, Error> {
+    fn one(&self, figure: PaperFigure, pieces: &Pieces, lock: &FolderLock, monitor: &Monitor) -> Result<FigureReport> {
         let maker = figure.maker(self.size, self.colmap.as_deref());
         let made_from = MadeFrom::new(format!("{maker:?}"));
         let kept = read_record(&self.out, figure).filter(|record| record.made_from == made_from);
@@ -136,7 +130,7 @@ impl FiguresJob {
         Ok(FigureReport { figure, files, notes, resumed, seconds })
     }
 
-    fn write(&self, figure: PaperFigure, made: Made, made_from: MadeFrom, seconds: f64) -> Result<FigureRecord, Error> {
+    fn write(&self, figure: PaperFigure, made: Made, made_from: MadeFrom, seconds: f64) -> Result<FigureRecord> {
         let records = Records::of(&self.out);
         let earlier = records.read::<KeptFigure>(figure.name()).map(|record| record.of);
         let mut earlier = earlier.map_or_else(Vec::new, |of| [of.files, of.earlier].concat());
@@ -158,7 +152,7 @@ impl FiguresJob {
 }
 
 /// Writes `index.html` into `folder`: every finished figure there, with its caption, notes and numbers.
-pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf, Error> {
+pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf> {
     let records: Vec<KeptFigure> =
         PaperFigure::ALL.into_iter().filter_map(|f| Some(read_record(folder, f)?.of)).collect();
     let path = folder.join("index.html");

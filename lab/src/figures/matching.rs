@@ -7,7 +7,7 @@ use crate::evaluate::curves::lettered;
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::matching::{MatchParams, match_detections};
 use burstscope_core::monitor::{Monitor, Stage};
@@ -69,7 +69,7 @@ fn true_place(way: &Trajectory, [from, to]: [usize; 2], [u, v]: [f64; 2]) -> Opt
 }
 
 impl MakeFigure for MatchingInTheDark {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let silent = monitor.silent();
         let way = Trajectory::new(&self.way, &silent)?;
         monitor.report(Stage::Synth, 0.3);
@@ -95,7 +95,7 @@ impl MatchingInTheDark {
         bursts: &[Burst; 2],
         params: &DetectorParams,
         monitor: &Monitor,
-    ) -> Result<(Matched, Detection), Error> {
+    ) -> Result<(Matched, Detection)> {
         let a = detect(&bursts[0], params, monitor)?;
         let b = detect(&bursts[1], params, monitor)?;
         let result = match_detections(&a, &b, &self.matching, monitor)?;

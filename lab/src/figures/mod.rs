@@ -22,7 +22,7 @@ mod which;
 pub use job::{FigureReport, FiguresEvent, FiguresJob, FiguresReport, find_colmap};
 pub use which::{FigureSize, PaperFigure};
 
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::monitor::Monitor;
 use record::Pieces;
 
@@ -41,5 +41,5 @@ struct Made {
 /// depends on.
 trait MakeFigure: std::fmt::Debug {
     /// Makes the figure. `pieces` stores parts that take long, for the next figure and the next run.
-    fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made, Error>;
+    fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made>;
 }

@@ -11,7 +11,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::view::stack_view;
 use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -34,7 +34,7 @@ fn params(example: Example) -> DetectorParams {
 }
 
 impl MakeFigure for Failures {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let mut sheet = Sheet::new(WIDTH, "Failure cases");
         let mut csv = String::from("case,u,v,sigma,slope_u,response,snr,is\n");
         let end = aliasing(&mut sheet, &mut csv, monitor)?;
@@ -53,7 +53,7 @@ fn half() -> f64 {
     (WIDTH - 3.0 * GAP) / 2.0
 }
 
-fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f64, Error> {
+fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f64> {
     let silent = monitor.silent();
     let (burst, params) = (Example::Aliasing.burst(), params(Example::Aliasing));
     let detection = detect(&burst, &params, &silent)?;
@@ -87,7 +87,7 @@ fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f6
     Ok(panel.area.bottom())
 }
 
-fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) -> Result<f64, Error> {
+fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) -> Result<f64> {
     let silent = monitor.silent();
     let (burst, params) = (Example::LowContrast.burst(), params(Example::LowContrast));
     let detection = detect(&burst, &params, &silent)?;
@@ -137,14 +137,14 @@ impl Light {
 }
 
 impl MakeFigure for Light {
-    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let silent = monitor.silent();
         let dark = Trajectory::new(&self.dark, &silent)?;
         monitor.report(Stage::Synth, 0.4);
         let light = crate::synth::Light::Electrons(self.bright_electrons);
         let bright = Trajectory::new(&TrajectoryParams { light, ..self.dark.clone() }, &silent)?;
         monitor.report(Stage::Synth, 0.8);
-        let middle = |way: &Trajectory| -> Result<Plane, Error> {
+        let middle = |way: &Trajectory| -> Result<Plane> {
             let burst = way.burst(self.burst, &silent)?;
             Ok((*burst.frames[burst.len() / 2]).clone())
         };

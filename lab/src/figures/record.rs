@@ -4,7 +4,7 @@
 //! same way, parts that take long and are used by several figures.
 
 use super::PaperFigure;
-use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::error::{Error, ErrorKind, Result};
 use burstscope_core::export::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin, write_whole};
 use burstscope_core::files::mark::{Checksum, Kind, claiming};
 use burstscope_core::files::unfinished::{Unfinished, remove_abandoned};
@@ -43,7 +43,7 @@ pub(super) fn read_record(folder: &Path, figure: PaperFigure) -> Option<FigureRe
 /// # Errors
 /// `folder` holds files but not the mark of a folder of figures: it belongs to somebody
 /// else; or a folder of records is a link.
-pub(super) fn check_folder(folder: &Path) -> Result<(), Error> {
+pub(super) fn check_folder(folder: &Path) -> Result<()> {
     let parts = [RECORDS_FOLDER, &format!("{RECORDS_FOLDER}/{PIECES_FOLDER}")];
     if may_begin(folder, Kind::Figures, &parts)? {
         return Ok(());
@@ -53,7 +53,7 @@ pub(super) fn check_folder(folder: &Path) -> Result<(), Error> {
 }
 
 /// Writes the folder's mark, creates the folders of records, and removes files that killed runs have left.
-pub(super) fn begin(folder: &Path) -> Result<(), Error> {
+pub(super) fn begin(folder: &Path) -> Result<()> {
     remove_abandoned(folder);
     write_whole(&folder.join(Kind::Figures.file()), |out| out.write_all(claiming(Kind::Figures, &()).as_bytes()))?;
     Records::of(folder).begin()?;
@@ -82,12 +82,12 @@ impl Pieces {
         (made_from == MadeFrom::new(settings)).then_some(of.value)
     }
 
-    pub fn keep<T: Serialize>(&self, name: &str, settings: &str, value: &T) -> Result<(), Error> {
+    pub fn keep<T: Serialize>(&self, name: &str, settings: &str, value: &T) -> Result<()> {
         self.records.write(name, &Record { made_from: MadeFrom::new(settings), of: Piece { value } })
     }
 
     /// A folder for files that are needed only while a piece is made: [`Unfinished::new_path`], which exists.
-    pub fn temporary(&self) -> Result<Unfinished, Error> {
+    pub fn temporary(&self) -> Result<Unfinished> {
         let place = self.records.folder().join("work");
         let made = Unfinished::beside(&place).and_then(|made| std::fs::create_dir(made.new_path()).map(|()| made));
         made.map_err(|error| Error::unwritten(&place, &error))

@@ -8,7 +8,7 @@ use burstscope_core::burst::{Burst, Offset};
 use burstscope_core::detector::noise_model::{ForSearch, NoiseModel, examine};
 use burstscope_core::detector::scale_space::{ScaleSpace, searched_octaves};
 use burstscope_core::detector::{Feature, Method, SearchParams, Slope};
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::ProbeCache;
 use burstscope_core::inspect::score::finds;
 use burstscope_core::monitor::{Cancelled, Monitor};
@@ -47,7 +47,7 @@ impl Ground {
     ///
     /// # Errors
     /// Parameters that make no sense, a burst without noise, or cancellation.
-    pub fn new(study: &RecoverStudy, burst: &Burst, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn new(study: &RecoverStudy, burst: &Burst, monitor: &Monitor) -> Result<Self> {
         let params = &study.search;
         if params.detector.method == Method::Merge {
             return Err(Error::param(
@@ -78,7 +78,7 @@ impl Ground {
     }
 
     /// The noise model of the search; where that has one strength only, the burst is examined.
-    fn noise(cache: &ProbeCache, burst: &Burst, monitor: &Monitor) -> Result<NoiseModel, Error> {
+    fn noise(cache: &ProbeCache, burst: &Burst, monitor: &Monitor) -> Result<NoiseModel> {
         let of_search = cache.trail.noise();
         if of_search.is_local {
             return Ok((**of_search).clone());

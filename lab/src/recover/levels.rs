@@ -5,7 +5,7 @@ use super::ground::Ground;
 use super::{RecoverStudy, Varied, bounds};
 use crate::synth::random::Stream;
 use burstscope_core::detector::{Slope, SlopeAxis, SlopeGrid};
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use serde::Serialize;
 
 /// Levels of a study, those left open chosen for the burst.
@@ -43,7 +43,7 @@ const MAX_SLOPE_LEVELS: usize = 41;
 const AREA_PX: f64 = 8000.0;
 
 impl Levels {
-    pub(super) fn of(study: &RecoverStudy, ground: &Ground) -> Result<Self, Error> {
+    pub(super) fn of(study: &RecoverStudy, ground: &Ground) -> Result<Self> {
         let trail = &ground.cache.trail;
         let (width, height) = trail.size_image();
         let grid = trail.params().used_slopes();

@@ -25,7 +25,7 @@ use crate::synth::random::Stream;
 use crate::synth::truth::{FeatureTruth, Truth, TruthKind, disc_sigma};
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::{SearchParams, Slope, SlopeAxis, Test};
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::ProbeCache;
 use burstscope_core::inspect::score::{Ranking, judge_by_discs};
 use burstscope_core::inspect::truth::miss;
@@ -232,7 +232,7 @@ impl RecoverStudy {
     ///
     /// # Errors
     /// The first one that makes no sense.
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<()> {
         self.snrs.iter().try_for_each(|&snr| bounds::SNR.check("snr", snr))?;
         self.at_snr.iter().try_for_each(|&snr| bounds::SNR.check("at-snr", snr))?;
         self.radii.iter().try_for_each(|&radius| bounds::RADIUS.check("radius", radius))?;
@@ -253,7 +253,7 @@ impl RecoverStudy {
         burst: &Burst,
         monitor: &Monitor,
         tell: &(dyn Fn(RecoverReport) + Sync),
-    ) -> Result<RecoverReport, Error> {
+    ) -> Result<RecoverReport> {
         self.check()?;
         let share = 1.0 / (self.copies as f32 + 1.0);
         let silent = monitor.silent();
@@ -278,7 +278,7 @@ impl RecoverStudy {
     ///
     /// # Errors
     /// As there.
-    pub fn run(&self, burst: &Burst, monitor: &Monitor) -> Result<RecoverReport, Error> {
+    pub fn run(&self, burst: &Burst, monitor: &Monitor) -> Result<RecoverReport> {
         self.run_telling(burst, monitor, &|_| {})
     }
 
@@ -286,7 +286,7 @@ impl RecoverStudy {
     ///
     /// # Errors
     /// As [`Self::run_telling`].
-    pub fn planted_copy(&self, burst: &Burst, seed: u64, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
+    pub fn planted_copy(&self, burst: &Burst, seed: u64, monitor: &Monitor) -> Result<(Burst, Truth)> {
         self.check()?;
         let ground = Ground::new(self, burst, &monitor.part(0.0, 0.9))?;
         let levels = Levels::of(self, &ground)?;
@@ -318,7 +318,7 @@ impl RecoverStudy {
         levels: &Levels,
         copy: u64,
         monitor: &Monitor,
-    ) -> Result<(SearchedCopy, RecoverTimes), Error> {
+    ) -> Result<(SearchedCopy, RecoverTimes)> {
         let seed = self.first_seed.wrapping_add(copy);
         let started = Instant::now();
         let mut planted = self.things(ground, levels, copy, monitor)?;

@@ -12,7 +12,7 @@
 
 use super::write::{io, write_folder, write_frame};
 use burstscope_core::burst::Burst;
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::files::mark::Kind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -118,7 +118,7 @@ impl NoisyParams {
     ///
     /// # Errors
     /// The first one that makes no sense.
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<()> {
         check_snr(self.snr)?;
         check_camera(self.read_noise, self.bits)
     }
@@ -127,7 +127,7 @@ impl NoisyParams {
     ///
     /// # Errors
     /// Parameters that make no sense, and for frames without any contrast.
-    pub fn exposure(&self, levels: &FrameLevels) -> Result<NoisyExposure, Error> {
+    pub fn exposure(&self, levels: &FrameLevels) -> Result<NoisyExposure> {
         self.check()?;
         let (mean, contrast) = (levels.mean(), levels.standard_deviation());
         if contrast.is_nan() || contrast <= 1e-6 {
@@ -242,7 +242,7 @@ pub fn write_noisy<E: From<Error>>(
 }
 
 /// Writes the frames of a burst into `dir`, or its subfolder `part`; returns their names for [`NoisyTruth::frames`].
-fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<String>, Error> {
+fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<String>> {
     let folder = part.map_or_else(|| dir.to_owned(), |part| dir.join(part));
     std::fs::create_dir_all(&folder).map_err(io(&folder))?;
     let names = frame_files(&burst.frame_names);

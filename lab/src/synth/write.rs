@@ -8,7 +8,7 @@
 //! one to which anything was added, or in which anything was changed, is not replaced.
 
 use burstscope_core::burst::Burst;
-use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::error::{Error, ErrorKind, Result};
 use burstscope_core::files::lock::FolderLock;
 use burstscope_core::files::mark::{Kind, is_unchanged, seal_folder};
 use burstscope_core::files::unfinished::{Unfinished, is_free};
@@ -27,7 +27,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// The folder is a link, holds other files or cannot be written; it is then unchanged.
-pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<(), Error> {
+pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<()> {
     write_folder(dir, Kind::Burst, |fresh| {
         for (t, frame) in burst.frames.iter().enumerate() {
             monitor.check()?;
@@ -41,7 +41,7 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
             std::fs::write(&path, format!("name,frames\n{rows}")).map_err(io(&path))?;
         }
         if let Some(mask) = truth.mask() {
-            std::fs::create_dir(fresh.join("masks")).map_err(io(&fresh))?;
+            std::fs::create_dir(fresh.join("masks")).map_err(io(fresh))?;
             write_frame(&fresh.join("masks/mask.png"), mask.weights())?;
         }
         let path = fresh.join("truth.json");
@@ -51,7 +51,7 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
     })
 }
 
-pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<(), Error> {
+pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<()> {
     let words: Vec<u16> = frame.data().iter().map(|&x| quantised_word(f64::from(x), 16)).collect();
     let picture =
         image::ImageBuffer::<image::Luma<u16>, _>::from_raw(frame.width() as u32, frame.height() as u32, words)
@@ -93,7 +93,7 @@ pub(super) fn occupied(dir: &Path) -> Error {
 ///
 /// # Errors
 /// The folder is a link, holds other files or cannot be written, or an error of `fill`; it is then unchanged.
-pub(super) fn write_folder(dir: &Path, kind: Kind, fill: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
+pub(super) fn write_folder(dir: &Path, kind: Kind, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
     if std::fs::symlink_metadata(dir).is_ok_and(|metadata| metadata.is_symlink()) {
         let problem = "this is a link, and links are not followed";
         return Err(Error::new(ErrorKind::Refused, problem, "name the folder itself").about(dir));

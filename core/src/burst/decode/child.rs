@@ -7,7 +7,7 @@
 use super::wire::{DecodeRequest, Part, receive_reply, send};
 use super::{Expected, RawFrame};
 use crate::burst::options::OpenOptions;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use std::ffi::OsString;
 use std::io::{self, Read};
@@ -83,7 +83,7 @@ pub(super) fn decode(
     options: &OpenOptions,
     budget: Budget,
     monitor: &Monitor,
-) -> Result<RawFrame, Error> {
+) -> Result<RawFrame> {
     monitor.check()?;
     let worker = WORKER.get().ok_or_else(|| Error::unread(path, "no program is set that decodes it"))?;
     let mut running = Running::start(worker, path)?;
@@ -135,7 +135,7 @@ pub(super) struct Running {
 }
 
 impl Running {
-    fn start(worker: &DecodeWorker, path: &Path) -> Result<Self, Error> {
+    fn start(worker: &DecodeWorker, path: &Path) -> Result<Self> {
         let mut command = Command::new(&worker.program);
         command.args(&worker.arguments).arg(path);
         // One thread, and one arena of the allocator: more would take address space that the file needs.
@@ -144,7 +144,7 @@ impl Running {
     }
 
     /// Starts `command`, which decodes the file `path`, with pipes and without a terminal.
-    pub(super) fn spawn(mut command: Command, path: &Path) -> Result<Self, Error> {
+    pub(super) fn spawn(mut command: Command, path: &Path) -> Result<Self> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
         #[cfg(unix)]
@@ -166,7 +166,7 @@ impl Running {
         monitor: &Monitor,
         until: Option<Instant>,
         work: impl FnOnce() -> T,
-    ) -> Result<T, Error> {
+    ) -> Result<T> {
         // The watch ends when `over` is dropped.
         let (over, is_over) = mpsc::channel::<()>();
         let watch = move || {
@@ -218,10 +218,9 @@ impl Running {
         // The standard library prints this before it aborts.
         let asked = words.split("memory allocation of ").nth(1);
         if let Some(bytes) = asked.and_then(|rest| rest.split(' ').next()?.parse::<u64>().ok()) {
+            let (asked, all) = (bytes.div_ceil(1 << 20), budget.memory_bytes >> 20);
             return Ending::OfFile(format!(
-                "its decoder asked for {} MiB of memory, and may have {} MiB in all",
-                bytes.div_ceil(1 << 20),
-                budget.memory_bytes >> 20
+                "its decoder asked for {asked} MiB of memory, and may have {all} MiB in all"
             ));
         }
         match status {
@@ -236,10 +235,8 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
-        // Fails for a child that has ended.
-        let _ = child.kill();
-        let _ = child.wait();
+        self.kill();
+        self.ends_well();
     }
 }
 

@@ -4,7 +4,7 @@ use super::Ticker;
 use super::plain::Plain;
 use crate::burst::layout::Dump;
 use crate::burst::options::{Limits, OpenOptions};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use std::path::Path;
@@ -12,7 +12,7 @@ use std::path::Path;
 const KIND: &str = "headerless";
 
 /// Frames of a file of `length` bytes. Its bytes must fill a whole number of frames.
-pub(super) fn plain(path: &Path, length: u64, options: &OpenOptions) -> Result<Plain, Error> {
+pub(super) fn plain(path: &Path, length: u64, options: &OpenOptions) -> Result<Plain> {
     let Some(dump) = options.raw else { return Err(without_shape(path, length, &options.limits)) };
     let there = length.saturating_sub(dump.skip);
     let step = dump.frame_bytes();
@@ -49,7 +49,7 @@ pub struct LikelyShape {
 ///
 /// # Errors
 /// A file that cannot be read, or cancellation.
-pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<Vec<LikelyShape>, Error> {
+pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<Vec<LikelyShape>> {
     let length = std::fs::metadata(path).map_err(|e| Error::from_read(path, KIND, &e))?.len();
     let options = OpenOptions::default();
     let mut shapes = Vec::new();

@@ -8,7 +8,7 @@ use super::y4m::Film;
 use super::{Header, RawFrame, Ticker};
 use crate::burst::options::OpenOptions;
 use crate::burst::times::Times;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Read};
@@ -22,7 +22,7 @@ const FRAMES: [&str; 7] = ["-fps_mode", "passthrough", "-strict", "-1", "-f", "y
 const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
 
 /// The `ffmpeg` that is found first in `PATH`; the error says the command that keeps the bits.
-fn ffmpeg(path: &Path) -> Result<PathBuf, Error> {
+fn ffmpeg(path: &Path) -> Result<PathBuf> {
     let name = format!("ffmpeg{}", std::env::consts::EXE_SUFFIX);
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let found = std::env::split_paths(&folders).filter(|folder| folder.is_absolute()).map(|folder| folder.join(&name));
@@ -47,8 +47,8 @@ fn run<T>(
     is_whole: bool,
     options: &OpenOptions,
     monitor: &Monitor,
-    read: impl FnOnce(&mut dyn BufRead) -> Result<T, Error>,
-) -> Result<T, Error> {
+    read: impl FnOnce(&mut dyn BufRead) -> Result<T>,
+) -> Result<T> {
     monitor.check()?;
     let mut command = Command::new(ffmpeg(path)?);
     let mut input = OsString::from("file:");
@@ -90,7 +90,7 @@ fn last_words(stderr: impl Read) -> String {
 }
 
 /// Size, number of frames and times, without decoding more than the first.
-pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header, Error> {
+pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header> {
     let whole = &options.of_whole();
     let mut times = run(path, &LIST, true, options, monitor, |reader| times(path, reader, whole))?;
     let film = run(path, &FRAMES, false, options, monitor, |reader| Film::read(path, &mut BufReader::new(reader)))?;
@@ -104,7 +104,7 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
 
 /// Times of the frames of a list: lines of words, and of a stream's number, two times, a duration, a length and a
 /// checksum for each frame.
-fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<Times, Error> {
+fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<Times> {
     let (mut unit_s, mut seconds) = (1.0, Vec::new());
     for line in reader.take(1 << 26).lines() {
         let line = line.map_err(|e| Error::from_read(path, KIND, &e))?;
@@ -125,7 +125,7 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
     Ok(Times { seconds, is_absolute: false })
 }
 
-pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
+pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>> {
     let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
     run(path, &FRAMES, options.take.is_none(), options, ticker.monitor(), |reader| {
         let mut reader = BufReader::new(reader);

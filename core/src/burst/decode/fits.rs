@@ -8,7 +8,7 @@ use super::plain::Plain;
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::OpenOptions;
 use crate::burst::times::{Times, seconds_of};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -40,7 +40,7 @@ struct Unit {
 
 impl Unit {
     /// Reads the header at the reader's place.
-    fn read(path: &Path, reader: &mut (impl Read + Seek)) -> Result<Self, Error> {
+    fn read(path: &Path, reader: &mut (impl Read + Seek)) -> Result<Self> {
         let fail = |e: io::Error| Error::from_read(path, KIND, &e);
         let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
         let mut cards = Vec::new();
@@ -92,7 +92,7 @@ impl Unit {
     }
 
     /// A number, in which an exponent may begin with D; an error names the keyword.
-    fn number(&self, path: &Path, name: &str) -> Result<Option<f64>, Error> {
+    fn number(&self, path: &Path, name: &str) -> Result<Option<f64>> {
         let Some(text) = self.text(name) else { return Ok(None) };
         let number = text.replace(['D', 'd'], "E").parse::<f64>().ok().filter(|number| number.is_finite());
         let wrong = || Error::corrupt(path, KIND, format!("{name} is '{text}', no number"));
@@ -107,7 +107,7 @@ impl Unit {
         self.text("EXTNAME").unwrap_or("without a name")
     }
 
-    fn plain(&self, path: &Path, length: u64, options: &OpenOptions) -> Result<Plain, Error> {
+    fn plain(&self, path: &Path, length: u64, options: &OpenOptions) -> Result<Plain> {
         let refused = |problem: String, remedy: &str| Error::new(ErrorKind::Unsupported, problem, remedy).about(path);
         let number = match self.text("BITPIX") {
             Some("8") => Number::U8,
@@ -150,18 +150,14 @@ impl Unit {
         let step = number.bytes(self.axes[0].saturating_mul(self.axes[1]));
         let shape = (frames, self.axes[1], self.axes[0]);
         let places = Plain::places_in(path, KIND, shape, (self.data, step, length), &options.limits)?;
-        Ok(Plain {
-            big_endian: true,
-            white,
-            scaling: (!is_plain).then_some(Scaling { factor, offset, blank }),
-            times: self.times(path, frames)?,
-            taken,
-            ..Plain::new(KIND, (self.axes[0] as usize, self.axes[1] as usize), places, number)
-        })
+        let scaling = (!is_plain).then_some(Scaling { factor, offset, blank });
+        let size = (self.axes[0] as usize, self.axes[1] as usize);
+        let (times, plain) = (self.times(path, frames)?, Plain::new(KIND, size, places, number));
+        Ok(Plain { big_endian: true, white, scaling, times, taken, ..plain })
     }
 
     /// The middle of the exposure of a single frame.
-    fn times(&self, path: &Path, frames: u64) -> Result<Times, Error> {
+    fn times(&self, path: &Path, frames: u64) -> Result<Times> {
         let Some(date) = self.text("DATE-OBS").filter(|_| frames == 1) else { return Ok(Times::default()) };
         let start = match self.text("TIME-OBS").filter(|_| !date.contains('T')) {
             Some(time) => seconds_of(&format!("{date}T{time}")),
@@ -195,7 +191,7 @@ fn value_of(text: &str) -> String {
 }
 
 /// The image that the options name, or the first one.
-pub(super) fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain, Error> {
+pub(super) fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: io::Error| Error::from_read(path, KIND, &e);
     let mut reader = BufReader::with_capacity(BLOCK_BYTES as usize, file);
     let (mut images, mut at, mut is_compressed) = (Vec::new(), 0u64, false);

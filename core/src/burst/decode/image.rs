@@ -7,7 +7,7 @@ use super::wire::Part;
 use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::read_bytes;
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
@@ -24,7 +24,7 @@ const BESIDES_BYTES: u64 = 1 << 26;
 /// Largest number of pixels of a byte of a file: of one bit each, in deflated data of the largest ratio, about.
 const PIXELS_A_BYTE: u64 = 8 * 1040;
 
-pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header, Error> {
+pub(super) fn header(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Header> {
     let bytes = jpeg_bytes(path, format, limits)?;
     header_of(path, BufReader::with_capacity(1 << 16, file), &bytes, format, limits)
 }
@@ -36,7 +36,7 @@ pub(super) fn header_of(
     bytes: &[u8],
     format: ImageFormat,
     limits: &Limits,
-) -> Result<Header, Error> {
+) -> Result<Header> {
     let mut decoder = decoder(path, reader, bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
@@ -53,7 +53,7 @@ pub(super) fn frame(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, Error> {
+) -> Result<RawFrame> {
     let bytes = &jpeg_bytes(path, format, &options.limits)?;
     if format == ImageFormat::Pnm {
         check_end_of_text(path, &input.file)?;
@@ -79,7 +79,7 @@ pub(super) fn decoded(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, Error> {
+) -> Result<RawFrame> {
     let limits = &options.limits;
     let Source { path, reader, bytes, length, format, part } = source;
     let mut decoder = decoder(path, reader, bytes, format, limits)?;
@@ -147,7 +147,7 @@ fn samples_of(color: ColorType) -> (String, bool) {
 }
 
 /// Checks that a PNM of numbers in decimal digits does not end with a digit: its last number may have lost others.
-fn check_end_of_text(path: &Path, mut file: &File) -> Result<(), Error> {
+fn check_end_of_text(path: &Path, mut file: &File) -> Result<()> {
     let mut ends = || -> io::Result<([u8; 2], u8)> {
         let (mut first, mut last) = ([0; 2], [0]);
         file.rewind()?;
@@ -188,7 +188,7 @@ fn bytes_per_pixel(format: ImageFormat, color: ColorType) -> u64 {
 }
 
 /// The whole file of a JPEG, which is decoded strictly, and otherwise where that is asked for; empty for other formats.
-fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>, Error> {
+fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>> {
     if format != ImageFormat::Jpeg {
         return Ok(Vec::new());
     }
@@ -203,7 +203,7 @@ fn decoder<'a>(
     bytes: &'a [u8],
     format: ImageFormat,
     limits: &Limits,
-) -> Result<Box<dyn ImageDecoder + 'a>, Error> {
+) -> Result<Box<dyn ImageDecoder + 'a>> {
     // `Limits` checks sizes before pixels are read; this bounds the decoder's other memory: at most four channels of
     // four bytes.
     let max_bytes = limits.max_pixels.saturating_mul(16).saturating_add(BESIDES_BYTES);

@@ -36,7 +36,7 @@ pub use serve::serve_decoding;
 use super::layout::{Mosaic, ViewGrid, ViewsChoice};
 use super::options::{Encoding, Limits, OpenOptions};
 use super::times::Times;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::memory::{self};
@@ -155,7 +155,7 @@ pub(super) struct Expected<'a> {
 }
 
 impl Expected<'_> {
-    fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<(), Error> {
+    fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<()> {
         match expected {
             Some(Self { first, size: first_size }) if size != first_size => Err(Error::different_sizes(
                 (&first.display().to_string(), first_size),
@@ -167,7 +167,7 @@ impl Expected<'_> {
 }
 
 /// Number of frames in the file, for a TIFF and a film at most 2; reads as little as possible.
-pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize, Error> {
+pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
     if let Some((grid, _)) = options.views.and_then(ViewsChoice::picture) {
         return Ok(grid.count());
     }
@@ -192,11 +192,7 @@ pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize, E
 
 /// Size and number of frames that the file declares, checked against the limits. A raw file declares little before it
 /// is decoded: for it the frame is returned too.
-pub(super) fn header(
-    path: &Path,
-    options: &OpenOptions,
-    monitor: &Monitor,
-) -> Result<(Header, Option<RawFrame>), Error> {
+pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<(Header, Option<RawFrame>)> {
     let input = InputFile::open(path, usize::MAX, options)?;
     guarded(path, input.kind, || match input.kind {
         Kind::Raw => {
@@ -215,7 +211,7 @@ pub(super) fn header(
 }
 
 /// Times that the file gives for its frames. Decodes nothing.
-pub(super) fn times(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Times, Error> {
+pub(super) fn times(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Times> {
     let input = InputFile::open(path, usize::MAX, options)?;
     match input.kind {
         Kind::Raw | Kind::Picture(_) | Kind::Tiff => guarded(path, input.kind, || Ok(exif::times(path))),
@@ -228,7 +224,7 @@ pub(super) fn frame(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, Error> {
+) -> Result<RawFrame> {
     let input = InputFile::open(path, usize::MAX, options)?;
     let misnamed = input.misnamed;
     let frame = guarded(path, input.kind, || match input.kind {
@@ -243,7 +239,7 @@ pub(super) fn frame(
     mosaic::applied(path, RawFrame { misnamed, ..frame }, options)
 }
 
-pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
+pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>> {
     let input = InputFile::open(path, usize::MAX, options)?;
     let misnamed = input.misnamed;
     let frames = match input.kind {
@@ -263,7 +259,7 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
 }
 
 /// Pixels of a file that holds plain numbers.
-fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain, Error> {
+fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain> {
     let InputFile { mut file, length, kind, .. } = input;
     let whole = &options.of_whole();
     let plain = match kind {
@@ -281,7 +277,7 @@ fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain, 
 }
 
 /// Decodes one page of a TIFF, or one picture of a bag, which is frame `frame` of its burst.
-fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, Error> {
+fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame> {
     let input = InputFile::open(path, usize::MAX, options)?;
     guarded(path, input.kind, || match input.kind {
         #[cfg(feature = "bags")]
@@ -296,7 +292,7 @@ fn raw_frame(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, Error> {
+) -> Result<RawFrame> {
     if cfg!(feature = "raw") && child::is_installed() {
         // Two pixels a byte are more than any camera packs; a directory gives their number.
         let packed = input.length.saturating_mul(2);
@@ -327,7 +323,7 @@ struct InputFile {
 impl InputFile {
     /// Opens a regular file that is not empty, tells its kind and checks the sizes that it declares; of a TIFF, the
     /// first `pages` pages only.
-    fn open(path: &Path, pages: usize, options: &OpenOptions) -> Result<Self, Error> {
+    fn open(path: &Path, pages: usize, options: &OpenOptions) -> Result<Self> {
         let read_error = |e: std::io::Error| Error::from_io(path, &e);
         let metadata = std::fs::metadata(path).map_err(read_error)?;
         if !metadata.is_file() {
@@ -372,14 +368,14 @@ impl InputFile {
 }
 
 /// Runs a decoder. A panic in it, and memory that the system refuses it, become errors about the file.
-fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T>) -> Result<T> {
     let decode = || memory::refusable(decode).unwrap_or_else(|refused| Err(refused.about(path)));
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode))
         .unwrap_or_else(|_| Err(Error::corrupt(path, kind.name(), "its decoder failed unexpectedly")))
 }
 
 /// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.
-pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame, Error> {
+pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame> {
     let values = plane.data();
     // The bits of magnitudes are ordered as they are, infinity and NaN above all; integers are compared many at a time.
     let largest = values.iter().fold(0, |largest, v| (v.to_bits() & 0x7fff_ffff).max(largest));
@@ -409,7 +405,7 @@ impl<'a> Ticker<'a> {
         self.monitor
     }
 
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(super) fn check(&self) -> Result<()> {
         Ok(self.monitor.check()?)
     }
 
@@ -421,9 +417,9 @@ impl<'a> Ticker<'a> {
 
 /// Computes `f(0) … f(count − 1)` in parallel. When several fail, the error is that of the lowest index, whatever the
 /// number of threads, so that a user who mends one file after the other sees them in order.
-pub(super) fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Result<T, Error> + Sync) -> Result<Vec<T>, Error> {
+pub(super) fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
     let first_failure = AtomicUsize::new(usize::MAX);
-    let answers: Vec<Option<Result<T, Error>>> = (0..count)
+    let answers: Vec<Option<Result<T>>> = (0..count)
         .into_par_iter()
         .with_max_len(1)
         .map(|i| {

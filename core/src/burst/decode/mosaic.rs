@@ -5,7 +5,7 @@
 
 use super::{FileScale, RawFrame};
 use crate::burst::options::{OpenOptions, RawColour};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::plane::Plane;
 use std::path::Path;
 
@@ -42,7 +42,7 @@ pub(super) fn binned(
 }
 
 /// The frame with its mosaic binned, where the options or the file say that there is one.
-pub(super) fn applied(path: &Path, frame: RawFrame, options: &OpenOptions) -> Result<RawFrame, Error> {
+pub(super) fn applied(path: &Path, frame: RawFrame, options: &OpenOptions) -> Result<RawFrame> {
     // A raw frame's mosaic is known to its decoder.
     let is_raw = matches!(frame.scale, FileScale::Raw { .. });
     let Some(mosaic) = options.mosaic.or(frame.mosaic).filter(|_| !is_raw) else { return Ok(frame) };

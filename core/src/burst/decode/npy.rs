@@ -10,7 +10,7 @@ use super::plain::{Index, Plain};
 use crate::burst::layout::{Axis, AxisChoice, ViewGrid, ViewsChoice};
 use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use std::fs::File;
 use std::io::{BufReader, Error as IoError, Read};
 use std::path::Path;
@@ -47,7 +47,7 @@ pub(super) struct ArrayHeader {
 
 impl ArrayHeader {
     /// Reads the header with which `reader` begins; `kind` is the name of the file's kind.
-    pub(super) fn read(path: &Path, kind: &str, reader: &mut impl Read) -> Result<Self, Error> {
+    pub(super) fn read(path: &Path, kind: &str, reader: &mut impl Read) -> Result<Self> {
         let corrupt = |reason: &str| Error::corrupt(path, kind, reason);
         let fail = |e: std::io::Error| Error::from_read(path, kind, &e);
         let mut start = [0u8; 10];
@@ -82,13 +82,7 @@ impl ArrayHeader {
     }
 
     /// Its frames. `length` is that of the file or the member, bytes; a shape beyond the limits is refused.
-    pub(super) fn plain(
-        &self,
-        path: &Path,
-        kind: &'static str,
-        length: u64,
-        options: &OpenOptions,
-    ) -> Result<Plain, Error> {
+    pub(super) fn plain(&self, path: &Path, kind: &'static str, length: u64, options: &OpenOptions) -> Result<Plain> {
         let (order, code) = self.descr.split_at_checked(1).unwrap_or(("", ""));
         let number = DTYPES.iter().find(|(known, _)| *known == code).map(|(_, number)| *number);
         let number = number.ok_or_else(|| {
@@ -128,15 +122,11 @@ impl ArrayHeader {
             .map(|(index, _)| in_order.iter().position(|own| own == index))
             .is_sorted();
         let scattered = indices.iter().map(|(index, length)| (*index, *length as usize));
-        Ok(Plain {
-            big_endian,
-            channels: channels as usize,
-            is_encoded: channels > 1 && number == Number::U8,
-            views: of_views.map(|(grid, _)| grid),
-            taken: taken.into_iter().collect(),
-            scattered: if is_in_order { Vec::new() } else { scattered.collect() },
-            ..Plain::new(kind, (width as usize, height as usize), places, number)
-        })
+        let scattered = if is_in_order { Vec::new() } else { scattered.collect() };
+        let (views, taken) = (of_views.map(|(grid, _)| grid), taken.into_iter().collect());
+        let is_encoded = channels > 1 && number == Number::U8;
+        let plain = Plain::new(kind, (width as usize, height as usize), places, number);
+        Ok(Plain { big_endian, channels: channels as usize, is_encoded, views, taken, scattered, ..plain })
     }
 }
 
@@ -245,7 +235,7 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
 const MAX_MEMBERS: usize = 256;
 
 /// The array of an `.npz` archive, stored or deflated, that the options name, or the only one that can be frames.
-pub(super) fn of_archive(path: &Path, file: File, options: &OpenOptions) -> Result<Plain, Error> {
+pub(super) fn of_archive(path: &Path, file: File, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: zip::result::ZipError| Error::from_read(path, "NPZ", &IoError::from(e));
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(fail)?;
     let mut found = Vec::new();

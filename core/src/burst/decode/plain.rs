@@ -7,7 +7,7 @@ use crate::burst::layout::{Mosaic, ViewGrid};
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::times::Times;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use std::fs::File;
@@ -87,18 +87,13 @@ impl Plain {
 
     pub(super) fn header(self) -> Header {
         let samples = self.white.map_or_else(|| self.number.words(), |white| FileScale::Range(white).samples());
-        let (is_colour, mosaic) = (self.channels > 2, self.mosaic);
-        Header {
-            mosaic,
-            times: self.times,
-            views: self.views,
-            taken: self.taken,
-            ..Header::new(self.kind, self.size, self.places.len(), samples, is_colour)
-        }
+        let header = Header::new(self.kind, self.size, self.places.len(), samples, self.channels > 2);
+        let Self { mosaic, times, views, taken, .. } = self;
+        Header { mosaic, times, views, taken, ..header }
     }
 
     /// These frames, or the part of them that is to be taken.
-    pub(super) fn part(mut self, path: &Path, options: &OpenOptions) -> Result<Self, Error> {
+    pub(super) fn part(mut self, path: &Path, options: &OpenOptions) -> Result<Self> {
         if options.take.is_none() {
             return Ok(self);
         }
@@ -123,12 +118,7 @@ impl Plain {
     }
 
     /// The frame of a file that has one.
-    pub(super) fn only(
-        &self,
-        path: &Path,
-        expected: Option<Expected<'_>>,
-        options: &OpenOptions,
-    ) -> Result<RawFrame, Error> {
+    pub(super) fn only(&self, path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame> {
         if self.places.len() != 1 {
             return Err(Error::stack_among_frames(path, self.places.len()));
         }
@@ -136,12 +126,7 @@ impl Plain {
         Ok(self.stack(path, options, &Ticker::new(&Monitor::default(), 1))?.remove(0))
     }
 
-    pub(super) fn stack(
-        &self,
-        path: &Path,
-        options: &OpenOptions,
-        ticker: &Ticker<'_>,
-    ) -> Result<Vec<RawFrame>, Error> {
+    pub(super) fn stack(&self, path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>> {
         let fail = |e: io::Error| Error::from_read(path, self.kind, &e);
         let one_by_one = |reader: &mut dyn Read| {
             let frames = 0..self.places.len();
@@ -179,7 +164,7 @@ impl Plain {
         reader: &mut dyn Read,
         options: &OpenOptions,
         ticker: &Ticker<'_>,
-    ) -> Result<RawFrame, Error> {
+    ) -> Result<RawFrame> {
         let count = self.samples();
         // Colours are weighted, and an encoding is undone, after the conversion.
         let whole = self.channels > 1 || self.is_encoded && options.linearise;
@@ -200,7 +185,7 @@ impl Plain {
         whole: bool,
         ticker: &Ticker<'_>,
         mut take: impl FnMut(&[f32]),
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         let divisor = if whole { 1.0 } else { self.white.unwrap_or(1.0) };
         let mut left = self.number.bytes(count as u64) as usize;
         let mut block = vec![0u8; BLOCK_BYTES.min(left)];
@@ -225,7 +210,7 @@ impl Plain {
         mut values: Vec<f32>,
         whole: bool,
         options: &OpenOptions,
-    ) -> Result<RawFrame, Error> {
+    ) -> Result<RawFrame> {
         if self.is_bgr {
             values.chunks_exact_mut(self.channels).for_each(|pixel| pixel.swap(0, 2));
         }
@@ -253,7 +238,7 @@ impl Plain {
         reader: &mut dyn Read,
         options: &OpenOptions,
         ticker: &Ticker<'_>,
-    ) -> Result<Vec<RawFrame>, Error> {
+    ) -> Result<Vec<RawFrame>> {
         let frames = self.places.len();
         let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(self.samples())).collect();
         // Distance of two samples of a frame that differ by one in an index.
@@ -298,7 +283,7 @@ impl Plain {
         (frames, height, width): (u64, u64, u64),
         (first, step, length): (u64, u64, u64),
         limits: &Limits,
-    ) -> Result<Vec<u64>, Error> {
+    ) -> Result<Vec<u64>> {
         limits.check_frame(path, width, height)?;
         limits.check_burst(path, frames, width, height)?;
         let (wanted, there) = (frames.saturating_mul(step), length.saturating_sub(first));

@@ -10,7 +10,7 @@ use super::pixels::turned;
 use super::{Expected, FileScale, RawFrame};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
 use crate::burst::options::{OpenOptions, RawColour};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::files::read_bytes;
 use crate::plane::Plane;
 use image::metadata::Orientation;
@@ -26,7 +26,7 @@ use std::path::Path;
 /// Largest file per allowed pixel, bytes: float values, and the file's other data.
 const BYTES_PER_PIXEL: u64 = 8;
 
-pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame, Error> {
+pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| Error::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
@@ -173,12 +173,9 @@ impl RawLevels {
             (black, black_size, black_steps) = (vec![level; raw.cpp], (1, 1), BlackSteps::default());
         }
         if !black_steps.fits(size) {
+            let ((width, height), [columns, rows]) = (size, [&black_steps.columns, &black_steps.rows].map(Vec::len));
             return Err(format!(
-                "its black levels of columns and rows are {} and {}, not one for each of {}×{}; give one black level",
-                black_steps.columns.len(),
-                black_steps.rows.len(),
-                size.0,
-                size.1
+                "its black levels of columns and rows are {columns} and {rows}, not one for each of {width}×{height}; give one black level"
             ));
         }
         let mut white: Vec<f32> = raw.whitelevel.0.iter().map(|level| *level as f32).collect();

@@ -10,7 +10,7 @@ use crate::burst::layout::Mosaic;
 use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
 use crate::burst::times::Times;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
@@ -24,7 +24,7 @@ const TICKS_A_SECOND: u64 = 10_000_000;
 /// Ticks from the start of the year 1 to that of 1970.
 const TICKS_TO_1970: u64 = 621_355_968_000_000_000;
 
-pub(super) fn plain(path: &Path, mut file: File, length: u64, options: &OpenOptions) -> Result<Plain, Error> {
+pub(super) fn plain(path: &Path, mut file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: std::io::Error| Error::from_read(path, KIND, &e);
     let mut header = [0; HEADER_BYTES];
     file.read_exact(&mut header).map_err(fail)?;
@@ -82,7 +82,7 @@ pub(super) fn plain(path: &Path, mut file: File, length: u64, options: &OpenOpti
 }
 
 /// Times behind the last frame, which ends at `end`; none where the file has none or they make no sense.
-fn times(path: &Path, file: &mut File, end: u64, length: u64, frames: usize) -> Result<Times, Error> {
+fn times(path: &Path, file: &mut File, end: u64, length: u64, frames: usize) -> Result<Times> {
     if length.saturating_sub(end) < 8 * frames as u64 {
         return Ok(Times::default());
     }

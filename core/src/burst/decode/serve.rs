@@ -7,7 +7,7 @@
 use super::wire::{DecodeRequest, Part, receive, send_reply};
 use super::{Expected, RawFrame, frame, page};
 use crate::burst::options::OpenOptions;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -37,7 +37,7 @@ fn serve(path: &Path) -> io::Result<()> {
     output.flush()
 }
 
-fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame, Error> {
+fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame> {
     if request.version != env!("CARGO_PKG_VERSION") {
         return Err(Error::unread(path, "the program was replaced while it ran; start it again"));
     }

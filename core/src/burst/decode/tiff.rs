@@ -13,7 +13,7 @@ use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved, grey_fr
 use crate::burst::decode::{Ticker, in_order};
 use crate::burst::layout::AxisChoice;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
@@ -25,7 +25,7 @@ use tiff::tags::Tag;
 use tiff::{ColorType, TiffResult};
 
 /// Number of frames, 2 standing for any larger number: reads no further than the second.
-pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, Error> {
+pub(super) fn frame_count(path: &Path, file: File) -> Result<usize> {
     let limits = Limits { max_frames: 1, ..Limits::default() };
     match Pages::read(path, file, &limits, None) {
         Ok(pages) => Ok(pages.list.len()),
@@ -34,7 +34,7 @@ pub(super) fn frame_count(path: &Path, file: File) -> Result<usize, Error> {
     }
 }
 
-pub(super) fn header(path: &Path, file: File, options: &OpenOptions) -> Result<Header, Error> {
+pub(super) fn header(path: &Path, file: File, options: &OpenOptions) -> Result<Header> {
     let Pages { size, list, samples, is_colour, taken } = Pages::taken(path, file, options)?;
     let header = Header::new("TIFF", size, list.len(), samples, is_colour);
     Ok(Header { taken: taken.into_iter().collect(), ..header })
@@ -46,7 +46,7 @@ pub(super) fn frame(
     expected: Option<Expected<'_>>,
     options: &OpenOptions,
     monitor: &Monitor,
-) -> Result<RawFrame, Error> {
+) -> Result<RawFrame> {
     let pages = Pages::taken(path, input.file, options)?;
     let [page] = pages.list[..] else {
         return Err(Error::stack_among_frames(path, pages.list.len()));
@@ -62,7 +62,7 @@ pub(super) fn page(
     page: usize,
     frame: usize,
     options: &OpenOptions,
-) -> Result<RawFrame, Error> {
+) -> Result<RawFrame> {
     let pages = Pages::taken(path, input.file, options)?;
     if !pages.list.contains(&page) {
         return Err(Error::corrupt(path, "TIFF", format!("it has no page {} any more", page + 1)));
@@ -75,7 +75,7 @@ pub(super) fn stack(
     input: InputFile,
     options: &OpenOptions,
     ticker: &Ticker<'_>,
-) -> Result<Vec<RawFrame>, Error> {
+) -> Result<Vec<RawFrame>> {
     let pages = Pages::taken(path, input.file, options)?.list;
     // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
@@ -94,7 +94,7 @@ pub(super) fn stack(
     Ok(frames.into_iter().flatten().collect())
 }
 
-fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder, Error> {
+fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder> {
     file.rewind().map_err(|e| Error::from_io(path, &e))?; // handles of one file share their place
     let file_bytes = file.metadata().map_err(|e| Error::from_io(path, &e))?.len();
     let decoder = Decoder::new(BufReader::new(file)).map_err(|e| failure(path, e))?;
@@ -121,12 +121,12 @@ struct Pages {
 
 impl Pages {
     /// The pages that are to be taken.
-    fn taken(path: &Path, file: File, options: &OpenOptions) -> Result<Self, Error> {
+    fn taken(path: &Path, file: File, options: &OpenOptions) -> Result<Self> {
         let pages = Self::read(path, file, &options.of_whole().limits, options.axis.as_ref())?;
         Ok(Self { list: options.taken(path, pages.list, pages.size)?, ..pages })
     }
 
-    fn read(path: &Path, file: File, limits: &Limits, axis: Option<&AxisChoice>) -> Result<Self, Error> {
+    fn read(path: &Path, file: File, limits: &Limits, axis: Option<&AxisChoice>) -> Result<Self> {
         let fail = |e| failure(path, e);
         let mut decoder = decoder(path, file, limits)?;
         let description = description(&mut decoder);
@@ -179,14 +179,14 @@ struct PageReader<'a> {
 }
 
 impl<'a> PageReader<'a> {
-    fn open(path: &'a Path, length: u64, options: &'a OpenOptions, monitor: &'a Monitor) -> Result<Self, Error> {
+    fn open(path: &'a Path, length: u64, options: &'a OpenOptions, monitor: &'a Monitor) -> Result<Self> {
         let file = File::open(path).map_err(|e| Error::from_io(path, &e))?;
         let decoder = decoder(path, file, &options.limits)?;
         Ok(Self { path, decoder, length, options, monitor })
     }
 
     /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
-    fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame, Error> {
+    fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame> {
         let (path, fail) = (self.path, |e| failure(self.path, e));
         self.decoder.seek_to_image(page).map_err(fail)?;
         let (width, height) = self.decoder.dimensions().map_err(fail)?;
@@ -302,7 +302,7 @@ macro_rules! with_samples {
     };
 }
 /// Decodes the decoder's current page; its size has been checked.
-fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &OpenOptions) -> Result<RawFrame, Error> {
+fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &OpenOptions) -> Result<RawFrame> {
     let fail = |e| failure(path, e);
     let unsupported = |reason: String| Error::unsupported(path, "TIFF", reason);
     let (width, height) = decoder.dimensions().map_err(fail)?;

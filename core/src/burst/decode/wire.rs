@@ -3,7 +3,7 @@
 
 use super::{FileScale, RawFrame};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::plane::{Plane, memory};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::io::{self, Read, Write};
@@ -67,7 +67,7 @@ pub(super) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T
     Ok(serde_json::from_slice(&text)?)
 }
 
-pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, Error>) -> io::Result<()> {
+pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame>) -> io::Result<()> {
     match reply {
         Ok(RawFrame { plane, scale, encoding, binning, damage, is_colour, misnamed: _, mosaic: _ }) => {
             let head = FrameHead { size: plane.size(), scale, encoding, binning, damage, is_colour };
@@ -80,7 +80,7 @@ pub(super) fn send_reply(to: &mut impl Write, reply: Result<RawFrame, Error>) ->
 
 /// Receives the reply about the file `path`. The outer error is of a reply that is damaged or cut off, the inner one is
 /// the child's error about the file, or of a frame beyond `limits`.
-pub(super) fn receive_reply(from: &mut impl Read, path: &Path, limits: &Limits) -> io::Result<Result<RawFrame, Error>> {
+pub(super) fn receive_reply(from: &mut impl Read, path: &Path, limits: &Limits) -> io::Result<Result<RawFrame>> {
     let FrameHead { size, scale, encoding, binning, damage, is_colour } = match receive(from)? {
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),

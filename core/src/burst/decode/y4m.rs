@@ -7,7 +7,7 @@ use super::plain::Plain;
 use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
 use crate::burst::times::Times;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -36,7 +36,7 @@ pub(super) struct Film {
 
 impl Film {
     /// Reads the line that begins a film.
-    pub(super) fn read(path: &Path, reader: &mut impl BufRead) -> Result<Self, Error> {
+    pub(super) fn read(path: &Path, reader: &mut impl BufRead) -> Result<Self> {
         let line = line(path, reader)?;
         let text = String::from_utf8_lossy(&line);
         let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
@@ -68,19 +68,15 @@ impl Film {
         let halved = |side: u64, by: u64| side.div_ceil(by);
         let planes = chroma.map_or(0, |(across, down)| 2 * halved(width, across) * halved(height, down));
         let alpha = if colours.contains("alpha") { width * height } else { 0 };
-        Ok(Self {
-            size: (width as usize, height as usize),
-            luma_bytes: bytes * width * height,
-            frame_bytes: bytes * (width * height + planes + alpha),
-            bits,
-            has_colour: chroma.is_some(),
-            is_full_range: fields.clone().any(|field| field == "XCOLORRANGE=FULL"),
-            interval_s: interval_s.unwrap_or(0.0),
-        })
+        let (size, has_colour) = ((width as usize, height as usize), chroma.is_some());
+        let (luma_bytes, frame_bytes) = (bytes * width * height, bytes * (width * height + planes + alpha));
+        let is_full_range = fields.clone().any(|field| field == "XCOLORRANGE=FULL");
+        let interval_s = interval_s.unwrap_or(0.0);
+        Ok(Self { size, luma_bytes, frame_bytes, bits, has_colour, is_full_range, interval_s })
     }
 
     /// Reads the line of the next frame; false at the end of the film.
-    pub(super) fn next_frame(path: &Path, reader: &mut impl BufRead) -> Result<bool, Error> {
+    pub(super) fn next_frame(path: &Path, reader: &mut impl BufRead) -> Result<bool> {
         if reader.fill_buf().map_err(|e| Error::from_read(path, KIND, &e))?.is_empty() {
             return Ok(false);
         }
@@ -110,18 +106,15 @@ impl Film {
         }
         let seconds =
             if self.interval_s > 0.0 { (0..frames).map(|t| t as f64 * self.interval_s).collect() } else { Vec::new() };
-        Plain {
-            white: Some(range),
-            is_encoded: self.has_colour,
-            times: Times { seconds, is_absolute: false },
-            taken,
-            ..Plain::new(KIND, self.size, places, if self.bits > 8 { Number::U16 } else { Number::U8 })
-        }
+        let times = Times { seconds, is_absolute: false };
+        let number = if self.bits > 8 { Number::U16 } else { Number::U8 };
+        let plain = Plain::new(KIND, self.size, places, number);
+        Plain { white: Some(range), is_encoded: self.has_colour, times, taken, ..plain }
     }
 }
 
 /// Sides that do not overflow when bytes are counted; whether they are within the limits is checked with the frames.
-fn check_sides(path: &Path, width: u64, height: u64) -> Result<(), Error> {
+fn check_sides(path: &Path, width: u64, height: u64) -> Result<()> {
     const MAX_SIDE: u64 = 1 << 20;
     if width.max(height) > MAX_SIDE {
         return Err(Error::corrupt(path, KIND, format!("its line announces {width}×{height} pixels")));
@@ -151,7 +144,7 @@ fn planes_of(colours: &str) -> Option<(Option<(u64, u64)>, u32)> {
 }
 
 /// A line, without its end.
-fn line(path: &Path, reader: &mut impl BufRead) -> Result<Vec<u8>, Error> {
+fn line(path: &Path, reader: &mut impl BufRead) -> Result<Vec<u8>> {
     let mut line = Vec::new();
     reader.take(MAX_LINE_BYTES).read_until(b'\n', &mut line).map_err(|e| Error::from_read(path, KIND, &e))?;
     match line.pop() {
@@ -161,7 +154,7 @@ fn line(path: &Path, reader: &mut impl BufRead) -> Result<Vec<u8>, Error> {
 }
 
 /// The frames of a film of `length` bytes.
-pub(super) fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain, Error> {
+pub(super) fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: io::Error| Error::from_read(path, KIND, &e);
     let mut reader = BufReader::with_capacity(256, file);
     let film = Film::read(path, &mut reader)?;

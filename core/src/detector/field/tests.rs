@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::burst::Positions;
+use crate::detector::memory::on_threads;
 use proptest::prelude::*;
 
 const FRAMES: usize = 9;
@@ -243,11 +244,7 @@ fn a_transposed_burst_has_the_transposed_field() {
 fn threads_change_nothing_and_little_input_has_no_field() {
     let frames = frames(0.1, moving(Slope::new(1.0, 0.0), 5));
     let grid = SlopeGrid::line(-2.0..=2.0, 5);
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| field_of(&frames, &grid))
-    };
-    assert_eq!(with(1), with(3));
+    assert_eq!(on_threads(1, || field_of(&frames, &grid)), on_threads(3, || field_of(&frames, &grid)));
     let monitor = Monitor::default();
     let planes: Vec<&Plane> = frames.iter().collect();
     assert_eq!(

@@ -118,16 +118,10 @@ pub fn examine(
     let seen = |(list, free): (Vec<Square>, f32)| (list.into_iter().filter(|s| !s.variance.is_nan()).collect(), free);
     let mut squares: (Vec<Square>, f32) = seen(measured(&squares));
 
-    let mut model = NoiseModel {
-        is_local: true,
-        correlations: survey.correlations.clone(),
-        shown,
-        pattern_share,
-        flattened,
-        warnings: [of_frames(&survey, is_evened), of_pattern(&pattern)].concat(),
-        pattern,
-        ..NoiseModel::default()
-    };
+    let warnings = [of_frames(&survey, is_evened), of_pattern(&pattern)].concat();
+    let correlations = survey.correlations.clone();
+    let model = NoiseModel { is_local: true, correlations, shown, ..NoiseModel::default() };
+    let mut model = NoiseModel { pattern_share, flattened, warnings, pattern, ..model };
     fit_brightness(&mut model, &squares, looked.len(), quantisation_step);
     if flattened.is_none() && differ_by_place(&squares.0, &model.transfer, squares.1) {
         let lattice = Lattice::dense(frames[0].size());
@@ -282,13 +276,8 @@ mod tests {
     fn examined(burst: &Burst, flicker: Flicker) -> Examined {
         let space = ScaleSpace::new(4, 0, 4.0);
         let slopes = slopes();
-        let search = ForSearch {
-            space: &space,
-            octaves: 0..4,
-            slopes: &slopes,
-            flicker,
-            positions: &Positions::even(burst.len()),
-        };
+        let positions = &Positions::even(burst.len());
+        let search = ForSearch { space: &space, octaves: 0..4, slopes: &slopes, flicker, positions };
         examine(&burst.frames, burst.quantisation_step, &search, &Monitor::default())
             .expect("not cancelled")
             .expect("there is enough")

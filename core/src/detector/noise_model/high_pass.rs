@@ -69,13 +69,10 @@ impl HighPass {
     }
 
     pub fn only(&self, frames: &[usize]) -> Self {
-        Self {
-            places: self.places.clone(),
-            corners: self.corners.clone(),
-            values: frames.iter().map(|&t| self.values[t].clone()).collect(),
-            brightness: frames.iter().map(|&t| self.brightness[t].clone()).collect(),
-            are_flattened: self.are_flattened,
-        }
+        let (places, corners) = (self.places.clone(), self.corners.clone());
+        let values = frames.iter().map(|&t| self.values[t].clone()).collect();
+        let brightness = frames.iter().map(|&t| self.brightness[t].clone()).collect();
+        Self { places, corners, values, brightness, ..*self }
     }
 
     /// Variance of the noise from all squares: of the quiet ones, or, where a codec flattened those, their mean.

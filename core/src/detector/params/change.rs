@@ -1,7 +1,7 @@
 //! Change of one setting, as advice and explanations suggest it: commands print it, and the window applies it.
 
 use super::{DetectorParams, Param, ParamDoc, doc};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 /// A parameter and its new value, as the command line takes it.
@@ -45,7 +45,7 @@ impl ParamChange {
     /// # Errors
     /// A value cannot be read, the parameters make no sense with it, or it is a choice of slopes
     /// ([`super::doc::SLOPES`]).
-    pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams, Error> {
+    pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams> {
         Self::all_applied(std::slice::from_ref(self), params)
     }
 
@@ -53,7 +53,7 @@ impl ParamChange {
     ///
     /// # Errors
     /// As [`Self::applied`].
-    pub fn all_applied(changes: &[Self], params: &DetectorParams) -> Result<DetectorParams, Error> {
+    pub fn all_applied(changes: &[Self], params: &DetectorParams) -> Result<DetectorParams> {
         let mut changed = params.clone();
         for change in changes {
             let ParamDoc { name: parameter, .. } = *change.parameter;

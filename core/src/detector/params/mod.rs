@@ -59,15 +59,8 @@ impl DetectorParams {
     /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement of what
     /// a search left: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
     pub fn judged_as(&self, other: &Self) -> Self {
-        Self {
-            noise_gate: other.noise_gate,
-            peak_threshold: other.peak_threshold,
-            edge_threshold: other.edge_threshold,
-            distinct: other.distinct,
-            distinct_scale: other.distinct_scale,
-            max_features: other.max_features,
-            ..self.clone()
-        }
+        let &Self { noise_gate, peak_threshold, edge_threshold, distinct, distinct_scale, max_features, .. } = other;
+        Self { noise_gate, peak_threshold, edge_threshold, distinct, distinct_scale, max_features, ..self.clone() }
     }
 
     /// Texts of the parameters that decide the result of `stage`: those of this stage and of the ones before it.

@@ -4,7 +4,7 @@
 //! the page of reference are made from a [`Param`].
 
 use super::{Distinct, FrameRange, NoiseGate, SlopeAxis, Word};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use std::fmt;
 use std::ops::{Bound, Deref, RangeBounds, RangeInclusive};
 
@@ -191,7 +191,7 @@ impl Bounds {
     ///
     /// # Errors
     /// Its fault, with the remedy.
-    pub fn check(&self, parameter: &'static str, number: f64) -> Result<(), Error> {
+    pub fn check(&self, parameter: &'static str, number: f64) -> Result<()> {
         if self.allow(number) {
             return Ok(());
         }
@@ -264,16 +264,9 @@ pub struct Param<P: 'static> {
 impl<P> Param<P> {
     /// Record of a parameter with no bounds, which always has an effect.
     pub const fn new(placeholder: &'static str, stage: Stage, field: fn(&mut P) -> Field<'_>) -> Self {
-        Self {
-            doc: ParamDoc { name: "", label: "", unit: "", term: "", meaning: "", effect: "" },
-            placeholder,
-            stage,
-            field,
-            default_words: None,
-            bounds: None,
-            drag: Drag { speed: 0.05, decimals: 2, suffix: "", zero: None },
-            in_use: |_| true,
-        }
+        let doc = ParamDoc { name: "", label: "", unit: "", term: "", meaning: "", effect: "" };
+        let drag = Drag { speed: 0.05, decimals: 2, suffix: "", zero: None };
+        Self { doc, placeholder, stage, field, default_words: None, bounds: None, drag, in_use: |_| true }
     }
 
     /// Record of a parameter whose number is in `range`; `remedy` is given for others.
@@ -318,12 +311,12 @@ impl<P> Param<P> {
     ///
     /// # Errors
     /// The fault in `text`, with a remedy. The value is checked only for whether it can be read.
-    pub fn set(&self, params: &mut P, text: &str) -> Result<(), Error> {
+    pub fn set(&self, params: &mut P, text: &str) -> Result<()> {
         self.set_field((self.field)(params), text)
     }
 
     /// Sets a value of this parameter that is held elsewhere.
-    pub(super) fn set_field(&self, field: Field<'_>, text: &str) -> Result<(), Error> {
+    pub(super) fn set_field(&self, field: Field<'_>, text: &str) -> Result<()> {
         let remedy = match (field.words(), self.bounds) {
             (Some(words), _) => {
                 let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
@@ -347,7 +340,7 @@ impl<P: Clone> Param<P> {
     ///
     /// # Errors
     /// Its fault, with a remedy.
-    pub fn check(&self, params: &P) -> Result<(), Error> {
+    pub fn check(&self, params: &P) -> Result<()> {
         let fault = (self.field)(&mut params.clone()).fault(self.bounds.as_ref());
         fault.map_err(|(problem, remedy)| Error::param(self.doc.name, problem, remedy))
     }

@@ -5,7 +5,7 @@
 //! [`crate::detector::slopes::resolve`] then converts the one into the other, burst by burst, before the detection.
 
 use super::{DetectorParams, Field, Param, Slope, SlopeGrid, doc};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::{Table, Value};
 
@@ -67,7 +67,7 @@ impl SearchParams {
     ///
     /// # Errors
     /// The first parameter that makes no sense.
-    pub fn validate(&self) -> Result<(), Error> {
+    pub fn validate(&self) -> Result<()> {
         if let SlopeChoice::Auto { direction_deg: Some(degrees) } = self.slopes
             && !degrees.is_finite()
         {
@@ -85,10 +85,7 @@ impl SearchParams {
     ///
     /// # Errors
     /// The first value that cannot be read, or the first parameter that makes no sense.
-    pub fn with_texts<'a>(
-        self,
-        given: impl IntoIterator<Item = (Param<DetectorParams>, &'a str)>,
-    ) -> Result<Self, Error> {
+    pub fn with_texts<'a>(self, given: impl IntoIterator<Item = (Param<DetectorParams>, &'a str)>) -> Result<Self> {
         let mut params = self;
         let (slopes, mut others): (Vec<_>, Vec<_>) = given.into_iter().partition(|(record, _)| *record == doc::SLOPES);
         // Rules bring other parameters with them, which what is given besides replaces.

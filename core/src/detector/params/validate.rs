@@ -2,14 +2,14 @@
 
 use super::{DetectorParams, MAX_SLOPES, MIN_OCTAVE_SIDE, Method, Param, doc};
 use crate::burst::Positions;
-use crate::error::Error;
+use crate::error::{Error, Result};
 
 impl DetectorParams {
     /// Checks the parameters alone, without a burst.
     ///
     /// # Errors
     /// The first parameter that makes no sense.
-    pub fn validate(&self) -> Result<(), Error> {
+    pub fn validate(&self) -> Result<()> {
         doc::ALL.iter().try_for_each(|record| record.check(self))?;
         if self.slopes.len() > MAX_SLOPES {
             return Err(Error::param(
@@ -25,7 +25,7 @@ impl DetectorParams {
     ///
     /// # Errors
     /// [`doc::FRAMES`] if the range reaches past the burst.
-    pub fn validate_frames(&self, frame_count: usize) -> Result<(), Error> {
+    pub fn validate_frames(&self, frame_count: usize) -> Result<()> {
         match self.frames.filter(|range| range.end > frame_count) {
             None => Ok(()),
             Some(range) => Err(Error::param(
@@ -40,7 +40,7 @@ impl DetectorParams {
     ///
     /// # Errors
     /// The first parameter that makes no sense for it.
-    pub fn validate_for(&self, positions: &Positions, size: (usize, usize)) -> Result<(), Error> {
+    pub fn validate_for(&self, positions: &Positions, size: (usize, usize)) -> Result<()> {
         self.validate()?;
         self.validate_frames(positions.len())?;
         let used = positions.part(self.used_frames(positions.len()));

@@ -31,7 +31,7 @@ use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, sigma_d};
 use crate::detector::search::SEARCH_PART;
 use crate::detector::search::around_field::SlopesAround;
 use crate::detector::search::setup::{FirstLevels, Inputs, Search, SlopeGroup};
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
@@ -40,7 +40,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Finds the features of a burst whose frames are merged already; callers use [`crate::detect`].
-pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection, Error> {
+pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection> {
     Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), None, monitor)?.detection)
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn search_with_trail(
     params: &DetectorParams,
     keeping: Keeping<'_>,
     monitor: &Monitor,
-) -> Result<Trail, Error> {
+) -> Result<Trail> {
     Ok(search_all(burst, params, &OF_PROCESS, budget_beside_kept(), Some(keeping), monitor)?.ready())
 }
 
@@ -95,7 +95,7 @@ fn search_all(
     budget: Option<u64>,
     keeping: Option<Keeping<'_>>,
     monitor: &Monitor,
-) -> Result<Trail, Error> {
+) -> Result<Trail> {
     let started = Instant::now();
     params.validate_for(&burst.positions, burst.size())?;
     let frames = params.used_frames(burst.len()).len();
@@ -134,7 +134,7 @@ fn search_first(
     field: Option<&Arc<MotionField>>,
     first: FirstFeatures<'_>,
     monitor: &Monitor,
-) -> Result<Trail, Error> {
+) -> Result<Trail> {
     let grid = inputs.params.used_slopes();
     let slope = field.and_then(|field| field.commonest_of(&grid)).unwrap_or_else(|| grid.slope(grid.len() / 2));
     // With the gate of all slopes its features stay, and the tally counts its samples as the whole search would.
@@ -158,7 +158,7 @@ fn search_inputs(
     earlier: Option<&Earlier<'_>>,
     mut times: StageTimes,
     monitor: &Monitor,
-) -> Result<Trail, Error> {
+) -> Result<Trail> {
     let search = Search::new(&inputs, monitor);
     let started = Instant::now();
     let known = earlier.filter(|_| plan.search.len() == 1).and_then(|earlier| earlier.known(&search));
@@ -244,7 +244,7 @@ impl Trail {
     ///
     /// # Panics
     /// If `order` is no permutation of the places of the frames that took part.
-    pub fn reordered(&self, order: &[usize], monitor: &Monitor) -> Result<Detection, Error> {
+    pub fn reordered(&self, order: &[usize], monitor: &Monitor) -> Result<Detection> {
         let mut inputs = self.inputs.clone();
         inputs.params.max_features = 0;
         inputs.times = inputs.times.reordered(order);

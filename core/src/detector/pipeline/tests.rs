@@ -3,14 +3,14 @@
 
 use super::*;
 use crate::detector::feature::Feature;
-use crate::detector::memory::{Plan, Wanted, estimate};
+use crate::detector::memory::{Plan, Wanted, estimate, on_threads};
 use crate::detector::params::{
     Distinct, FrameRange, Localisation, Method, NoiseGate, NoiseModelKind, Rules, SlopeAxis, SlopeExtrema,
     SlopeNeighbours,
 };
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::{Slope, SlopeGrid, Test};
-use crate::error::Error;
+use crate::error::Result;
 use crate::plane::tile::Region;
 use crate::synth::chart::draw_disc;
 use crate::synth::random::Stream;
@@ -32,7 +32,7 @@ fn budget_for(burst: &Burst, params: &DetectorParams, slopes: usize) -> u64 {
 }
 
 /// Searches with all of `budget` bytes, whatever other tests of this process take at the same time.
-fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail, Error> {
+fn search_within(burst: &Burst, params: &DetectorParams, budget: Option<u64>) -> Result<Trail> {
     search_all(burst, params, &Account::new(), budget, Some(Keeping::ANEW), &Monitor::default())
 }
 
@@ -311,9 +311,8 @@ fn what_is_not_searched_is_not_judged_and_its_samples_are_those_of_the_whole_sea
 #[test]
 fn a_search_around_the_field_is_the_same_on_any_threads_and_all_slopes_where_there_is_no_field() {
     let on = |threads: usize, burst: &Burst, search: SearchSlopes| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let found = pool.install(|| search_within(burst, &around(search, SlopeExtrema::Each), None)).expect("fits");
-        Detection { times: StageTimes::default(), ..found.detection }
+        let found = on_threads(threads, || search_within(burst, &around(search, SlopeExtrema::Each), None));
+        Detection { times: StageTimes::default(), ..found.expect("fits").detection }
     };
     let burst = two_motions(9);
     assert!(on(1, &burst, SearchSlopes::Field) == on(3, &burst, SearchSlopes::Field));

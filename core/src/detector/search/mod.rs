@@ -178,17 +178,9 @@ impl Search<'_> {
             OctaveFilters::new(self.space, &bank, &levels, size)
         });
         let tallies = Mutex::new(tallies);
-        let job = Octave {
-            octave,
-            size,
-            group,
-            known,
-            tallies: &tallies,
-            bases,
-            filters: OctaveFilters::new(self.space, bank, &self.space.all_levels(), size),
-            next_only,
-            sigma_d: self.sigma_d(octave),
-        };
+        let filters = OctaveFilters::new(self.space, bank, &self.space.all_levels(), size);
+        let sigma_d = self.sigma_d(octave);
+        let job = Octave { octave, size, group, known, tallies: &tallies, bases, filters, next_only, sigma_d };
         let of_next = if wants_next { group.visited.clone() } else { 0..0 };
         let known_next = |index: usize| {
             known.and_then(|known| known.first_level((octave + 1 - self.space.first_octave) as usize, index))
@@ -488,19 +480,11 @@ impl Search<'_> {
         sigma_d: f32,
     ) -> Keypoint {
         let (x, y) = fit.place();
-        Keypoint {
-            octave,
-            x: x as f32,
-            y: y as f32,
-            sigma_octave: self.space.sigma_octave(fit.level_refined - 1.0) as f32,
-            level: candidate.level_index as i32 - 1,
-            sample: [candidate.x as u32, candidate.y as u32],
-            slope_index,
-            slope,
-            value: fit.value as f32,
-            snr: f32::INFINITY,
-        }
-        .with_noise(sigma_d)
+        let (x, y, value, snr) = (x as f32, y as f32, fit.value as f32, f32::INFINITY);
+        let sigma_octave = self.space.sigma_octave(fit.level_refined - 1.0) as f32;
+        let (level, sample) = (candidate.level_index as i32 - 1, [candidate.x as u32, candidate.y as u32]);
+        let found = Keypoint { octave, x, y, sigma_octave, level, sample, slope_index, slope, value, snr };
+        found.with_noise(sigma_d)
     }
 
     pub(crate) fn place_factor(&self, octave: i32, slope_index: usize, x: usize, y: usize) -> f32 {

@@ -16,7 +16,7 @@ use crate::detector::scale_space::{Base, ScaleSpace, octave_pixel, searched_octa
 use crate::detector::search::around_field::SlopesAround;
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::{FrameTimes, coverage, frame_offsets};
-use crate::error::Error;
+use crate::error::Result;
 use crate::kernel::gaussian_bank::{FilterBank, FilterScratch};
 use crate::kernel::stack::FrameOffset;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -62,17 +62,10 @@ impl<'a> Search<'a> {
     pub(crate) fn new(inputs: &'a Inputs, monitor: &'a Monitor) -> Self {
         let Inputs { space, params, .. } = inputs;
         let grid = params.used_slopes();
-        Self {
-            inputs,
-            params,
-            space,
-            planes: inputs.first_planes(),
-            grid,
-            offsets: grid.slopes().map(|slope| inputs.offsets(slope)).collect(),
-            banks: (space.bank(true, space.all_levels()), space.bank(false, space.all_levels())),
-            monitor,
-            unused: Mutex::new(Vec::new()),
-        }
+        let offsets = grid.slopes().map(|slope| inputs.offsets(slope)).collect();
+        let banks = (space.bank(true, space.all_levels()), space.bank(false, space.all_levels()));
+        let (planes, unused) = (inputs.first_planes(), Mutex::new(Vec::new()));
+        Self { inputs, params, space, planes, grid, offsets, banks, monitor, unused }
     }
 
     pub(crate) fn stack(&self, slope_index: usize) -> SlopeStack<'_> {
@@ -111,7 +104,7 @@ pub(crate) struct Inputs {
 
 impl Inputs {
     /// Checks the parameters and examines the noise.
-    pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self, Error> {
+    pub(crate) fn new(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self> {
         params.validate_for(&burst.positions, burst.size())?;
         let frames_used = params.used_frames(burst.len());
         monitor.report(Stage::Noise, 0.0);
@@ -126,19 +119,8 @@ impl Inputs {
         let (size_image, noise, gate_factor) = (burst.size(), Arc::new(model), gate_factor(params));
         let planes: Vec<&Plane> = frames.iter().map(|frame| &**frame).collect();
         let binned = space.binned(&planes, monitor)?.into();
-        Ok(Self {
-            frames,
-            read,
-            binned,
-            times,
-            frames_used,
-            size_image,
-            space,
-            params: params.clone(),
-            noise,
-            gate_factor,
-            around: None,
-        })
+        let (params, around) = (params.clone(), None);
+        Ok(Self { frames, read, binned, times, frames_used, size_image, space, params, noise, gate_factor, around })
     }
 
     /// Inputs with other parameters, of which only those differ that are judged after the search.

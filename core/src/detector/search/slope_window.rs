@@ -78,14 +78,9 @@ pub fn capacity(grid: &SlopeGrid, others: OtherSlopes) -> usize {
 impl SlopeWindow {
     pub fn new(grid: SlopeGrid, others: OtherSlopes) -> Self {
         let capacity = capacity(&grid, others);
-        Self {
-            grid,
-            others,
-            visited: 0..grid.len(),
-            tiles: (0..capacity).map(|_| DogTile::default()).collect(),
-            candidates: Vec::new(),
-            undecided: vec![Vec::new(); capacity],
-        }
+        let (visited, tiles) = (0..grid.len(), (0..capacity).map(|_| DogTile::default()).collect());
+        let (candidates, undecided) = (Vec::new(), vec![Vec::new(); capacity]);
+        Self { grid, others, visited, tiles, candidates, undecided }
     }
 
     /// Begins another tile. Only slopes whose neighbours are all among `visited` may have candidates.

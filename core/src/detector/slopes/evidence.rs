@@ -156,15 +156,11 @@ impl Looking<'_> {
         let unit = f64::from(1u32 << level);
         let centre = |r: &Range<usize>| (0.5 * (r.start + r.end) as f64 * unit - 0.5) as f32;
         let length = |r: &Range<usize>| (r.len() as f64 * unit) as f32;
-        Some(SlopeEvidence {
-            slope: Slope::new((peak.slope[0] * unit) as f32, (peak.slope[1] * unit) as f32),
-            significance: peak.significance as f32,
-            uncertainty: (peak.uncertainty * unit) as f32,
-            ambiguity: peak.ambiguity as f32,
-            level,
-            centre: [centre(columns), centre(rows)],
-            size: [length(columns), length(rows)],
-        })
+        let slope = Slope::new((peak.slope[0] * unit) as f32, (peak.slope[1] * unit) as f32);
+        let (significance, ambiguity) = (peak.significance as f32, peak.ambiguity as f32);
+        let uncertainty = (peak.uncertainty * unit) as f32;
+        let (centre, size) = ([centre(columns), centre(rows)], [length(columns), length(rows)]);
+        Some(SlopeEvidence { slope, significance, uncertainty, ambiguity, level, centre, size })
     }
 }
 

@@ -24,7 +24,7 @@ pub use regularity::{MotionWarning, MotionWarningKind};
 use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
 use crate::burst::{Burst, OpenOptions, Positions, TimesChoice};
 use crate::detector::scale_space::ScaleSpace;
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use event::Event;
@@ -133,7 +133,7 @@ pub fn find_slopes(
 ///
 /// # Errors
 /// Those of [`Burst::open_with`].
-pub fn open_burst(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Burst, Error> {
+pub fn open_burst(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Burst> {
     if options.times != Some(TimesChoice::Found) {
         return Burst::open_with(inputs, options, monitor);
     }
@@ -226,7 +226,7 @@ pub fn resolve(
     burst: &Burst,
     params: &SearchParams,
     monitor: &Monitor,
-) -> Result<(DetectorParams, Option<SlopeFinding>), Error> {
+) -> Result<(DetectorParams, Option<SlopeFinding>)> {
     params.validate()?;
     let SlopeChoice::Auto { direction_deg } = params.slopes else {
         return Ok((params.detector.clone(), None));

@@ -157,13 +157,8 @@ impl Fourier {
     pub fn scratch(&self, frame_count: usize) -> Scratch {
         let zero = Complex32::default();
         let length = self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len());
-        Scratch {
-            packed: vec![zero; AREA],
-            turned: vec![zero; AREA],
-            fft: vec![zero; length],
-            frames: vec![Spectrum::zeros(); frame_count],
-            energy: vec![vec![0.0; HALF]; frame_count],
-        }
+        let (frames, energy) = (vec![Spectrum::zeros(); frame_count], vec![vec![0.0; HALF]; frame_count]);
+        Scratch { packed: vec![zero; AREA], turned: vec![zero; AREA], fft: vec![zero; length], frames, energy }
     }
 
     /// Products for the window of `frames` whose first pixel is (`u`, `v`).

@@ -6,7 +6,7 @@
 
 use super::text::{ColmapKeypoint, FIRST_PIXEL};
 use crate::detector::Descriptor;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::export::atomic::replace;
 use crate::files::mark::DATABASE_ID;
 use nalgebra::{Isometry3, Matrix3};
@@ -49,10 +49,7 @@ pub struct DatabaseWriter<'a> {
 ///
 /// # Errors
 /// The error of `fill`, or of a file that cannot be written.
-pub fn write_colmap_database(
-    path: &Path,
-    fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), Error>,
-) -> Result<(), Error> {
+pub fn write_colmap_database(path: &Path, fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<()>) -> Result<()> {
     let mut made = Ok(());
     let written = replace(path, |new| {
         made = make(new, path, fill);
@@ -63,11 +60,7 @@ pub fn write_colmap_database(
     written
 }
 
-fn make(
-    temporary: &Path,
-    path: &Path,
-    fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<(), Error>,
-) -> Result<(), Error> {
+fn make(temporary: &Path, path: &Path, fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<()>) -> Result<()> {
     let fail = |e: rusqlite::Error| failure(path, &e);
     let connection = Connection::open(temporary).map_err(fail)?;
     // No journal and no waiting for the disk: the file is useless until it is complete, and is then flushed.
@@ -87,7 +80,7 @@ fn failure(path: &Path, error: &rusqlite::Error) -> Error {
 
 impl DatabaseWriter<'_> {
     /// Adds a camera and returns its id.
-    pub fn add_camera(&mut self, camera: &DatabaseCamera) -> Result<u32, Error> {
+    pub fn add_camera(&mut self, camera: &DatabaseCamera) -> Result<u32> {
         self.cameras += 1;
         let id = self.cameras;
         let DatabaseCamera { model_id, width, height, params: intrinsics, prior_focal_length } = camera;
@@ -114,7 +107,7 @@ impl DatabaseWriter<'_> {
         camera_id: u32,
         keypoints: &[ColmapKeypoint],
         descriptors: &[Descriptor],
-    ) -> Result<u32, Error> {
+    ) -> Result<u32> {
         assert_eq!(keypoints.len(), descriptors.len(), "each feature has one descriptor");
         assert!((1..=self.cameras).contains(&camera_id), "the camera is added first");
         self.keypoints.push(keypoints.len());
@@ -137,7 +130,7 @@ impl DatabaseWriter<'_> {
     ///
     /// # Panics
     /// When the image was not added, or has another number of features.
-    pub fn move_features(&mut self, id: u32, places: &[[f64; 2]]) -> Result<(), Error> {
+    pub fn move_features(&mut self, id: u32, places: &[[f64; 2]]) -> Result<()> {
         let (mut keypoints, _) = self.features(id)?;
         assert_eq!(keypoints.len(), places.len(), "each feature has a place");
         keypoints.iter_mut().zip(places).for_each(|(keypoint, place)| keypoint.set_pos_image(*place));
@@ -151,13 +144,13 @@ impl DatabaseWriter<'_> {
     ///
     /// # Panics
     /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature.
-    pub fn add_matches(&mut self, a: u32, b: u32, matches: &[[u32; 2]]) -> Result<(), Error> {
+    pub fn add_matches(&mut self, a: u32, b: u32, matches: &[[u32; 2]]) -> Result<()> {
         let id = self.pair_of(a, b, matches);
         self.execute("INSERT INTO matches VALUES (?, ?, 2, ?)", params![id, matches.len() as i64, index_bytes(matches)])
     }
 
     /// Adds the two-view geometry of images `a` and `b`; errors and panics as of [`Self::add_matches`].
-    pub fn add_geometry(&mut self, a: u32, b: u32, geometry: &DatabaseGeometry) -> Result<(), Error> {
+    pub fn add_geometry(&mut self, a: u32, b: u32, geometry: &DatabaseGeometry) -> Result<()> {
         let id = self.pair_of(a, b, &geometry.inliers);
         let geometry = geometry.in_colmap_pixels();
         let inliers = &geometry.inliers;
@@ -191,7 +184,7 @@ impl DatabaseWriter<'_> {
     }
 
     /// Reads the features of the image `id` back, as they were added.
-    pub fn features(&self, id: u32) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), Error> {
+    pub fn features(&self, id: u32) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>)> {
         let sql = "SELECT keypoints.data, descriptors.data FROM keypoints JOIN descriptors USING (image_id) WHERE image_id = ?";
         let read = self.connection.query_row(sql, [id], |row| {
             let number = |bytes: &[u8], k: usize| f32::from_le_bytes(std::array::from_fn(|i| bytes[4 * k + i]));
@@ -205,7 +198,7 @@ impl DatabaseWriter<'_> {
         read.map_err(|e| failure(self.path, &e))
     }
 
-    fn execute(&self, sql: &str, values: impl Params) -> Result<(), Error> {
+    fn execute(&self, sql: &str, values: impl Params) -> Result<()> {
         self.connection.execute(sql, values).map(|_| ()).map_err(|e| failure(self.path, &e))
     }
 }

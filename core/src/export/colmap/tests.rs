@@ -5,7 +5,7 @@ use crate::monitor::Cancelled;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use proptest::prelude::*;
 use rusqlite::Connection;
-use std::path::Path;
+use std::path::PathBuf;
 
 fn keypoints(count: usize) -> Vec<ColmapKeypoint> {
     let at = |k: usize| ColmapKeypoint { x: k as f32 + 0.5, y: 7.25, scale: 1.6, orientation: -0.1 * k as f32 };
@@ -17,18 +17,16 @@ fn descriptors(count: usize) -> Vec<Descriptor> {
 }
 
 fn camera() -> DatabaseCamera {
-    DatabaseCamera {
-        model_id: 2,
-        width: 640,
-        height: 480,
-        params: vec![500.0, 320.0, 240.0, 0.1],
-        prior_focal_length: true,
-    }
+    let params = vec![500.0, 320.0, 240.0, 0.1];
+    DatabaseCamera { model_id: 2, width: 640, height: 480, params, prior_focal_length: true }
 }
 
 /// Writes two images with four and three features, with matches and a geometry of every kind.
-fn written(path: &Path) {
-    write_colmap_database(path, |database| {
+/// A database in a folder of its own within a temporary one, and its path.
+fn written() -> (tempfile::TempDir, PathBuf) {
+    let home = tempfile::tempdir().expect("a folder");
+    let path = home.path().join("out/database.db");
+    write_colmap_database(&path, |database| {
         let camera = database.add_camera(&camera())?;
         let a = database.add_image("a.png", camera, &keypoints(4), &descriptors(4))?;
         let b = database.add_image("b.png", camera, &keypoints(3), &descriptors(3))?;
@@ -50,6 +48,7 @@ fn written(path: &Path) {
         database.add_geometry(a, b, &geometry)
     })
     .expect("written");
+    (home, path)
 }
 
 fn floats(bytes: &[u8]) -> Vec<f64> {
@@ -58,9 +57,7 @@ fn floats(bytes: &[u8]) -> Vec<f64> {
 
 #[test]
 fn every_blob_is_as_documented() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("out/database.db");
-    written(&path);
+    let (_home, path) = written();
     assert_eq!(std::fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1, "no leftovers");
     let db = Connection::open(&path).expect("a database");
     let row = |sql: &str| {
@@ -88,9 +85,7 @@ fn every_blob_is_as_documented() {
 
 #[test]
 fn a_geometry_is_moved_by_half_a_pixel_and_laid_down_by_rows() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("database.db");
-    written(&path);
+    let (_home, path) = written();
     let db = Connection::open(&path).expect("a database");
     let blob = |column: &str| {
         let sql = format!("SELECT {column} FROM two_view_geometries WHERE config = 2 AND rows = 1 AND cols = 2");
@@ -111,9 +106,7 @@ fn a_geometry_is_moved_by_half_a_pixel_and_laid_down_by_rows() {
 
 #[test]
 fn a_database_is_whole_or_not_there() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("database.db");
-    written(&path);
+    let (home, path) = written();
     let before = std::fs::read(&path).expect("a file");
     let twice = write_colmap_database(&path, |database| {
         let camera = database.add_camera(&camera())?;
@@ -124,7 +117,7 @@ fn a_database_is_whole_or_not_there() {
     // An error of `fill` is returned unchanged.
     assert_eq!(write_colmap_database(&path, |_| Err(Cancelled.into())), Err(Cancelled.into()));
     assert_eq!(std::fs::read(&path).expect("a file"), before);
-    assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
+    assert_eq!(std::fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1);
     assert_eq!(write_colmap_database(home.path(), |_| Ok(())), Err(Error::no_file(home.path())));
 }
 

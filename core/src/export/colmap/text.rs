@@ -6,7 +6,7 @@
 //! <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
 
 use crate::detector::{Descriptor, Feature};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::export::atomic::write_whole;
 use crate::export::csv::first_line;
 use crate::files::{MAX_TABLE_BYTES, read_text};
@@ -15,16 +15,12 @@ use std::path::Path;
 use std::str::FromStr;
 
 /// Writes features and descriptors for COLMAP's importer; panics if the numbers of them differ.
-pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<(), Error> {
+pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<()> {
     write_colmap_keypoints(path, &features.iter().map(ColmapKeypoint::from).collect::<Vec<_>>(), descriptors)
 }
 
 /// Writes features that are already in COLMAP's convention, with their descriptors, for COLMAP's importer.
-pub fn write_colmap_keypoints(
-    path: &Path,
-    keypoints: &[ColmapKeypoint],
-    descriptors: &[Descriptor],
-) -> Result<(), Error> {
+pub fn write_colmap_keypoints(path: &Path, keypoints: &[ColmapKeypoint], descriptors: &[Descriptor]) -> Result<()> {
     assert_eq!(keypoints.len(), descriptors.len(), "each feature has one descriptor");
     write_whole(path, |out| print(out, keypoints, descriptors))
 }
@@ -58,12 +54,12 @@ pub(in crate::export) fn is_colmap_text(path: &Path, is_whole: bool) -> bool {
 ///
 /// # Errors
 /// The file cannot be read, or a line, which is named, is not in this format.
-pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), Error> {
+pub fn read_colmap(path: &Path) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>)> {
     parse_colmap(path, &read_text(path, MAX_TABLE_BYTES).map_err(|e| Error::unread_file(path, e))?)
 }
 
 /// Parses the `text` of a file that `write_colmap` wrote, as [`read_colmap`]; `path` is for messages.
-pub fn parse_colmap(path: &Path, text: &str) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>), Error> {
+pub fn parse_colmap(path: &Path, text: &str) -> Result<(Vec<ColmapKeypoint>, Vec<Descriptor>)> {
     let mut lines = text.lines();
     let bad = |line: usize, problem: String| Error::in_line(path, line, &problem);
     let header = lines.next().unwrap_or_default();

@@ -337,16 +337,9 @@ pub(super) mod tests {
     use std::sync::Arc;
 
     pub fn panel(size: (usize, usize)) -> FigurePanel {
-        FigurePanel {
-            size,
-            rgba: Arc::new(vec![9; size.0 * size.1 * 4]),
-            origin_image: [-0.5, -0.5],
-            image_px_per_px: 1.0,
-            marks: Vec::new(),
-            title: None,
-            legend: Vec::new(),
-            bar: None,
-        }
+        let rgba = Arc::new(vec![9; size.0 * size.1 * 4]);
+        let (origin_image, marks, title, legend, bar) = ([-0.5, -0.5], Vec::new(), None, Vec::new(), None);
+        FigurePanel { size, rgba, origin_image, image_px_per_px: 1.0, marks, title, legend, bar }
     }
 
     #[test]

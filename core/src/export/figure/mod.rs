@@ -85,29 +85,16 @@ pub struct FigureMark {
 impl FigureMark {
     /// A plain circle.
     pub fn circle(centre: [f32; 2], radius: f32, color: Colour) -> Self {
-        Self {
-            centre,
-            radius,
-            orientation: None,
-            motion: None,
-            motion_sigma: 0.0,
-            color,
-            opacity: 1.0,
-            weight: 1.0,
-            dashed: false,
-        }
+        let (orientation, motion, motion_sigma) = (None, None, 0.0);
+        Self { centre, radius, orientation, motion, motion_sigma, color, opacity: 1.0, weight: 1.0, dashed: false }
     }
 
     /// A feature of a burst with frames at `positions` with the arrow of its motion and the fan of its uncertainty;
     /// dashed at the limit of the searched slopes, beyond which its true motion may lie.
     pub fn of(feature: &Feature, positions: &Positions, color: Colour) -> Self {
-        Self {
-            motion: Some(motion_over(feature, positions)),
-            motion_sigma: sigma_over(feature, positions),
-            opacity: 0.95,
-            dashed: feature.at_slope_limit,
-            ..Self::circle([feature.u, feature.v], feature.circle_radius_px(), color)
-        }
+        let circle = Self::circle([feature.u, feature.v], feature.circle_radius_px(), color);
+        let (motion, motion_sigma) = (Some(motion_over(feature, positions)), sigma_over(feature, positions));
+        Self { motion, motion_sigma, opacity: 0.95, dashed: feature.at_slope_limit, ..circle }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Drawings as SVG 1.1.
 
 use super::{Colour, DASH, Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit};
-use crate::error::Error;
+use crate::error::Result;
 use crate::export::atomic::write_marked;
 use crate::export::png::Picture;
 use crate::export::svg::{Attribute, Number, PathData, SvgWriter, rectangle};
@@ -10,7 +10,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes the drawing.
-pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<(), Error> {
+pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<()> {
     for shape in &drawing.shapes {
         if let FigureShape::Picture { size, rgba, .. } = shape {
             Picture::rgba(size.0, size.1, rgba).check_size(path)?;

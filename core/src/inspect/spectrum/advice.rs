@@ -49,6 +49,10 @@ pub struct SlopeAdvice {
 }
 
 impl SlopeAdvice {
+    pub(super) fn new(subject: Subject, number: f64, sentence: String, changes: Vec<ParamChange>) -> Self {
+        Self { subject, number, sentence, changes, times: None }
+    }
+
     /// Options of the command line that apply it; empty where none does.
     pub fn options(&self) -> String {
         let times = self.times.iter().map(|times| format!("--times {times}"));
@@ -57,13 +61,8 @@ impl SlopeAdvice {
 }
 
 pub(super) fn advice(cache: &ProbeCache, spectrum: &Spectrum) -> Vec<SlopeAdvice> {
-    let judging = Judging::new(
-        cache.detection(),
-        cache.params(),
-        Some(&spectrum.finding),
-        &spectrum.evidence,
-        cache.burst.size(),
-    );
+    let (finding, evidence, size) = (Some(&spectrum.finding), &spectrum.evidence, cache.burst.size());
+    let judging = Judging::new(cache.detection(), cache.params(), finding, evidence, size);
     let Some(judging) = judging else { return Vec::new() };
     let telling = Telling { cache, spectrum, judging };
     let judged = spectrum.judgement.as_ref().and_then(|judgement| judgement.advice.clone());
@@ -90,21 +89,13 @@ impl Telling<'_> {
             self.spectrum.aliases.iter().find(|a| a.inside_range > 0 && a.places.len() >= ALIAS_PLACES)?;
         let [u, v] = alias.places[0];
         let period = number(alias.period_px, 1);
+        let ([u, v], lobe) = ([u, v].map(|x| number(x, 0)), 100.0 * alias.side_lobe);
+        let (more, times) = (counted(alias.places.len() - 1, "more place"), counted(alias.inside_range, "time"));
         let sentence = format!(
-            "the texture around ({}, {}) and at {} repeats every {period} px, so it responds again at slopes {period} px/frame apart, {} within the range, with side lobes of {:.0} % between them",
-            number(u, 0),
-            number(v, 0),
-            counted(alias.places.len() - 1, "more place"),
-            counted(alias.inside_range, "time"),
-            100.0 * alias.side_lobe
+            "the texture around ({u}, {v}) and at {more} repeats every {period} px, so it responds again at slopes {period} px/frame apart, {times} within the range, with side lobes of {lobe:.0} % between them"
         );
-        Some(SlopeAdvice {
-            subject: Subject::Aliases,
-            number: f64::from(alias.period_px),
-            sentence,
-            changes: self.within_a_period(alias).into_iter().collect(),
-            times: None,
-        })
+        let changes = self.within_a_period(alias).into_iter().collect();
+        Some(SlopeAdvice::new(Subject::Aliases, f64::from(alias.period_px), sentence, changes))
     }
 
     /// The part of the range around the evidence that contains no alias; `None` where the evidence itself needs more.
@@ -153,18 +144,11 @@ impl Telling<'_> {
             return None;
         }
         let enough = (2..frames).rev().find(|&count| covered(count) >= COVERED).unwrap_or(2);
+        let (slope, percent, of_middle) = (slope_text(typical), 100.0 * share, 100.0 * covered(enough));
         let sentence = format!(
-            "at the typical slope {} px/frame all {frames} frames show only {:.0} % of the picture; the middle {enough} show {:.0} %",
-            slope_text(typical),
-            100.0 * share,
-            100.0 * covered(enough)
+            "at the typical slope {slope} px/frame all {frames} frames show only {percent:.0} % of the picture; the middle {enough} show {of_middle:.0} %"
         );
-        Some(SlopeAdvice {
-            subject: Subject::Coverage,
-            number: f64::from(share),
-            sentence,
-            changes: vec![self.judging.middle_frames(enough)],
-            times: None,
-        })
+        let changes = vec![self.judging.middle_frames(enough)];
+        Some(SlopeAdvice::new(Subject::Coverage, f64::from(share), sentence, changes))
     }
 }

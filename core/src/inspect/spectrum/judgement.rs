@@ -151,15 +151,15 @@ impl<'a> Judging<'a> {
     }
 
     /// The coordinate of the evidence along an axis of the grid, px/frame.
-    fn along(&self, e: &SlopeEvidence, second: bool) -> f32 {
+    fn along(&self, slope: Slope, second: bool) -> f32 {
         let unit = SlopeAxis { min: 0.0, max: 1.0, count: 2 };
-        let (a, b) = SlopeGrid { u: unit, v: unit, direction_deg: self.grid.direction_deg }.position(e.slope);
+        let (a, b) = SlopeGrid { u: unit, v: unit, direction_deg: self.grid.direction_deg }.position(slope);
         if second { b } else { a }
     }
 
     /// The range, along an axis, of the evidence that satisfies `holds`.
     pub fn reach_of(&self, second: bool, holds: impl Fn(f32) -> bool) -> Option<(f32, f32)> {
-        let values = self.evidence.iter().map(|e| self.along(e, second)).filter(|x| holds(*x));
+        let values = self.evidence.iter().map(|e| self.along(e.slope, second)).filter(|x| holds(*x));
         let (min, max) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         (min <= max).then_some((min, max))
     }
@@ -181,13 +181,9 @@ impl<'a> Judging<'a> {
     fn still(&self) -> SlopeAdvice {
         let slopes = self.grid.len();
         let one = SlopeGrid::single(Slope::default());
-        SlopeAdvice {
-            subject: Subject::Cost,
-            number: 1.0 / slopes as f64,
-            sentence: format!("nothing moves, so one slope, 0, is enough: {} were searched", counted(slopes, "slope")),
-            changes: self.changes_to(SlopeGrid { direction_deg: self.grid.direction_deg, ..one }),
-            times: None,
-        }
+        let sentence = format!("nothing moves, so one slope, 0, is enough: {} were searched", counted(slopes, "slope"));
+        let changes = self.changes_to(SlopeGrid { direction_deg: self.grid.direction_deg, ..one });
+        SlopeAdvice::new(Subject::Cost, 1.0 / slopes as f64, sentence, changes)
     }
 
     /// The times found, where those of the frames are wrong.
@@ -223,13 +219,9 @@ impl<'a> Judging<'a> {
         };
         let left = left.clamp(2, frames);
         let (fewer, add) = (frames - left, if frames - left == 1 { "adds" } else { "add" });
-        (fewer > 0).then(|| SlopeAdvice {
-            subject: Subject::Frames,
-            number: fewer as f64,
-            sentence: format!("{why}; {fewer} of the {frames} frames {add} nothing but blur"),
-            changes: vec![self.middle_frames(left)],
-            times: None,
-        })
+        let sentence = format!("{why}; {fewer} of the {frames} frames {add} nothing but blur");
+        let changes = vec![self.middle_frames(left)];
+        (fewer > 0).then(|| SlopeAdvice::new(Subject::Frames, fewer as f64, sentence, changes))
     }
 
     pub fn middle_frames(&self, count: usize) -> ParamChange {
@@ -250,7 +242,7 @@ impl<'a> Judging<'a> {
         }
         let is_off = |e: &SlopeEvidence| {
             let off = |axis: &SlopeAxis, second: bool| match axis.count {
-                1 => self.along(e, second) - axis.value(0.0),
+                1 => self.along(e.slope, second) - axis.value(0.0),
                 _ => 0.0,
             };
             let across = off(&grid.u, false).hypot(off(&grid.v, true));
@@ -274,7 +266,7 @@ impl<'a> Judging<'a> {
             )
         };
         let changes = self.changes_to(found);
-        Some(SlopeAdvice { subject: Subject::Direction, number: f64::from(part), sentence, changes, times: None })
+        Some(SlopeAdvice::new(Subject::Direction, f64::from(part), sentence, changes))
     }
 
     fn range(&self) -> Option<SlopeAdvice> {
@@ -283,13 +275,13 @@ impl<'a> Judging<'a> {
             let margin = 0.5 * axis.step();
             x < axis.min - margin || x > axis.max + margin
         };
-        let part = self.part(|e| self.axes().any(|(second, axis)| is_beyond(&axis, self.along(e, second))));
+        let part = self.part(|e| self.axes().any(|(second, axis)| is_beyond(&axis, self.along(e.slope, second))));
         if part <= BEYOND {
             return None;
         }
         let beyond: Vec<String> = self
             .axes()
-            .filter(|(second, axis)| self.part(|e| is_beyond(axis, self.along(e, *second))) > 0.5 * BEYOND)
+            .filter(|(second, axis)| self.part(|e| is_beyond(axis, self.along(e.slope, *second))) > 0.5 * BEYOND)
             .map(|(second, axis)| self.beyond_text(second, axis, is_beyond))
             .collect();
         let sentence = format!("{:.0} % of what the frames show {}", 100.0 * part, beyond.join(", and "));
@@ -305,7 +297,7 @@ impl<'a> Judging<'a> {
             _ => SlopeGrid { u: widened(&grid.u, finding.grid.u), v: widened(&grid.v, finding.grid.v), ..grid },
         };
         let changes = self.changes_to(wanted);
-        Some(SlopeAdvice { subject: Subject::Range, number: f64::from(part), sentence, changes, times: None })
+        Some(SlopeAdvice::new(Subject::Range, f64::from(part), sentence, changes))
     }
 
     /// The part of the sentence about one axis, some of whose evidence lies beyond its range.
@@ -322,7 +314,7 @@ impl<'a> Judging<'a> {
         let side = if axis.max <= -axis.min { -1.0 } else { 1.0 };
         let is_one_sided = (axis.min >= 0.0 || axis.max <= 0.0) && axis.min != -axis.max;
         let is_opposite = |x: f32| is_one_sided && side * x < 0.0 && is_beyond(&axis, x);
-        let part = |holds: &dyn Fn(f32) -> bool| self.part(|e| holds(self.along(e, second)));
+        let part = |holds: &dyn Fn(f32) -> bool| self.part(|e| holds(self.along(e.slope, second)));
         let mostly_opposite = part(&is_opposite) > 0.5 * part(&|x| is_beyond(&axis, x));
         match self.reach_of(second, |x| !mostly_opposite || is_opposite(x)) {
             Some((min, max)) if mostly_opposite => {
@@ -341,17 +333,12 @@ impl<'a> Judging<'a> {
     fn range_of_field(&self) -> Option<SlopeAdvice> {
         // Without clear evidence nothing moves surely.
         let field = self.detection.field.as_ref().filter(|_| !self.evidence.is_empty())?;
-        let unit = SlopeAxis { min: 0.0, max: 1.0, count: 2 };
-        let along = |slope: Slope, second: bool| {
-            let (a, b) = SlopeGrid { u: unit, v: unit, direction_deg: self.grid.direction_deg }.position(slope);
-            if second { b } else { a }
-        };
         let (mut wanted, mut ends, mut share) = (self.grid, Vec::new(), 0.0);
         for (second, axis) in self.axes() {
             let margin = 0.5 * axis.step();
             let count = |is_known: bool, is_beyond: &dyn Fn(f32) -> bool| {
                 let motions = field.motions.iter().filter(|motion| field.is_known(motion) == is_known);
-                motions.filter(|motion| is_beyond(along(motion.slope, second))).count()
+                motions.filter(|motion| is_beyond(self.along(motion.slope, second))).count()
             };
             let is_below = |x: f32| x < axis.min - margin;
             let is_above = |x: f32| x > axis.max + margin;
@@ -360,7 +347,7 @@ impl<'a> Judging<'a> {
             let above = count(true, &is_above) + by_chance_above.saturating_sub(by_chance_below);
             let middle = 0.5 * (axis.min + axis.max);
             let at_end = |end: f32| {
-                let is_there = |slope: Slope| (along(slope, second) - middle) * (end - middle) > 0.0;
+                let is_there = |slope: Slope| (self.along(slope, second) - middle) * (end - middle) > 0.0;
                 let features = self.detection.features.iter().filter(|feature| feature.at_slope_limit);
                 features.filter(|feature| is_there(feature.slope)).count()
             };
@@ -376,17 +363,12 @@ impl<'a> Judging<'a> {
             let (below, above) = (more(below, axis.min), more(above, axis.max));
             *(if second { &mut wanted.v } else { &mut wanted.u }) = axis.with_more(below, above);
         }
-        (wanted != self.grid).then(|| SlopeAdvice {
-            subject: Subject::Range,
-            number: f64::from(share),
-            sentence: format!(
-                "{:.0} % of the picture moves beyond {} px/frame by its field of motion, or is sharpest there",
-                100.0 * share,
-                ends.join(" and ")
-            ),
-            changes: self.changes_to(wanted),
-            times: None,
-        })
+        let (percent, ends) = (100.0 * share, ends.join(" and "));
+        let sentence = format!(
+            "{percent:.0} % of the picture moves beyond {ends} px/frame by its field of motion, or is sharpest there"
+        );
+        let changes = self.changes_to(wanted);
+        (wanted != self.grid).then(|| SlopeAdvice::new(Subject::Range, f64::from(share), sentence, changes))
     }
 
     /// Where the frames show nothing clear.
@@ -423,13 +405,7 @@ impl<'a> Judging<'a> {
             ends.join(" and ")
         );
         let changes = self.changes_to(wanted);
-        (!changes.is_empty()).then_some(SlopeAdvice {
-            subject: Subject::Range,
-            number: part,
-            sentence,
-            changes,
-            times: None,
-        })
+        (!changes.is_empty()).then(|| SlopeAdvice::new(Subject::Range, part, sentence, changes))
     }
 
     fn step(&self) -> Option<SlopeAdvice> {
@@ -441,18 +417,14 @@ impl<'a> Judging<'a> {
         let changed = |axis: &SlopeAxis, wanted: SlopeAxis| (*axis != wanted).then_some((*axis, wanted));
         let both = [changed(&self.grid.u, wanted.u), changed(&self.grid.v, wanted.v)];
         let (axis, finer) = both.into_iter().flatten().max_by(|a, b| a.0.step().total_cmp(&b.0.step()))?;
+        let (step, finer_step, frames) = (number(axis.step(), 2), number(finer.step(), 2), self.frames);
+        let moved = number(axis.step() * self.positions.reach() as f32, 1);
+        let (sigma, lost, lost_then) = (number(self.sigma, 1), 100.0 * loss(&axis), 100.0 * loss(&finer));
         let sentence = format!(
-            "a step of {} px/frame moves the outermost of {} frames by {} px between two slopes: half-way the finest features (σ {} px) lose {:.0} % of their response; a step of {} loses {:.0} %",
-            number(axis.step(), 2),
-            self.frames,
-            number(axis.step() * self.positions.reach() as f32, 1),
-            number(self.sigma, 1),
-            100.0 * loss(&axis),
-            number(finer.step(), 2),
-            100.0 * loss(&finer)
+            "a step of {step} px/frame moves the outermost of {frames} frames by {moved} px between two slopes: half-way the finest features (σ {sigma} px) lose {lost:.0} % of their response; a step of {finer_step} loses {lost_then:.0} %"
         );
         let changes = self.changes_to(wanted);
-        Some(SlopeAdvice { subject: Subject::Step, number: f64::from(loss(&axis)), sentence, changes, times: None })
+        Some(SlopeAdvice::new(Subject::Step, f64::from(loss(&axis)), sentence, changes))
     }
 
     fn cost(&self) -> Option<SlopeAdvice> {
@@ -462,18 +434,10 @@ impl<'a> Judging<'a> {
         if part > NEEDED {
             return None;
         }
-        let sentence = format!(
-            "{} were searched, and {} are enough: nothing in the frames has other motions",
-            counted(grid.len(), "slope"),
-            found.len()
-        );
-        Some(SlopeAdvice {
-            subject: Subject::Cost,
-            number: part,
-            sentence,
-            changes: self.changes_to(found),
-            times: None,
-        })
+        let (searched, enough) = (counted(grid.len(), "slope"), found.len());
+        let sentence =
+            format!("{searched} were searched, and {enough} are enough: nothing in the frames has other motions");
+        Some(SlopeAdvice::new(Subject::Cost, part, sentence, self.changes_to(found)))
     }
 }
 

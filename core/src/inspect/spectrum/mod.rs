@@ -292,15 +292,11 @@ fn aliases(
                         alias.places.push(window.centre);
                     }
                 }
-                None => found.push(Alias {
-                    period_px: period.px,
-                    correlation: period.correlation,
-                    direction,
-                    slope,
-                    inside_range: inside_range(&grid, slope, direction, period.px),
-                    side_lobe,
-                    places: vec![window.centre],
-                }),
+                None => {
+                    let inside_range = inside_range(&grid, slope, direction, period.px);
+                    let (period_px, correlation, places) = (period.px, period.correlation, vec![window.centre]);
+                    found.push(Alias { period_px, correlation, direction, slope, inside_range, side_lobe, places });
+                }
             }
         }
     }

@@ -76,13 +76,9 @@ impl Window {
         };
         let noise = NOISE / (INDEPENDENT * radius * radius);
         let (shift, matrix) = (noise / SHIFT_SIGMA.powi(2), noise / (MATRIX_SIGMA * radius).powi(2));
-        Self {
-            radius,
-            x: padded(points.iter().map(|point| point.0).collect()),
-            y: padded(points.iter().map(|point| point.1).collect()),
-            weights: padded(weights),
-            prior: [shift, shift, matrix, matrix, matrix, matrix],
-        }
+        let along = |of: fn(&(f32, f32)) -> f32| padded(points.iter().map(of).collect());
+        let prior = [shift, shift, matrix, matrix, matrix, matrix];
+        Self { radius, x: along(|point| point.0), y: along(|point| point.1), weights: padded(weights), prior }
     }
 
     fn points(&self) -> Points<'_> {

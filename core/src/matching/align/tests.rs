@@ -3,6 +3,7 @@
 use super::pair::FIT_RADIUS;
 use super::*;
 use crate::burst::Positions;
+use crate::detector::memory::on_threads;
 use crate::detector::params::Slope;
 use crate::detector::stack::FrameTimes;
 use crate::monitor::Monitor;
@@ -218,12 +219,7 @@ fn b_to_a_is_a_to_b_reversed() {
 #[test]
 fn measurements_are_the_same_on_any_number_of_threads() {
     let scene = Scene::new(similar(), NOISE, as_detected);
-    let on = |threads: usize, scene: &Scene| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| scene.measured())
-    };
-    let alone = on(1, &scene);
-    assert_eq!(alone, on(5, &scene));
+    assert_eq!(on_threads(1, || scene.measured()), on_threads(5, || scene.measured()));
     let cancelled = measure(&scene.views(0, 1), PairFrame::of(&[]), FIT_RADIUS, &Monitor::cancelled());
     assert_eq!(cancelled, Err(crate::monitor::Cancelled));
 }

@@ -20,7 +20,7 @@ pub(super) use parallax::Parallax;
 
 use super::camera::Camera;
 use super::params::{Geometry, MatchParams};
-use crate::error::Error;
+use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use consensus::estimate;
 use points::{Normalisation, RayPair};
@@ -65,7 +65,7 @@ pub struct PointPair {
 
 /// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] is none. Both images are
 /// from [`MatchParams::camera`].
-pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> Result<Option<Verification>, Error> {
+pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> Result<Option<Verification>> {
     params.validate()?;
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
     let mut order: Vec<usize> = (0..pairs.len()).collect();
@@ -210,13 +210,8 @@ pub(in crate::matching) mod tests {
     }
 
     fn params(geometry: Geometry, camera: &Camera) -> MatchParams {
-        MatchParams {
-            geometry,
-            max_error_px: 3.0,
-            max_iterations: 100_000,
-            camera: (geometry == Geometry::Essential).then(|| camera.clone()),
-            ..MatchParams::default()
-        }
+        let camera = (geometry == Geometry::Essential).then(|| camera.clone());
+        MatchParams { geometry, max_error_px: 3.0, max_iterations: 100_000, camera, ..MatchParams::default() }
     }
 
     fn found(scene: &Scene, geometry: Geometry) -> Verification {

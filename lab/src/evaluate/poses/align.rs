@@ -8,7 +8,7 @@
 //! trajectories are common (motion in 1D), so the viewing directions of the cameras determine it: of all rotations
 //! about the rail the one that aligns them best (maximum sum of traces) is taken.
 
-use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::error::{Error, ErrorKind, Result};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -57,7 +57,7 @@ pub struct Alignment {
 ///
 /// # Panics
 /// When the numbers of poses differ: a mistake of the caller.
-pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Alignment, Error> {
+pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Alignment> {
     assert_eq!(estimate.len(), truth.len(), "poses belong together one by one");
     let degenerate = |problem: String| {
         Err(Error::new(ErrorKind::Failed, format!("the trajectories cannot be aligned: {problem}"), ""))

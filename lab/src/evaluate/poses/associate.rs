@@ -11,7 +11,7 @@
 //! a partner by time; otherwise the order.
 
 use super::Pose;
-use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::error::{Error, ErrorKind, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::path::Path;
@@ -58,7 +58,7 @@ pub fn associate(
     truth: &[Pose],
     by: Option<Association>,
     max_time_difference: f64,
-) -> Result<Pairing, Error> {
+) -> Result<Pairing> {
     let by_time = || pairs_by_time(estimate, truth, max_time_difference);
     let named = |poses: &[Pose]| poses.iter().all(|p| p.time.is_none());
     let (by, mut pairs) = match by {
@@ -99,7 +99,7 @@ fn order_or_times(
     estimate: &[Pose],
     truth: &[Pose],
     times: Vec<(usize, usize)>,
-) -> Result<(Association, Vec<(usize, usize)>), Error> {
+) -> Result<(Association, Vec<(usize, usize)>)> {
     let timed = |poses: &[Pose]| poses.iter().all(|p| p.time.is_some());
     if timed(estimate) && timed(truth) {
         return Ok((Association::Time, times));

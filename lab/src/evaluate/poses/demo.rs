@@ -10,7 +10,7 @@
 //! ```
 
 use super::{SparseModel, Trajectory, tum::parse_tum};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use std::path::Path;
 
 /// Name of the built-in estimate; a folder of that name is given as `./demo-cameras`.
@@ -24,7 +24,7 @@ pub fn is_built_in(path: &Path) -> bool {
 }
 
 /// The built-in trajectory of the name `path`, if there is one.
-pub(super) fn built_in(path: &Path) -> Option<Result<Trajectory, Error>> {
+pub(super) fn built_in(path: &Path) -> Option<Result<Trajectory>> {
     let truth = || Ok(Trajectory { poses: parse_tum(include_str!("demo/truth.txt"), path)?, model: None });
     let estimate = || {
         let model = SparseModel::of_text(include_str!("demo/images.txt"), include_str!("demo/points3D.txt"), path)?;

@@ -22,7 +22,7 @@ pub use report::{ErrorSummary, PairReport, PoseErrors, PoseReport, PoseStudy, ev
 pub use sparse::{ModelSummary, SparseModel, read_sparse_model};
 pub use tum::read_tum;
 
-use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::error::{Error, ErrorKind, Result};
 use nalgebra::Isometry3;
 use std::fmt::Display;
 use std::path::Path;
@@ -54,7 +54,7 @@ pub struct Trajectory {
 ///
 /// # Errors
 /// The file or model cannot be read, is damaged, or has no pose.
-pub fn read_trajectory(path: &Path) -> Result<Trajectory, Error> {
+pub fn read_trajectory(path: &Path) -> Result<Trajectory> {
     if let Some(trajectory) = demo::built_in(path) {
         return trajectory;
     }

@@ -8,7 +8,7 @@
 
 use super::{Association, ModelSummary, Similarity, Trajectory, align, associate};
 use crate::evaluate::statistics::quantile;
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::words;
 use nalgebra::Isometry3;
@@ -102,7 +102,7 @@ impl PoseReport {
 ///
 /// # Errors
 /// The study makes no sense, or poses cannot be paired or aligned.
-pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStudy) -> Result<PoseReport, Error> {
+pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStudy) -> Result<PoseReport> {
     let param = |parameter, problem: String, remedy| Err(Error::param(parameter, problem, remedy));
     if study.step == 0 {
         return param("step", "0 poses".to_owned(), "give 1 or more");

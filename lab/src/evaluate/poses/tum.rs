@@ -5,7 +5,7 @@
 //! have one. Format: <https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats>.
 
 use super::{Pose, corrupt, no_pose, unread};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::files::{MAX_TABLE_BYTES, read_bytes};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use std::path::Path;
@@ -17,7 +17,7 @@ const QUATERNION_TOLERANCE: f64 = 0.05;
 ///
 /// # Errors
 /// The file cannot be read, has no pose, or a line is no pose.
-pub fn read_tum(path: &Path) -> Result<Vec<Pose>, Error> {
+pub fn read_tum(path: &Path) -> Result<Vec<Pose>> {
     let bytes = read_bytes(path, MAX_TABLE_BYTES).map_err(|e| unread(path, &e))?;
     parse_tum(&String::from_utf8_lossy(&bytes), path)
 }
@@ -26,7 +26,7 @@ pub fn read_tum(path: &Path) -> Result<Vec<Pose>, Error> {
 ///
 /// # Errors
 /// As [`read_tum`].
-pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>, Error> {
+pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>> {
     let mut poses: Vec<Pose> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
     use nalgebra::{Point3, Vector3};
 
-    fn parse(text: &str) -> Result<Vec<Pose>, Error> {
+    fn parse(text: &str) -> Result<Vec<Pose>> {
         parse_tum(text, Path::new("truth.txt"))
     }
 

@@ -4,7 +4,7 @@
 use crate::evaluate::BurstMethod;
 use crate::synth::{Motion, Trajectory};
 use burstscope_core::detector::SearchParams;
-use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::error::{Error, ErrorKind, Result};
 use burstscope_core::matching::MatchParams;
 use burstscope_core::monitor::Monitor;
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ pub(super) fn reconstruct(
     way: &Trajectory,
     folder: &Path,
     monitor: &Monitor,
-) -> Result<Reconstructed, Error> {
+) -> Result<Reconstructed> {
     with_database::reconstruct(program, how, way, folder, monitor)
 }
 
@@ -42,13 +42,7 @@ fn unrun(program: &Path, reason: &str) -> Error {
 
 /// Without the database COLMAP has no input; the figure never calls this then.
 #[cfg(not(feature = "colmap"))]
-pub(super) fn reconstruct(
-    program: &Path,
-    _: &How,
-    _: &Trajectory,
-    _: &Path,
-    _: &Monitor,
-) -> Result<Reconstructed, Error> {
+pub(super) fn reconstruct(program: &Path, _: &How, _: &Trajectory, _: &Path, _: &Monitor) -> Result<Reconstructed> {
     Err(unrun(program, "this program was built without the feature colmap"))
 }
 
@@ -78,7 +72,7 @@ mod with_database {
         way: &Trajectory,
         folder: &Path,
         monitor: &Monitor,
-    ) -> Result<Reconstructed, Error> {
+    ) -> Result<Reconstructed> {
         let silent = monitor.silent();
         let (data, out) = (folder.join("way"), folder.join("out"));
         write_trajectory(&data, way, &silent)?;
@@ -121,7 +115,7 @@ mod with_database {
         Ok(Reconstructed { mapper_secs, gave_up, ..compared })
     }
 
-    fn bursts_in(folder: &Path) -> Result<Vec<BurstFiles>, Error> {
+    fn bursts_in(folder: &Path) -> Result<Vec<BurstFiles>> {
         DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts(&OpenOptions::default())
     }
 
@@ -136,7 +130,7 @@ mod with_database {
         images: &Path,
         sparse: &Path,
         monitor: &Monitor,
-    ) -> Result<Option<String>, Error> {
+    ) -> Result<Option<String>> {
         let because = |reason: String| unrun(program, &reason);
         let failed = |error: std::io::Error| because(error.to_string());
         std::fs::create_dir_all(sparse).map_err(failed)?;
@@ -212,12 +206,12 @@ mod with_database {
     mod tests {
         use super::*;
 
-        fn run(script: &str) -> Result<Option<String>, Error> {
+        fn run(script: &str) -> Result<Option<String>> {
             run_with(script, &Monitor::default())
         }
 
         /// The result of a mapper that is this shell script.
-        fn run_with(script: &str, monitor: &Monitor) -> Result<Option<String>, Error> {
+        fn run_with(script: &str, monitor: &Monitor) -> Result<Option<String>> {
             let folder = tempfile::tempdir().expect("a temporary folder");
             let program = folder.path().join("colmap");
             // Another process writes it: a file that this one had open for writing could be inherited by the child

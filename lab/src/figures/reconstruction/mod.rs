@@ -9,7 +9,7 @@ mod tables;
 
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::monitor::Monitor;
 use std::path::{Path, PathBuf};
 use study::Study;
@@ -54,7 +54,7 @@ impl ReconstructionFigure {
 }
 
 impl MakeFigure for ReconstructionFigure {
-    fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made, Error> {
+    fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made> {
         let runs = self.study.runs(pieces, self.colmap.as_deref(), monitor)?;
         let missing = self.colmap.is_none().then_some(match cfg!(feature = "colmap") {
             true => "COLMAP was not found, so the columns that need a reconstruction are empty (–). Install it and run the command again: finished results are kept.",

@@ -6,7 +6,7 @@ use crate::figures::FigureSize;
 use crate::figures::record::Pieces;
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use burstscope_core::burst::Burst;
-use burstscope_core::error::Error;
+use burstscope_core::error::Result;
 use burstscope_core::matching::{MatchParams, PairSelection};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -62,7 +62,7 @@ impl Study {
     }
 
     /// The runs: stored ones unchanged, the others made now and stored.
-    pub fn runs(&self, pieces: &Pieces, colmap: Option<&Path>, monitor: &Monitor) -> Result<Vec<Run>, Error> {
+    pub fn runs(&self, pieces: &Pieces, colmap: Option<&Path>, monitor: &Monitor) -> Result<Vec<Run>> {
         let ways: Vec<(Motion, u64)> = [Motion::OneD, Motion::TwoD]
             .into_iter()
             .flat_map(|m| (1..=self.seeds).map(move |seed| (m, seed)))
@@ -135,7 +135,7 @@ impl Study {
     }
 
     /// Finds the features of all bursts by `method` and matches every pair.
-    fn matched(&self, method: BurstMethod, drawn: &Drawn, monitor: &Monitor) -> Result<Matched, Error> {
+    fn matched(&self, method: BurstMethod, drawn: &Drawn, monitor: &Monitor) -> Result<Matched> {
         let study = MatchStudy {
             methods: vec![method],
             has_gold: method == BurstMethod::Gold,
@@ -145,7 +145,7 @@ impl Study {
         };
         let names: Vec<String> = (0..drawn.bursts.len()).map(Trajectory::name).collect();
         let started = Instant::now();
-        let open = |k: usize, shot: Shot| -> Result<Burst, Error> {
+        let open = |k: usize, shot: Shot| -> Result<Burst> {
             Ok(match shot {
                 Shot::Burst => drawn.bursts[k].clone(),
                 Shot::Gold => Burst::from_planes("gold", vec![drawn.gold[k].clone()]),
@@ -167,7 +167,7 @@ impl Study {
 }
 
 impl Drawn {
-    fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, Error> {
+    fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self> {
         let silent = monitor.silent();
         let way = Trajectory::new(params, &silent)?;
         let bursts = (0..params.bursts).map(|k| way.burst(k, &silent)).collect::<Result<_, Cancelled>>()?;
@@ -176,7 +176,7 @@ impl Drawn {
     }
 
     /// The drawn trajectory, which is drawn now if it is not yet.
-    fn of<'a>(drawn: &'a mut Option<Self>, params: &TrajectoryParams, monitor: &Monitor) -> Result<&'a Self, Error> {
+    fn of<'a>(drawn: &'a mut Option<Self>, params: &TrajectoryParams, monitor: &Monitor) -> Result<&'a Self> {
         if drawn.is_none() {
             *drawn = Some(Self::new(params, monitor)?);
         }

@@ -20,7 +20,7 @@ pub use world::{BurstCamera, Lens, ScenePlane};
 use super::noisy::{FrameLevels, NoisyExposure};
 use crate::synth::write::{frame_name, io, write_folder, write_frame};
 use burstscope_core::burst::Burst;
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::files::mark::Kind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -138,7 +138,7 @@ pub struct Trajectory {
 }
 
 impl TrajectoryParams {
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<()> {
         check_common(
             self.width,
             self.height,
@@ -207,7 +207,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// A parameter that makes no sense, or cancellation.
-    pub fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self, Error> {
+    pub fn new(params: &TrajectoryParams, monitor: &Monitor) -> Result<Self> {
         params.check()?;
         monitor.report(Stage::Synth, 0.0);
         let lens = Lens { width: params.width, height: params.height, focal_px: FOCAL_SHARE * params.width as f64 };
@@ -376,7 +376,7 @@ const TRUTH_FILE: &str = "trajectory.json";
 ///
 /// # Errors
 /// The folder is a link, holds other files or cannot be written, or cancellation; it is then unchanged.
-pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<(), Error> {
+pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<()> {
     write_folder(dir, Kind::Trajectory, |fresh| {
         let make = |folder: &Path| std::fs::create_dir(folder).map_err(io(folder));
         let (bursts, gold) = (fresh.join("bursts"), fresh.join("gold"));

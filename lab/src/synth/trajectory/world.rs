@@ -14,7 +14,7 @@ use super::leaves::paint_leaves;
 use crate::synth::Motion;
 use crate::synth::paint::{Area, OVERSAMPLING, Sheet};
 use crate::synth::random::Stream;
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::{Plane, memory};
 use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -69,7 +69,7 @@ pub(super) fn planes(
     lens: &Lens,
     stations: &[(Isometry3<f64>, Vector3<f64>)],
     monitor: &Monitor,
-) -> Result<Vec<ScenePlane>, Error> {
+) -> Result<Vec<ScenePlane>> {
     (0..params.planes)
         .map(|index| {
             monitor.check()?;
@@ -114,12 +114,7 @@ struct Frame {
 impl Frame {
     /// The part of the plane seen from the stations, with a margin, in its pixels from the centre: `[left, top, right,
     /// bottom]`.
-    fn seen_from(
-        &self,
-        lens: &Lens,
-        stations: &[(Isometry3<f64>, Vector3<f64>)],
-        margin: f64,
-    ) -> Result<[f64; 4], Error> {
+    fn seen_from(&self, lens: &Lens, stations: &[(Isometry3<f64>, Vector3<f64>)], margin: f64) -> Result<[f64; 4]> {
         let mut seen = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let normal = self.right.cross(&self.down);
         let (width, height) = (lens.width as f64, lens.height as f64);

@@ -5,7 +5,7 @@
 
 use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::{corrupt, unread};
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -23,24 +23,24 @@ const POINT_BYTES: u64 = 8 + 3 * 8 + 3 + 8 + 8;
 const TRACK_BYTES: u64 = 8;
 const LONGEST_NAME: usize = 4096;
 
-pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, Error> {
+pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>> {
     let (file, bytes) = open(path)?;
     images(file, bytes, path)
 }
 
-pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, Error> {
+pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>> {
     let (file, bytes) = open(path)?;
     points(file, bytes, path)
 }
 
-fn open(path: &Path) -> Result<(BufReader<File>, u64), Error> {
+fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
     let file = File::open(path).map_err(|e| unread(path, &e))?;
     let bytes = file.metadata().map_err(|e| unread(path, &e))?.len();
     Ok((BufReader::with_capacity(1 << 16, file), bytes))
 }
 
 /// The images of a stream of `bytes` bytes.
-pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparseImage>, Error> {
+pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparseImage>> {
     let mut fields = Fields { stream, left: bytes, path, place: Place::Count("images") };
     let count = fields.count(IMAGE_BYTES)?;
     let mut images = Vec::new();
@@ -64,7 +64,7 @@ pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
 }
 
 /// The points of a stream of `bytes` bytes.
-pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparsePoint>, Error> {
+pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparsePoint>> {
     let mut fields = Fields { stream, left: bytes, path, place: Place::Count("points") };
     let count = fields.count(POINT_BYTES)?;
     let mut points = Vec::new();
@@ -75,7 +75,7 @@ pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
     Ok(points)
 }
 
-fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint, Error> {
+fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint> {
     let _id = fields.u64()?;
     let position = fields.floats()?;
     fields.bytes::<3>()?;
@@ -113,7 +113,7 @@ impl<R: Read> Fields<'_, R> {
         corrupt(self.path, &place, problem)
     }
 
-    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Error> {
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N]> {
         let mut bytes = [0; N];
         if self.left < N as u64 {
             return Err(self.fail("the file ends too early; copy it again"));
@@ -123,15 +123,15 @@ impl<R: Read> Fields<'_, R> {
         Ok(bytes)
     }
 
-    fn u32(&mut self) -> Result<u32, Error> {
+    fn u32(&mut self) -> Result<u32> {
         Ok(u32::from_le_bytes(self.bytes()?))
     }
 
-    fn u64(&mut self) -> Result<u64, Error> {
+    fn u64(&mut self) -> Result<u64> {
         Ok(u64::from_le_bytes(self.bytes()?))
     }
 
-    fn floats<const N: usize>(&mut self) -> Result<[f64; N], Error> {
+    fn floats<const N: usize>(&mut self) -> Result<[f64; N]> {
         let mut values = [0.0; N];
         for value in &mut values {
             *value = f64::from_le_bytes(self.bytes()?);
@@ -140,7 +140,7 @@ impl<R: Read> Fields<'_, R> {
     }
 
     /// A number of entries of at least `entry_bytes` bytes each, which must all fit into the remaining bytes.
-    fn count(&mut self, entry_bytes: u64) -> Result<u64, Error> {
+    fn count(&mut self, entry_bytes: u64) -> Result<u64> {
         let count = self.u64()?;
         if count > self.left / entry_bytes {
             return Err(
@@ -151,7 +151,7 @@ impl<R: Read> Fields<'_, R> {
     }
 
     /// Text that ends with a zero byte.
-    fn name(&mut self) -> Result<String, Error> {
+    fn name(&mut self) -> Result<String> {
         let mut name = Vec::new();
         loop {
             match self.bytes::<1>()? {

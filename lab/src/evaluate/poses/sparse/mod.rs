@@ -8,7 +8,7 @@ mod binary;
 mod text;
 
 use super::{Pose, corrupt, no_pose, unread};
-use burstscope_core::error::{Error, ErrorKind};
+use burstscope_core::error::{Error, ErrorKind, Result};
 use nalgebra::{Isometry3, Quaternion, Translation3};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -73,11 +73,11 @@ impl SparseModel {
     ///
     /// # Errors
     /// As [`read_sparse_model`].
-    pub fn of_text(images: &str, points: &str, name: &Path) -> Result<Self, Error> {
+    pub fn of_text(images: &str, points: &str, name: &Path) -> Result<Self> {
         Self::of((text::images(images.as_bytes(), name)?, text::points(points.as_bytes(), name)?), name)
     }
 
-    fn of((mut images, points): (Vec<SparseImage>, Vec<SparsePoint>), name: &Path) -> Result<Self, Error> {
+    fn of((mut images, points): (Vec<SparseImage>, Vec<SparsePoint>), name: &Path) -> Result<Self> {
         if images.is_empty() {
             return Err(no_pose(name));
         }
@@ -130,7 +130,7 @@ pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
 ///
 /// # Errors
 /// There is no model, a file of it cannot be read or is damaged, or no image is registered.
-pub fn read_sparse_model(folder: &Path) -> Result<SparseModel, Error> {
+pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
     if let Some(reader) = Format::of(folder) {
         return reader.read(folder);
     }
@@ -180,7 +180,7 @@ impl Format {
         }
     }
 
-    fn read(self, folder: &Path) -> Result<SparseModel, Error> {
+    fn read(self, folder: &Path) -> Result<SparseModel> {
         let read = match self {
             Self::Binary => {
                 (binary::read_images(&folder.join("images.bin"))?, binary::read_points(&folder.join("points3D.bin"))?)

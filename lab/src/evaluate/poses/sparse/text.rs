@@ -2,23 +2,23 @@
 
 use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::{corrupt, unread};
-use burstscope_core::error::Error;
+use burstscope_core::error::{Error, Result};
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::str::FromStr;
 
-pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>, Error> {
+pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>> {
     images(BufReader::new(File::open(path).map_err(|e| unread(path, &e))?), path)
 }
 
-pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>, Error> {
+pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>> {
     points(BufReader::new(File::open(path).map_err(|e| unread(path, &e))?), path)
 }
 
 /// Parses images: a line of pose and name, then a line of keypoints, which may be empty.
-pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>, Error> {
+pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>> {
     let mut lines = Lines { text, path, number: 0, line: Vec::new() };
     let mut images = Vec::new();
     while let Some(line) = lines.next_entry()? {
@@ -32,7 +32,7 @@ pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>
 }
 
 /// Parses points, one for each line.
-pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>, Error> {
+pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>> {
     let mut lines = Lines { text, path, number: 0, line: Vec::new() };
     let mut points = Vec::new();
     while let Some(line) = lines.next_entry()? {
@@ -120,7 +120,7 @@ impl<R: BufRead> Lines<'_, R> {
     }
 
     /// The next line without blanks at its ends.
-    fn next_line(&mut self) -> Result<Option<String>, Error> {
+    fn next_line(&mut self) -> Result<Option<String>> {
         self.line.clear();
         let bytes = self.text.read_until(b'\n', &mut self.line).map_err(|e| unread(self.path, &e))?;
         self.number += 1;
@@ -128,7 +128,7 @@ impl<R: BufRead> Lines<'_, R> {
     }
 
     /// The next line that is neither empty nor a comment.
-    fn next_entry(&mut self) -> Result<Option<String>, Error> {
+    fn next_entry(&mut self) -> Result<Option<String>> {
         loop {
             match self.next_line()? {
                 Some(line) if line.is_empty() || line.starts_with('#') => {}
