@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import html
+import json
 import operator
 import os
 import warnings
@@ -379,5 +380,6 @@ def open(
     for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array, "topic": topic, "take": take, "views": views}.items():
         calibration[name] = None if word is None else needed(name, word, str, "see the documentation")
     calibration["times"] = None if times is None else path("times", times)
+    given = json.dumps({name: value for name, value in calibration.items() if value is not None})
     with shown(progress) as tell:
-        return Burst._of(_burstscope.RawBurst.open(path_texts(paths), calibration, tell))
+        return Burst._of(_burstscope.RawBurst.open(path_texts(paths), given, tell))

@@ -19,7 +19,7 @@ _Answer = tuple[str, str, str]
 @final
 class RawBurst:
     @staticmethod
-    def open(paths: Sequence[_Path], calibration: dict[str, Any], progress: _Progress) -> RawBurst: ...
+    def open(paths: Sequence[_Path], calibration: str, progress: _Progress) -> RawBurst: ...
     @staticmethod
     def of_arrays(
         name: str,

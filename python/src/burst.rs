@@ -2,16 +2,14 @@
 
 use crate::lent::LentArray;
 use crate::work::run;
-use burstscope::burst::{
-    ArrayFrame, Arrays, AxisChoice, Burst, Dump, FrameRange, Mosaic, OpenOptions, Positions, RawColour, TimesChoice,
-    ViewsChoice,
-};
+use burstscope::burst::{ArrayFrame, Arrays, Burst, OpenOptions, Positions, ViewsChoice};
 use burstscope::cli::Failure;
 use burstscope::plane::Plane;
 use burstscope::requests::BurstSource;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use serde_json::{Map, Value};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -21,83 +19,16 @@ pub(crate) struct RawBurst {
     pub(crate) burst: Burst,
 }
 
-/// Relations of a burst's values to files, as the commands' options name them.
-#[derive(FromPyObject)]
-pub(crate) struct Calibration {
-    #[pyo3(item)]
-    bias: Option<PathBuf>,
-    #[pyo3(item)]
-    flat: Option<PathBuf>,
-    #[pyo3(item)]
-    full_scale: Option<f32>,
-    #[pyo3(item)]
-    black_level: Option<f32>,
-    #[pyo3(item)]
-    linearise: bool,
-    #[pyo3(item)]
-    accept_damaged: bool,
-    #[pyo3(item)]
-    mask: Option<PathBuf>,
-    #[pyo3(item)]
-    mask_saturated: bool,
-    #[pyo3(item)]
-    raw_colour: String,
-    #[pyo3(item)]
-    mosaic: Option<String>,
-    #[pyo3(item)]
-    raw: Option<String>,
-    #[pyo3(item)]
-    axis: Option<String>,
-    #[pyo3(item)]
-    array: Option<String>,
-    #[pyo3(item)]
-    topic: Option<String>,
-    #[pyo3(item)]
-    take: Option<String>,
-    #[pyo3(item)]
-    times: Option<String>,
-    #[pyo3(item)]
-    views: Option<String>,
-}
-
-impl Calibration {
-    fn options(self) -> PyResult<OpenOptions> {
-        let raw_colour: RawColour = serde_json::from_value(self.raw_colour.clone().into()).map_err(|_| {
-            PyValueError::new_err(format!("raw_colour: '{}'; give luma, green, red or blue", self.raw_colour))
-        })?;
-        let mosaic = self.mosaic.map(|mosaic| {
-            serde_json::from_value::<Mosaic>(mosaic.clone().into())
-                .map_err(|_| PyValueError::new_err(format!("mosaic: '{mosaic}'; give rggb, grbg, gbrg or bggr")))
-        });
-        let raw = self.raw.map(|raw| raw.parse::<Dump>().map_err(|e| PyValueError::new_err(format!("raw: {e}"))));
-        let axis =
-            self.axis.map(|axis| axis.parse::<AxisChoice>().map_err(|e| PyValueError::new_err(format!("axis: {e}"))));
-        let take =
-            self.take.map(|range| range.parse::<FrameRange>().map_err(|e| PyValueError::new_err(format!("take: {e}"))));
-        let times = self
-            .times
-            .map(|times| times.parse::<TimesChoice>().map_err(|e| PyValueError::new_err(format!("times: {e}"))));
-        Ok(OpenOptions {
-            bias: self.bias,
-            flat: self.flat,
-            full_scale: self.full_scale,
-            black_level: self.black_level,
-            linearise: self.linearise,
-            accept_damaged: self.accept_damaged,
-            mask: self.mask,
-            mask_saturated: self.mask_saturated,
-            raw_colour,
-            mosaic: mosaic.transpose()?,
-            raw: raw.transpose()?,
-            axis: axis.transpose()?,
-            array: self.array,
-            topic: self.topic,
-            take: take.transpose()?,
-            times: times.transpose()?,
-            views: views_choice(self.views)?,
-            ..OpenOptions::default()
-        })
+/// Options for opening a burst from their fields as JSON.
+fn options_of(calibration: &str) -> PyResult<OpenOptions> {
+    let wrong = |name: &str, error: serde_json::Error| PyValueError::new_err(format!("{name}: {error}"));
+    let given: Map<String, Value> = serde_json::from_str(calibration).map_err(|error| wrong("calibration", error))?;
+    for (name, value) in &given {
+        // Alone, so that the error names it.
+        let alone = Value::Object([(name.clone(), value.clone())].into_iter().collect());
+        serde_json::from_value::<OpenOptions>(alone).map_err(|error| wrong(name, error))?;
     }
+    serde_json::from_value(Value::Object(given)).map_err(|error| wrong("calibration", error))
 }
 
 fn views_choice(views: Option<String>) -> PyResult<Option<ViewsChoice>> {
@@ -133,13 +64,8 @@ impl RawBurst {
 impl RawBurst {
     /// Opens a burst.
     #[staticmethod]
-    fn open(
-        py: Python<'_>,
-        paths: Vec<PathBuf>,
-        calibration: Calibration,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Self> {
-        let options = calibration.options()?;
+    fn open(py: Python<'_>, paths: Vec<PathBuf>, calibration: String, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+        let options = options_of(&calibration)?;
         let built_in = match &paths[..] {
             [one] => one.to_str().and_then(BurstSource::named),
             _ => None,

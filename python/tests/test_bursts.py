@@ -130,7 +130,7 @@ def test_faults_say_what_would_be_right(tmp_path: Path) -> None:
     (tmp_path / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"\0" * 40)
     with pytest.raises(ValueError, match="broken.png"):
         bs.open(tmp_path / "broken.png")
-    with pytest.raises(ValueError, match="luma, green, red or blue"):
+    with pytest.raises(ValueError, match="raw_colour: unknown variant `mauve`, expected one of `luma`"):
         bs.open("demo", raw_colour="mauve")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="built-in bursts need no calibration"):
         bs.open("demo", full_scale=3)

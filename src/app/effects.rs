@@ -165,7 +165,7 @@ impl BurstscopeApp {
             Purpose::OpenBias => self.overlays.calibration_draft(&model.calibration).bias = Some(first.clone()),
             Purpose::OpenFlat => self.overlays.calibration_draft(&model.calibration).flat = Some(first.clone()),
             Purpose::OpenMask | Purpose::OpenMasks => {
-                self.overlays.calibration_draft(&model.calibration).mask = Some(first.clone())
+                self.overlays.calibration_draft(&model.calibration).mask = Some(first.clone());
             }
             Purpose::OpenLessons => model.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => model.make_figures(first.clone(), engine),

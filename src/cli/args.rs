@@ -1,9 +1,9 @@
 //! Arguments that several commands share (how bursts are opened, cut and searched, what is printed and written over),
 //! and those of the plain commands: names, kinds and help texts. Checks of their combinations are elsewhere.
 
-use super::choices::{COMBINES, MOSAICS, RAW_COLOURS, words};
+use super::choices::{COMBINES, words};
 use super::search_options::SearchArgs;
-use crate::burst::{AxisChoice, Dump, FrameRange, Mosaic, OpenOptions, RawColour, TimesChoice, ViewsChoice};
+use crate::burst::{FrameRange, OpenOptions};
 use crate::detector::params::doc;
 use crate::detector::{Combine, Slope, memory};
 use crate::export::ExportFormat;
@@ -133,7 +133,7 @@ pub struct MergeArgs {
     #[arg(long = doc::FRAMES.name, value_name = "A..B", help = doc::FRAMES.meaning, value_parser = FrameRange::from_str)]
     pub frames: Option<FrameRange>,
     #[command(flatten)]
-    pub calibration: CalibrationArgs,
+    pub calibration: OpenOptions,
     #[command(flatten)]
     pub output: OutputArgs,
     #[command(flatten)]
@@ -159,106 +159,9 @@ pub struct BurstSearchArgs {
     #[command(flatten)]
     pub search: SearchArgs,
     #[command(flatten)]
-    pub calibration: CalibrationArgs,
+    pub calibration: OpenOptions,
     #[command(flatten)]
     pub output: OutputArgs,
-}
-
-/// Options that turn the values of files into linear light, and tell which of them count.
-#[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Calibration", allow_negative_numbers = true)]
-pub struct CalibrationArgs {
-    /// Bias frame (or stack or folder of them, which is averaged), subtracted from each frame. Files of another kind
-    /// are converted to the frames' unit, or refused.
-    #[arg(long, value_name = "FILE")]
-    pub bias: Option<PathBuf>,
-    /// Flat frame (or stack or folder of them, which is averaged): a picture of an even surface, by which each frame is
-    /// divided.
-    #[arg(long, value_name = "FILE")]
-    pub flat: Option<PathBuf>,
-    /// Value in the files that becomes intensity 1, such as 4095 for 12 bits in 16-bit files [default: what their type
-    /// can hold].
-    #[arg(long, value_name = "VALUE")]
-    pub full_scale: Option<f32>,
-    /// Value in the files that becomes intensity 0; values below it become negative [default: 0, or what a raw file
-    /// says].
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
-    pub black_level: Option<f32>,
-    /// Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light.
-    #[arg(long)]
-    pub linearise: bool,
-    /// Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a frame is
-    /// grey. The notes say which they are [default: such a frame is an error].
-    #[arg(long)]
-    pub accept_damaged: bool,
-    /// Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
-    /// NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features.
-    #[arg(long, value_name = "FILE")]
-    pub mask: Option<PathBuf>,
-    /// Mask pixels at or above the full scale.
-    #[arg(long)]
-    pub mask_saturated: bool,
-    /// What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean of two,
-    /// red or blue [default: luma].
-    #[arg(long, value_name = "COLOUR", value_parser = words::<RawColour>(RAW_COLOURS))]
-    pub raw_colour: Option<RawColour>,
-    /// Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files without
-    /// header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner.
-    #[arg(long, value_name = "PATTERN", value_parser = words::<Mosaic>(MOSAICS))]
-    pub mosaic: Option<Mosaic>,
-    /// Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8, u16le,
-    /// u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed.
-    #[arg(long, value_name = "WxH:TYPE[+BYTES]")]
-    pub raw: Option<Dump>,
-    /// Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others such as
-    /// T,C=1; first or last of an array.
-    #[arg(long, value_name = "AXIS")]
-    pub axis: Option<AxisChoice>,
-    /// Array of an .npz archive, or image of a FITS file, that holds the frames.
-    #[arg(long, value_name = "NAME")]
-    pub array: Option<String>,
-    /// Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as /camera/image_raw.
-    #[arg(long, value_name = "TOPIC")]
-    pub topic: Option<String>,
-    /// Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those of these
-    /// frames.
-    #[arg(long, value_name = "A..B")]
-    pub take: Option<FrameRange>,
-    /// Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for stamps in
-    /// the names of the files, header or exif for times that the files hold, found for those in which the images move
-    /// uniformly, even for none [default: even].
-    #[arg(long, value_name = "FILE|names|header|found|even")]
-    pub times: Option<TimesChoice>,
-    /// Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one picture that
-    /// holds all views side by side or interleaved; names for rows and columns in the names of the files
-    /// (view_03_07.png, which needs no option where all of a grid are there). 1xN takes them as frames in time.
-    #[arg(long, value_name = "ROWSxCOLUMNS[:tiled|:eslf]|names")]
-    pub views: Option<ViewsChoice>,
-}
-
-impl CalibrationArgs {
-    pub fn options(&self) -> OpenOptions {
-        OpenOptions {
-            bias: self.bias.clone(),
-            flat: self.flat.clone(),
-            full_scale: self.full_scale,
-            black_level: self.black_level,
-            linearise: self.linearise,
-            accept_damaged: self.accept_damaged,
-            mask: self.mask.clone(),
-            mask_saturated: self.mask_saturated,
-            raw_colour: self.raw_colour.unwrap_or_default(),
-            mosaic: self.mosaic,
-            raw: self.raw,
-            axis: self.axis.clone(),
-            array: self.array.clone(),
-            topic: self.topic.clone(),
-            take: self.take,
-            times: self.times.clone(),
-            views: self.views,
-            ..OpenOptions::default()
-        }
-    }
 }
 
 /// Options of the output: JSON, quiet, number of threads.

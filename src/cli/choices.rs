@@ -6,8 +6,6 @@ pub(super) use crate::synth::options::words;
 pub(super) const IMAGE_KINDS: &[&str] = &["middle", "merged"];
 pub(super) const MATCH_PICTURES: &[&str] = &["stack", "middle", "merged"];
 pub(super) const FIGURE_FORMATS: &[&str] = &["png", "svg", "pdf"];
-pub(super) const RAW_COLOURS: &[&str] = &["luma", "green", "red", "blue"];
-pub(super) const MOSAICS: &[&str] = &["rggb", "grbg", "gbrg", "bggr"];
 #[cfg(feature = "colmap")]
 pub(super) const CAMERA_MODELS: &[&str] = &["SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "OPENCV"];
 pub(super) const COMBINES: &[&str] =
@@ -27,8 +25,6 @@ mod tests {
         assert!(IMAGE_KINDS.iter().all(|w| read_word::<ImageKind>(w).is_ok()));
         assert!(MATCH_PICTURES.iter().all(|w| read_word::<crate::requests::MatchPictures>(w).is_ok()));
         assert!(FIGURE_FORMATS.iter().all(|w| read_word::<crate::export::FigureFormat>(w).is_ok()));
-        assert!(RAW_COLOURS.iter().all(|w| read_word::<crate::burst::RawColour>(w).is_ok()));
-        assert!(MOSAICS.iter().all(|w| read_word::<crate::burst::Mosaic>(w).is_ok()));
         assert!(COMBINES.iter().all(|w| read_word::<crate::detector::Combine>(w).is_ok()));
     }
 

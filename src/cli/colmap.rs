@@ -50,7 +50,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let detector = args.run.search.params_over(defaults())?;
     let matching = args.matching.params()?;
     let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
-    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration.options())?;
+    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     if inputs.iter().any(super::inputs::Input::is_built_in) {
         return Err(Failure::usage(
             "colmap: a reconstruction needs bursts from several places, and the demo is one burst",

@@ -1,7 +1,7 @@
 //! All commands. The program's arguments are one of them, or what the window opens.
 //! `completions` writes them for a shell.
 
-use super::args::{CalibrationArgs, DetectArgs, MergeArgs, SequenceArgs, StackArgs};
+use super::args::{DetectArgs, MergeArgs, SequenceArgs, StackArgs};
 use super::case::CaseArgs;
 #[cfg(feature = "colmap")]
 use super::colmap::ColmapArgs;
@@ -19,6 +19,7 @@ use super::recover::RecoverArgs;
 use super::render::RenderArgs;
 use super::search_options::ParamsFileArg;
 use super::synth::SynthArgs;
+use crate::burst::OpenOptions;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -62,7 +63,7 @@ pub struct Cli {
     #[command(flatten)]
     pub params: ParamsFileArg,
     #[command(flatten)]
-    pub calibration: CalibrationArgs,
+    pub calibration: OpenOptions,
     /// The command.
     #[command(subcommand)]
     pub command: Option<Command>,

@@ -63,7 +63,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.run.output)?;
-    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration.options())?;
+    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     let options = open_options(&inputs, &args.run.calibration)?;
     job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
     let folder = job.take_folder(&inputs, &[])?;
@@ -170,7 +170,7 @@ mod tests {
         let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
         let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
         let params = args.run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
-        (args.inputs, params, args.run.calibration.options())
+        (args.inputs, params, args.run.calibration.clone())
     }
 
     #[test]

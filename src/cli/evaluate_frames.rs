@@ -70,7 +70,7 @@ pub(super) fn run(args: &FramesArgs) -> Result<(), Failure> {
 }
 
 fn rules(args: &FramesArgs, inputs: &[Input]) -> OutputRules {
-    args.overwrite.rules(inputs, &args.run.calibration.options(), &[args.run.search.file.params.as_ref()])
+    args.overwrite.rules(inputs, &args.run.calibration, &[args.run.search.file.params.as_ref()])
 }
 
 fn charts(args: &FramesArgs) -> Result<(), Failure> {
@@ -78,7 +78,7 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
         let problem = "charts have as many frames as --frame-counts says; leave it out";
         return Err(Failure::usage(format!("--{}: {problem}", doc::FRAMES.name)));
     }
-    if !args.run.calibration.options().is_plain() {
+    if !args.run.calibration.is_plain() {
         return Err(Failure::usage(
             "--bias and what else calibrates files: charts have none; leave it out, or name a burst",
         ));
@@ -103,7 +103,7 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
         ..BurstFramesStudy::default()
     };
     let console = Console::new(&args.run.output)?;
-    let options = args.run.calibration.options();
+    let options = args.run.calibration.clone();
     let inputs = match &args.second {
         Some(second) => resolve_pair(input, second, &options)?,
         None => vec![resolve_one(&[input.to_owned()], "evaluate frames", &options)?],

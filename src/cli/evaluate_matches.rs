@@ -113,7 +113,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         pairs: args.pairs,
     };
     let console = Console::new(&args.run.output)?;
-    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration.options())?;
+    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     let golds = sharp_inputs(args, &inputs)?;
     let options = open_options(&inputs, &args.run.calibration)?;
     let exposure = exposure(args, &inputs, &options, &console)?;
@@ -171,7 +171,7 @@ fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<BurstMethod>, Failu
 fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input>>, Failure> {
     let Some(gold) = &args.gold else { return Ok(None) };
     let sharp = std::slice::from_ref(gold);
-    let options = args.run.calibration.options();
+    let options = args.run.calibration.clone();
     let mut found = resolve_bursts(sharp, args.sequence, &options)?;
     if found.len() != inputs.len() {
         // A folder with one picture for each burst.

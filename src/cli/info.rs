@@ -1,11 +1,11 @@
 //! `info`: what an input is, from the headers of its files.
 
-use super::args::{CalibrationArgs, INPUT_HELP, OutputArgs};
+use super::args::{INPUT_HELP, OutputArgs};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve};
 use super::report::FailureReport;
-use crate::burst::Info;
+use crate::burst::{Info, OpenOptions};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ pub struct InfoArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
-    pub calibration: CalibrationArgs,
+    pub calibration: OpenOptions,
     #[command(flatten)]
     pub output: OutputArgs,
 }
@@ -49,7 +49,7 @@ struct BurstInfo {
 
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
-    let inputs = resolve(&args.inputs, &args.calibration.options());
+    let inputs = resolve(&args.inputs, &args.calibration);
     let mut options = open_options(&inputs, &args.calibration)?;
     // Headers alone are read, also of recordings of which only a part can be opened.
     options.limits.max_frames = usize::MAX;

@@ -3,7 +3,7 @@
 //! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
 //! several pictures are the frames of one burst.
 
-use super::args::{BurstSearchArgs, CalibrationArgs, OverwriteArgs, SequenceArgs};
+use super::args::{BurstSearchArgs, OverwriteArgs, SequenceArgs};
 use super::console::Console;
 use super::failure::Failure;
 use crate::burst::{
@@ -188,30 +188,12 @@ pub(super) fn resolve_pair(a: &Path, b: &Path, options: &OpenOptions) -> Result<
 }
 
 /// Options for opening `inputs` with this calibration.
-pub(super) fn open_options(inputs: &[Input], calibration: &CalibrationArgs) -> Result<OpenOptions, Failure> {
-    let options = calibration.options();
-    let given = [
-        ("bias", options.bias.is_some()),
-        ("flat", options.flat.is_some()),
-        ("full-scale", options.full_scale.is_some()),
-        ("black-level", options.black_level.is_some()),
-        ("linearise", options.linearise),
-        ("mask", options.mask.is_some()),
-        ("mask-saturated", options.mask_saturated),
-        ("mosaic", options.mosaic.is_some()),
-        ("raw", options.raw.is_some()),
-        ("axis", options.axis.is_some()),
-        ("array", options.array.is_some()),
-        ("topic", options.topic.is_some()),
-        ("take", options.take.is_some()),
-        ("times", options.times.is_some()),
-        ("views", options.views.is_some()),
-    ];
-    match given.iter().find(|(_, is_given)| *is_given) {
+pub(super) fn open_options(inputs: &[Input], calibration: &OpenOptions) -> Result<OpenOptions, Failure> {
+    match calibration.given().first() {
         Some((name, _)) if inputs.iter().any(Input::is_built_in) => {
             Err(Failure::usage(format!("--{name}: built-in bursts need no calibration; leave the option out")))
         }
-        _ => Ok(options),
+        _ => Ok(calibration.clone()),
     }
 }
 
@@ -254,7 +236,7 @@ impl BurstSearchArgs {
         outputs: &[Option<&PathBuf>],
     ) -> Result<OneBurst, Failure> {
         let console = Console::new(&self.output)?;
-        let input = resolve_one(inputs, command, &self.calibration.options())?;
+        let input = resolve_one(inputs, command, &self.calibration)?;
         let options = open_options(std::slice::from_ref(&input), &self.calibration)?;
         let rules = overwrite.rules(std::slice::from_ref(&input), &options, &[self.search.file.params.as_ref()]);
         outputs.iter().flatten().try_for_each(|path| rules.check(path))?;

@@ -69,7 +69,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let matching = args.matching.params()?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?.of_camera(matching.camera.clone());
     let console = Console::new(&args.run.output)?;
-    let inputs = resolve_pair(&args.a, &args.b, &args.run.calibration.options())?;
+    let inputs = resolve_pair(&args.a, &args.b, &args.run.calibration)?;
     let options = open_options(&inputs, &args.run.calibration)?;
     let name = safe_file_name(&format!("{}_{}", inputs[0].name, inputs[1].name));
     let [matches, picture] =

@@ -1,6 +1,6 @@
 //! `render`: draws the window into a PNG file, without a display.
 
-use super::args::{CalibrationArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs, parse_slope};
+use super::args::{INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs, parse_slope};
 use super::choices::{VIEW_KINDS, words};
 use super::console::Console;
 use super::failure::Failure;
@@ -23,7 +23,7 @@ use std::time::Duration;
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let params = args.search.params()?;
     let console = Console::new(&args.output)?;
-    let calibration = args.calibration.options();
+    let calibration = args.calibration.clone();
     let sets = params != SearchParams::default() || calibration != OpenOptions::default();
     if args.play.is_some() && (sets || args.sequence.burst_length.is_some()) {
         let problem = "--play: parameters and calibration come from the list, which begins with the defaults; leave their options out";
@@ -148,7 +148,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub sequence: SequenceArgs,
     #[command(flatten)]
-    pub calibration: CalibrationArgs,
+    pub calibration: OpenOptions,
     #[command(flatten)]
     pub search: SearchArgs,
     #[command(flatten)]

@@ -118,7 +118,7 @@ pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     params.validate()?;
     check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
     let console = Console::new(&args.output)?;
-    let input = resolve_one(&args.inputs, "merge", &args.calibration.options())?;
+    let input = resolve_one(&args.inputs, "merge", &args.calibration)?;
     let options = open_options(std::slice::from_ref(&input), &args.calibration)?;
     let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[]);
     rules.check(&args.out)?;

@@ -1,6 +1,6 @@
 //! `synth`: writes bursts with exactly known truth, and noisy copies of real ones.
 
-use super::args::{CalibrationArgs, INPUT_HELP, OutputArgs};
+use super::args::{INPUT_HELP, OutputArgs};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{Input, open_options, opened, resolve};
@@ -37,7 +37,7 @@ pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
 fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let params = args.params;
     let console = Console::new(&args.output)?;
-    let inputs = resolve(&args.inputs, &args.calibration.options());
+    let inputs = resolve(&args.inputs, &args.calibration);
     let options = open_options(&inputs, &args.calibration)?;
     OutputRules::new(opened(&inputs, &options, &[]), Overwrite::Refuse).check_folder(&args.out)?;
     let exposure = params.exposure(&levels_of(&inputs, &options, &console)?)?;
@@ -174,7 +174,7 @@ pub struct NoisyArgs {
     #[command(flatten)]
     pub params: NoisyParams,
     #[command(flatten)]
-    pub calibration: CalibrationArgs,
+    pub calibration: OpenOptions,
     #[command(flatten)]
     pub output: OutputArgs,
 }

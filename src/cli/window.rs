@@ -31,7 +31,7 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
         [case] if is_case(case) && cli.params.params.is_none() => read_params(case).unwrap_or_default(),
         _ => cli.params.read()?,
     };
-    let calibration = cli.calibration.options();
+    let calibration = cli.calibration.clone();
     if let Some(name) = &cli.lesson {
         return lesson(name, params);
     }

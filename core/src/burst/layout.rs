@@ -94,6 +94,7 @@ impl Dump {
 
 /// Mosaic of colours before a sensor: the colours of a square of 2×2 pixels, row by row from the corner of the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Mosaic {
     /// Red and green, green and blue.

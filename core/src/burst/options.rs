@@ -8,70 +8,98 @@ use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoi
 use crate::error::{Error, ErrorKind, Result};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
-/// Options for opening a burst.
+/// Options for opening a burst: they turn the values of files into linear light, and tell which of them count.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[cfg_attr(feature = "cli", command(next_help_heading = "Calibration", allow_negative_numbers = true))]
 #[serde(default, deny_unknown_fields)]
 pub struct OpenOptions {
-    /// A bias frame, or a stack or folder of them, which is averaged. It is subtracted in the frames' unit, before the
-    /// division by the full scale. Negative differences stay: clipping them would make the noise look smaller.
+    /// Bias frame (or stack or folder of them, which is averaged), subtracted from each frame. Files of another kind
+    /// are converted to the frames' unit, or refused.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bias: Option<PathBuf>,
-    /// A flat frame, or a stack or folder of them, which is averaged: a picture of an even surface. The frames are
-    /// divided by it (less the bias, over its mean), against vignetting and each pixel's own sensitivity.
+    /// Flat frame (or stack or folder of them, which is averaged): a picture of an even surface, by which each frame is
+    /// divided.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flat: Option<PathBuf>,
-    /// File value that becomes 1.0, such as 4095 for 12-bit values in 16-bit files. `None` takes it from the files: see
-    /// [`super::Burst::open_with`].
+    /// Value in the files that becomes intensity 1, such as 4095 for 12 bits in 16-bit files [default: what their type
+    /// can hold].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "VALUE"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_scale: Option<f32>,
-    /// File value that becomes 0, where there is no bias frame; values below it become negative. `None` is 0, or a raw
-    /// file's own level.
+    /// Value in the files that becomes intensity 0; values below it become negative [default: 0, or what a raw file
+    /// says].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "VALUE", allow_negative_numbers = true))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub black_level: Option<f32>,
-    /// Whether to undo the sRGB encoding of integer pictures, so that values are proportional to light.
+    /// Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light.
+    #[cfg_attr(feature = "cli", arg(long))]
     pub linearise: bool,
-    /// Whether JPEG frames whose data is damaged or ends early are accepted as far as they can be decoded; the rest of
-    /// such a frame is grey. [`super::Burst::remarks`] lists them.
+    /// Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a frame is
+    /// grey. The notes say which they are [default: such a frame is an error].
+    #[cfg_attr(feature = "cli", arg(long))]
     pub accept_damaged: bool,
-    /// Mask of the frames, a picture of their size: where it is at least half as bright as white, they are seen. Or a
-    /// stack with one for each frame, or a folder with one for each file, named `NAME.EXT.png`, as COLMAP names them,
-    /// or as the file, in a folder named as the file's or directly.
+    /// Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
+    /// NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mask: Option<PathBuf>,
-    /// Whether pixels at or above the full scale are masked.
+    /// Mask pixels at or above the full scale.
+    #[cfg_attr(feature = "cli", arg(long))]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub mask_saturated: bool,
-    /// Colour that is taken of a raw frame, and of others with a mosaic.
+    /// What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean of two,
+    /// red or blue [default: luma].
+    #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "COLOUR", default_value_t = RawColour::Luma))]
     pub raw_colour: RawColour,
-    /// Mosaic of colours of frames whose files do not say that they have one; they are binned as raw frames are.
+    /// Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files without
+    /// header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner.
+    #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "PATTERN"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mosaic: Option<Mosaic>,
-    /// Shape of files without header.
+    /// Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8, u16le,
+    /// u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "WxH:TYPE[+BYTES]"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raw: Option<Dump>,
-    /// Axis along which the frames of a file follow one another, where that is not time.
+    /// Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others such as
+    /// T,C=1; first or last of an array.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "AXIS"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<AxisChoice>,
-    /// Array of an archive, or image of a FITS file, that holds the frames.
+    /// Array of an .npz archive, or image of a FITS file, that holds the frames.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub array: Option<String>,
-    /// Topic of a bag that holds the frames, where several hold pictures.
+    /// Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as /camera/image_raw.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TOPIC"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
-    /// Frames that are opened, counted from 0 in the file or folder. `None` opens all.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those of these
+    /// frames.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "A..B"))]
+    #[serde(skip_serializing_if = "Option::is_none", with = "as_text")]
     pub take: Option<FrameRange>,
-    /// Source of the frames' times. `None` takes the frames as even, whatever their files say.
+    /// Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for stamps in
+    /// the names of the files, header or exif for times that the files hold, found for those in which the images move
+    /// uniformly, even for none [default: even].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE|names|header|found|even"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times: Option<TimesChoice>,
-    /// Statement that the frames are views of a light field. `None` takes frames as views only where their names are
-    /// LFToolbox's and fill a grid, `view_03_07.png` or `03_07.png`, or an array has axes of views.
+    /// Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one picture that
+    /// holds all views side by side or interleaved; names for rows and columns in the names of the files
+    /// (view_03_07.png, which needs no option where all of a grid are there). 1xN takes them as frames in time.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ROWSxCOLUMNS[:tiled|:eslf]|names"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub views: Option<ViewsChoice>,
     /// Limits of the burst's size.
     #[serde(skip)]
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub limits: Limits,
 }
 
@@ -79,6 +107,24 @@ impl OpenOptions {
     /// Whether every option but the limits has its default: nothing is calibrated, and files are taken as they are.
     pub fn is_plain(&self) -> bool {
         *self == Self { limits: self.limits, ..Self::default() }
+    }
+
+    /// Options that are not the default, by their names on a command line, with their values as text; `None` for those
+    /// that are only named.
+    pub fn given(&self) -> Vec<(String, Option<String>)> {
+        let fields = |options: &Self| match serde_json::to_value(options) {
+            Ok(Value::Object(fields)) => fields,
+            _ => Map::new(),
+        };
+        let usual = fields(&Self::default());
+        let given = fields(self).into_iter().filter(|(name, value)| usual.get(name) != Some(value));
+        let text = |value: Value| match value {
+            Value::String(text) => Some(text),
+            // With the digits of the number that was read, not with those of its double.
+            Value::Number(number) => number.as_f64().map(|number| (number as f32).to_string()),
+            _ => None,
+        };
+        given.map(|(name, value)| (name.replace('_', "-"), text(value))).collect()
     }
 
     /// Paths of the files that are read beside the frames: bias, flat, mask, list of times.
@@ -135,8 +181,25 @@ impl OpenOptions {
     }
 }
 
+/// A range of frames as text, as the other options are kept.
+mod as_text {
+    use super::FrameRange;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(take: &Option<FrameRange>, to: S) -> Result<S::Ok, S::Error> {
+        take.as_ref().map(ToString::to_string).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<FrameRange>, D::Error> {
+        let text = Option::<String>::deserialize(from)?;
+        text.map(|text| text.parse().map_err(D::Error::custom)).transpose()
+    }
+}
+
 /// Colour that is taken of a raw frame, whose pixels have one colour each, in squares of 2×2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum RawColour {
     /// The mean of the four pixels of a square.
