@@ -1,7 +1,6 @@
 //! Arguments that several commands share (how bursts are opened, cut and searched, what is printed and written over),
 //! and those of the plain commands: names, kinds and help texts. Checks of their combinations are elsewhere.
 
-use super::choices::{COMBINES, words};
 use super::search_options::SearchArgs;
 use crate::burst::{FrameRange, OpenOptions};
 use crate::detector::params::doc;
@@ -107,7 +106,7 @@ pub struct StackArgs {
     pub level: Option<i32>,
     /// How the shifted frames are combined: mean (what the detector uses), median, clipped-mean, max, min, deviation,
     /// or mean-minus-median, which shows what is in some frames only.
-    #[arg(long, value_name = "HOW", value_parser = words::<Combine>(COMBINES), default_value = "mean", conflicts_with = "octave")]
+    #[arg(long, value_name = "HOW", value_enum, default_value = "mean", conflicts_with = "octave")]
     pub combine: Combine,
     /// The TIFF file to write; with --field also FILE.npz or FILE.pfm. An existing PFM is replaced only with --force.
     #[arg(long, short, value_name = "FILE.tiff")]

@@ -62,14 +62,8 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     write_case(&args.out, (&case, &part), &enclosed, &console.monitor.part(0.5, 0.5))?;
     console.monitor.check()?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
-    let [columns, rows] = case.size;
-    console.say(&format!(
-        "{} frames of {columns}×{rows} from ({}, {}), {:.1} MB\nwrote {}\n",
-        case.frames,
-        case.corner[0],
-        case.corner[1],
-        bytes as f64 * 1e-6,
-        args.out.display()
-    ))?;
+    let (frames, [columns, rows], [u, v], megabytes) = (case.frames, case.size, case.corner, bytes as f64 * 1e-6);
+    let part = format!("{frames} frames of {columns}×{rows} from ({u}, {v}), {megabytes:.1} MB");
+    console.say(&format!("{part}\nwrote {}\n", args.out.display()))?;
     console.say_document("case", &json!({ "file": path_text(&args.out), "case": case, "bytes": bytes }))
 }

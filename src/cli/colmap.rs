@@ -1,7 +1,6 @@
 //! `colmap`: writes the input of COLMAP's mapper from a dataset of bursts.
 
 use super::args::{BurstSearchArgs, SequenceArgs};
-use super::choices::{CAMERA_MODELS, IMAGE_KINDS, words};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::{open_options, resolve_bursts};
@@ -172,11 +171,10 @@ pub struct ColmapArgs {
     #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
     pub pairs: PairSelection,
     /// The picture that stands for a burst: middle, its middle frame, or merged, its frames merged; stretched to 8 bit.
-    #[arg(long, value_name = "KIND", default_value = "middle", value_parser = words::<ImageKind>(IMAGE_KINDS))]
+    #[arg(long, value_name = "KIND", value_enum, default_value = "middle")]
     pub images: ImageKind,
     /// The model of a guessed camera: focal length 1.2 times the larger side, as COLMAP guesses.
-    #[arg(long, value_name = "MODEL", default_value = "SIMPLE_RADIAL", conflicts_with = "camera",
-        value_parser = words::<CameraModel>(CAMERA_MODELS))]
+    #[arg(long, value_name = "MODEL", default_value = "SIMPLE_RADIAL", conflicts_with = "camera", value_enum)]
     pub camera_model: CameraModel,
     #[command(flatten)]
     pub sequence: SequenceArgs,

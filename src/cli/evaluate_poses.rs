@@ -80,17 +80,10 @@ fn text(report: &PoseReport) -> String {
             "{points} 3D points, {points_per_image:.1} an image, seen in {mean_track_length:.2} images each, mean reprojection error {mean_reprojection_error_px:.3} px\n"
         );
     }
-    text += &format!(
-        "{} poses paired {}, aligned with scale {:.6}{}\n\n",
-        report.absolute.count,
-        report.associated.phrase(),
-        report.scale,
-        if report.straight {
-            "; they lie on a line, so the cameras' directions fixed the rotation about it"
-        } else {
-            ""
-        }
-    );
+    let on_line = "; they lie on a line, so the cameras' directions fixed the rotation about it";
+    let (count, paired, scale) = (report.absolute.count, report.associated.phrase(), report.scale);
+    let straight = if report.straight { on_line } else { "" };
+    text += &format!("{count} poses paired {paired}, aligned with scale {scale:.6}{straight}\n\n");
     let row = |words: String, e: &ErrorSummary| {
         let numbers = [e.rmse, e.mean, e.median, e.max].map(|error| format!("{error:.6}"));
         std::iter::once(words).chain(numbers).collect::<Vec<String>>()

@@ -35,20 +35,12 @@ fn charts_text(chart: &ChartSummary, frames: &str, each: &str, first_seed: u64, 
     } else {
         format!("{seeds} charts for each {each}, seeds {first_seed} to {}", first_seed.saturating_add(seeds - 1))
     };
-    format!(
-        "{} discs of radius {} to {} px{}, contrast {}, in {} frames of {}×{}, {} bits, slopes up to ±{} px/frame in {}\n{charts}\n",
-        chart.discs,
-        chart.radius[0],
-        chart.radius[1],
-        if chart.radius_law == RadiusLaw::Log { " (log-uniform)" } else { "" },
-        chart.contrast,
-        frames,
-        chart.width,
-        chart.height,
-        chart.bits,
-        chart.max_slope,
-        chart.motion.to_uppercase()
-    )
+    let ChartSummary { discs, radius: [least, most], contrast, width, height, bits, max_slope, .. } = chart;
+    let law = if chart.radius_law == RadiusLaw::Log { " (log-uniform)" } else { "" };
+    let discs = format!("{discs} discs of radius {least} to {most} px{law}, contrast {contrast}");
+    let frames = format!("in {frames} frames of {width}×{height}, {bits} bits");
+    let slopes = format!("slopes up to ±{max_slope} px/frame in {}", chart.motion.to_uppercase());
+    format!("{discs}, {frames}, {slopes}\n{charts}\n")
 }
 
 pub(super) fn chart_table(report: &ChartReport) -> String {
@@ -196,15 +188,10 @@ pub(super) fn noise_table(report: &NoiseReport) -> String {
     });
     let gates = columns.iter().map(|search| format!("{:.2} σ", search.noise_gate_factor));
     let gates = std::iter::once("noise gate".to_owned()).chain(std::iter::repeat_n(String::new(), 3)).chain(gates);
+    let NoiseReport { bursts, frames, width, height, megapixels, first_seed, .. } = report;
+    let table = table(&heads, rows.chain([gates.collect()]));
     format!(
-        "{} bursts of {} frames of {}×{} for each row, {:.1} Mpx of image, seeds from {}\n\n\
-         False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{}",
-        report.bursts,
-        report.frames,
-        report.width,
-        report.height,
-        report.megapixels,
-        report.first_seed,
-        table(&heads, rows.chain([gates.collect()]))
+        "{bursts} bursts of {frames} frames of {width}×{height} for each row, {megapixels:.1} Mpx of image, seeds from {first_seed}\n\n\
+         False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{table}"
     )
 }

@@ -1,7 +1,6 @@
 //! `match`: finds the features of two bursts and matches them.
 
 use super::args::{BurstSearchArgs, OverwriteArgs};
-use super::choices::{FIGURE_FORMATS, MATCH_PICTURES, words};
 use super::console::Console;
 use super::detect::{DetectJob, detect_burst};
 use super::evaluate_tables::or_dash;
@@ -210,11 +209,11 @@ pub struct MatchArgs {
     /// Format of the picture: PDF and SVG are vectors, PNG has 300 pixels an inch. A build without the window draws
     /// SVG alone.
     #[arg(long, value_name = "FORMAT", default_value = if cfg!(feature = "app") { "png" } else { "svg" },
-          value_parser = words::<FigureFormat>(FIGURE_FORMATS))]
+          value_enum)]
     pub picture: FigureFormat,
     /// What the picture shows of each burst: its motion stack at the slope with most features, its middle frame, or its
     /// frames merged; dark ones are stretched.
-    #[arg(long, value_name = "KIND", default_value = "stack", value_parser = words::<MatchPictures>(MATCH_PICTURES))]
+    #[arg(long, value_name = "KIND", value_enum, default_value = "stack")]
     pub images: MatchPictures,
     /// Matches that the picture shows: so many of the smallest distance, or 'all'.
     #[arg(long, value_name = "N", default_value = "100", value_parser = parse_drawn)]

@@ -7,7 +7,6 @@
 pub mod args;
 pub mod case;
 pub mod charts_args;
-mod choices;
 #[cfg(feature = "colmap")]
 pub mod colmap;
 pub mod commands;

@@ -1,7 +1,6 @@
 //! `render`: draws the window into a PNG file, without a display.
 
 use super::args::{INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs, parse_slope};
-use super::choices::{VIEW_KINDS, words};
 use super::console::Console;
 use super::failure::Failure;
 use super::inputs::resolve;
@@ -15,6 +14,7 @@ use crate::burst::OpenOptions;
 use crate::detector::{SearchParams, Slope};
 use crate::files::{MAX_SESSION_BYTES, path_text, read_text};
 use crate::plane::memory;
+use crate::synth::options::words;
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -113,7 +113,7 @@ pub struct RenderArgs {
     #[arg(long, short, value_name = "PNG")]
     pub out: PathBuf,
     /// Kind of picture.
-    #[arg(long, value_name = "KIND", default_value = "stack", value_parser = words::<ViewKind>(VIEW_KINDS))]
+    #[arg(long, value_name = "KIND", default_value = "stack", value_parser = words::<ViewKind>(&["frame", "stack", "dog"]))]
     pub kind: ViewKind,
     /// The slope, pixels per frame to the right and down.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope)]

@@ -81,14 +81,9 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
         ),
         None => "no noise".to_owned(),
     };
-    let made = format!(
-        "{} bursts of {} frames of {}×{}, {} planes, {light}",
-        truth.bursts.len(),
-        truth.frames,
-        truth.width,
-        truth.height,
-        truth.planes.len()
-    );
+    let (bursts, planes, frames, width, height) =
+        (truth.bursts.len(), truth.planes.len(), truth.frames, truth.width, truth.height);
+    let made = format!("{bursts} bursts of {frames} frames of {width}×{height}, {planes} planes, {light}");
     say_made(&args.out, &made, &truth, &console)
 }
 
@@ -97,13 +92,9 @@ fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result
     let noise = truth
         .noise
         .map_or_else(|| "no noise".to_owned(), |n| format!("noise {:.5} of full scale in a frame", n.sigma_background));
-    let made = format!(
-        "{} frames of {}×{}, {} features with known place and slope, {noise}",
-        truth.frames,
-        truth.width,
-        truth.height,
-        truth.features.len()
-    );
+    let Truth { frames, width, height, features, .. } = truth;
+    let known = format!("{} features with known place and slope", features.len());
+    let made = format!("{frames} frames of {width}×{height}, {known}, {noise}");
     say_made(out, &made, truth, console)
 }
 

@@ -182,14 +182,9 @@ fn without_display(
     console.begin(format!("{name}: "));
     let burst = input.open(&calibration, &console.monitor)?;
     let detection = search(&burst, &params, &console.monitor)?.detection;
-    console.say(&format!(
-        "{name}: {} frames of {}×{}, {} features\n\n{}\n",
-        burst.len(),
-        burst.size().0,
-        burst.size().1,
-        detection.features.len(),
-        feature_table(&detection, TABLE_ROWS)
-    ))?;
+    let ((width, height), frames, features) = (burst.size(), burst.len(), detection.features.len());
+    let table = feature_table(&detection, TABLE_ROWS);
+    console.say(&format!("{name}: {frames} frames of {width}×{height}, {features} features\n\n{table}\n"))?;
     let second = second.map(|input| input.source).transpose()?;
     let source = Some(input.source?);
     draw(Startup { source, second, params, calibration, ..Startup::default() }, &file, &console)

@@ -19,6 +19,7 @@ use std::sync::Arc;
 
 /// Pictures of the bursts in the figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum MatchPictures {
     /// Motion stack at the slope with most features; the middle frame of a burst without slopes.

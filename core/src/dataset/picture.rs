@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 /// Content of a burst's picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum ImageKind {
     /// Middle frame of those used: at the features' reference time, half a frame later for an even number of frames.

@@ -16,6 +16,7 @@ use std::ops::Range;
 
 /// A way to combine the values that the frames have at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Combine {
     /// Mean.

@@ -15,6 +15,8 @@ const FIRST_PIXEL: f64 = 0.5;
 
 /// Mapping from directions to pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[cfg_attr(feature = "cli", value(rename_all = "SCREAMING_SNAKE_CASE"))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum CameraModel {
     /// f, cx, cy.
@@ -25,6 +27,7 @@ pub enum CameraModel {
     SimpleRadial,
     /// fx, fy, cx, cy, k1, k2, p1, p2: radial distortion by 1 + k1·r² + k2·r⁴, and tangential distortion, as in OpenCV.
     #[serde(rename = "OPENCV")]
+    #[cfg_attr(feature = "cli", value(name = "OPENCV"))]
     OpenCv,
 }
 

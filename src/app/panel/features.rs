@@ -269,14 +269,10 @@ fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
         let field = motion_text(field, f.field_sigma, 2);
         format!("\nfield {field}")
     });
-    let text = format!(
-        "{name}  σ {:.2} px{depth}\n{}{layer}\nslope {}{field}\nresponse {}  SNR {:.1}{coherence}",
-        f.sigma,
-        f.moves.words(),
-        motion_text(f.slope, f.slope_sigma, 2),
-        signed_number(f.response, 3),
-        f.snr
-    );
+    let (moves, slope, response) =
+        (f.moves.words(), motion_text(f.slope, f.slope_sigma, 2), signed_number(f.response, 3));
+    let text = format!("{name}  σ {:.2} px{depth}\n{moves}{layer}\nslope {slope}{field}\n", f.sigma)
+        + &format!("response {response}  SNR {:.1}{coherence}", f.snr);
     tip_ui(ui, "feature tip", |ui| {
         ui.label(RichText::new(text).monospace());
         if let Some(judged) = judged {

@@ -268,17 +268,11 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
         (Some(test), None) => test.reason().to_owned(),
         (None, _) => "kept".to_owned(),
     };
-    format!(
-        "candidate at ({}, {})  σ {:.2} px\noctave {} level {}  slope ({}) px/frame\nD {:+.5}  SNR {:.1}\n{fails}",
-        number(u, 4),
-        number(v, 4),
-        mark.sigma,
-        mark.sample.octave,
-        mark.sample.level,
-        signed_slope(slope, 2),
-        mark.value,
-        mark.snr
-    )
+    let (u, v, slope) = (number(u, 4), number(v, 4), signed_slope(slope, 2));
+    let CandidateMark { sigma, value, snr, sample, .. } = mark;
+    let (octave, level) = (sample.octave, sample.level);
+    format!("candidate at ({u}, {v})  σ {sigma:.2} px\noctave {octave} level {level}  slope ({slope}) px/frame\n")
+        + &format!("D {value:+.5}  SNR {snr:.1}\n{fails}")
 }
 
 pub fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {

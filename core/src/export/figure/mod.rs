@@ -176,6 +176,7 @@ const POINTS_PER_MM: f32 = 72.0 / 25.4;
 
 /// Format of the file of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum FigureFormat {
     /// Vectors, with the font in the file.

@@ -163,15 +163,11 @@ fn next_missed(report: &RecoverReport, selected: Option<(u64, usize)>) -> Option
 
 fn thing_text(one: &Planted) -> String {
     let t = &one.truth;
+    let (snr, frames) = (number(one.snr as f32, 3), one.frames);
+    let [radius, u, v] = [t.radius, t.u, t.v].map(|px| number(px as f32, 1));
+    let [slope_u, slope_v] = [t.slope_u, t.slope_v].map(|slope| number(slope as f32, 2));
     let what = format!(
-        "SNR {}, radius {} px, slope ({}, {}) px/frame at ({}, {}), in {} frames",
-        number(one.snr as f32, 3),
-        number(t.radius as f32, 1),
-        number(t.slope_u as f32, 2),
-        number(t.slope_v as f32, 2),
-        number(t.u as f32, 1),
-        number(t.v as f32, 1),
-        one.frames
+        "SNR {snr}, radius {radius} px, slope ({slope_u}, {slope_v}) px/frame at ({u}, {v}), in {frames} frames"
     );
     let expected =
         one.expected_snr_d.map_or_else(String::new, |snr| format!("; {} σ in D expected", number(snr as f32, 1)));

@@ -135,16 +135,9 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     let name = format!("Candidate {}: {}", index + 1, outcome.trim());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
     let clicked = response.clicked();
-    response.on_hover_text(format!(
-        "At ({}, {}), octave {}, level {}\nD {:+.2e}, its noise {:.2e}\n{}",
-        number(u, 1),
-        number(v, 1),
-        fate.octave,
-        fate.level,
-        fate.value,
-        fate.sigma_d,
-        fate.verdict
-    ));
+    let (u, v, octave, level) = (number(u, 1), number(v, 1), fate.octave, fate.level);
+    let response_text = format!("D {:+.2e}, its noise {:.2e}\n{}", fate.value, fate.sigma_d, fate.verdict);
+    response.on_hover_text(format!("At ({u}, {v}), octave {octave}, level {level}\n{response_text}"));
     clicked
 }
 

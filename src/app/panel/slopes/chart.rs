@@ -43,14 +43,10 @@ pub(in crate::app::panel) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar
 pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
     let where_to = if bar.is_searched { "" } else { ", beyond what was searched" };
     let at_limit = if bar.at_limit > 0 { format!(", {} at the limit", bar.at_limit) } else { String::new() };
-    format!(
-        "Slope ({}, {}) px/frame{where_to}\n{} features{at_limit}\n{} % of the evidence\n{} % of the picture seen by all frames",
-        number(bar.slope.u, 3),
-        number(bar.slope.v, 3),
-        bar.features,
-        number(100.0 * bar.evidence, 2),
-        number(100.0 * bar.coverage, 3)
-    )
+    let (u, v, features) = (number(bar.slope.u, 3), number(bar.slope.v, 3), bar.features);
+    let (evidence, coverage) = (number(100.0 * bar.evidence, 2), number(100.0 * bar.coverage, 3));
+    format!("Slope ({u}, {v}) px/frame{where_to}\n{features} features{at_limit}\n")
+        + &format!("{evidence} % of the evidence\n{coverage} % of the picture seen by all frames")
 }
 
 /// Draws bars: features above the line, evidence below it.
