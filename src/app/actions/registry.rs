@@ -204,7 +204,7 @@ actions! {
     MeasureLine, Edit 2, "Line profile", [NONE Q], "Draw a line with the pointer, to see the values along it in all linked panes" => Set(|document| document.measure.toggle(Tool::Line));
     MeasureRegion, Edit 2, "Region statistics", [SHIFT Q], "Draw a rectangle with the pointer, to see mean, deviation, range and noise in it" => Set(|document| document.measure.toggle(Tool::Region));
     DrawMask, Edit 2, "Draw mask", [], "Drag around what the frames do not show, such as a robot's arm or a time stamp" => Set(|document| document.measure.toggle(Tool::Mask));
-    UseMask, Edit 2, "Use drawn mask…", [], "Write what was drawn around, and what is masked in all frames, to a picture that masks the frames" => Ask(Purpose::Export(ExportKind::Mask));
+    UseMask, Edit 2, "Save mask…", [], "Write what was drawn around, and what is masked in all frames, to a picture that masks the frames" => Ask(Purpose::Export(ExportKind::Mask));
     ClearMeasure, Edit 2, "Clear line, region and outlines", [], "Remove what was drawn on the picture; the pointer pans again" => Set(|document| document.measure.clear());
 
     WorkspaceInspect, View 0, "One burst", [CTRL Num1], "One burst: its pictures and features" => Workspace(Workspace::Inspect);
