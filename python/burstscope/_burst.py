@@ -380,6 +380,6 @@ def open(
     for name, word in {"mosaic": mosaic, "raw": raw, "axis": axis, "array": array, "topic": topic, "take": take, "views": views}.items():
         calibration[name] = None if word is None else needed(name, word, str, "see the documentation")
     calibration["times"] = None if times is None else path("times", times)
-    given = json.dumps({name: value for name, value in calibration.items() if value is not None})
+    given = json.dumps({name: value for name, value in calibration.items() if value is not None}, default=os.fspath)
     with shown(progress) as tell:
         return Burst._of(_burstscope.RawBurst.open(path_texts(paths), given, tell))

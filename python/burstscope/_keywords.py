@@ -216,9 +216,16 @@ class ChartKeywords(TypedDict, total=False):
     jitter : float
         Largest distance of a frame from its even time, frame intervals; the first and the last frame keep
         theirs [default: 0]
+    exchange : int or Sequence[int]
+        Two frames, counted from 0 among those that are not left out, that stand in each other's place, as a
+        recorder may write them: only the images and the truth tell it
     views : str or float
         Rows and columns of the views of a light field, such as 9x9, in the place of frames in time; the slope
         is the disparity between neighbouring views
+    mask : float
+        Share of the columns that a textured thing hides, on the left, which stands still in all frames, as a
+        robot's arm. Its mask is written to masks/mask.png, and what it hides is not among the known features
+        [default: 0]
     motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     max_slope : float
@@ -250,7 +257,9 @@ class ChartKeywords(TypedDict, total=False):
     frames: int
     drop: Union[int, Sequence[int]]
     jitter: float
+    exchange: Union[int, Sequence[int]]
     views: Union[str, float]
+    mask: float
     motion: Literal["1d", "2d"]
     max_slope: float
     snr: float
@@ -279,9 +288,16 @@ class SceneKeywords(TypedDict, total=False):
     jitter : float
         Largest distance of a frame from its even time, frame intervals; the first and the last frame keep
         theirs [default: 0]
+    exchange : int or Sequence[int]
+        Two frames, counted from 0 among those that are not left out, that stand in each other's place, as a
+        recorder may write them: only the images and the truth tell it
     views : str or float
         Rows and columns of the views of a light field, such as 9x9, in the place of frames in time; the slope
         is the disparity between neighbouring views
+    mask : float
+        Share of the columns that a textured thing hides, on the left, which stands still in all frames, as a
+        robot's arm. Its mask is written to masks/mask.png, and what it hides is not among the known features
+        [default: 0]
     motion : {'1d', '2d'}
         Directions of motion: 1d is horizontal, 2d any [default: 1d]
     max_slope : float
@@ -309,7 +325,9 @@ class SceneKeywords(TypedDict, total=False):
     frames: int
     drop: Union[int, Sequence[int]]
     jitter: float
+    exchange: Union[int, Sequence[int]]
     views: Union[str, float]
+    mask: float
     motion: Literal["1d", "2d"]
     max_slope: float
     snr: float
@@ -412,11 +430,10 @@ class NoisyKeywords(TypedDict, total=False):
     mask_saturated : bool
         Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
-        What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
-        of two, red or blue [default: luma]
+        Colour that is taken of the 2×2 pixels of raw frames and mosaics [default: luma]
     mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
-        without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
+        without header: the colours of the 2×2 pixels in the corner, row by row
     raw : str or float
         Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
         u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
@@ -428,6 +445,9 @@ class NoisyKeywords(TypedDict, total=False):
     topic : str or float
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
+    take : str or float
+        Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those
+        of these frames
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, found for those in which
@@ -463,6 +483,7 @@ class NoisyKeywords(TypedDict, total=False):
     axis: Union[str, float]
     array: Union[str, float]
     topic: Union[str, float]
+    take: Union[str, float]
     times: Union[str, float]
     views: Union[str, float]
     threads: Union[str, float]
@@ -746,11 +767,10 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     mask_saturated : bool
         Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
-        What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
-        of two, red or blue [default: luma]
+        Colour that is taken of the 2×2 pixels of raw frames and mosaics [default: luma]
     mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
-        without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
+        without header: the colours of the 2×2 pixels in the corner, row by row
     raw : str or float
         Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
         u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
@@ -762,6 +782,9 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     topic : str or float
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
+    take : str or float
+        Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those
+        of these frames
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, found for those in which
@@ -830,6 +853,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     axis: Union[str, float]
     array: Union[str, float]
     topic: Union[str, float]
+    take: Union[str, float]
     times: Union[str, float]
     views: Union[str, float]
     threads: Union[str, float]
@@ -1274,11 +1298,10 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     mask_saturated : bool
         Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
-        What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean
-        of two, red or blue [default: luma]
+        Colour that is taken of the 2×2 pixels of raw frames and mosaics [default: luma]
     mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
-        without header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner
+        without header: the colours of the 2×2 pixels in the corner, row by row
     raw : str or float
         Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
         u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
@@ -1290,6 +1313,9 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     topic : str or float
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
+    take : str or float
+        Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those
+        of these frames
     times : str or float
         Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
         stamps in the names of the files, header or exif for times that the files hold, found for those in which
@@ -1364,6 +1390,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     axis: Union[str, float]
     array: Union[str, float]
     topic: Union[str, float]
+    take: Union[str, float]
     times: Union[str, float]
     views: Union[str, float]
     threads: Union[str, float]

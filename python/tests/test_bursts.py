@@ -122,6 +122,17 @@ def test_times_rise_and_gaps_are_gaps() -> None:
             bs.Burst(noise(), times=times)
 
 
+def test_a_part_of_a_long_recording_is_opened_alone(tmp_path: Path) -> None:
+    frames = np.arange(6 * 40 * 56, dtype=np.uint16).reshape(6, 40, 56)
+    np.save(tmp_path / "long.npy", frames)
+    whole, part = bs.open(tmp_path / "long.npy"), bs.open(tmp_path / "long.npy", take="2..5")
+    assert len(part) == 3 and all((part[t] == whole[t + 2]).all() for t in range(3))
+    with pytest.raises(ValueError, match="take: 2..9 reaches beyond the 6 frames"):
+        bs.open(tmp_path / "long.npy", take="2..9")
+    with pytest.raises(ValueError, match="take: 'two' is not A..B"):
+        bs.open(tmp_path / "long.npy", take="two")
+
+
 def test_faults_say_what_would_be_right(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="check the spelling"):
         bs.open(tmp_path / "gone")

@@ -53,12 +53,11 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long))]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub mask_saturated: bool,
-    /// What is taken of the 2×2 colours of raw frames and mosaics: luma, the mean of the four, green, the mean of two,
-    /// red or blue [default: luma].
+    /// Colour that is taken of the 2×2 pixels of raw frames and mosaics.
     #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "COLOUR", default_value_t = RawColour::Luma))]
     pub raw_colour: RawColour,
     /// Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files without
-    /// header: rggb, grbg, gbrg or bggr, the colours of the 2×2 pixels in the corner.
+    /// header: the colours of the 2×2 pixels in the corner, row by row.
     #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "PATTERN"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mosaic: Option<Mosaic>,

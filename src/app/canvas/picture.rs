@@ -74,19 +74,23 @@ impl Picture {
 
     /// Draws rising lines over the hidden pixels that lie in `rect`. They keep their places in the image.
     pub(super) fn hatch(&self, painter: &Painter, ui_from_image: RectTransform, rect: Rect) {
-        if self.plane.mask().is_none() {
-            return;
+        for line in self.hatching(ui_from_image, rect) {
+            for (width, colour) in [(2.5, Color32::from_black_alpha(110)), (1.0, Color32::from_gray(190))] {
+                painter.line_segment(line, Stroke::new(width, colour));
+            }
         }
+    }
+
+    fn hatching(&self, ui_from_image: RectTransform, rect: Rect) -> Vec<[Pos2; 2]> {
         let of_picture = ui_from_image.rect(self.rect_image());
         let seen = rect.intersect(of_picture);
-        if !seen.is_positive() {
-            return;
+        let mut lines = Vec::new();
+        if self.plane.mask().is_none() || !seen.is_positive() {
+            return lines;
         }
         let image_from_ui = ui_from_image.inverse();
-        let hides = |pos_ui| {
-            let pixel = self.pixel_at(image_from_ui.pos(pos_ui));
-            pixel.is_some_and(|(u, v)| self.plane.is_hidden_at(u, v))
-        };
+        let pixel_at = |pos_ui: Pos2| self.pixel_at(image_from_ui.pos(pos_ui));
+        let hides = |pos_ui| pixel_at(pos_ui).is_some_and(|(u, v)| self.plane.is_hidden_at(u, v));
         // A line holds the places whose x + y is the same.
         let origin = of_picture.min.x + of_picture.min.y;
         let first = ((seen.min.x + seen.min.y - origin) / BETWEEN).ceil() as i32;
@@ -95,28 +99,29 @@ impl Picture {
             let sum = origin + line as f32 * BETWEEN;
             let (from, to) = (seen.min.x.max(sum - seen.max.y), seen.max.x.min(sum - seen.min.y));
             let mut begun = None;
-            for k in 0..=((to - from) / STEP) as usize + 1 {
+            // The last place lies beyond the end, however this is rounded.
+            for k in 0..=((to - from) / STEP) as usize + 2 {
                 let x = from + k as f32 * STEP;
                 let pos = pos2(x, sum - x);
                 let is_hidden = x <= to && hides(pos);
                 match begun {
                     None if is_hidden => begun = Some(pos),
                     Some(start) if !is_hidden => {
-                        for (width, colour) in [(2.5, Color32::from_black_alpha(110)), (1.0, Color32::from_gray(190))] {
-                            painter.line_segment([start, pos], Stroke::new(width, colour));
-                        }
+                        lines.push([start, pos]);
                         begun = None;
                     }
                     _ => {}
                 }
             }
         }
+        lines
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::Mask;
 
     #[test]
     fn pixels_are_centred_on_whole_numbers_times_the_scale() {
@@ -140,5 +145,21 @@ mod tests {
         assert_eq!((region.columns, region.rows), (10..21, 0..11));
         assert!(picture.region(Rect::from_min_max(pos2(500.0, 0.0), pos2(600.0, 10.0))).is_empty());
         assert!(picture.region(Rect::from_min_max(pos2(-50.0, 0.0), pos2(-20.0, 10.0))).is_empty());
+    }
+
+    #[test]
+    fn what_a_mask_hides_is_hatched_from_edge_to_edge() {
+        let plane = Plane::zeros(40, 30);
+        let mask = Mask::new(Plane::from_fn(40, 30, |u, _| f32::from(u >= 20)));
+        let picture = Picture::new(Arc::new(plane.masked(mask)), "frame");
+        for scale in [1.5, 9.0, 13.7] {
+            let transform = RectTransform::new(Pos2::ZERO, pos2(31.25, 7.5), scale);
+            let rect = transform.rect(picture.rect_image());
+            let lines = picture.hatching(transform, rect);
+            let reach = (0.5 * rect.width() + rect.height()) / BETWEEN;
+            assert!((lines.len() as f32 - reach).abs() <= 2.0, "{} lines at {scale}, {reach} fit", lines.len());
+            let hidden = rect.with_max_x(rect.center().x).expand(2.0 * STEP);
+            assert!(lines.iter().flatten().all(|pos| hidden.contains(*pos)), "{lines:?}");
+        }
     }
 }
