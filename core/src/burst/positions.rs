@@ -241,11 +241,13 @@ impl Positions {
         }
     }
 
-    /// Slopes in pixels per second, a clause; `None` where the frame interval is not known.
+    /// Slopes in pixels per second or per hour, a clause; `None` where the frame interval is not known.
     pub fn rate_text(&self) -> Option<String> {
-        let rate = 1.0 / self.interval_s?;
+        let per_second = 1.0 / self.interval_s?;
+        // Between exposures of minutes things among the stars move by pixels an hour.
+        let (rate, unit) = if per_second < 0.1 { (3600.0 * per_second, "px/h") } else { (per_second, "px/s") };
         let digits = (2 - rate.log10().floor() as i32).clamp(0, 9) as usize;
-        Some(format!("1 px/frame is {rate:.digits$} px/s"))
+        Some(format!("1 px/frame is {rate:.digits$} {unit}"))
     }
 
     /// Seconds of a frame interval, where they are known.
@@ -337,5 +339,13 @@ mod tests {
         assert!(Positions::of_views(&[[1.0, 0.0], [0.0, 0.0]]).is_none(), "a row goes to the right");
         assert!(Positions::of_views(&[[1.0, 0.0], [0.0, 2.5]]).is_some());
         assert!(Positions::of_lists(3, &[0.0, 1.0], &[]).is_none());
+    }
+
+    #[test]
+    fn rates_are_in_seconds_or_hours() {
+        let text = |interval_s| Positions::even(3).with_interval(interval_s).rate_text();
+        assert_eq!(text(Some(0.04)), Some("1 px/frame is 25.0 px/s".to_owned()));
+        assert_eq!(text(Some(60.0)), Some("1 px/frame is 60.0 px/h".to_owned()));
+        assert_eq!(text(None), None);
     }
 }
