@@ -194,6 +194,14 @@ fn the_files_of_a_ros_2_bag_are_one_burst() {
     fs::write(bag.join("again.db3"), file("sqlite.db3")).expect("written");
     let burst = open(&bag, &options).expect("opens");
     assert_eq!((burst.len(), &burst.frames[0], &burst.frames[8]), (10, &burst.frames[1], &burst.frames[9]));
+    // A part reaches from one file into the next.
+    let take = OpenOptions { take: "4..7".parse().ok(), ..OpenOptions::default() };
+    let part = open(&bag, &take).expect("opens");
+    assert_eq!(
+        part.frames,
+        [0, 2, 8].map(|t| burst.frames[t].clone()),
+        "the last of one and two of the other, by stamps"
+    );
     // Bags beside one another are bursts.
     let other = home.path().join("day");
     fs::create_dir(&other).expect("made");

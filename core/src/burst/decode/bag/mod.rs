@@ -56,15 +56,16 @@ fn segments(path: &Path, options: &OpenOptions) -> Result<Vec<Segment>, Error> {
 struct Topic<'a> {
     channel: &'a Channel,
     wire: Wire,
-    /// Each file, with the topic's messages in it, in the order of their recording.
-    parts: Vec<(&'a Segment, Vec<Message>)>,
+    /// Each file, with the topic's messages in it, in the order of their recording, and the number of those before them
+    /// that are not taken.
+    parts: Vec<(&'a Segment, usize, Vec<Message>)>,
     /// Names of all other topics with their types and numbers of messages.
     others: Vec<String>,
 }
 
 impl<'a> Topic<'a> {
     fn of(segments: &'a [Segment], channel: &'a Channel, options: &OpenOptions) -> Result<Self, Error> {
-        let part = |segment: &'a Segment| Ok((segment, segment.messages(channel, &options.limits)?));
+        let part = |segment: &'a Segment| Ok((segment, 0, segment.messages(channel, &options.limits)?));
         let parts = segments.iter().map(part).collect::<Result<Vec<_>, Error>>()?;
         Ok(Self { channel, wire: channel.wire.unwrap_or(Wire::Cdr), parts, others: Vec::new() })
     }
@@ -123,21 +124,24 @@ impl<'a> Topic<'a> {
 
     /// This topic with the messages alone that are to be taken.
     fn part(self, path: &Path, options: &OpenOptions) -> Result<Self, Error> {
-        let all = self.parts.iter().enumerate();
-        let all = all.flat_map(|(k, (_, messages))| messages.iter().map(move |message| (k, *message))).collect();
-        let taken = options.taken(path, all, (1, 1))?;
-        let of = |k: usize| taken.iter().filter(|(of, _)| *of == k).map(|(_, message)| *message).collect();
-        let parts = self.parts.iter().enumerate().map(|(k, (segment, _))| (*segment, of(k))).collect();
-        Ok(Self { parts, ..self })
+        let taken = options.taken(path, (0..self.frames()).collect(), (1, 1))?;
+        let (start, mut before) = (options.first_taken(), 0);
+        let part = |(segment, _, mut messages): (&'a Segment, usize, Vec<Message>)| {
+            let [start, end] = [start, start + taken.len()].map(|at| at.saturating_sub(before).min(messages.len()));
+            before += messages.len();
+            messages.truncate(end);
+            (segment, start, messages.split_off(start))
+        };
+        Ok(Self { parts: self.parts.into_iter().map(part).collect(), ..self })
     }
 
     fn frames(&self) -> usize {
-        self.parts.iter().map(|(_, messages)| messages.len()).sum()
+        self.parts.iter().map(|(.., messages)| messages.len()).sum()
     }
 
     /// Kind, size and samples of the first picture.
     fn header(&self, options: &OpenOptions) -> Result<Header, Error> {
-        let first = self.parts.iter().find_map(|(segment, messages)| Some((*segment, messages.first()?)));
+        let first = self.parts.iter().find_map(|(segment, _, messages)| Some((*segment, messages.first()?)));
         let (segment, first) = first.ok_or_else(|| self.parts[0].0.wrong("the topic has no message"))?;
         let (path, kind, limits) = (&segment.path, segment.form.name(), &options.limits);
         let quiet = Monitor::default();
@@ -199,7 +203,7 @@ impl<'a> Topic<'a> {
                 let (data, part) = (picture.data, Part::Page { page, frame });
                 let length = data.len() as u64;
                 let source = Source { path, reader: Cursor::new(data), bytes: data, length, format, part };
-                let options = &OpenOptions { topic: Some(self.channel.topic.clone()), ..options.clone() };
+                let options = &OpenOptions { topic: Some(self.channel.topic.clone()), take: None, ..options.clone() };
                 let decoded = image::decoded(source, expected, options, ticker.monitor())?;
                 ticker.tick();
                 decoded
@@ -231,7 +235,7 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
     let (width, height) = (header.width as u64, header.height as u64);
     options.limits.check_burst(path, topic.frames() as u64, width, height)?;
     let mut stamps = Vec::new();
-    for (segment, messages) in &topic.parts {
+    for (segment, _, messages) in &topic.parts {
         let ticker = Ticker::new(&silent, messages.len());
         let stamp = |_, message: &[u8]| stamp_ns(message, topic.wire).map_err(|reason| segment.wrong(reason));
         stamps.extend(segment.each(messages, STAMP_BYTES, &ticker, stamp)?);
@@ -250,7 +254,7 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
         times(&stamps)
     } else {
         taken.push("the pictures have no stamps; their times are those of the recording".to_owned());
-        let recorded = topic.parts.iter().flat_map(|(_, messages)| messages.iter().map(|one| one.recorded_ns));
+        let recorded = topic.parts.iter().flat_map(|(.., messages)| messages.iter().map(|one| one.recorded_ns));
         times(&recorded.collect::<Vec<_>>())
     };
     Ok(Header { frames: topic.frames(), times, taken, ..header })
@@ -277,9 +281,9 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
     let header = topic.header(options)?;
     let size = (header.width, header.height);
     let mut frames: Vec<(u64, RawFrame)> = Vec::with_capacity(topic.frames());
-    for (segment, messages) in &topic.parts {
+    for (segment, skipped, messages) in &topic.parts {
         let before = frames.len();
-        let frame = |k, message: &[u8]| topic.frame(segment, (k, before + k), size, message, options, ticker);
+        let frame = |k, message: &[u8]| topic.frame(segment, (skipped + k, before + k), size, message, options, ticker);
         frames.extend(segment.each(messages, u64::MAX, ticker, frame)?);
     }
     if are_stamps(frames.iter().map(|(stamp, _)| stamp)) {
@@ -309,7 +313,7 @@ pub(super) fn only(
 pub(super) fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, Error> {
     let segments = segments(path, options)?;
     let topic = Topic::chosen(path, &segments, options)?;
-    let (segment, messages) = &topic.parts[0];
+    let (segment, _, messages) = &topic.parts[0];
     let message = messages.get(page..=page).ok_or_else(|| segment.wrong("it became shorter"))?;
     let quiet = Monitor::default();
     let ticker = Ticker::new(&quiet, 1);
