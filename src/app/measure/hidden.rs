@@ -1,4 +1,4 @@
-//! What frames do not show, drawn around with the pointer: outlines over the picture, which become a mask's file.
+//! Outlines of the hidden parts of frames, drawn with the pointer over a picture, which become a mask's file.
 
 use super::{Tool, strokes};
 use crate::app::actions::{ActionId, Queue, button_ui};

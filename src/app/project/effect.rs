@@ -81,7 +81,7 @@ pub enum ExportKind {
     CurvesSvg,
     Case,
     FilmGif,
-    /// What was drawn around.
+    /// Mask of the outlines that were drawn.
     Mask,
     /// The open lesson's tasks, questions and answers.
     Sheet,
