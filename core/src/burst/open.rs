@@ -51,7 +51,7 @@ impl Burst {
         let measured = |path: &Option<PathBuf>| {
             let Some(path) = path.clone() else { return Ok(None) };
             // Quiet, because its progress would begin again after the burst's own.
-            let options = &OpenOptions { times: None, views: None, ..options.clone() };
+            let options = &OpenOptions { take: None, times: None, views: None, ..options.clone() };
             let frames = read(std::slice::from_ref(&path), options, &monitor.silent())?.frames;
             Ok::<_, Error>(Some(Measured { frames, path }))
         };

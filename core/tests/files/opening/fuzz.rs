@@ -159,6 +159,11 @@ fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
     let options = OpenOptions { take: "3..4".parse().ok(), ..OpenOptions::default() };
     let part = Burst::open_with(&[folder.path().into()], &options, &Monitor::default()).expect("a part");
     assert_eq!((part.len(), &*part.frame_names[0]), (1, "3.png"));
+    // A bias frame is taken whole.
+    let bias = super::support::folder();
+    save(&bias.path().join("bias.png"), &grey8(9, 7, 0));
+    let with_bias = OpenOptions { bias: Some(bias.path().join("bias.png")), ..options.clone() };
+    Burst::open_with(&[folder.path().into()], &with_bias, &Monitor::default()).expect("a part with a bias frame");
     let info = Info::of(&[folder.path().into()], &options, &Monitor::default()).expect("described");
     assert!(info.frames == 1 && info.taken.contains(&"the frames 3..4 are taken".to_owned()), "{info:?}");
 }
