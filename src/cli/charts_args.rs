@@ -71,8 +71,8 @@ pub struct ComparedArgs {
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',', default_value = "sift-frame,sift-mean,sift-merge,buff-1d,buff-2d",
         value_parser = BurstMethod::from_str)]
     pub methods: Vec<BurstMethod>,
-    /// What a threshold is put on: strength (the detector's own ranking), response or snr.
-    #[arg(long, value_name = "RANKING", default_value = "strength", value_parser = Ranking::from_str)]
+    /// Quantity that a threshold is put on.
+    #[arg(long, value_enum, value_name = "RANKING", default_value_t = Ranking::Strength)]
     pub ranking: Ranking,
     /// The share of false detections at which methods are compared.
     #[arg(long, value_name = "SHARE", default_value_t = 0.1)]

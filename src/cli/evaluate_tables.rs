@@ -75,7 +75,7 @@ fn found_tables(discs: usize, setup: &ComparisonSetup, first: &str, rows: &[Row<
     };
     let title = format!(
         "Discs found, of {discs}, at the threshold on {} where {} % of the detections are false (mean ± standard error)",
-        setup.ranking.name(),
+        <&str>::from(setup.ranking),
         (setup.false_fraction * 1000.0).round() / 10.0
     );
     of_methods(title, &|method| format!("{:.1}", method.true_positives))

@@ -3,6 +3,7 @@
 use crate::detector::params::Stage;
 use crate::detector::{Combine, Slope};
 use serde::{Deserialize, Serialize};
+use strum::{EnumCount, VariantArray};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -38,7 +39,7 @@ impl RangeClass {
 }
 
 /// Kind of picture, by its name in sessions, lessons and on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, EnumCount, VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum ViewKind {
     Frame,
@@ -106,23 +107,7 @@ const fn combined(
 
 impl ViewKind {
     /// All kinds, in the order of menus.
-    pub const ALL: [Self; 15] = [
-        Self::Frame,
-        Self::Stack,
-        Self::Dog,
-        Self::Merge,
-        Self::Noise,
-        Self::Coverage,
-        Self::Motion,
-        Self::Field,
-        Self::InFocus,
-        Self::Median,
-        Self::ClippedMean,
-        Self::Max,
-        Self::Min,
-        Self::Deviation,
-        Self::MeanMinusMedian,
-    ];
+    pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
     /// Kinds that the canvas switches between; a cursor remembers the last one that was shown.
     pub const OF_CURSOR: [Self; 3] = [Self::Frame, Self::Stack, Self::Dog];

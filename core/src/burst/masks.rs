@@ -6,7 +6,7 @@
 
 use super::decode::{FileScale, RawFrame};
 use super::options::OpenOptions;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::plane::{Mask, Plane};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,8 +33,8 @@ impl Masks {
     pub(super) fn of_options(
         options: &OpenOptions,
         (origins, size): (&[(PathBuf, usize)], (usize, usize)),
-        read: &dyn Fn(&Path) -> Result<Vec<RawFrame>, Error>,
-    ) -> Result<Self, Error> {
+        read: &dyn Fn(&Path) -> Result<Vec<RawFrame>>,
+    ) -> Result<Self> {
         let count = origins.len();
         let Some(path) = &options.mask else { return Self::of_frames(&[], (count, size), options, Path::new("")) };
         if !path.is_dir() {
@@ -61,13 +61,13 @@ impl Masks {
         (frames, size): (usize, (usize, usize)),
         options: &OpenOptions,
         path: &Path,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let count = masks.len();
         if count > 1 && count != frames {
             let problem = format!("there are {count} masks, but the burst has {frames} frames");
             return Err(Error::new(ErrorKind::Mismatch, problem, "give one for all, or one a frame").about(path));
         }
-        let of_files = masks.iter().map(|mask| seen(path, mask, size)).collect::<Result<_, Error>>()?;
+        let of_files = masks.iter().map(|mask| seen(path, mask, size)).collect::<Result<_>>()?;
         Ok(Self { of_files, is_saturation_masked: options.mask_saturated })
     }
 
@@ -107,7 +107,7 @@ impl Masks {
 const ROUNDING: f32 = 1e-6;
 
 /// The mask of the frames' `size` that sees where `mask` is bright; `None` where it is bright everywhere.
-fn seen(path: &Path, mask: &RawFrame, size: (usize, usize)) -> Result<Option<Arc<Mask>>, Error> {
+fn seen(path: &Path, mask: &RawFrame, size: (usize, usize)) -> Result<Option<Arc<Mask>>> {
     let (width, height) = mask.plane.size();
     if (width, height) != size {
         let problem = format!("this mask is {width}×{height}, but the frames are {}×{}", size.0, size.1);
@@ -131,7 +131,7 @@ impl OpenOptions {
 }
 
 /// File of the mask of `frame` in `folder`.
-fn mask_of(folder: &Path, frame: &Path) -> Result<PathBuf, Error> {
+fn mask_of(folder: &Path, frame: &Path) -> Result<PathBuf> {
     let name = frame.file_name().unwrap_or_default();
     let mut colmap = name.to_os_string();
     colmap.push(".png");
@@ -151,7 +151,7 @@ pub(super) fn told(
     pixels: usize,
     masked: &[Masked],
     options: &OpenOptions,
-) -> Result<Vec<String>, Error> {
+) -> Result<Vec<String>> {
     let blind = |masked: &Masked| masked.by_files + masked.undefined + masked.saturated >= pixels;
     if let Some(t) = masked.iter().position(blind) {
         let (path, frame) = &origins[t];

@@ -4,9 +4,10 @@
 use super::feature::{Feature, Moves};
 use crate::plane::display::ColourMap;
 use serde::{Deserialize, Serialize};
+use strum::{EnumCount, VariantArray};
 
 /// A quantity of a feature. Depth, coherence and verdict are found after the detection; [`Feature`] does not hold them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, EnumCount, VariantArray)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs)] // each is described by the help of its record
 pub enum Quantity {
@@ -151,29 +152,7 @@ fn uncertainty(key: &'static str, help: &'static str) -> Record {
 
 impl Quantity {
     /// All quantities, as tables show them from left to right: the most important come first.
-    pub const ALL: [Self; 21] = [
-        Self::Rank,
-        Self::U,
-        Self::V,
-        Self::Sigma,
-        Self::SlopeU,
-        Self::SlopeV,
-        Self::Depth,
-        Self::Snr,
-        Self::Coherence,
-        Self::Verdict,
-        Self::Response,
-        Self::Orientation,
-        Self::Octave,
-        Self::Level,
-        Self::AtSlopeLimit,
-        Self::SlopeSigma,
-        Self::FieldU,
-        Self::FieldV,
-        Self::FieldSigma,
-        Self::Layer,
-        Self::Moves,
-    ];
+    pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
     /// The columns of files, in order. Positions and scale are in input pixels; orientation in radians; slopes in
     /// pixels per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is

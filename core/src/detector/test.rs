@@ -9,9 +9,10 @@
 use super::params::slope_grid::{SlopeAxis, SlopeGrid};
 use super::params::{DetectorParams, Distinct, Param, doc};
 use serde::{Deserialize, Serialize};
+use strum::{EnumCount, VariantArray};
 
 /// Tests of a sample of D, in order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, EnumCount, VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum Test {
     /// |D| is below 0.8 times the peak threshold.
@@ -308,20 +309,7 @@ pub(super) fn wider_axis(grid: &SlopeGrid) -> (Param<DetectorParams>, SlopeAxis)
 
 impl Test {
     /// All tests, in order.
-    pub const ALL: [Self; 12] = [
-        Self::PeakThreshold,
-        Self::NoiseGate,
-        Self::SpaceExtremum,
-        Self::ScaleExtremum,
-        Self::SlopeExtremum,
-        Self::Refinement,
-        Self::InterpolatedContrast,
-        Self::Edge,
-        Self::Outside,
-        Self::Seen,
-        Self::Duplicate,
-        Self::MaxFeatures,
-    ];
+    pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
     /// Whatever is known of it.
     pub fn record(self) -> &'static TestRecord {

@@ -16,10 +16,12 @@ pub const REACH_PIXELS: f64 = 1.5;
 pub const SCALE_FACTOR: f64 = 2.0;
 
 /// Quantity by which features are ranked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, strum::IntoStaticStr)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
+#[strum(serialize_all = "lowercase")]
 pub enum Ranking {
-    /// [`Feature::strength`], the detector's own order.
+    /// Strength, the detector's own order.
     #[default]
     Strength,
     /// Magnitude of the response, |response|.
@@ -29,18 +31,6 @@ pub enum Ranking {
 }
 
 impl Ranking {
-    /// All rankings.
-    pub const ALL: [Self; 3] = [Self::Strength, Self::Response, Self::Snr];
-
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Strength => "strength",
-            Self::Response => "response",
-            Self::Snr => "snr",
-        }
-    }
-
     /// The value compared with a threshold.
     pub fn worth(self, feature: &Feature) -> f32 {
         match self {
@@ -48,15 +38,6 @@ impl Ranking {
             Self::Response => feature.response.abs(),
             Self::Snr => feature.snr,
         }
-    }
-}
-
-impl std::str::FromStr for Ranking {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let named = Self::ALL.into_iter().find(|ranking| ranking.name() == text);
-        named.ok_or_else(|| format!("'{text}' is not a ranking; give strength, response or snr"))
     }
 }
 
@@ -278,8 +259,6 @@ mod tests {
         assert_eq!(order(Ranking::Response), [1, 0, 2]);
         assert_eq!(order(Ranking::Snr), [2, 0, 1]);
         assert_eq!(order(Ranking::Strength), [0, 1, 2]); // 0.9, 0.8, 0.5
-        assert_eq!("snr".parse(), Ok(Ranking::Snr));
-        assert!("size".parse::<Ranking>().is_err());
     }
 
     /// The curve of features of falling worth, true or false.

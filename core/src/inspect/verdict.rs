@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Likely nature of a feature.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, strum::IntoStaticStr)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Verdict {
     /// Every frame shows it, and no stronger feature explains it.
     Real,
@@ -30,13 +31,7 @@ impl Verdict {
 
     /// Verdict as a word.
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Real => "real",
-            Self::Ghost => "ghost",
-            Self::Alias => "alias",
-            Self::Duplicate => "duplicate",
-            Self::Unclear => "unclear",
-        }
+        self.into()
     }
 
     /// Verdict as a clause.

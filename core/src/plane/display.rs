@@ -9,6 +9,7 @@ use super::Plane;
 use super::statistics::{Region, percentiles};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use strum::{EnumCount, VariantArray};
 
 /// Colour of a value that is not a number. No sequential or diverging map contains it.
 pub const NAN_COLOUR: Rgb = [255, 0, 255];
@@ -152,7 +153,7 @@ pub fn to_rgba8(plane: &Plane, display: &Display) -> image::RgbaImage {
 pub type Rgb = [u8; 3];
 
 /// A named table of 256 colours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, EnumCount, VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum ColourMap {
     /// Black to white.
@@ -176,16 +177,7 @@ pub enum ColourMap {
 
 impl ColourMap {
     /// All maps, in the order in which a picker lists them.
-    pub const ALL: [Self; 8] = [
-        Self::Grey,
-        Self::Viridis,
-        Self::Magma,
-        Self::Cividis,
-        Self::Turbo,
-        Self::BlueWhiteRed,
-        Self::BlueBlackOrange,
-        Self::PurpleWhiteGreen,
-    ];
+    pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
     /// Name for the user, in sentence case.
     pub fn name(self) -> &'static str {

@@ -48,12 +48,6 @@ impl Mask {
     pub(crate) fn span(&self, v: usize) -> Range<usize> {
         self.spans[v].clone()
     }
-
-    /// Share of the samples that are hidden, 0 … 1.
-    pub fn hidden_share(&self) -> f32 {
-        let weights = self.weights.data();
-        weights.iter().filter(|weight| **weight < SEEN).count() as f32 / weights.len().max(1) as f32
-    }
 }
 
 impl Plane {
@@ -195,7 +189,6 @@ mod tests {
             }
         }
         assert!(largest[0] < 0.02 && largest[1] < 0.06, "{largest:?}");
-        assert!((mask.hidden_share() - 0.074).abs() < 0.003, "{}", mask.hidden_share());
         assert_eq!((mask.span(25), mask.span(40)), (18..43, 0..0));
     }
 

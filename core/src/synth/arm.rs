@@ -3,7 +3,7 @@
 use super::paint::fractal_relief;
 use super::truth::{FeatureTruth, Truth};
 use crate::burst::{Burst, Offset};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::plane::{Mask, Plane};
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ impl Arm {
     ///
     /// # Errors
     /// A share that would leave nothing.
-    pub(super) fn new(share: f64, width: usize, level: f64, seed: u64) -> Result<Self, Error> {
+    pub(super) fn new(share: f64, width: usize, level: f64, seed: u64) -> Result<Self> {
         if !(0.0..=LARGEST).contains(&share) {
             let remedy = format!("give 0 to {LARGEST}, the share of the columns that is hidden");
             return Err(Error::param("mask", format!("{share} of the columns"), remedy));

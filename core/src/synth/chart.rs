@@ -11,7 +11,7 @@ use super::truth::{FeatureTruth, Truth, TruthKind};
 use super::uneven::Uneven;
 use super::{Motion, capture_burst, check_common, check_snr, outermost};
 use crate::burst::Burst;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::synth::random::Stream;
@@ -124,7 +124,7 @@ impl ChartParams {
     ///
     /// # Errors
     /// When contrast or SNR make no sense.
-    pub fn exposure(&self) -> Result<Exposure, Error> {
+    pub fn exposure(&self) -> Result<Exposure> {
         if !(self.contrast.is_finite() && self.contrast > 0.0 && self.contrast <= 8.0)
             || (self.contrast - 1.0).abs() < 1e-3
         {
@@ -147,7 +147,7 @@ impl ChartParams {
     ///
     /// # Errors
     /// The first one that makes no sense.
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<()> {
         check_snr(self.snr)?;
         let frames = self.uneven.count_and_span(self.frames);
         check_common(self.width, self.height, frames, self.max_slope, self.read_noise, self.bits)?;
@@ -173,7 +173,7 @@ impl ChartParams {
 ///
 /// # Errors
 /// A parameter that makes no sense, more discs than fit, or cancellation.
-pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
+pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Truth)> {
     params.check()?;
     let exposure = params.exposure()?;
     let taken = params.uneven.taken(params.frames, params.seed)?;
@@ -233,7 +233,7 @@ fn is_zero(share: &f64) -> bool {
 }
 
 /// Draws positions, radii and slopes at random; large discs first, because they are hardest to place.
-fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTruth>, Error> {
+fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTruth>> {
     let mut stream = Stream::new(params.seed, 0);
     let mut radii: Vec<f64> = (0..params.discs).map(|_| params.radius_law.draw(&params.radius, &mut stream)).collect();
     radii.sort_by(|a, b| b.total_cmp(a));

@@ -12,6 +12,7 @@ use crate::synth::paint::{Area, fractal_relief};
 use crate::synth::random::Stream;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
+use strum::{EnumCount, VariantArray};
 
 const EXAMPLE_SIZE: (usize, usize) = (240, 180);
 /// Number of frames of an example.
@@ -25,42 +26,32 @@ const HALF_SPAN: f64 = 0.5 * (EXAMPLE_FRAMES as f64 - 1.0);
 const LATER_FRAMES: f64 = 10.0;
 
 /// Example burst.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, EnumCount, VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum Example {
-    /// Periodic texture that responds at slopes of no motion.
-    Aliasing,
-    /// Discs fainter than the gate are not found.
-    LowContrast,
     /// Objects at many depths, each with its own slope.
     Depths,
-    /// A still camera before a still scene.
-    Tripod,
-    /// Pixels that are bright independently of the scene.
-    HotPixels,
+    /// Light field of the objects of `Depths`.
+    Views,
     /// Lamps of two motions whose ways cross.
     Crossing,
     /// Textured walls in the dark.
     Street,
     /// The walls of `Street` a little later.
     StreetLater,
-    /// Light field of the objects of `Depths`.
-    Views,
+    /// Periodic texture that responds at slopes of no motion.
+    Aliasing,
+    /// Discs fainter than the gate are not found.
+    LowContrast,
+    /// A still camera before a still scene.
+    Tripod,
+    /// Pixels that are bright independently of the scene.
+    HotPixels,
 }
 
 impl Example {
     /// All examples.
-    pub const ALL: [Self; 9] = [
-        Self::Depths,
-        Self::Views,
-        Self::Crossing,
-        Self::Street,
-        Self::StreetLater,
-        Self::Aliasing,
-        Self::LowContrast,
-        Self::Tripod,
-        Self::HotPixels,
-    ];
+    pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {

@@ -39,7 +39,7 @@ pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
 pub use uneven::Uneven;
 
 use crate::burst::{Burst, Offset};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use random::Stream;
@@ -82,7 +82,7 @@ pub fn check_common(
     max_slope: f64,
     read_noise: f64,
     bits: u32,
-) -> Result<(), Error> {
+) -> Result<()> {
     for (name, pixels) in [("width", width), ("height", height)] {
         if !(16..=32768).contains(&pixels) {
             return Err(Error::param(name, format!("{pixels} pixels"), "give 16 to 32768"));
@@ -117,7 +117,7 @@ pub fn check_common(
 ///
 /// # Errors
 /// As [`check_common`].
-pub fn check_snr(snr: f64) -> Result<(), Error> {
+pub fn check_snr(snr: f64) -> Result<()> {
     if snr == f64::INFINITY || (1e-6..=1e9).contains(&snr) {
         return Ok(());
     }
@@ -128,7 +128,7 @@ pub fn check_snr(snr: f64) -> Result<(), Error> {
 ///
 /// # Errors
 /// As [`check_common`].
-pub fn check_camera(read_noise: f64, bits: u32) -> Result<(), Error> {
+pub fn check_camera(read_noise: f64, bits: u32) -> Result<()> {
     if !(read_noise.is_finite() && read_noise >= 0.0) {
         return Err(Error::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));
     }

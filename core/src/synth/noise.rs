@@ -11,7 +11,7 @@
 
 use super::check_snr;
 use super::random::Stream;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 
@@ -47,7 +47,7 @@ impl Camera {
         read_noise_electrons: f64,
         black_level: f64,
         bits: u32,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         if snr == f64::INFINITY {
             return Ok(Self::noiseless(black_level));
         }

@@ -14,7 +14,7 @@ use super::truth::{Truth, TruthKind};
 use super::uneven::Uneven;
 use super::{Motion, capture_burst, check_common};
 use crate::burst::{Burst, Offset};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
 /// Parameters of a layered scene.
@@ -92,7 +92,7 @@ const CLEARANCE_SIGMAS: f64 = 5.0;
 ///
 /// # Errors
 /// A parameter that makes no sense, or cancellation.
-pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Truth), Error> {
+pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Truth)> {
     let frames = params.uneven.count_and_span(params.frames);
     check_common(params.width, params.height, frames, params.max_slope, params.read_noise, params.bits)?;
     let whole = params.uneven.whole(params.frames);
@@ -125,7 +125,7 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     Ok((burst, arm.truth(truth, &offsets)))
 }
 
-fn build_layers(params: &SceneParams, offsets: &[Offset], monitor: &Monitor) -> Result<Vec<Layer>, Error> {
+fn build_layers(params: &SceneParams, offsets: &[Offset], monitor: &Monitor) -> Result<Vec<Layer>> {
     let mut stream = Stream::new(params.seed, 0);
     let mut layers = Vec::with_capacity(params.layers);
     for index in 0..params.layers {

@@ -7,7 +7,7 @@
 use super::random::Stream;
 use super::truth::Truth;
 use crate::burst::{Offset, Positions, ViewGrid};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// Frames of a synthetic burst that are not even in time, or not in time.
@@ -61,7 +61,7 @@ impl Uneven {
     /// # Errors
     /// No frame would be left, there is no such frame, the jitter exchanges frames, not two frames are exchanged, or
     /// views have times.
-    pub fn taken(&self, frames: usize, seed: u64) -> Result<Taken, Error> {
+    pub fn taken(&self, frames: usize, seed: u64) -> Result<Taken> {
         if self.views.is_some() {
             if !self.drop.is_empty() || self.jitter != 0.0 || !self.exchange.is_empty() {
                 let problem = "the views of a light field have no times, so none can be early, late or missing";

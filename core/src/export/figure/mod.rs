@@ -175,9 +175,10 @@ pub enum FigureUnit {
 const POINTS_PER_MM: f32 = 72.0 / 25.4;
 
 /// Format of the file of a figure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, strum::IntoStaticStr)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum FigureFormat {
     /// Vectors, with the font in the file.
     #[default]
@@ -194,11 +195,7 @@ impl FigureFormat {
 
     /// Ending of the file's name.
     pub fn extension(self) -> &'static str {
-        match self {
-            Self::Pdf => "pdf",
-            Self::Svg => "svg",
-            Self::Png => "png",
-        }
+        self.into()
     }
 
     /// The format in a few words.
