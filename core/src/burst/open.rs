@@ -5,7 +5,7 @@
 //! another kind, their values are converted to the frames' unit, or refused where the unit cannot be told.
 
 use super::Burst;
-use super::decode::{self, Expected, FileScale, RawFrame, Ticker, in_order};
+use super::decode::{self, Expected, FileScale, RawFrame, Reading, Ticker, in_order};
 use super::layout::ViewsChoice;
 use super::masks::{Masks, told};
 use super::notes::{Remark, suggested_full_scale};
@@ -161,7 +161,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
                 ticker.tick();
                 options.taken(first, vec![frame], (1, 1))?
             }
-            None => decode::stack(first, options, &ticker)?,
+            None => decode::stack(Reading::new(first, options, &ticker))?,
         };
         if let Some((grid, tiling)) = options.views.and_then(ViewsChoice::picture) {
             let [picture] = &frames[..] else { return Err(Error::views_of_stack(first, frames.len())) };
@@ -186,11 +186,13 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
     let ticker = Ticker::new(monitor, files.len());
     let expected = Expected { first, size };
-    let decoded = Mutex::new(decoded);
+    let (decoded, silent) = (Mutex::new(decoded), monitor.silent());
     let frames = in_order(files.len(), |i| {
         ticker.check()?;
         let ready = if i == 0 { decoded.lock().unwrap_or_else(PoisonError::into_inner).take() } else { None };
-        let frame = ready.map_or_else(|| decode::frame(&files[i], Some(expected), options, monitor), Ok)?;
+        let ticker_of_file = &Ticker::new(&silent, 1);
+        let reading = Reading { path: &files[i], expected: Some(expected), options, ticker: ticker_of_file };
+        let frame = ready.map_or_else(|| decode::frame(reading), Ok)?;
         ticker.tick();
         Ok(frame)
     })?;

@@ -5,7 +5,7 @@
 //! memory and of time, which may read this file and nothing else. A failure of the child is an error about the file.
 
 use super::wire::{DecodeRequest, Part, receive_reply, send};
-use super::{Expected, RawFrame};
+use super::{RawFrame, Reading};
 use crate::burst::options::OpenOptions;
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
@@ -73,17 +73,11 @@ pub(super) fn is_installed() -> bool {
     WORKER.get().is_some()
 }
 
-/// Decodes `part` of the file `path`, of the format `kind`, in a child process. Where that ends without an answer, the
+/// Decodes `part` of a file of the format `kind` in a child process. Where that ends without an answer, the
 /// file is damaged, unless somebody else ended it.
-pub(super) fn decode(
-    path: &Path,
-    kind: &'static str,
-    part: Part,
-    expected: Option<Expected<'_>>,
-    options: &OpenOptions,
-    budget: Budget,
-    monitor: &Monitor,
-) -> Result<RawFrame> {
+pub(super) fn decode(reading: Reading<'_>, kind: &'static str, part: Part, budget: Budget) -> Result<RawFrame> {
+    let Reading { path, expected, options, ticker } = reading;
+    let monitor = ticker.monitor();
     monitor.check()?;
     let worker = WORKER.get().ok_or_else(|| Error::unread(path, "no program is set that decodes it"))?;
     let mut running = Running::start(worker, path)?;

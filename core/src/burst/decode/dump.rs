@@ -1,7 +1,7 @@
 //! Files without header, whose shape the user says.
 
-use super::Ticker;
 use super::plain::Plain;
+use super::{Reading, Ticker};
 use crate::burst::layout::Dump;
 use crate::burst::options::{Limits, OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
@@ -53,10 +53,11 @@ pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<
     let length = std::fs::metadata(path).map_err(|e| Error::from_read(path, KIND, &e))?.len();
     let options = OpenOptions::default();
     let mut shapes = Vec::new();
+    let ticker = Ticker::new(monitor, 1);
     for (dump, frames) in Dump::likely(length, limits.max_frames as u64) {
         let Dump { size, number, skip, .. } = dump;
         let one = Plain::new(KIND, size, vec![skip], number);
-        let Some(frame) = one.stack(path, &options, &Ticker::new(monitor, 1))?.into_iter().next() else { continue };
+        let Some(frame) = one.stack(Reading::new(path, &options, &ticker))?.into_iter().next() else { continue };
         let likeness = likeness_of_rows(&frame.plane);
         shapes.push(LikelyShape { dump, frames, first: frame.plane, likeness });
     }

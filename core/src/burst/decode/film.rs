@@ -5,7 +5,7 @@
 
 use super::child::Running;
 use super::y4m::Film;
-use super::{Header, RawFrame, Ticker};
+use super::{Header, RawFrame, Reading};
 use crate::burst::options::OpenOptions;
 use crate::burst::times::Times;
 use crate::error::{Error, ErrorKind, Result};
@@ -125,7 +125,8 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
     Ok(Times { seconds, is_absolute: false })
 }
 
-pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>> {
+pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+    let Reading { path, options, ticker, .. } = reading;
     let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
     run(path, &FRAMES, options.take.is_none(), options, ticker.monitor(), |reader| {
         let mut reader = BufReader::new(reader);
@@ -140,7 +141,7 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
                 rest += plain.frame_bytes();
             } else {
                 options.limits.check_burst(path, frames.len() as u64 + 1, width, height)?;
-                frames.push(plain.read(path, frames.len(), &mut reader, options, ticker)?);
+                frames.push(plain.read(reading, frames.len(), &mut reader)?);
             }
             count += 1;
             let skipped = io::copy(&mut (&mut reader).take(rest), &mut io::sink());

@@ -1,14 +1,18 @@
-//! FITS images without compression: two axes, or three of which the last is that of the frames, of any type, scaled by
-//! BSCALE and BZERO. Of several images in a file the first is taken, or the one whose EXTNAME or number is named.
+//! FITS images: two axes, or three of which the last is that of the frames, of any type, scaled by BSCALE and BZERO;
+//! as numbers, or compressed in tiles that lie in the rows of a table (`fpack`). Of several images in a file the first
+//! is taken, or the one whose EXTNAME or number is named.
 //!
 //! Rows are in the file's order, as astropy reads them; many programs show the first one at the bottom. Format: the
-//! FITS standard 4.0, <https://fits.gsfc.nasa.gov/fits_standard.html>.
+//! FITS standard 4.0, <https://fits.gsfc.nasa.gov/fits_standard.html>; tiles are section 10 of it.
 
 use super::plain::Plain;
+use super::tiles::Tiles;
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::OpenOptions;
 use crate::burst::times::{Times, seconds_of};
 use crate::error::{Error, ErrorKind, Result};
+use fitsio_pure::header::{Card, parse_card};
+use fitsio_pure::value::Value;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -29,11 +33,12 @@ const NOT_TIME: [&str; 12] =
 
 /// Header of an image, or of another unit of a file.
 struct Unit {
-    /// Keyword and value of each card that has a value, without quotes and comment.
-    cards: Vec<(String, String)>,
+    cards: Vec<Card>,
     /// Place of the data.
     data: u64,
+    /// Axes of the image.
     axes: Vec<u64>,
+    is_tiled: bool,
     /// Bytes of the data, without padding.
     bytes: u64,
 }
@@ -45,62 +50,82 @@ impl Unit {
         let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
         let mut cards = Vec::new();
         let mut card = [0; CARD_BYTES];
-        let mut count = 0;
-        loop {
+        for count in 0.. {
             reader.read_exact(&mut card).map_err(fail)?;
-            count += 1;
-            if count > MAX_CARDS {
+            if count >= MAX_CARDS {
                 return Err(corrupt(format!("a header has no END within {MAX_CARDS} lines")));
             }
-            let text = String::from_utf8_lossy(&card);
-            let name = text.get(..8).unwrap_or(&text).trim_end();
-            if name == "END" {
+            if card.starts_with(b"END     ") {
                 break;
             }
-            if let Some(value) = text.get(8..).and_then(|rest| rest.strip_prefix("= ")) {
-                cards.push((name.to_owned(), value_of(value)));
-            }
+            // Some programs write comments that are no ASCII.
+            card.iter_mut().filter(|byte| !byte.is_ascii()).for_each(|byte| *byte = b'?');
+            cards.extend(parse_card(&card));
         }
-        let at = reader.stream_position().map_err(fail)?;
-        let unit = Self { cards, data: at.next_multiple_of(BLOCK_BYTES), axes: Vec::new(), bytes: 0 };
-        let whole = |name: &str| {
-            let value = unit.text(name).map(|text| text.parse::<i64>());
-            value
-                .transpose()
-                .map_err(|_| corrupt(format!("{name} is '{}', no whole number", unit.text(name).unwrap_or_default())))
+        let data = reader.stream_position().map_err(fail)?.next_multiple_of(BLOCK_BYTES);
+        let unit = Self { cards, data, axes: Vec::new(), is_tiled: false, bytes: 0 };
+        let positive = |name: &str| {
+            let number = unit.whole(path, name)?;
+            Ok::<Option<u64>, Error>(number.and_then(|number| number.try_into().ok()))
         };
-        let count = whole("NAXIS")?.and_then(|count| u64::try_from(count).ok()).filter(|count| *count <= MAX_AXES);
-        let count = count.ok_or_else(|| corrupt("NAXIS, the number of axes, is missing or not 0 to 999".to_owned()))?;
-        let axes = (1..=count).map(|axis| {
-            let name = format!("NAXIS{axis}");
-            let length = whole(&name)?.and_then(|length| u64::try_from(length).ok());
-            length.ok_or_else(|| corrupt(format!("{name}, the length of an axis, is missing or negative")))
-        });
-        let axes = axes.collect::<Result<Vec<_>, _>>()?;
-        let bits = whole("BITPIX")?.ok_or_else(|| corrupt("BITPIX is missing".to_owned()))?.unsigned_abs();
-        let positive =
-            |name: &str, default| Ok::<u64, Error>(whole(name)?.map_or(default, |value| value.max(0) as u64));
+        let axes_of = |prefix: &str| {
+            let (count, own) = (format!("{prefix}NAXIS"), |axis| format!("{prefix}NAXIS{axis}"));
+            let wrong = || corrupt(format!("{count}, the number of axes, is missing or not 0 to {MAX_AXES}"));
+            let length = |axis| {
+                let wrong = || corrupt(format!("{}, the length of an axis, is missing or negative", own(axis)));
+                positive(&own(axis))?.ok_or_else(wrong)
+            };
+            let count = positive(&count)?.filter(|count| *count <= MAX_AXES).ok_or_else(wrong)?;
+            (1..=count).map(length).collect::<Result<Vec<u64>>>()
+        };
+        let axes = axes_of("")?;
+        let bits = unit.whole(path, "BITPIX")?.ok_or_else(|| corrupt("BITPIX is missing".to_owned()))?.unsigned_abs();
         let values =
             if axes.is_empty() { 0 } else { axes.iter().fold(1u64, |product, length| product.saturating_mul(*length)) };
-        let values = values.saturating_add(positive("PCOUNT", 0)?).saturating_mul(positive("GCOUNT", 1)?);
-        let bytes = values.saturating_mul(bits / 8);
-        Ok(Self { axes, bytes, ..unit })
+        let (pcount, gcount) = (positive("PCOUNT")?.unwrap_or(0), positive("GCOUNT")?.unwrap_or(1));
+        let bytes = values.saturating_add(pcount).saturating_mul(gcount).saturating_mul(bits / 8);
+        let is_tiled = unit.text("XTENSION") == Some("BINTABLE") && unit.value("ZIMAGE") == Some(&Value::Logical(true));
+        Ok(Self { axes: if is_tiled { axes_of("Z")? } else { axes }, is_tiled, bytes, ..unit })
+    }
+
+    /// Value of a keyword; one without a value, or with one that cannot be read, is undefined.
+    fn value(&self, name: &str) -> Option<&Value> {
+        let card = self.cards.iter().find(|card| card.keyword_str() == name)?;
+        Some(card.value.as_ref().unwrap_or(&Value::Undefined))
     }
 
     fn text(&self, name: &str) -> Option<&str> {
-        self.cards.iter().find(|(own, _)| own == name).map(|(_, value)| &**value)
+        match self.value(name) {
+            Some(Value::String(text)) => Some(text),
+            _ => None,
+        }
     }
 
-    /// A number, in which an exponent may begin with D; an error names the keyword.
+    /// A whole number; an error names the keyword.
+    fn whole(&self, path: &Path, name: &str) -> Result<Option<i64>> {
+        match self.value(name) {
+            None => Ok(None),
+            Some(Value::Integer(number)) => Ok(Some(*number)),
+            Some(_) => Err(Error::corrupt(path, KIND, format!("{name} is no whole number"))),
+        }
+    }
+
+    /// A number, or a text that is one; an error names the keyword.
     fn number(&self, path: &Path, name: &str) -> Result<Option<f64>> {
-        let Some(text) = self.text(name) else { return Ok(None) };
-        let number = text.replace(['D', 'd'], "E").parse::<f64>().ok().filter(|number| number.is_finite());
-        let wrong = || Error::corrupt(path, KIND, format!("{name} is '{text}', no number"));
-        number.map(Some).ok_or_else(wrong)
+        let number = match self.value(name) {
+            None => return Ok(None),
+            Some(Value::Integer(number)) => Some(*number as f64),
+            Some(Value::Float(number)) => Some(*number),
+            Some(Value::String(text)) => text.trim().parse().ok(),
+            Some(_) => None,
+        };
+        let wrong = || Error::corrupt(path, KIND, format!("{name} is no number"));
+        number.filter(|number| number.is_finite()).map(Some).ok_or_else(wrong)
     }
 
     fn is_image(&self) -> bool {
-        self.axes.len() >= 2 && self.bytes > 0 && self.text("XTENSION").is_none_or(|kind| kind == "IMAGE")
+        let is_kind = self.is_tiled || self.text("XTENSION").is_none_or(|kind| kind == "IMAGE");
+        is_kind && self.axes.len() >= 2 && self.bytes > 0 && !self.axes.contains(&0)
     }
 
     fn name(&self) -> &str {
@@ -109,16 +134,16 @@ impl Unit {
 
     fn plain(&self, path: &Path, length: u64, options: &OpenOptions) -> Result<Plain> {
         let refused = |problem: String, remedy: &str| Error::new(ErrorKind::Unsupported, problem, remedy).about(path);
-        let number = match self.text("BITPIX") {
-            Some("8") => Number::U8,
-            Some("16") => Number::I16,
-            Some("32") => Number::I32,
-            Some("64") => Number::I64,
-            Some("-32") => Number::F32,
-            Some("-64") => Number::F64,
+        let number = match self.whole(path, if self.is_tiled { "ZBITPIX" } else { "BITPIX" })? {
+            Some(8) => Number::U8,
+            Some(16) => Number::I16,
+            Some(32) => Number::I32,
+            Some(64) => Number::I64,
+            Some(-32) => Number::F32,
+            Some(-64) => Number::F64,
             bits => {
-                let reason =
-                    format!("BITPIX is {}, and 8, 16, 32, 64, -32 and -64 are possible", bits.unwrap_or("missing"));
+                let bits = bits.map_or("missing".to_owned(), |bits| bits.to_string());
+                let reason = format!("BITPIX is {bits}, and 8, 16, 32, 64, -32 and -64 are possible");
                 return Err(Error::corrupt(path, KIND, reason));
             }
         };
@@ -138,7 +163,11 @@ impl Unit {
         }
         let factor = self.number(path, "BSCALE")?.unwrap_or(1.0);
         let offset = self.number(path, "BZERO")?.unwrap_or(0.0);
-        let blank = self.number(path, "BLANK")?.filter(|_| !number.is_float()).map(|blank| blank as i64);
+        let blank = match self.number(path, "BLANK")? {
+            None if self.is_tiled => self.number(path, "ZBLANK")?,
+            given => given,
+        };
+        let blank = blank.filter(|_| !number.is_float()).map(|blank| blank as i64);
         let is_plain = (factor, offset, blank) == (1.0, 0.0, None);
         let white = match (number, factor, offset) {
             // Unsigned numbers are stored as signed ones, and bytes with a sign as those without.
@@ -149,11 +178,16 @@ impl Unit {
         };
         let step = number.bytes(self.axes[0].saturating_mul(self.axes[1]));
         let shape = (frames, self.axes[1], self.axes[0]);
-        let places = Plain::places_in(path, KIND, shape, (self.data, step, length), &options.limits)?;
+        let (places, tiles) = if self.is_tiled {
+            let tiles = Tiles::of(path, self.cards.clone(), shape, (self.data, length), &options.limits)?;
+            ((0..frames).collect(), Some(tiles))
+        } else {
+            (Plain::places_in(path, KIND, shape, (self.data, step, length), &options.limits)?, None)
+        };
         let scaling = (!is_plain).then_some(Scaling { factor, offset, blank });
         let size = (self.axes[0] as usize, self.axes[1] as usize);
         let (times, plain) = (self.times(path, frames)?, Plain::new(KIND, size, places, number));
-        Ok(Plain { big_endian: true, white, scaling, times, taken, ..plain })
+        Ok(Plain { big_endian: true, white, scaling, times, taken, tiles, ..plain })
     }
 
     /// The middle of the exposure of a single frame.
@@ -172,34 +206,15 @@ impl Unit {
     }
 }
 
-/// Value of a card, without quotes and comment.
-fn value_of(text: &str) -> String {
-    let text = text.trim_start();
-    let Some(quoted) = text.strip_prefix('\'') else {
-        return text.split('/').next().unwrap_or_default().trim().to_owned();
-    };
-    // Two quotes stand for one.
-    let mut value = String::new();
-    let mut characters = quoted.chars().peekable();
-    while let Some(c) = characters.next() {
-        if c == '\'' && characters.next_if_eq(&'\'').is_none() {
-            break;
-        }
-        value.push(c);
-    }
-    value.trim_end().to_owned()
-}
-
 /// The image that the options name, or the first one.
 pub(super) fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: io::Error| Error::from_read(path, KIND, &e);
     let mut reader = BufReader::with_capacity(BLOCK_BYTES as usize, file);
-    let (mut images, mut at, mut is_compressed) = (Vec::new(), 0u64, false);
+    let (mut images, mut at) = (Vec::new(), 0u64);
     for _ in 0..MAX_UNITS {
         reader.seek(SeekFrom::Start(at)).map_err(fail)?;
         let unit = Unit::read(path, &mut reader)?;
         at = unit.data.saturating_add(unit.bytes).checked_next_multiple_of(BLOCK_BYTES).unwrap_or(u64::MAX);
-        is_compressed |= unit.text("ZIMAGE") == Some("T");
         if unit.is_image() {
             images.push(unit);
         }
@@ -209,12 +224,7 @@ pub(super) fn plain(path: &Path, file: File, length: u64, options: &OpenOptions)
         }
     }
     if images.is_empty() {
-        let quoted = path.display().to_string().replace('\'', r"'\''");
-        let (problem, remedy) = if is_compressed {
-            ("the image in this FITS file is compressed in tiles", format!("unpack it first: funpack '{quoted}'"))
-        } else {
-            ("this FITS file has no image", "name one with an image of two or three axes".to_owned())
-        };
+        let (problem, remedy) = ("this FITS file has no image", "name one with an image of two or three axes");
         return Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path));
     }
     let number = match &options.array {
@@ -235,23 +245,4 @@ pub(super) fn plain(path: &Path, file: File, length: u64, options: &OpenOptions)
         plain.taken.push(format!("of {all} images number {number} ({name}) is taken; --array takes another"));
     }
     Ok(plain)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_of_cards_are_without_quotes_and_comments() {
-        for (card, value) in [
-            ("                  16 / bits", "16"),
-            ("'O''Hara / x ' / name", "O'Hara / x"),
-            ("'2021-03-01T22:00:00'", "2021-03-01T22:00:00"),
-            ("T", "T"),
-            ("", ""),
-            ("'", ""),
-        ] {
-            assert_eq!(value_of(card), value);
-        }
-    }
 }

@@ -4,12 +4,11 @@ use super::child::{self, Budget};
 use super::look::too_few_bytes;
 use super::pixels::{turned, turned_size};
 use super::wire::Part;
-use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
+use super::{FileScale, Header, InputFile, RawFrame, Reading, frame_of_plane, jpeg};
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved};
-use crate::burst::options::{Encoding, Limits, OpenOptions};
+use crate::burst::options::{Encoding, Limits};
 use crate::error::{Error, Result};
 use crate::files::read_bytes;
-use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use image::error::{DecodingError, ImageFormatHint, LimitError, LimitErrorKind};
 use image::metadata::Orientation;
@@ -46,25 +45,17 @@ pub(super) fn header_of(
     Ok(Header::new(name(format), (width, height), 1, samples, is_colour))
 }
 
-pub(super) fn frame(
-    path: &Path,
-    input: InputFile,
-    format: ImageFormat,
-    expected: Option<Expected<'_>>,
-    options: &OpenOptions,
-    monitor: &Monitor,
-) -> Result<RawFrame> {
-    let bytes = &jpeg_bytes(path, format, &options.limits)?;
+pub(super) fn frame(reading: Reading<'_>, input: InputFile, format: ImageFormat) -> Result<RawFrame> {
+    let bytes = &jpeg_bytes(reading.path, format, &reading.options.limits)?;
     if format == ImageFormat::Pnm {
-        check_end_of_text(path, &input.file)?;
+        check_end_of_text(reading.path, &input.file)?;
     }
     let reader = BufReader::with_capacity(1 << 16, input.file);
-    decoded(Source { path, reader, bytes, length: input.length, format, part: Part::Only }, expected, options, monitor)
+    decoded(reading, Source { reader, bytes, length: input.length, format, part: Part::Only })
 }
 
-/// A picture, and where it lies.
+/// A picture, and where it lies in its file.
 pub(super) struct Source<'a, R> {
-    pub path: &'a Path,
     pub reader: R,
     /// All bytes of a JPEG.
     pub bytes: &'a [u8],
@@ -74,14 +65,10 @@ pub(super) struct Source<'a, R> {
     pub part: Part,
 }
 
-pub(super) fn decoded(
-    source: Source<'_, impl BufRead + Seek>,
-    expected: Option<Expected<'_>>,
-    options: &OpenOptions,
-    monitor: &Monitor,
-) -> Result<RawFrame> {
+pub(super) fn decoded(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Result<RawFrame> {
+    let Reading { path, options, .. } = reading;
+    let Source { reader, bytes, length, format, part } = source;
     let limits = &options.limits;
-    let Source { path, reader, bytes, length, format, part } = source;
     let mut decoder = decoder(path, reader, bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
@@ -92,14 +79,14 @@ pub(super) fn decoded(
     }
     let size = (width as usize, height as usize);
     let orientation = orientation(&mut decoder);
-    Expected::check(expected, path, turned_size(size, orientation))?;
+    reading.check(turned_size(size, orientation))?;
     let color = decoder.color_type();
     let pixels = u64::from(width) * u64::from(height);
     let taken = pixels * bytes_per_pixel(format, color);
     if child::takes(taken) {
         drop(decoder);
         let budget = Budget::new(length, pixels, 2 * taken);
-        return child::decode(path, name(format), part, expected, options, budget, monitor);
+        return child::decode(reading, name(format), part, budget);
     }
     let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(bytes, true)) {
         None => (None, None),

@@ -24,6 +24,7 @@ mod raw;
 mod ser;
 mod serve;
 mod tiff;
+mod tiles;
 mod wire;
 mod y4m;
 
@@ -154,12 +155,26 @@ pub(super) struct Expected<'a> {
     pub size: (usize, usize),
 }
 
-impl Expected<'_> {
-    fn check(expected: Option<Self>, path: &Path, size: (usize, usize)) -> Result<()> {
-        match expected {
-            Some(Self { first, size: first_size }) if size != first_size => Err(Error::different_sizes(
+/// A file, and the way its frames are read.
+#[derive(Clone, Copy)]
+pub(super) struct Reading<'a> {
+    pub path: &'a Path,
+    /// Size that its frame must have, where others come before it.
+    pub expected: Option<Expected<'a>>,
+    pub options: &'a OpenOptions,
+    pub ticker: &'a Ticker<'a>,
+}
+
+impl<'a> Reading<'a> {
+    pub(super) fn new(path: &'a Path, options: &'a OpenOptions, ticker: &'a Ticker<'a>) -> Self {
+        Self { path, expected: None, options, ticker }
+    }
+
+    fn check(&self, size: (usize, usize)) -> Result<()> {
+        match self.expected {
+            Some(Expected { first, size: first_size }) if size != first_size => Err(Error::different_sizes(
                 (&first.display().to_string(), first_size),
-                (&path.display().to_string(), size),
+                (&self.path.display().to_string(), size),
             )),
             _ => Ok(()),
         }
@@ -197,7 +212,8 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
     guarded(path, input.kind, || match input.kind {
         Kind::Raw => {
             let misnamed = input.misnamed;
-            let frame = RawFrame { misnamed, ..raw_frame(path, &input, None, options, monitor)? };
+            let reading = raw_frame(Reading::new(path, options, &Ticker::new(monitor, 1)), &input)?;
+            let frame = RawFrame { misnamed, ..reading };
             let header = Header::new(input.kind.name(), frame.plane.size(), 1, frame.scale.samples(), false);
             Ok((header, Some(frame)))
         }
@@ -219,40 +235,37 @@ pub(super) fn times(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Re
     }
 }
 
-pub(super) fn frame(
-    path: &Path,
-    expected: Option<Expected<'_>>,
-    options: &OpenOptions,
-    monitor: &Monitor,
-) -> Result<RawFrame> {
+pub(super) fn frame(reading: Reading<'_>) -> Result<RawFrame> {
+    let Reading { path, options, .. } = reading;
     let input = InputFile::open(path, usize::MAX, options)?;
     let misnamed = input.misnamed;
     let frame = guarded(path, input.kind, || match input.kind {
-        Kind::Raw => raw_frame(path, &input, expected, options, monitor),
+        Kind::Raw => raw_frame(reading, &input),
         Kind::Film => Err(Error::stack_among_frames(path, 2)),
         #[cfg(feature = "bags")]
-        Kind::Bag => bag::only(path, expected, options, monitor),
-        Kind::Tiff => tiff::frame(path, input, expected, options, monitor),
-        Kind::Picture(format) => image::frame(path, input, format, expected, options, monitor),
-        _ => plain(path, input, options)?.only(path, expected, options),
+        Kind::Bag => bag::only(reading),
+        Kind::Tiff => tiff::frame(reading, input),
+        Kind::Picture(format) => image::frame(reading, input, format),
+        _ => plain(path, input, options)?.only(reading),
     })?;
     mosaic::applied(path, RawFrame { misnamed, ..frame }, options)
 }
 
-pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>> {
+pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+    let Reading { path, options, ticker, .. } = reading;
     let input = InputFile::open(path, usize::MAX, options)?;
     let misnamed = input.misnamed;
     let frames = match input.kind {
-        Kind::Film => guarded(path, input.kind, || film::stack(path, options, ticker)),
+        Kind::Film => guarded(path, input.kind, || film::stack(reading)),
         #[cfg(feature = "bags")]
-        Kind::Bag => guarded(path, input.kind, || bag::stack(path, options, ticker)),
-        Kind::Tiff => guarded(path, input.kind, || tiff::stack(path, input, options, ticker)),
+        Kind::Bag => guarded(path, input.kind, || bag::stack(reading)),
+        Kind::Tiff => guarded(path, input.kind, || tiff::stack(reading, input)),
         Kind::Raw | Kind::Picture(_) => {
-            let frame = frame(path, None, options, ticker.monitor())?;
+            let frame = frame(reading)?;
             ticker.tick();
             return options.taken(path, vec![frame], (1, 1));
         }
-        _ => guarded(path, input.kind, || plain(path, input, options)?.stack(path, options, ticker)),
+        _ => guarded(path, input.kind, || plain(path, input, options)?.stack(reading)),
     }?;
     let finished = |frame| mosaic::applied(path, RawFrame { misnamed, ..frame }, options);
     frames.into_par_iter().map(finished).collect()
@@ -277,36 +290,32 @@ fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain> 
 }
 
 /// Decodes one page of a TIFF, or one picture of a bag, which is frame `frame` of its burst.
-fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame> {
+fn page(reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
+    let Reading { path, options, .. } = reading;
     let input = InputFile::open(path, usize::MAX, options)?;
     guarded(path, input.kind, || match input.kind {
         #[cfg(feature = "bags")]
-        Kind::Bag => bag::page(path, page, frame, options),
-        _ => tiff::page(path, input, page, frame, options),
+        Kind::Bag => bag::page(reading, page, frame),
+        _ => tiff::page(reading, input, page, frame),
     })
 }
 
-fn raw_frame(
-    path: &Path,
-    input: &InputFile,
-    expected: Option<Expected<'_>>,
-    options: &OpenOptions,
-    monitor: &Monitor,
-) -> Result<RawFrame> {
+fn raw_frame(reading: Reading<'_>, input: &InputFile) -> Result<RawFrame> {
     if cfg!(feature = "raw") && child::is_installed() {
         // Two pixels a byte are more than any camera packs; a directory gives their number.
         let packed = input.length.saturating_mul(2);
-        let pixels = input.directories.as_ref().map_or(packed, |found| found.pixels).min(options.limits.max_pixels);
+        let pixels =
+            input.directories.as_ref().map_or(packed, |found| found.pixels).min(reading.options.limits.max_pixels);
         const DECODER_BYTES_PER_PIXEL: u64 = 32;
         let budget = child::Budget::new(input.length, pixels, pixels.saturating_mul(DECODER_BYTES_PER_PIXEL));
-        return child::decode(path, Kind::Raw.name(), wire::Part::Only, expected, options, budget, monitor);
+        return child::decode(reading, Kind::Raw.name(), wire::Part::Only, budget);
     }
     #[cfg(feature = "raw")]
-    let frame = raw::frame(path, expected, options);
+    let frame = raw::frame(reading);
     #[cfg(not(feature = "raw"))]
     let frame = {
         let reason = "this program was built without raw frames (the feature 'raw'); convert it to a 16-bit TIFF";
-        Err(Error::unsupported(path, "raw", reason))
+        Err(Error::unsupported(reading.path, "raw", reason))
     };
     frame
 }

@@ -1,7 +1,8 @@
 //! Frames that lie in a file as plain numbers, at known places: what the readers of `.npy`, `.npz`, FITS, SER, Y4M and
 //! files without header have in common. Each frame is read in blocks, several frames at a time.
 
-use super::{Expected, FileScale, Header, RawFrame, Ticker, frame_of_plane, in_order};
+use super::tiles::Tiles;
+use super::{FileScale, Header, RawFrame, Reading, Ticker, frame_of_plane, in_order};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
 use crate::burst::layout::{Mosaic, ViewGrid};
 use crate::burst::number::{Number, Scaling};
@@ -35,7 +36,7 @@ pub(super) struct Plain {
     pub kind: &'static str,
     /// Size (columns, rows) of a frame.
     pub size: (usize, usize),
-    /// Place of each frame's first byte; in an archive, from the start of its member.
+    /// Place of each frame's first byte; in an archive, from the start of its member; of an image in tiles, its number.
     pub places: Vec<u64>,
     pub number: Number,
     pub big_endian: bool,
@@ -60,6 +61,8 @@ pub(super) struct Plain {
     pub scattered: Vec<(Index, usize)>,
     /// Index of the member of an archive that holds the pixels.
     pub member: Option<usize>,
+    /// Way to the frames of an image that is compressed in tiles.
+    pub tiles: Option<Tiles>,
 }
 
 impl Plain {
@@ -82,6 +85,7 @@ impl Plain {
             taken: Vec::new(),
             scattered: Vec::new(),
             member: None,
+            tiles: None,
         }
     }
 
@@ -118,32 +122,38 @@ impl Plain {
     }
 
     /// The frame of a file that has one.
-    pub(super) fn only(&self, path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame> {
+    pub(super) fn only(&self, reading: Reading<'_>) -> Result<RawFrame> {
         if self.places.len() != 1 {
-            return Err(Error::stack_among_frames(path, self.places.len()));
+            return Err(Error::stack_among_frames(reading.path, self.places.len()));
         }
-        Expected::check(expected, path, self.size)?;
-        Ok(self.stack(path, options, &Ticker::new(&Monitor::default(), 1))?.remove(0))
+        reading.check(self.size)?;
+        Ok(self.stack(Reading { ticker: &Ticker::new(&Monitor::default(), 1), ..reading })?.remove(0))
     }
 
-    pub(super) fn stack(&self, path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>> {
+    pub(super) fn stack(&self, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+        let path = reading.path;
         let fail = |e: io::Error| Error::from_read(path, self.kind, &e);
-        let one_by_one = |reader: &mut dyn Read| {
-            let frames = 0..self.places.len();
-            frames.map(|t| self.read(path, t, reader, options, ticker)).collect()
+        let all = |from: &mut dyn Read| match self.scattered[..] {
+            [] => (0..self.places.len()).map(|t| self.read(reading, t, from)).collect(),
+            _ => self.read_scattered(reading, from),
         };
-        let from = |reader: &mut dyn Read| {
-            if self.scattered.is_empty() {
-                one_by_one(reader)
-            } else {
-                self.read_scattered(path, reader, options, ticker)
-            }
-        };
+        if let Some(tiles) = &self.tiles {
+            let layers: Vec<_> = self.places.chunk_by(|a, b| tiles.layer_of(*a) == tiles.layer_of(*b)).collect();
+            let frames = in_order(layers.len(), |layer| {
+                let (bytes, first) = tiles.layer(path, tiles.layer_of(layers[layer][0]))?;
+                let own = |frame: &u64| {
+                    let (t, start) = (frame - self.places[0], (frame - first) * self.frame_bytes());
+                    self.read(reading, t as usize, &mut &bytes[start as usize..])
+                };
+                layers[layer].iter().map(own).collect::<Result<Vec<_>>>()
+            })?;
+            return Ok(frames.into_iter().flatten().collect());
+        }
         if let Some(member) = self.member {
             let mut archive = ZipArchive::new(File::open(path).map_err(fail)?).map_err(|e| fail(e.into()))?;
             let mut reader = archive.by_index(member).map_err(|e| fail(e.into()))?;
             io::copy(&mut (&mut reader).take(self.places[0]), &mut io::sink()).map_err(fail)?;
-            return from(&mut reader);
+            return all(&mut reader);
         }
         let at = |place: u64| {
             let mut file = File::open(path)?;
@@ -151,39 +161,31 @@ impl Plain {
             Ok(file)
         };
         if !self.scattered.is_empty() {
-            return from(&mut at(self.places[0]).map_err(fail)?);
+            return all(&mut at(self.places[0]).map_err(fail)?);
         }
-        in_order(self.places.len(), |t| self.read(path, t, &mut at(self.places[t]).map_err(fail)?, options, ticker))
+        in_order(self.places.len(), |t| self.read(reading, t, &mut at(self.places[t]).map_err(fail)?))
     }
 
-    /// Reads frame `t`, with which `reader` begins.
-    pub(super) fn read(
-        &self,
-        path: &Path,
-        t: usize,
-        reader: &mut dyn Read,
-        options: &OpenOptions,
-        ticker: &Ticker<'_>,
-    ) -> Result<RawFrame> {
+    /// Reads frame `t`, with which `from` begins.
+    pub(super) fn read(&self, reading: Reading<'_>, t: usize, from: &mut dyn Read) -> Result<RawFrame> {
         let count = self.samples();
         // Colours are weighted, and an encoding is undone, after the conversion.
-        let whole = self.channels > 1 || self.is_encoded && options.linearise;
+        let whole = self.channels > 1 || self.is_encoded && reading.options.linearise;
         let mut values = memory::with_capacity(count);
-        self.convert_all(path, reader, count, whole, ticker, |converted| values.extend_from_slice(converted))?;
+        self.convert_all(reading, from, count, whole, |converted| values.extend_from_slice(converted))?;
         values.truncate(count); // of packed numbers the last group may be fuller
-        let frame = self.frame_of(path, t, values, whole, options)?;
-        ticker.tick();
+        let frame = self.frame_of(reading, t, values, whole)?;
+        reading.ticker.tick();
         Ok(frame)
     }
 
     /// Reads and converts `count` numbers block by block.
     fn convert_all(
         &self,
-        path: &Path,
-        reader: &mut dyn Read,
+        reading: Reading<'_>,
+        from: &mut dyn Read,
         count: usize,
         whole: bool,
-        ticker: &Ticker<'_>,
         mut take: impl FnMut(&[f32]),
     ) -> Result<()> {
         let divisor = if whole { 1.0 } else { self.white.unwrap_or(1.0) };
@@ -191,9 +193,9 @@ impl Plain {
         let mut block = vec![0u8; BLOCK_BYTES.min(left)];
         let mut values = Vec::new();
         while left > 0 {
-            ticker.check()?;
+            reading.ticker.check()?;
             let block = &mut block[..BLOCK_BYTES.min(left)];
-            reader.read_exact(block).map_err(|e| Error::from_read(path, self.kind, &e))?;
+            from.read_exact(block).map_err(|e| Error::from_read(reading.path, self.kind, &e))?;
             values.clear();
             self.number.convert(block, self.big_endian, self.scaling, divisor, &mut values);
             take(&values);
@@ -203,14 +205,8 @@ impl Plain {
     }
 
     /// Frame of the samples of frame `t`; `whole` where they are not yet divided by the full scale.
-    fn frame_of(
-        &self,
-        path: &Path,
-        t: usize,
-        mut values: Vec<f32>,
-        whole: bool,
-        options: &OpenOptions,
-    ) -> Result<RawFrame> {
+    fn frame_of(&self, reading: Reading<'_>, t: usize, mut values: Vec<f32>, whole: bool) -> Result<RawFrame> {
+        let Reading { path, options, .. } = reading;
         if self.is_bgr {
             values.chunks_exact_mut(self.channels).for_each(|pixel| pixel.swap(0, 2));
         }
@@ -232,13 +228,7 @@ impl Plain {
     }
 
     /// Reads an array whose frames are not one after the other.
-    fn read_scattered(
-        &self,
-        path: &Path,
-        reader: &mut dyn Read,
-        options: &OpenOptions,
-        ticker: &Ticker<'_>,
-    ) -> Result<Vec<RawFrame>> {
+    fn read_scattered(&self, reading: Reading<'_>, from: &mut dyn Read) -> Result<Vec<RawFrame>> {
         let frames = self.places.len();
         let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(self.samples())).collect();
         // Distance of two samples of a frame that differ by one in an index.
@@ -253,7 +243,7 @@ impl Plain {
         let mut at = vec![0; axes.len()];
         let (mut t, mut place) = (0, 0);
         let whole = self.channels > 1;
-        self.convert_all(path, reader, frames * self.samples(), whole, ticker, |values| {
+        self.convert_all(reading, from, frames * self.samples(), whole, |values| {
             for value in values {
                 planes[t][place] = *value;
                 for (at, (is_frame, length, step)) in at.iter_mut().zip(&axes) {
@@ -269,8 +259,8 @@ impl Plain {
             }
         })?;
         let frames = planes.into_iter().enumerate().map(|(t, values)| {
-            ticker.tick();
-            self.frame_of(path, t, values, whole, options)
+            reading.ticker.tick();
+            self.frame_of(reading, t, values, whole)
         });
         frames.collect()
     }

@@ -7,7 +7,7 @@
 
 use super::mosaic::binned;
 use super::pixels::turned;
-use super::{Expected, FileScale, RawFrame};
+use super::{FileScale, RawFrame, Reading};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
 use crate::burst::options::{OpenOptions, RawColour};
 use crate::error::{Error, Result};
@@ -21,12 +21,12 @@ use rawler::rawimage::{BlackLevel, RawPhotometricInterpretation};
 use rawler::rawsource::RawSource;
 use rawler::tags::{DngTag, TiffCommonTag};
 use rawler::{RawImage, RawImageData};
-use std::path::Path;
 
 /// Largest file per allowed pixel, bytes: float values, and the file's other data.
 const BYTES_PER_PIXEL: u64 = 8;
 
-pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenOptions) -> Result<RawFrame> {
+pub(super) fn frame(reading: Reading<'_>) -> Result<RawFrame> {
+    let Reading { path, options, .. } = reading;
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| Error::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
@@ -56,7 +56,7 @@ pub(super) fn frame(path: &Path, expected: Option<Expected<'_>>, options: &OpenO
     }
     let orientation = u8::try_from(raw.orientation.to_u16()).ok().and_then(Orientation::from_exif);
     let plane = turned(plane, orientation.unwrap_or(Orientation::NoTransforms));
-    Expected::check(expected, path, plane.size())?;
+    reading.check(plane.size())?;
     Ok(RawFrame { binning, ..RawFrame::linear(plane, FileScale::Raw { white: levels.white[0] }) })
 }
 

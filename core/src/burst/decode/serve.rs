@@ -5,7 +5,7 @@
 //! gives up the rest ([`confine`]): reading any other file, changing any, the network, other programs and processes.
 
 use super::wire::{DecodeRequest, Part, receive, send_reply};
-use super::{Expected, RawFrame, frame, page};
+use super::{Expected, RawFrame, Reading, Ticker, frame, page};
 use crate::burst::options::OpenOptions;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
@@ -43,9 +43,11 @@ fn answer(path: &Path, request: &DecodeRequest) -> Result<RawFrame> {
     }
     let options = OpenOptions { limits: request.limits, ..request.options.clone() };
     let expected = request.expected.as_ref().map(|(first, size)| Expected { first: Path::new(first), size: *size });
+    let quiet = Monitor::default();
+    let reading = Reading { path, expected, options: &options, ticker: &Ticker::new(&quiet, 1) };
     match request.part {
-        Part::Only => frame(path, expected, &options, &Monitor::default()),
-        Part::Page { page: number, frame } => page(path, number, frame, &options),
+        Part::Only => frame(reading),
+        Part::Page { page: number, frame } => page(reading, number, frame),
     }
 }
 

@@ -8,13 +8,12 @@ use super::axes;
 use super::child::{self, Budget};
 use super::pixels::{turned, turned_size};
 use super::wire::Part;
-use super::{Expected, FileScale, Header, InputFile, RawFrame, frame_of_plane, jpeg};
+use super::{FileScale, Header, InputFile, RawFrame, Reading, frame_of_plane, jpeg};
+use crate::burst::decode::in_order;
 use crate::burst::decode::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes};
-use crate::burst::decode::{Ticker, in_order};
 use crate::burst::layout::AxisChoice;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
-use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
 use std::fs::File;
@@ -40,49 +39,35 @@ pub(super) fn header(path: &Path, file: File, options: &OpenOptions) -> Result<H
     Ok(Header { taken: taken.into_iter().collect(), ..header })
 }
 
-pub(super) fn frame(
-    path: &Path,
-    input: InputFile,
-    expected: Option<Expected<'_>>,
-    options: &OpenOptions,
-    monitor: &Monitor,
-) -> Result<RawFrame> {
+pub(super) fn frame(reading: Reading<'_>, input: InputFile) -> Result<RawFrame> {
+    let Reading { path, options, .. } = reading;
     let pages = Pages::taken(path, input.file, options)?;
     let [page] = pages.list[..] else {
         return Err(Error::stack_among_frames(path, pages.list.len()));
     };
-    Expected::check(expected, path, pages.size)?;
-    PageReader::open(path, input.length, options, monitor)?.read(page, 0)
+    reading.check(pages.size)?;
+    PageReader::open(reading, input.length)?.read(page, 0)
 }
 
 /// Page `page`, which is frame `frame` of its burst.
-pub(super) fn page(
-    path: &Path,
-    input: InputFile,
-    page: usize,
-    frame: usize,
-    options: &OpenOptions,
-) -> Result<RawFrame> {
+pub(super) fn page(reading: Reading<'_>, input: InputFile, page: usize, frame: usize) -> Result<RawFrame> {
+    let Reading { path, options, .. } = reading;
     let pages = Pages::taken(path, input.file, options)?;
     if !pages.list.contains(&page) {
         return Err(Error::corrupt(path, "TIFF", format!("it has no page {} any more", page + 1)));
     }
-    PageReader::open(path, input.length, options, &Monitor::default())?.read(page, frame)
+    PageReader::open(reading, input.length)?.read(page, frame)
 }
 
-pub(super) fn stack(
-    path: &Path,
-    input: InputFile,
-    options: &OpenOptions,
-    ticker: &Ticker<'_>,
-) -> Result<Vec<RawFrame>> {
+pub(super) fn stack(reading: Reading<'_>, input: InputFile) -> Result<Vec<RawFrame>> {
+    let Reading { path, options, ticker, .. } = reading;
     let pages = Pages::taken(path, input.file, options)?.list;
     // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages.
     let run = pages.len().div_ceil(4 * rayon::current_num_threads()).max(1);
     let runs: Vec<&[usize]> = pages.chunks(run).collect();
     let frames = in_order(runs.len(), |i| {
         let pages = runs[i];
-        let mut reader = PageReader::open(path, input.length, options, ticker.monitor())?;
+        let mut reader = PageReader::open(reading, input.length)?;
         let mut frames = Vec::with_capacity(pages.len());
         for (k, &page) in pages.iter().enumerate() {
             ticker.check()?;
@@ -171,23 +156,22 @@ impl Pages {
 }
 
 struct PageReader<'a> {
-    path: &'a Path,
+    reading: Reading<'a>,
     decoder: FileDecoder,
     length: u64,
-    options: &'a OpenOptions,
-    monitor: &'a Monitor,
 }
 
 impl<'a> PageReader<'a> {
-    fn open(path: &'a Path, length: u64, options: &'a OpenOptions, monitor: &'a Monitor) -> Result<Self> {
-        let file = File::open(path).map_err(|e| Error::from_io(path, &e))?;
-        let decoder = decoder(path, file, &options.limits)?;
-        Ok(Self { path, decoder, length, options, monitor })
+    fn open(reading: Reading<'a>, length: u64) -> Result<Self> {
+        let file = File::open(reading.path).map_err(|e| Error::from_io(reading.path, &e))?;
+        let decoder = decoder(reading.path, file, &reading.options.limits)?;
+        Ok(Self { reading, decoder, length })
     }
 
     /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
     fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame> {
-        let (path, fail) = (self.path, |e| failure(self.path, e));
+        let Reading { path, options, .. } = self.reading;
+        let fail = |e| failure(path, e);
         self.decoder.seek_to_image(page).map_err(fail)?;
         let (width, height) = self.decoder.dimensions().map_err(fail)?;
         let pixels = u64::from(width) * u64::from(height);
@@ -200,13 +184,13 @@ impl<'a> PageReader<'a> {
         if child::takes(taken) {
             let budget = Budget::new(self.length, pixels, taken.saturating_mul(2));
             let part = Part::Page { page, frame };
-            return child::decode(path, "TIFF", part, None, self.options, budget, self.monitor);
+            return child::decode(Reading { expected: None, ..self.reading }, "TIFF", part, budget);
         }
         let damage = self.damage().map_err(fail)?;
-        if let Some(reason) = damage.as_ref().filter(|_| !self.options.accept_damaged) {
+        if let Some(reason) = damage.as_ref().filter(|_| !options.accept_damaged) {
             return Err(Error::corrupt(path, "TIFF", reason));
         }
-        let decoded = decode_page(path, frame, &mut self.decoder, self.options)?;
+        let decoded = decode_page(path, frame, &mut self.decoder, options)?;
         Ok(RawFrame { damage, ..decoded })
     }
 
@@ -224,7 +208,7 @@ impl<'a> PageReader<'a> {
         };
         let places = self.decoder.find_tag_unsigned_vec::<u64>(places)?.unwrap_or_default();
         let lengths = self.decoder.find_tag_unsigned_vec::<u64>(lengths)?.unwrap_or_default();
-        let mut file = File::open(self.path)?;
+        let mut file = File::open(self.reading.path)?;
         for (at, length) in places.into_iter().zip(lengths) {
             if at.saturating_add(length) > self.length {
                 return Ok(Some("it ends before its picture data does".to_owned()));

@@ -89,6 +89,27 @@ pub fn packed_chunks_png(unpacked: usize) -> Vec<u8> {
     [&sound[..AFTER_HEADER], &profile, &text, &other, &sound[AFTER_HEADER..]].concat()
 }
 
+/// A FITS image of 8×8 in one tile, which unpacks to `unpacked` zeros.
+pub fn packed_tile_fits(unpacked: u64) -> Vec<u8> {
+    let mut packed = Vec::new();
+    let zeros = std::io::Read::take(std::io::repeat(0), unpacked);
+    let mut encoder = flate2::read::GzEncoder::new(zeros, flate2::Compression::best());
+    std::io::Read::read_to_end(&mut encoder, &mut packed).expect("memory takes everything");
+    let unit = |cards: &[(&str, &str)]| {
+        let cards: String =
+            cards.iter().map(|(name, value)| format!("{:<80}", format!("{name:<8}= {value}"))).collect();
+        format!("{:<2880}", cards + "END")
+    };
+    let length = packed.len().to_string();
+    let image = [("ZIMAGE", "T"), ("ZBITPIX", "8"), ("ZNAXIS", "2"), ("ZNAXIS1", "8"), ("ZNAXIS2", "8")];
+    let tile = [("ZTILE1", "8"), ("ZTILE2", "8"), ("ZCMPTYPE", "'GZIP_1'"), ("TFIELDS", "1")];
+    let column = [("TTYPE1", "'COMPRESSED_DATA'"), ("TFORM1", "'1PB'"), ("PCOUNT", &*length), ("GCOUNT", "1")];
+    let table = [("XTENSION", "'BINTABLE'"), ("BITPIX", "8"), ("NAXIS", "2"), ("NAXIS1", "8"), ("NAXIS2", "1")];
+    let header = unit(&[("SIMPLE", "T"), ("BITPIX", "8"), ("NAXIS", "0")]);
+    let row = [(packed.len() as u32).to_be_bytes(), [0; 4]].concat();
+    [header.as_bytes(), unit(&[&table[..], &column, &image, &tile].concat()).as_bytes(), &row, &packed].concat()
+}
+
 /// Zeros as a zlib stream.
 fn zlib_of_zeros(count: usize) -> Vec<u8> {
     use std::io::Write;

@@ -425,8 +425,8 @@ fn every_supported_ending_can_be_opened() {
     }
     // Beside pictures lie films, archives and files without header, which are none of the frames.
     let apart = [
-        "fits", "fit", "fts", "ser", "y4m", "npz", "mp4", "mkv", "avi", "mov", "webm", "mpg", "gif", "raw", "bin",
-        "dat", "bag", "mcap", "db3",
+        "fits", "fit", "fts", "fz", "ser", "y4m", "npz", "mp4", "mkv", "avi", "mov", "webm", "mpg", "gif", "raw",
+        "bin", "dat", "bag", "mcap", "db3",
     ];
     let together = Burst::open(folder.path()).expect("all together");
     assert_eq!(together.len() + apart.len(), supported_extensions().len());

@@ -64,6 +64,7 @@ fn seeds() -> &'static [(&'static str, Vec<u8>)] {
         seeds.push(("cut.jpg", [&progressive[..progressive.len() * 2 / 3], &[0xff, 0xd9]].concat()));
         seeds.push(("progressive.jpg", progressive));
         seeds.push(("packed.png", crafted::packed_chunks_png(1 << 16)));
+        seeds.push(("packed.fits", crafted::packed_tile_fits(1 << 22)));
         seeds.push(("text.tif", crafted::huge_description_tiff()));
         seeds.push(("count5.tif", crafted::huge_count_dng(5)));
         #[cfg(feature = "bags")]
@@ -130,7 +131,9 @@ fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
         let opened = |take: &str, max_frames: usize| {
             let limits = Limits { max_frames, ..Limits::default() };
             let take = Some(take).filter(|take| !take.is_empty()).map(|take| take.parse().expect("a range"));
-            let options = OpenOptions { limits, raw, take, ..OpenOptions::default() };
+            // Where the file does not tell the range, it is that of the frames that are opened.
+            let full_scale = Some(400.0).filter(|_| name.ends_with(".fits"));
+            let options = OpenOptions { limits, raw, take, full_scale, ..OpenOptions::default() };
             Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default())
         };
         let whole = opened("", 4096).expect(name);

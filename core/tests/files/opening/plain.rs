@@ -2,6 +2,7 @@
 //! files in `samples/` were written by tifffile, numpy, astropy, serfilesreader and ffmpeg; their value number i is
 //! 7·i + 3 unless a test says another, and the expected values are those that the same tools read.
 
+use super::crafted;
 use super::support::{assert_close, folder, grey8, save};
 use burstscope_core::Monitor;
 use burstscope_core::burst::{Burst, Encoding, Info, Mosaic, OpenOptions, RawColour, find_bursts};
@@ -30,7 +31,7 @@ pub(super) fn unpacked(bytes: &[u8]) -> Vec<u8> {
 
 /// The samples, for the tests with damaged files.
 pub fn samples() -> Vec<(&'static str, Vec<u8>)> {
-    vec![
+    let mut samples = vec![
         ("mono12.ser", sample!("mono12.ser").to_vec()),
         ("grey16.y4m", sample!("grey16.y4m").to_vec()),
         ("c420.y4m", sample!("c420.y4m").to_vec()),
@@ -40,8 +41,28 @@ pub fn samples() -> Vec<(&'static str, Vec<u8>)> {
         ("extensions.fits", sample!("extensions.fits", gz).to_vec()),
         ("scaled.fits", sample!("scaled.fits", gz).to_vec()),
         ("dump.raw", (0..24).collect()),
-    ]
+    ];
+    // Each compressed image by itself.
+    let tiles = unpacked(include_bytes!("samples/tiles.fits.gz"));
+    let starts: Vec<_> = (0..tiles.len()).step_by(2880).filter(|at| tiles[*at..].starts_with(b"XTENSION")).collect();
+    let files = TILES.iter().zip(starts.windows(2));
+    samples.extend(files.map(|((_, name), unit)| (*name, [&tiles[..2880], &tiles[unit[0]..unit[1]]].concat())));
+    samples
 }
+
+/// Compressed images of a sample, and names for files of one of them.
+const TILES: [(&str, &str); 10] = [
+    ("U8", "gzip.fits"),
+    ("I16", "square.fits"),
+    ("U16", "rice.fits"),
+    ("I32", "layers.fits"),
+    ("MASK", "plio.fits"),
+    ("H16", "smooth.fits"),
+    ("F32", "dithered.fits"),
+    ("D32", "hcompress.fits"),
+    ("F64", "double.fits"),
+    ("WIDE", "whole.fits"),
+];
 
 struct Opened {
     path: PathBuf,
@@ -300,8 +321,48 @@ fn fits_images_are_those_that_astropy_reads() {
     assert_close(&values(&burst), &numbered(0..20).iter().map(|v| v * 0.5 + 10.0).collect::<Vec<_>>());
     let info = scaled.info(&plain());
     assert_eq!((info.kind.as_str(), info.begins.as_deref()), ("FITS", Some("2021-03-01T22:00:15.250Z")));
-    let compressed = Opened::new("compressed.fits", sample!("compressed.fits", gz));
-    assert!(compressed.failure(&plain()).contains("funpack"));
+}
+
+/// Each image of the sample stands there twice: compressed by astropy, and as astropy reads it.
+#[test]
+fn tiles_of_fits_hold_what_astropy_reads() {
+    let file = Opened::new("tiles.fits.fz", sample!("tiles.fits", gz));
+    for (name, _) in TILES {
+        let (packed, read) = (file.open(&array(name)), file.open(&array(&format!("{name}_READ"))));
+        let (packed, read) = (packed.expect(name), read.expect("opens"));
+        assert_eq!((packed.len(), packed.size()), (3, (10, 12)), "{name}");
+        // astropy has the unsigned numbers and the floats; the file has those of 64 bits.
+        assert_eq!(values(&packed), values(&read), "{name}");
+        let masked = |burst: &Burst| burst.frames.iter().filter(|frame| frame.mask().is_some()).count();
+        assert_eq!(masked(&packed), masked(&read), "{name}");
+        let part = OpenOptions { take: Some("2..3".parse().expect("a part")), ..array(name) };
+        assert_eq!(values(&file.open(&part).expect(name)), values(&read)[240..], "{name}");
+    }
+    assert_eq!(file.info(&plain()).kind, "FITS");
+}
+
+#[test]
+fn damage_of_tiles_is_an_error() {
+    let whole = unpacked(include_bytes!("samples/tiles.fits.gz"));
+    let changed = |name: &str, from: &str, to: &str| {
+        let mut bytes = whole.clone();
+        let (name, from) = (format!("EXTNAME = '{name:<8}'"), from.as_bytes());
+        let find =
+            |part: &[u8], start| bytes[start..].windows(part.len()).position(|own| own == part).map(|at| start + at);
+        let unit = find(name.as_bytes(), 0).expect("the image") / 2880 * 2880;
+        let at = find(from, unit).expect("the keyword");
+        bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
+        Opened::new("bad.fits", &bytes).failure(&array(name[11..].trim_end_matches(['\'', ' '])))
+    };
+    assert!(changed("I16", "ZNAXIS1 =                   10", "ZNAXIS1 =                  -10").contains("ZNAXIS1"));
+    assert!(changed("I16", "ZNAXIS3 =                    3", "ZNAXIS3 =                    9").contains("tiles in"));
+    assert!(changed("I16", "ZVAL1   =                   32", "ZVAL1   =                    0").contains("ZVAL1"));
+    assert!(changed("I16", "TFIELDS =                    1", "TFIELDS =           9000000000").contains("TFIELDS"));
+    assert!(changed("I16", "TFORM1  = '1PB", "TFORM1  = '1?B").contains("(TFORM)"));
+    assert!(changed("I16", "ZCMPTYPE= 'RICE_1  '", "ZCMPTYPE= 'RICE_7  '").contains("compression"));
+    let packed = |unpacked| Opened::new("packed.fits", &crafted::packed_tile_fits(unpacked));
+    assert_eq!(packed(64).open(&plain()).expect("opens").size(), (8, 8));
+    assert!(packed(1 << 22).failure(&plain()).contains("unpacks to more than its pixels"));
 }
 
 #[test]
@@ -313,10 +374,13 @@ fn damage_of_fits_names_the_keyword() {
         bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
         Opened::new("bad.fits", &bytes).failure(&plain())
     };
-    assert!(changed("NAXIS   =                    3", "NAXIS   =                    x").contains("NAXIS is 'x'"));
+    assert!(
+        changed("NAXIS   =                    3", "NAXIS   =                    x")
+            .contains("NAXIS is no whole number")
+    );
     assert!(changed("NAXIS2  =                    4", "NAXIS2  =                   -4").contains("NAXIS2"));
     assert!(changed("BITPIX  =                   16", "BITPIX  =                   17").contains("BITPIX is 17"));
-    assert!(changed("BZERO   =                32768", "BZERO   =                 many").contains("BZERO is 'many'"));
+    assert!(changed("BZERO   =                32768", "BZERO   =                 many").contains("BZERO is no number"));
     assert!(changed("NAXIS1  =                    5", "NAXIS1  =              9999999").contains("9999999×4"));
     assert!(changed("END     ", "EMD     ").contains("too early"));
     // The third axis is wavelengths.

@@ -6,7 +6,7 @@ use crate::burst::decode::plain::Plain;
 use crate::burst::layout::Mosaic;
 use crate::burst::number::Number;
 use crate::burst::options::Limits;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -139,12 +139,7 @@ impl<'a> Picture<'a> {
     }
 
     /// The numbers of a picture that is not compressed, and the way they are read.
-    pub(super) fn plain(
-        &self,
-        path: &Path,
-        kind: &'static str,
-        limits: &Limits,
-    ) -> Result<(Plain, Cow<'a, [u8]>), Error> {
+    pub(super) fn plain(&self, path: &Path, kind: &'static str, limits: &Limits) -> Result<(Plain, Cow<'a, [u8]>)> {
         let Self { encoding, data, shape, .. } = self;
         let corrupt = |reason: String| Error::corrupt(path, kind, reason);
         let ([width, height], step, big_endian) = shape.ok_or_else(|| corrupt("a picture has no shape".to_owned()))?;

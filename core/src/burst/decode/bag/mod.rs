@@ -11,10 +11,10 @@ mod segment;
 
 use super::image::{self, Source};
 use super::wire::Part;
-use super::{Expected, Header, RawFrame, Ticker};
+use super::{Expected, Header, RawFrame, Reading, Ticker};
 use crate::burst::options::{Limits, OpenOptions};
 use crate::burst::times::Times;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::files::read_bytes;
 use crate::monitor::Monitor;
 use ::image::ImageFormat::{self, Jpeg, Png};
@@ -34,7 +34,7 @@ const SINCE_1970_NS: u64 = 100_000_000_000_000_000;
 const FEW: usize = 12;
 
 /// The files of the recording at `path`.
-fn segments(path: &Path, options: &OpenOptions) -> Result<Vec<Segment>, Error> {
+fn segments(path: &Path, options: &OpenOptions) -> Result<Vec<Segment>> {
     let open = |file: &Path| Segment::open(file, &options.limits);
     if !is_metadata(path) {
         return Ok(vec![open(path)?]);
@@ -64,14 +64,14 @@ struct Topic<'a> {
 }
 
 impl<'a> Topic<'a> {
-    fn of(segments: &'a [Segment], channel: &'a Channel, options: &OpenOptions) -> Result<Self, Error> {
+    fn of(segments: &'a [Segment], channel: &'a Channel, options: &OpenOptions) -> Result<Self> {
         let part = |segment: &'a Segment| Ok((segment, 0, segment.messages(channel, &options.limits)?));
-        let parts = segments.iter().map(part).collect::<Result<Vec<_>, Error>>()?;
+        let parts = segments.iter().map(part).collect::<Result<Vec<_>>>()?;
         Ok(Self { channel, wire: channel.wire.unwrap_or(Wire::Cdr), parts, others: Vec::new() })
     }
 
     /// The topic that the options name, or the only one of pictures.
-    fn chosen(path: &Path, segments: &'a [Segment], options: &OpenOptions) -> Result<Self, Error> {
+    fn chosen(path: &Path, segments: &'a [Segment], options: &OpenOptions) -> Result<Self> {
         let mut topics: BTreeMap<&str, (&Channel, u64)> = BTreeMap::new();
         for channel in segments.iter().flat_map(|segment| segment.contents.channels.values()) {
             topics.entry(&channel.topic).or_insert((channel, 0)).1 += channel.count;
@@ -123,7 +123,7 @@ impl<'a> Topic<'a> {
     }
 
     /// This topic with the messages alone that are to be taken.
-    fn part(self, path: &Path, options: &OpenOptions) -> Result<Self, Error> {
+    fn part(self, path: &Path, options: &OpenOptions) -> Result<Self> {
         let taken = options.taken(path, (0..self.frames()).collect(), (1, 1))?;
         let (start, mut before) = (options.first_taken(), 0);
         let part = |(segment, _, mut messages): (&'a Segment, usize, Vec<Message>)| {
@@ -140,7 +140,7 @@ impl<'a> Topic<'a> {
     }
 
     /// Kind, size and samples of the first picture.
-    fn header(&self, options: &OpenOptions) -> Result<Header, Error> {
+    fn header(&self, options: &OpenOptions) -> Result<Header> {
         let first = self.parts.iter().find_map(|(segment, _, messages)| Some((*segment, messages.first()?)));
         let (segment, first) = first.ok_or_else(|| self.parts[0].0.wrong("the topic has no message"))?;
         let (path, kind, limits) = (&segment.path, segment.form.name(), &options.limits);
@@ -158,12 +158,12 @@ impl<'a> Topic<'a> {
         Ok(header?.remove(0))
     }
 
-    fn picture<'b>(&self, segment: &Segment, message: &'b [u8]) -> Result<Picture<'b>, Error> {
+    fn picture<'b>(&self, segment: &Segment, message: &'b [u8]) -> Result<Picture<'b>> {
         Picture::read(message, self.wire, self.channel.is_compressed()).map_err(|reason| segment.wrong(reason))
     }
 
     /// Format of a compressed picture; `None` for one of plain numbers.
-    fn format(&self, segment: &Segment, picture: &Picture<'_>) -> Result<Option<ImageFormat>, Error> {
+    fn format(&self, segment: &Segment, picture: &Picture<'_>) -> Result<Option<ImageFormat>> {
         if !self.channel.is_compressed() {
             return Ok(None);
         }
@@ -187,24 +187,24 @@ impl<'a> Topic<'a> {
         message: &[u8],
         options: &OpenOptions,
         ticker: &Ticker<'_>,
-    ) -> Result<(u64, RawFrame), Error> {
+    ) -> Result<(u64, RawFrame)> {
         let (path, limits) = (&segment.path, &options.limits);
         let picture = self.picture(segment, message)?;
         let named = |frame| format!("{} (frame {frame})", path.display());
         let (first, this) = (PathBuf::from(named(0)), PathBuf::from(named(frame)));
-        let expected = Some(Expected { first: &first, size });
+        let reading = Reading { path, expected: Some(Expected { first: &first, size }), options, ticker };
         let decoded = match self.format(segment, &picture)? {
             None => {
                 let (plain, data) = picture.plain(path, segment.form.name(), limits)?;
-                Expected::check(expected, &this, plain.size)?;
-                plain.read(path, frame, &mut &data[..], options, ticker)?
+                Reading { path: &this, ..reading }.check(plain.size)?;
+                plain.read(reading, frame, &mut &data[..])?
             }
             Some(format) => {
                 let (data, part) = (picture.data, Part::Page { page, frame });
                 let length = data.len() as u64;
-                let source = Source { path, reader: Cursor::new(data), bytes: data, length, format, part };
+                let source = Source { reader: Cursor::new(data), bytes: data, length, format, part };
                 let options = &OpenOptions { topic: Some(self.channel.topic.clone()), take: None, ..options.clone() };
-                let decoded = image::decoded(source, expected, options, ticker.monitor())?;
+                let decoded = image::decoded(Reading { options, ..reading }, source)?;
                 ticker.tick();
                 decoded
             }
@@ -223,12 +223,12 @@ fn few(topics: impl Iterator<Item = String>) -> String {
 }
 
 /// Number of pictures of the topic.
-pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize, Error> {
+pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
     Ok(Topic::chosen(path, &segments(path, options)?, options)?.frames())
 }
 
 /// Size and number of the topic's pictures, and their times.
-pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header, Error> {
+pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header> {
     let segments = segments(path, options)?;
     let topic = Topic::chosen(path, &segments, options)?;
     let (header, silent) = (topic.header(options)?, monitor.silent());
@@ -275,7 +275,8 @@ fn times(ns: &[u64]) -> Times {
     Times { seconds: ns.iter().map(|ns| seconds(ns - begin)).collect(), is_absolute }
 }
 
-pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> Result<Vec<RawFrame>, Error> {
+pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+    let Reading { path, options, ticker, .. } = reading;
     let segments = segments(path, options)?;
     let topic = Topic::chosen(path, &segments, options)?;
     let header = topic.header(options)?;
@@ -293,16 +294,12 @@ pub(super) fn stack(path: &Path, options: &OpenOptions, ticker: &Ticker<'_>) -> 
 }
 
 /// The picture of a recording that has one.
-pub(super) fn only(
-    path: &Path,
-    expected: Option<Expected<'_>>,
-    options: &OpenOptions,
-    monitor: &Monitor,
-) -> Result<RawFrame, Error> {
+pub(super) fn only(reading: Reading<'_>) -> Result<RawFrame> {
+    let Reading { path, options, ticker, .. } = reading;
     match frame_count(path, options)? {
         1 => {
-            let frame = stack(path, options, &Ticker::new(&monitor.silent(), 1))?.remove(0);
-            Expected::check(expected, path, frame.plane.size())?;
+            let frame = stack(Reading { ticker: &Ticker::new(&ticker.monitor().silent(), 1), ..reading })?.remove(0);
+            reading.check(frame.plane.size())?;
             Ok(frame)
         }
         frames => Err(Error::stack_among_frames(path, frames)),
@@ -310,15 +307,14 @@ pub(super) fn only(
 }
 
 /// The picture with the index `page` in the file, which is frame `frame` of its burst.
-pub(super) fn page(path: &Path, page: usize, frame: usize, options: &OpenOptions) -> Result<RawFrame, Error> {
+pub(super) fn page(reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
+    let Reading { path, options, ticker, .. } = reading;
     let segments = segments(path, options)?;
     let topic = Topic::chosen(path, &segments, options)?;
     let (segment, _, messages) = &topic.parts[0];
     let message = messages.get(page..=page).ok_or_else(|| segment.wrong("it became shorter"))?;
-    let quiet = Monitor::default();
-    let ticker = Ticker::new(&quiet, 1);
     let header = topic.header(options)?;
     let size = (header.width, header.height);
-    let decode = |_, message: &[u8]| topic.frame(segment, (page, frame), size, message, options, &ticker);
-    Ok(segment.each(message, u64::MAX, &ticker, decode)?.remove(0).1)
+    let decode = |_, message: &[u8]| topic.frame(segment, (page, frame), size, message, options, ticker);
+    Ok(segment.each(message, u64::MAX, ticker, decode)?.remove(0).1)
 }

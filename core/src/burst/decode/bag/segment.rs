@@ -6,7 +6,7 @@ use super::records::{Channel, Chunk, Contents, List, Message, Scan, corrupt};
 use super::{mcap, ros1, rows};
 use crate::burst::decode::{Ticker, in_order};
 use crate::burst::options::Limits;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, Result};
 use crate::plane::memory;
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
@@ -27,7 +27,7 @@ pub(super) struct Segment {
 
 impl Segment {
     /// Reads the file's records, and of its chunks those alone that no list describes.
-    pub(super) fn open(path: &Path, limits: &Limits) -> Result<Self, Error> {
+    pub(super) fn open(path: &Path, limits: &Limits) -> Result<Self> {
         let fail = |e: io::Error| Error::from_io(path, &e);
         let mut file = File::open(path).map_err(fail)?;
         let length = file.metadata().map_err(fail)?.len();
@@ -90,7 +90,7 @@ impl Segment {
     }
 
     /// The messages of the topic and type of `like`, in the order of their recording.
-    pub(super) fn messages(&self, like: &Channel, limits: &Limits) -> Result<Vec<Message>, Error> {
+    pub(super) fn messages(&self, like: &Channel, limits: &Limits) -> Result<Vec<Message>> {
         let is_like =
             |channel: &Channel| (&channel.topic, &channel.of, channel.wire) == (&like.topic, &like.of, like.wire);
         let of_topic = || self.contents.channels.iter().filter(|(_, channel)| is_like(channel));
@@ -124,8 +124,8 @@ impl Segment {
         messages: &[Message],
         most: u64,
         ticker: &Ticker<'_>,
-        f: impl Fn(usize, &[u8]) -> Result<T, Error> + Sync,
-    ) -> Result<Vec<T>, Error> {
+        f: impl Fn(usize, &[u8]) -> Result<T> + Sync,
+    ) -> Result<Vec<T>> {
         let mut order: Vec<usize> = (0..messages.len()).collect();
         order.sort_by_key(|k| (messages[*k].chunk, messages[*k].at));
         let chunk_of = |k: usize| messages[k].chunk;
@@ -148,7 +148,7 @@ impl Segment {
                 }
                 f(*k, &message)
             });
-            of_run.collect::<Result<Vec<T>, Error>>()
+            of_run.collect::<Result<Vec<T>>>()
         })?;
         let mut all: Vec<(usize, T)> = order.into_iter().zip(answers.into_iter().flatten()).collect();
         all.sort_by_key(|(k, _)| *k);
@@ -177,7 +177,7 @@ impl Segment {
         scan.rest(bytes.min(most))
     }
 
-    fn unpacked(&self, chunk: &Chunk) -> Result<Vec<u8>, Error> {
+    fn unpacked(&self, chunk: &Chunk) -> Result<Vec<u8>> {
         let Chunk { at, bytes, size, packed_by, crc } = chunk;
         let fail = |e: io::Error| self.failure(&e);
         if *size > self.most {

@@ -103,7 +103,7 @@ const KINDS: &[(Kind, &str, Rank, &[&str])] = &[
             "iiq", "kdc", "dcr", "mrw", "erf", "mef", "mos", "x3f",
         ],
     ),
-    (Kind::Fits, "FITS", Rank::Film, &["fits", "fit", "fts"]),
+    (Kind::Fits, "FITS", Rank::Film, &["fits", "fit", "fts", "fz"]),
     (Kind::Ser, "SER", Rank::Film, &["ser"]),
     (Kind::Y4m, "Y4M", Rank::Film, &["y4m"]),
     (Kind::Npz, "NPZ", Rank::Other, &["npz"]),
