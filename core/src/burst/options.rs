@@ -8,7 +8,7 @@ use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoi
 use crate::error::{Error, ErrorKind, Result};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Options for opening a burst: they turn the values of files into linear light, and tell which of them count.
@@ -111,12 +111,12 @@ impl OpenOptions {
     /// Options that are not the default, by their names on a command line, with their values as text; `None` for those
     /// that are only named.
     pub fn given(&self) -> Vec<(String, Option<String>)> {
-        let fields = |options: &Self| match serde_json::to_value(options) {
-            Ok(Value::Object(fields)) => fields,
-            _ => Map::new(),
-        };
-        let usual = fields(&Self::default());
-        let given = fields(self).into_iter().filter(|(name, value)| usual.get(name) != Some(value));
+        let fields = |options: &Self| serde_json::to_value(options).ok().and_then(|all| all.as_object().cloned());
+        // JSON holds no path that is not text.
+        let mut own = self.clone();
+        own.paths_mut().for_each(|path| *path = path.to_string_lossy().into_owned().into());
+        let usual = fields(&Self::default()).unwrap_or_default();
+        let given = fields(&own).unwrap_or_default().into_iter().filter(|(name, value)| usual.get(name) != Some(value));
         let text = |value: Value| match value {
             Value::String(text) => Some(text),
             // With the digits of the number that was read, not with those of its double.

@@ -525,3 +525,13 @@ fn what_is_not_asked_for_is_read_by_name() {
     assert!(of("times.dat").is_err() && of("0.png").is_ok_and(|info| info.kind == "PNG"));
     assert!(Path::new(&of("0.png").expect("described").name).extension().is_none());
 }
+
+#[cfg(unix)]
+#[test]
+fn options_beside_a_path_that_is_no_text_are_told() {
+    use std::os::unix::ffi::OsStrExt;
+    let bias = Path::new(std::ffi::OsStr::from_bytes(b"dark\xff.png")).to_owned();
+    let options = OpenOptions { bias: Some(bias), ..array("SCI") };
+    let told = |name: &str, value: &str| (name.to_owned(), Some(value.to_owned()));
+    assert_eq!(options.given(), [told("array", "SCI"), told("bias", "dark\u{fffd}.png")]);
+}
