@@ -504,8 +504,8 @@ class EvaluateChartKeywords(TypedDict, total=False):
         Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean
         of all frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes
         found from each burst) [default: sift-frame,sift-mean,sift-merge,buff-1d,buff-2d]
-    ranking : str or float
-        What a threshold is put on: strength (the detector's own ranking), response or snr [default: strength]
+    ranking : {'strength', 'response', 'snr'}
+        Quantity that a threshold is put on [default: strength]
     false_fraction : float
         The share of false detections at which methods are compared [default: 0.1]
     max_slope : float
@@ -604,7 +604,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     snr: Union[float, Sequence[float]]
     views: Union[str, float]
     methods: Union[Union[str, float], Sequence[Union[str, float]]]
-    ranking: Union[str, float]
+    ranking: Literal["strength", "response", "snr"]
     false_fraction: float
     max_slope: float
     seeds: int
@@ -655,8 +655,8 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean
         of all frames), sift-merge (SIFT on the aligned and merged burst), buff-1d, buff-2d, buff-auto (slopes
         found from each burst) [default: sift-frame,sift-mean,sift-merge,buff-1d,buff-2d]
-    ranking : str or float
-        What a threshold is put on: strength (the detector's own ranking), response or snr [default: strength]
+    ranking : {'strength', 'response', 'snr'}
+        Quantity that a threshold is put on [default: strength]
     false_fraction : float
         The share of false detections at which methods are compared [default: 0.1]
     max_slope : float
@@ -805,7 +805,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     frame_counts: Union[int, Sequence[int]]
     snr: float
     methods: Union[Union[str, float], Sequence[Union[str, float]]]
-    ranking: Union[str, float]
+    ranking: Literal["strength", "response", "snr"]
     false_fraction: float
     max_slope: float
     seeds: int
