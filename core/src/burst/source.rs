@@ -186,7 +186,7 @@ fn stack_source(path: PathBuf) -> BurstFiles {
 }
 
 pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "burst".into(), |s| path_text(Path::new(s)))
+    path.file_stem().map_or_else(|| "burst".into(), |s| path_text(Path::new(s)).trim_end_matches(".fits").to_owned())
 }
 
 /// Name of a folder, also of `.` or `a/..`.

@@ -212,8 +212,8 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
     guarded(path, input.kind, || match input.kind {
         Kind::Raw => {
             let misnamed = input.misnamed;
-            let reading = raw_frame(Reading::new(path, options, &Ticker::new(monitor, 1)), &input)?;
-            let frame = RawFrame { misnamed, ..reading };
+            let frame = raw_frame(Reading::new(path, options, &Ticker::new(monitor, 1)), &input)?;
+            let frame = RawFrame { misnamed, ..frame };
             let header = Header::new(input.kind.name(), frame.plane.size(), 1, frame.scale.samples(), false);
             Ok((header, Some(frame)))
         }
