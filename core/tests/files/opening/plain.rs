@@ -331,7 +331,6 @@ fn tiles_of_fits_hold_what_astropy_reads() {
         let (packed, read) = (file.open(&array(name)), file.open(&array(&format!("{name}_READ"))));
         let (packed, read) = (packed.expect(name), read.expect("opens"));
         assert_eq!((&*packed.name, packed.len(), packed.size()), ("tiles", 3, (10, 12)), "{name}");
-        // astropy has the unsigned numbers and the floats; the file has those of 64 bits.
         assert_eq!(values(&packed), values(&read), "{name}");
         let masked = |burst: &Burst| burst.frames.iter().filter(|frame| frame.mask().is_some()).count();
         assert_eq!(masked(&packed), masked(&read), "{name}");
