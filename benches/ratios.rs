@@ -176,6 +176,43 @@ fn first_picture() {
     row("from the window to the demo's first picture", measured, "500 ms");
 }
 
+/// Resident memory of this process, MB; `None` where the system does not tell.
+fn resident_mb() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?.split_whitespace().next()?;
+    kilobytes.parse::<u64>().ok().map(|kilobytes| kilobytes >> 10)
+}
+
+/// Resident memory that zooming in a window on the demo adds; a driver's is in it.
+fn zooming() {
+    let grown = || -> Result<Option<[u64; 2]>, Error> {
+        let mut offscreen = Offscreen::new(egui::vec2(1280.0, 800.0), 1.0, AdapterChoice::Fastest)?;
+        let mut app = BurstscopeApp::new(offscreen.context(), None, Startup::default());
+        while !app.is_settled() {
+            offscreen.frame(Vec::new(), |ui| app.show(ui));
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let mut zoom = |times: u32| -> Result<Option<u64>, Error> {
+            for i in 0..times {
+                let (unit, phase, modifiers) = (egui::MouseWheelUnit::Line, egui::TouchPhase::Move, Default::default());
+                let (source, way) = (egui::MouseWheelSource::Wheel, if i / 20 % 2 == 0 { 0.37 } else { -0.37 });
+                let wheel = egui::Event::MouseWheel { unit, delta: egui::vec2(0.0, way), modifiers, phase, source };
+                let place = egui::Event::PointerMoved(egui::pos2(800.0 + i as f32 % 37.0, 400.0));
+                offscreen.frame(vec![place, wheel], |ui| app.show(ui));
+                offscreen.image()?;
+            }
+            Ok(resident_mb())
+        };
+        Ok(zoom(40)?.zip(zoom(400)?).map(|(before, after)| [before, after]))
+    };
+    let measured = match grown() {
+        Ok(Some([before, after])) => format!("{before} -> {after} MB"),
+        Ok(None) => "not measured".to_owned(),
+        Err(error) => format!("not measured: {error}"),
+    };
+    row("resident memory before and after 400 zooms on the demo", measured, "+96 MB");
+}
+
 fn main() {
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(2);
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().expect("the pool is built once");
@@ -188,4 +225,5 @@ fn main() {
     opening(&burst);
     cancelling(&burst);
     first_picture();
+    zooming();
 }

@@ -1,8 +1,8 @@
 //! A long-lived window: hundreds of bursts of one dataset go through its engine, and at the end it holds no more memory
 //! than soon after the beginning.
 //!
-//! One test, alone in its program, so that nothing else is counted: the engine's own account, and all allocations of
-//! the program.
+//! The same of its pictures ([`zooming`]). The tests run one after the other, alone in their program, so that nothing
+//! else is counted: the engine's own account, the graphics device's, and all allocations of the program.
 
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::{DetectorParams, SearchParams, Slope, SlopeGrid};
@@ -13,8 +13,12 @@ use burstscope::requests::{
 };
 use peak_alloc::PeakAlloc;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+
+#[cfg(feature = "app")]
+#[path = "soak/zooming.rs"]
+mod zooming;
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -31,6 +35,9 @@ const TRAIL_BYTES: usize = 64 << 10;
 /// Maximum growth of the program's memory from the hundred bursts after [`SETTLED`] to the last hundred: their names.
 /// 300 bursts with their frames, pictures and trails are 4 MB.
 const GROWTH_BYTES: u64 = 256 << 10;
+
+/// Held by the test that runs.
+static ALONE: Mutex<()> = Mutex::new(());
 
 /// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -156,6 +163,7 @@ fn look_at_each(engine: &Engine, bursts: &Bursts, params: &SearchParams) -> Soak
 
 #[test]
 fn five_hundred_bursts_leave_no_more_behind_than_one_hundred() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let home = tempfile::tempdir().expect("a folder");
     let frames = home.path().join("frames");
     std::fs::create_dir(&frames).expect("a folder");

@@ -95,7 +95,6 @@ impl Overlays {
         let mut effects = Vec::new();
         self.palette.ui(ctx, model, queue);
         menu::sheet_ui(ctx, &mut self.sheet_open);
-        crate::app::panel::modals::about_ui(ctx, &mut self.about_open);
         self.glossary.ui(ctx);
         effects.extend(super::lesson::list_ui(ctx, lessons, queue).map(Effect::StartLesson));
         if lessons.open.is_some() && !self.are_modal(lessons) {

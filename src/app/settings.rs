@@ -8,6 +8,7 @@ use crate::app::project::Panels;
 use crate::app::project::figure::FigureChoice;
 use crate::app::project::pair::MatchLook;
 use crate::dataset::DatasetSource;
+use crate::engine::DEFAULT_CACHE_BYTES;
 use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -22,6 +23,8 @@ pub struct Settings {
     pub recent: Vec<BurstSource>,
     pub datasets: Vec<DatasetSource>,
     pub burst_length: usize,
+    /// Memory of pictures kept for scrubbing, MB (2²⁰ bytes).
+    pub cache_mb: usize,
     pub theme: egui::ThemePreference,
     pub panels: Panels,
     pub auto_detect: bool,
@@ -37,6 +40,7 @@ impl Default for Settings {
             recent: Vec::new(),
             datasets: Vec::new(),
             burst_length: 10,
+            cache_mb: DEFAULT_CACHE_BYTES >> 20,
             theme: egui::ThemePreference::Dark,
             panels: Panels::default(),
             auto_detect: true,
@@ -49,6 +53,13 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// Limits of the memory for pictures, MB.
+    pub const CACHE_MB: std::ops::RangeInclusive<usize> = 16..=16_384;
+
+    pub fn cache_bytes(&self) -> usize {
+        self.cache_mb.clamp(*Self::CACHE_MB.start(), *Self::CACHE_MB.end()) << 20
+    }
+
     /// Reads what was stored; anything that cannot be read has its default.
     pub fn load(storage: &dyn eframe::Storage) -> Self {
         storage.get_string(STORAGE_KEY).and_then(|text| toml::from_str(&text).ok()).unwrap_or_default()

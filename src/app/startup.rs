@@ -33,7 +33,6 @@ pub struct Startup {
     pub kept: Option<KeptIn>,
     pub dialogs: Arc<dyn FileDialogs>,
     pub end: EndRequest,
-    pub cache_bytes: usize,
 }
 
 impl Default for Startup {
@@ -52,7 +51,6 @@ impl Default for Startup {
             kept: None,
             dialogs: Arc::new(SystemDialogs),
             end: EndRequest::default(),
-            cache_bytes: crate::engine::DEFAULT_CACHE_BYTES,
         }
     }
 }

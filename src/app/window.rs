@@ -13,6 +13,7 @@ use super::lesson::{Captions, LessonAction, Lessons, lesson_ui, rings_ui, take_h
 use super::measure::RegionCache;
 use super::overlays::Overlays;
 use super::pane::PaneId;
+use super::panel::modals::about_ui;
 use super::panel::probe::{PlaneTexture, ProbePanel};
 use super::panel::selection::SelectionState;
 use super::project::effect::{ExportKind, Purpose};
@@ -72,7 +73,7 @@ impl BurstscopeApp {
         let begins = startup.actions();
         let mut app = Self {
             model,
-            engine: Engine::new(on_update.clone(), startup.cache_bytes),
+            engine: Engine::new(on_update.clone(), startup.settings.cache_bytes()),
             widgets: PaneWidgets::default(),
             pair_panels: PairPanels::default(),
             selection: SelectionState::default(),
@@ -162,6 +163,7 @@ impl BurstscopeApp {
         if !self.overlays.are_modal(&self.lessons) {
             rings_ui(&ctx, &self.lessons, &self.model, &self.widgets);
         }
+        about_ui(&ctx, &mut self.overlays.about_open, &self.engine, &mut self.settings);
         let effects = self.overlays.ui(&ctx, &self.model, &mut self.lessons, &mut queue);
         self.apply(effects);
         self.act(&ctx, queue);

@@ -46,6 +46,12 @@ impl PictureCache {
             self.bytes -= old.bytes();
         }
         self.bytes += size;
+        self.set_budget(self.budget_bytes);
+    }
+
+    /// Drops pictures beyond the budget, those first that were unused for longest.
+    pub fn set_budget(&mut self, budget_bytes: usize) {
+        self.budget_bytes = budget_bytes;
         while self.bytes > self.budget_bytes {
             let oldest = self.entries.iter().min_by_key(|(_, (_, used))| *used).map(|(key, _)| *key);
             let Some((old, _)) = oldest.and_then(|key| self.entries.remove(&key)) else { break };

@@ -53,6 +53,11 @@ pub struct Held {
 }
 
 impl Engine {
+    /// Sets the memory that pictures may take which are not on show, bytes.
+    pub fn set_cache_bytes(&self, bytes: usize) {
+        self.stores.pictures.lock().set_budget(bytes);
+    }
+
     pub fn held(&self) -> Held {
         let (trails, trail_bytes) = self.stores.trails.held();
         Held { picture_bytes: self.stores.pictures.lock().bytes(), trails, trail_bytes, requests: self.queue.len() }

@@ -11,7 +11,7 @@ struct Uniforms {
     tiles_across: u32,
     level: u32,                // the level to read
     lut_row: u32,              // the colour map
-    flags: u32,                // 1: diverging map, 2: the target converts from linear light
+    flags: u32,                // 1: diverging map, 2: the target converts from linear light, 4: means are drawn
     range_min: f32,
     range_scale: f32,          // 1 / (max - min)
     exponent: f32,             // 1 / gamma
@@ -106,7 +106,9 @@ fn fs_main(@builtin(position) framebuffer: vec4f) -> @location(0) vec4f {
         return vec4f(0.0);
     }
     var colour = vec3f(1.0, 0.0, 1.0);
-    if uniforms.picture_px_per_px <= 1.0 {
+    // Mesa's software driver compiles the shader anew, and keeps it, for each value of a uniform that alone decides a
+    // branch: so branches ask only for flags, which have few values, and not for the zoom itself.
+    if (uniforms.flags & 4u) == 0u {
         let value = load(min(vec2u(edge), uniforms.size - 1u));
         if !is_nan(value) {
             colour = colour_of(value);

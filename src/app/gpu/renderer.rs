@@ -12,6 +12,8 @@ use std::sync::{Arc, Mutex};
 
 /// Memory of the pictures on the card, bytes; beyond it those unused for longest are removed.
 const BUDGET_BYTES: u64 = 512 << 20;
+/// The same of a software driver, whose memory is the program's own, in which the picture cache holds them already.
+const SOFTWARE_BUDGET_BYTES: u64 = 64 << 20;
 
 /// Number of frames after which a pane that is not drawn loses its bind group.
 const PANE_LIFETIME_FRAMES: u64 = 600;
@@ -36,6 +38,7 @@ pub struct PictureRenderer {
     layout: wgpu::BindGroupLayout,
     lut: wgpu::TextureView,
     limits: DeviceLimits,
+    budget_bytes: u64,
     target_is_srgb: bool,
     pictures: HashMap<PictureId, Resident>,
     panes: HashMap<u64, Pane>,
@@ -61,6 +64,7 @@ impl PictureRenderer {
             lut: lut_texture(device, queue),
             layout,
             limits,
+            budget_bytes: BUDGET_BYTES,
             target_is_srgb: target.is_srgb(),
             pictures: HashMap::new(),
             panes: HashMap::new(),
@@ -70,6 +74,12 @@ impl PictureRenderer {
             frame_open: false,
             uploads: 0,
         }
+    }
+
+    /// Keeps fewer pictures where no card draws.
+    pub(super) fn with_budget_of(self, adapter: &wgpu::Adapter) -> Self {
+        let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        Self { budget_bytes: if is_software { SOFTWARE_BUDGET_BYTES } else { BUDGET_BYTES }, ..self }
     }
 
     pub fn uploads(&self) -> u64 {
@@ -168,7 +178,7 @@ impl PictureRenderer {
         }
         let frame = self.frame;
         let mut bytes = self.resident_bytes();
-        if bytes > BUDGET_BYTES {
+        if bytes > self.budget_bytes {
             let mut unseen: Vec<(u64, PictureId)> = self
                 .pictures
                 .iter()
@@ -177,7 +187,7 @@ impl PictureRenderer {
                 .collect();
             unseen.sort_unstable();
             for (_, id) in unseen {
-                if bytes <= BUDGET_BYTES {
+                if bytes <= self.budget_bytes {
                     break;
                 }
                 bytes -= self.pictures.remove(&id).map_or(0, |p| p.texture.layout.bytes());
@@ -331,7 +341,8 @@ pub struct Uniforms {
     pub tiles_across: u32,
     pub level: u32,
     pub lut_row: u32,
-    /// Bits: 1, diverging map; 2, the target converts from linear light.
+    /// Bits: 1, diverging map; 2, the target converts from linear light; 4, a pixel of the screen shows the mean of those
+    /// of the picture that it covers.
     pub flags: u32,
     pub range_min: f32,
     /// 1 / width of the value range.
@@ -365,16 +376,17 @@ impl PicturePaint {
         let anchor = self.ui_from_picture.anchor_from();
         let display = self.display.sanitised();
         let backdrop = [self.backdrop.r(), self.backdrop.g(), self.backdrop.b()].map(|c| f32::from(c) / 255.0);
+        let picture_px_per_px = screen_ratio(1.0 / (self.ui_from_picture.scale() * pixels_per_point));
         Uniforms {
             origin_px: [origin_ui.x * pixels_per_point, origin_ui.y * pixels_per_point],
             anchor_picture: [anchor.x, anchor.y],
             backdrop,
-            picture_px_per_px: screen_ratio(1.0 / (self.ui_from_picture.scale() * pixels_per_point)),
+            picture_px_per_px,
             range_min: display.min,
             range_scale: 1.0 / (display.max - display.min),
             exponent: 1.0 / display.gamma,
             lut_row: lut_row(display.map),
-            flags: u32::from(display.map.is_diverging()),
+            flags: u32::from(display.map.is_diverging()) | if picture_px_per_px > 1.0 { 4 } else { 0 },
             dim: self.dim.clamp(0.0, 1.0),
             ..bytemuck::Zeroable::zeroed()
         }

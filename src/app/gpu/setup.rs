@@ -61,7 +61,8 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     let RenderState { device, queue, target_format, .. } = render_state;
     let limits = DeviceLimits::of(device);
     let failures = Gpu::of(ctx).map_or_else(Failures::default, |gpu| gpu.failures);
-    let mut renderer = PictureRenderer::new(device, queue, *target_format, limits, failures.clone());
+    let renderer = PictureRenderer::new(device, queue, *target_format, limits, failures.clone());
+    let mut renderer = renderer.with_budget_of(&render_state.adapter);
     renderer.window = Some(ctx.clone());
     let lost = Arc::new(OnceLock::new());
     let (noted, waker) = (lost.clone(), ctx.clone());

@@ -3,7 +3,9 @@
 use crate::app::actions::ActionId;
 use crate::app::panel::widgets::named;
 use crate::app::project::effect::Purpose;
+use crate::app::settings::Settings;
 use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
+use crate::engine::Engine;
 use crate::requests::BurstSource;
 use egui::{DragValue, RichText, ScrollArea, TextEdit, Ui, vec2};
 use std::path::PathBuf;
@@ -270,7 +272,8 @@ fn notices_ui(ui: &mut Ui) {
     });
 }
 
-pub fn about_ui(ctx: &egui::Context, open: &mut bool) {
+/// Draws the box about the program, in which the memory for pictures can be set.
+pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings: &mut Settings) {
     if !*open {
         return;
     }
@@ -285,6 +288,16 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool) {
             ui.add_space(6.0);
             ui.weak(format!("Graphics adapter: {}", gpu.adapter_name));
         }
+        ui.horizontal(|ui| {
+            let (held, mb) = (engine.held(), |bytes: usize| bytes >> 20);
+            let words = format!("Memory: searches {} MB, pictures {} of", mb(held.trail_bytes), mb(held.picture_bytes));
+            let label = ui.weak(words);
+            let value = DragValue::new(&mut settings.cache_mb).range(Settings::CACHE_MB).suffix(" MB");
+            let tip = "Largest memory of the pictures that are kept to be shown again at once";
+            if ui.add(value).labelled_by(label.id).on_hover_text(tip).changed() {
+                engine.set_cache_bytes(settings.cache_bytes());
+            }
+        });
         ui.add_space(6.0);
         ui.label("MIT or Apache-2.0, at your option.");
         notices_ui(ui);

@@ -23,6 +23,8 @@ fn the_cache_keeps_its_budget_and_drops_the_least_recently_used() {
     assert_eq!((cache.len(), cache.bytes()), (3, 3 * one));
     assert!(cache.get(&requests[1]).is_none(), "the one not used for longest went");
     assert!(cache.get(&requests[0]).is_some() && cache.get(&requests[3]).is_some());
+    cache.set_budget(one);
+    assert!(cache.bytes() == one && cache.get(&requests[3]).is_some(), "a smaller budget holds at once");
     let mut tiny = PictureCache::new(one - 1);
     tiny.insert(&requests[0].clone().compute(&Work::alone(&monitor)).expect("not cancelled"));
     assert!(tiny.is_empty());
