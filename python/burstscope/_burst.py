@@ -9,7 +9,7 @@ import operator
 import os
 import warnings
 from collections.abc import Iterator, Sequence
-from typing import Any, Literal, Union
+from typing import Any, Literal, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,27 +25,37 @@ _NATIVE = (np.dtype(np.uint8), np.dtype(np.uint16), np.dtype(np.float32))
 _UNEVEN = 0.01
 
 
-def _frames(name: str, values: Any) -> list[NDArray[Any]]:
-    """The frames of an array [N, H, W], or of a sequence of arrays [H, W], contiguous, of a type that is taken."""
+def _frames(name: str, values: Any) -> Sequence[NDArray[Any]]:
+    """The frames of an array [N, H, W], or of a sequence of arrays [H, W], if there is memory for their planes."""
     if isinstance(values, (list, tuple)):
-        arrays = [np.asarray(frame) for frame in values]
+        frames: Any = [np.asarray(frame) for frame in values]
+        for frame in frames:
+            if frame.ndim != 2:
+                raise ValueError(f"{name}: a frame of shape {frame.shape}; give [rows, columns]")
+        sizes = [frame.shape for frame in frames]
     else:
-        array = np.asarray(values)
-        if array.ndim == 0:
+        frames = np.asarray(values)
+        if frames.ndim == 0:
             raise TypeError(f"{name}: an array is needed, not {type(values).__name__}")
-        if array.ndim == 2 and name != "frames":
-            array = array[None]
-        if array.ndim != 3:
-            colour = array.ndim == 4 and array.shape[-1] in (3, 4)
+        if frames.ndim == 2 and name != "frames":
+            frames = frames[None]
+        if frames.ndim != 3:
+            colour = frames.ndim == 4 and frames.shape[-1] in (3, 4)
             hint = "; make one channel of the colours first, such as their mean" if colour else ""
-            raise ValueError(f"{name}: an array of shape {array.shape}; give [frames, rows, columns]{hint}")
-        arrays = builtins.list(array)
-    return [_frame(name, frame) for frame in arrays]
+            raise ValueError(f"{name}: an array of shape {frames.shape}; give [frames, rows, columns]{hint}")
+        sizes = [frames.shape[1:]]
+    # By strides an array can be larger than any memory; nothing is copied before this.
+    for rows, columns in sizes:
+        _burstscope.check_size(name, len(frames), columns, rows)
+    return cast("Sequence[NDArray[Any]]", frames)
+
+
+def _converted(name: str, frames: Sequence[NDArray[Any]]) -> Iterator[NDArray[Any]]:
+    """The frames one after the other, contiguous and of a type that is taken, so that only one copy is held."""
+    return (_frame(name, frame) for frame in frames)
 
 
 def _frame(name: str, frame: NDArray[Any]) -> NDArray[Any]:
-    if frame.ndim != 2:
-        raise ValueError(f"{name}: a frame of shape {frame.shape}; give [rows, columns]")
     kind = frame.dtype.newbyteorder("=")
     if kind in (np.dtype(np.float64), np.dtype(np.float16)):
         kind = np.dtype(np.float32)
@@ -61,8 +71,8 @@ class Burst:
     ----------
     frames : array [N, H, W], or a sequence of arrays [H, W]
         uint8 and uint16 are divided by 255 and 65535. float32 in [0, 1] is taken as it is and **not copied** where it is
-        contiguous: do not write into the array while the burst is in use. Floats above 1 are divided by their largest
-        magnitude, which `notes` and a warning name; give ``full_scale``, so that bursts have one unit. float64 and
+        contiguous: do not write into the array while the burst is in use. Floats above 1 are divided by the
+        largest, which `notes` and a warning name; give ``full_scale``, so that bursts have one unit. float64 and
         float16 are converted to float32.
     times : sequence of N numbers, optional
         When the frames were taken, in any unit, rising. Then `frame_interval` and `Detection.velocity` are known. Uneven
@@ -124,12 +134,12 @@ class Burst:
         self._times = None if times is None else _rising(times, len(arrays))
         self._raw = _burstscope.RawBurst.of_arrays(
             needed("name", name, str, "give words"),
-            arrays,
+            _converted("frames", arrays),
             None if self._times is None or _are_even(self._times) else self._times.tolist(),
             None if views is None else needed("views", views, str, "give ROWSxCOLUMNS"),
-            [] if bias is None else _frames("bias", bias),
-            [] if flat is None else _frames("flat", flat),
-            [] if mask is None else _frames("mask", _of_numbers(mask)),
+            _converted("bias", [] if bias is None else _frames("bias", bias)),
+            _converted("flat", [] if flat is None else _frames("flat", flat)),
+            _converted("mask", [] if mask is None else _frames("mask", _of_numbers(mask))),
             bool(mask_saturated),
             real("full_scale", full_scale),
             real("black_level", black_level),

@@ -1,7 +1,7 @@
 """The extension module. Private: the package's own functions have names, types and documentation."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Final, final
 
 import numpy as np
@@ -23,12 +23,12 @@ class RawBurst:
     @staticmethod
     def of_arrays(
         name: str,
-        frames: Sequence[NDArray[Any]],
+        frames: Iterable[NDArray[Any]],
         times: Sequence[float] | None,
         views: str | None,
-        bias: Sequence[NDArray[Any]],
-        flat: Sequence[NDArray[Any]],
-        mask: Sequence[NDArray[Any]],
+        bias: Iterable[NDArray[Any]],
+        flat: Iterable[NDArray[Any]],
+        mask: Iterable[NDArray[Any]],
         mask_saturated: bool,
         full_scale: float | None,
         black_level: float | None,
@@ -107,6 +107,7 @@ class RawInspection:
     ) -> _Answer: ...
     def noise(self) -> str: ...
 
+def check_size(name: str, count: int, width: int, height: int) -> None: ...
 def detect(burst: RawBurst, file: _Path | None, given: _Given, progress: _Progress) -> RawDetection: ...
 def step_picture(
     burst: RawBurst, asked: dict[str, Any], given: _Given, progress: _Progress

@@ -2,15 +2,15 @@
 
 use crate::lent::LentArray;
 use crate::work::run;
-use burstscope::burst::{ArrayFrame, Arrays, Burst, OpenOptions, Positions, ViewsChoice};
+use burstscope::burst::{ArrayFrame, Arrays, Burst, Limits, OpenOptions, Positions, ViewsChoice};
 use burstscope::cli::Failure;
 use burstscope::plane::Plane;
 use burstscope::requests::BurstSource;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use serde_json::{Map, Value};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Frames of one size, calibrated, in time order.
@@ -84,17 +84,19 @@ impl RawBurst {
     fn of_arrays(
         py: Python<'_>,
         name: String,
-        frames: Vec<Bound<'_, PyAny>>,
+        frames: Bound<'_, PyAny>,
         times: Option<Vec<f64>>,
         views: Option<String>,
-        bias: Vec<Bound<'_, PyAny>>,
-        flat: Vec<Bound<'_, PyAny>>,
-        mask: Vec<Bound<'_, PyAny>>,
+        bias: Bound<'_, PyAny>,
+        flat: Bound<'_, PyAny>,
+        mask: Bound<'_, PyAny>,
         mask_saturated: bool,
         full_scale: Option<f32>,
         black_level: Option<f32>,
     ) -> PyResult<Self> {
-        let all = |arrays: &[Bound<'_, PyAny>]| arrays.iter().map(array_frame).collect::<PyResult<Vec<_>>>();
+        let all = |arrays: &Bound<'_, PyAny>| {
+            arrays.try_iter()?.map(|array| array_frame(&array?)).collect::<PyResult<Vec<_>>>()
+        };
         let arrays = Arrays { frames: all(&frames)?, bias: all(&bias)?, flat: all(&flat)?, mask: all(&mask)? };
         let views = views_choice(views)?;
         let options = OpenOptions { full_scale, black_level, mask_saturated, views, ..OpenOptions::default() };
@@ -244,6 +246,13 @@ impl RawBurst {
     fn addresses(&self) -> Vec<usize> {
         self.burst.frames.iter().map(|frame| frame.data().as_ptr() as usize).collect()
     }
+}
+
+/// Fails where the planes of `count` frames would need more memory than there is.
+#[pyfunction]
+pub(crate) fn check_size(name: &str, count: u64, width: u64, height: u64) -> PyResult<()> {
+    let checked = Limits::default().check_burst(Path::new(name), count, width, height);
+    checked.map_err(|error| PyMemoryError::new_err(error.to_string()))
 }
 
 /// The frame of an array [H, W] of uint8, uint16 or float32.

@@ -24,6 +24,7 @@ fn _burstscope(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<detection::RawDetection>()?;
     module.add_class::<matching::RawMatches>()?;
     module.add_class::<inspection::RawInspection>()?;
+    module.add_function(wrap_pyfunction!(burst::check_size, module)?)?;
     module.add_function(wrap_pyfunction!(detection::detect, module)?)?;
     module.add_function(wrap_pyfunction!(detection::step_picture, module)?)?;
     module.add_function(wrap_pyfunction!(detection::motion_field, module)?)?;

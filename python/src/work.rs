@@ -5,9 +5,10 @@ use crate::failure::raised;
 use burstscope::cli::Failure;
 use burstscope::monitor::{Monitor, Progress};
 use burstscope::plane::memory;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// Interval between two looks at signals and progress.
@@ -18,12 +19,18 @@ const POLL: Duration = Duration::from_millis(25);
 ///
 /// # Errors
 /// The work's failure, as an exception. What a signal's handler (`KeyboardInterrupt` for Ctrl-C) or `progress` raises
-/// cancels the work, and is raised once it has ended.
+/// cancels the work, and is raised once it has ended. `RuntimeError` in a process that was forked after the first work:
+/// it has no threads of its parent's pool, so that the work would wait for ever.
 pub(crate) fn run<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(&Monitor) -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
+    static PROCESS: OnceLock<u32> = OnceLock::new();
+    if *PROCESS.get_or_init(std::process::id) != std::process::id() {
+        let problem = "this process was forked after Burstscope had begun to work, and lacks its threads";
+        return Err(PyRuntimeError::new_err(format!("{problem}; start processes by multiprocessing's 'spawn'")));
+    }
     let latest: Arc<Mutex<Option<Progress>>> = Arc::default();
     let told = latest.clone();
     let monitor = Monitor::with_listener(move |p| *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(p));

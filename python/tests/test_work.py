@@ -68,6 +68,27 @@ def test_other_threads_run_meanwhile_and_work_runs_in_them(slow: bs.Burst) -> No
     assert ticks > 20
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+def test_a_forked_process_is_refused_instead_of_hanging() -> None:
+    script = """
+import os, numpy as np, burstscope as bs
+burst = bs.Burst(np.zeros((3, 48, 64), np.uint8))
+child = os.fork()
+if child == 0:
+    for work in (lambda: bs.Burst(np.zeros((3, 48, 64), np.uint8)), lambda: bs.detect(burst, progress=False)):
+        try:
+            work()
+        except RuntimeError as error:
+            print(error, flush=True)
+    os._exit(0)
+os.waitpid(child, 0)
+bs.detect(burst, progress=False)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout.count("forked after Burstscope had begun to work") == 2, done.stdout
+    assert "spawn" in done.stdout
+
+
 def test_commands_return_their_document_and_their_faults(stack_file: Path, tmp_path: Path) -> None:
     document = bs.command("detect", stack_file, out=tmp_path, slopes_u=(-1, 1, 3), format=["csv", "npz"])
     assert document["bursts"][0]["features"] > 0 and (tmp_path / "night.npz").is_file()

@@ -48,7 +48,7 @@ pub struct Burst {
     /// Position of each frame: when it was taken, where [`OpenOptions`] say that this matters; otherwise even. Of the
     /// views of a light field, their places.
     pub positions: Positions,
-    /// File value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest magnitude
+    /// File value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest value
     /// for others, unless set in the options.
     pub full_scale: f32,
     /// Smallest difference that the files can hold, in [0, 1] units: 1/255 for 8 bit; 0 when unknown (float).

@@ -34,9 +34,9 @@ impl Burst {
     /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
     /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
     /// [`OpenOptions::full_scale`] says otherwise. Float files are taken as they are if their values lie in [0, 1]
-    /// (magnitudes up to 2 are taken for noise around that), otherwise they are divided by the burst's largest
-    /// magnitude (before the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the
-    /// value that became 1. Colour becomes luma with the weights of Rec. 709 on the stored values
+    /// (values up to 2 are taken for noise around that), otherwise they are divided by the burst's largest value (before
+    /// the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the value that became
+    /// 1. Colour becomes luma with the weights of Rec. 709 on the stored values
     /// ([`super::LUMA_WEIGHTS`]), or on linear ones with [`OpenOptions::linearise`]; alpha is ignored. A photograph is
     /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
     /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1. NaN is masked.
@@ -241,7 +241,7 @@ fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result
     Ok(())
 }
 
-/// Float files whose largest magnitude is not above this are taken to be in [0, 1] already. Noise and calibration push
+/// Float files whose largest value is not above this are taken to be in [0, 1] already. Noise and calibration push
 /// single values of such files above 1; files in other units lie far above it.
 const MAX_UNIT_VALUE: f32 = 2.0;
 /// Fraction of the flat frame's mean; a pixel below it is dead, and is left as it is.

@@ -252,7 +252,10 @@ impl Limits {
     }
 
     /// Checks the number of frames, and the memory that they need together.
-    pub(crate) fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<()> {
+    ///
+    /// # Errors
+    /// Names `path`, the number or size that is too large, and the limit.
+    pub fn check_burst(&self, path: &Path, frames: u64, width: u64, height: u64) -> Result<()> {
         if frames > self.max_frames as u64 {
             let (found, limit) = (format!("it has {frames} frames"), format!("{} frames", self.max_frames));
             return Err(Error::too_large(

@@ -65,7 +65,8 @@ pub(super) enum FileScale {
     /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units.
     Data {
         integer: bool,
-        /// Largest magnitude in this frame.
+        /// Largest value in this frame, 0 where none is above it: a sensor's noise, or one bad pixel, far below 0 says
+        /// nothing of its full scale.
         largest: f32,
     },
 }
@@ -386,14 +387,18 @@ fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T>) -> Re
 /// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.
 pub(super) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame> {
     let values = plane.data();
-    // The bits of magnitudes are ordered as they are, infinity and NaN above all; integers are compared many at a time.
-    let largest = values.iter().fold(0, |largest, v| (v.to_bits() & 0x7fff_ffff).max(largest));
-    let mut largest = f32::from_bits(largest);
-    if !largest.is_finite() {
+    // Bits of positive floats are ordered as they are, infinity and NaN above all, and those of negative ones are
+    // negative integers: so many are compared at a time.
+    let (magnitude, largest) = values.iter().fold((0, 0), |(magnitude, largest): (i32, i32), v| {
+        let bits = v.to_bits() as i32;
+        ((bits & i32::MAX).max(magnitude), bits.max(largest))
+    });
+    let mut largest = f32::from_bits(largest as u32);
+    if !f32::from_bits(magnitude as u32).is_finite() {
         if let Some(index) = values.iter().position(|v| v.is_infinite()) {
             return Err(Error::not_finite(path, frame, plane.width(), index, values[index]));
         }
-        largest = values.iter().fold(0.0, |largest: f32, v| largest.max(v.abs()));
+        largest = values.iter().copied().fold(0.0, f32::max);
     }
     Ok(RawFrame::linear(plane, FileScale::Data { integer, largest }))
 }

@@ -110,11 +110,16 @@ fn multi_page_tiffs_of_every_type_come_back() {
     // Integers of 32 bit are relative to their own largest value.
     tiff_pages::<colortype::Gray32>(&path, size, &[vec![0, 200], vec![400, 600], vec![800, 1000]]);
     expect(1000.0, 1.0 / 1000.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
-    // Floats in [0, 1] are kept, with some noise around; others are divided by the largest magnitude.
+    // Floats in [0, 1] are kept, with some noise around; others are divided by the largest value.
     tiff_pages::<colortype::Gray32Float>(&path, size, &[vec![-0.1, 0.2], vec![0.4, 0.6], vec![0.8, 1.1]]);
     expect(1.0, 0.0, [[-0.1, 0.2], [0.4, 0.6], [0.8, 1.1]]);
     tiff_pages::<colortype::Gray32Float>(&path, size, &[vec![0.0, 50.0], vec![100.0, 150.0], vec![200.0, 250.0]]);
     expect(250.0, 0.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
+    // A bad pixel far below 0 says nothing of the full scale.
+    tiff_pages::<colortype::Gray32Float>(&path, size, &[vec![-5.0, 0.2], vec![0.4, 0.6], vec![0.8, 1.0]]);
+    expect(1.0, 0.0, [[-5.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
+    tiff_pages::<colortype::Gray32Float>(&path, size, &[vec![-900.0, 50.0], vec![100.0, 150.0], vec![200.0, 250.0]]);
+    expect(250.0, 0.0, [[-3.6, 0.2], [0.4, 0.6], [0.8, 1.0]]);
     tiff_pages::<colortype::Gray64Float>(&path, size, &[vec![0.0, 0.2], vec![0.4, 0.6], vec![0.8, 1.0]]);
     expect(1.0, 0.0, [[0.0, 0.2], [0.4, 0.6], [0.8, 1.0]]);
     let rgb = |a: u8, b: u8| vec![a, a, a, b, b, b];
