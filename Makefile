@@ -11,6 +11,8 @@
 #   make accept        accepts what the tests of the window show: look at screenshots/*.new.png first
 #   make pictures      draws the pictures of the documents anew, for a release
 #   make bench         times the stages of the detector
+#   make measurements  writes the tables of the documents from docs/measurements
+#   make measure       measures them anew first, for hours; NAMES=charts,accuracy for some
 #   make fuzz          reads damaged input; CASES=1000000 for a night of it
 #
 # For Python (3.10 or newer with venv; what it needs is installed into target/python, from the package index):
@@ -34,6 +36,9 @@ PACKAGES_WINDOW = xvfb libxcursor1 libxi6 libxkbcommon-x11-0
 # Damaged inputs that each test of `make fuzz` gets.
 CASES ?= 20000
 
+# Stored results of docs/measurements that `make measure` measures anew.
+NAMES ?= all
+
 # The tools of Python, and where the wheel and the packages go.
 PYTHON ?= python3
 VENV = target/python
@@ -41,7 +46,7 @@ DIST = target/dist
 # Profile of the wheel: release, or dev for a quick build.
 PROFILE ?= release
 
-.PHONY: run test check test-core test-window accept pictures bench fuzz packages wheel test-python notebooks keywords dist try-dist
+.PHONY: run test check test-core test-window accept pictures bench measurements measure fuzz packages wheel test-python notebooks keywords dist try-dist
 
 run: packages
 	$(CARGO) run --release
@@ -68,6 +73,12 @@ pictures:
 
 bench:
 	$(CARGO) bench --bench stages
+
+measurements:
+	BURSTSCOPE_UPDATE_DOCS=1 $(CARGO) test --test commands tables_of_measurements
+
+measure:
+	BURSTSCOPE_MEASURE=$(NAMES) BURSTSCOPE_UPDATE_DOCS=1 $(CARGO) test --test commands tables_of_measurements
 
 fuzz:
 	PROPTEST_CASES=$(CASES) $(CARGO) test -p burstscope-core --test files -- parsers fuzz

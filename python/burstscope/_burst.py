@@ -277,7 +277,7 @@ def _restored(frames: list[NDArray[np.float32]], about: Any, times: NDArray[np.f
 
 def _of_numbers(mask: ArrayLike) -> ArrayLike:
     values = np.asarray(mask)
-    return values.astype(np.uint8) if values.dtype == np.bool_ else values
+    return values.view(np.uint8) if values.dtype == np.bool_ else values
 
 
 def _rising(times: Any, count: int) -> NDArray[np.float64]:

@@ -1,5 +1,6 @@
 //! Bursts: opened from files, made of arrays, and their frames as arrays.
 
+use crate::failure::raised;
 use crate::lent::LentArray;
 use crate::work::run;
 use burstscope::burst::{ArrayFrame, Arrays, Burst, Limits, OpenOptions, Positions, ViewsChoice};
@@ -7,7 +8,7 @@ use burstscope::cli::Failure;
 use burstscope::plane::Plane;
 use burstscope::requests::BurstSource;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyIndexError, PyMemoryError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -252,7 +253,7 @@ impl RawBurst {
 #[pyfunction]
 pub(crate) fn check_size(name: &str, count: u64, width: u64, height: u64) -> PyResult<()> {
     let checked = Limits::default().check_burst(Path::new(name), count, width, height);
-    checked.map_err(|error| PyMemoryError::new_err(error.to_string()))
+    checked.map_err(|error| raised(&Failure::from(error)))
 }
 
 /// The frame of an array [H, W] of uint8, uint16 or float32.

@@ -45,18 +45,21 @@ def test_contiguous_float_frames_are_not_copied_and_others_are() -> None:
 
 
 @pytest.mark.parametrize("shape", [(1000, 100_000, 100_000), (10**12, 1, 1), (3, 10**9, 10**9), (100, 40_000, 10_000)])
-@pytest.mark.parametrize("kind", [np.uint8, np.float32, np.float64])
+@pytest.mark.parametrize("kind", [np.bool_, np.uint8, np.float32, np.float64])
 def test_arrays_beyond_memory_are_refused_before_anything_is_copied(shape: tuple[int, ...], kind: type) -> None:
     # By strides they take no memory themselves.
     huge = np.lib.stride_tricks.as_strided(np.zeros(1, kind), shape, (0, 0, 0))
-    with pytest.raises(MemoryError, match="frames"):
+    with pytest.raises(ValueError, match="frames"):
         bs.Burst(huge)
     small = np.zeros((2, 40, 56), np.uint8)
-    for name in ("bias", "flat", "mask"):
-        with pytest.raises(MemoryError, match=name):
-            bs.Burst(small, **{name: huge})
-    with pytest.raises(MemoryError, match="frames"):
-        bs.Burst(list(huge[:100]) if shape[1] > 1 else [huge.reshape(10**6, 10**6)])
+    with pytest.raises(ValueError, match="bias"):
+        bs.Burst(small, bias=huge)
+    with pytest.raises(ValueError, match="flat"):
+        bs.Burst(small, flat=huge)
+    with pytest.raises(ValueError, match="mask"):
+        bs.Burst(small, mask=huge)
+    with pytest.raises(ValueError, match="frames"):
+        bs.Burst([np.lib.stride_tricks.as_strided(np.zeros(1, kind), (10**6, 10**6), (0, 0))] * 3)
 
 
 def test_a_negative_outlier_does_not_set_the_full_scale(tmp_path: Path) -> None:

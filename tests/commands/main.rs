@@ -20,6 +20,7 @@ mod making;
 #[cfg(unix)]
 mod marks;
 mod matching;
+mod measurements;
 mod measuring;
 mod memory;
 #[cfg(unix)]
