@@ -1,6 +1,7 @@
 //! The one record of everything that goes wrong, from a parameter to a window that cannot be drawn: each message names
 //! the file or parameter, says what is wrong and gives a remedy.
 
+use crate::files::path_text;
 use crate::monitor::Cancelled;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -82,7 +83,7 @@ impl Error {
     /// This error, with the file or folder `path` as its subject.
     #[must_use]
     pub fn about(self, path: &Path) -> Self {
-        Self { subject: path.display().to_string(), ..self }
+        Self { subject: path_text(path), ..self }
     }
 
     /// Error for a file or folder that the system does not let read.

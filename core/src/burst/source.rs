@@ -288,8 +288,7 @@ impl SequenceCut {
 pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptions) -> Result<Vec<BurstFiles>> {
     let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f, options)) {
-        let held = decode::frame_count(path, options).unwrap_or(2);
-        let problem = format!("a sequence is cut into bursts between its files, but this one file holds {held} frames");
+        let problem = "a sequence is cut into bursts between its files, but this one file holds several frames";
         let remedy = "save each frame as a file of its own";
         return Err(Error::new(ErrorKind::Request, problem, remedy).about(path));
     }

@@ -10,7 +10,7 @@ use crate::burst::{Burst, Encoding, Limits, Positions};
 use crate::detector::SearchParams;
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::mark::Kind;
-use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
+use crate::files::{self, MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Mask, Plane, memory};
 use crate::synth::{FeatureTruth, Truth};
@@ -390,7 +390,7 @@ fn invalid(path: &Path, problem: impl ToString) -> Error {
 type Zip = ZipArchive<BufReader<File>>;
 
 fn opened(path: &Path) -> Result<Zip> {
-    let file = File::open(path).map_err(|error| invalid(path, error))?;
+    let file = files::open(path).map_err(|error| invalid(path, error))?;
     ZipArchive::new(BufReader::new(file)).map_err(|error| invalid(path, error))
 }
 

@@ -10,4 +10,6 @@ mod shared;
 mod colmap;
 mod export;
 mod opening;
+mod params;
 mod parsers;
+mod reading_and_locks;

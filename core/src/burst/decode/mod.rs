@@ -38,6 +38,7 @@ use super::layout::{Mosaic, ViewGrid, ViewsChoice};
 use super::options::{Encoding, Limits, OpenOptions};
 use super::times::Times;
 use crate::error::{Error, Result};
+use crate::files::one_line;
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::memory::{self};
@@ -209,7 +210,7 @@ pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
 /// is decoded: for it the frame is returned too.
 pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<(Header, Option<RawFrame>)> {
     let input = InputFile::open(path, usize::MAX, options)?;
-    guarded(path, input.kind, || match input.kind {
+    let mut found = guarded(path, input.kind, || match input.kind {
         Kind::Raw => {
             let misnamed = input.misnamed;
             let frame = raw_frame(Reading::new(path, options, &Ticker::new(monitor, 1)), &input)?;
@@ -223,7 +224,10 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
         Kind::Tiff => Ok((tiff::header(path, input.file, options)?, None)),
         Kind::Picture(format) => Ok((image::header(path, input.file, format, &options.limits)?, None)),
         _ => Ok((plain(path, input, options)?.header(), None)),
-    })
+    })?;
+    // Names in a file may hold anything.
+    found.0.taken.iter_mut().for_each(|taken| *taken = one_line(taken));
+    Ok(found)
 }
 
 /// Times that the file gives for its frames. Decodes nothing.
