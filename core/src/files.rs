@@ -8,7 +8,7 @@ pub mod lock;
 pub mod mark;
 pub mod unfinished;
 
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, one_line};
 use crate::monitor::Cancelled;
 use serde::Serializer;
 use std::fs::{File, OpenOptions};
@@ -137,19 +137,18 @@ impl Error {
     }
 }
 
-/// The text on one line: what a file names may not begin lines of its own where it is shown.
-pub fn one_line(text: &str) -> String {
-    text.replace('\n', "\\u{a}")
-}
-
-/// The text as one word for a shell.
+/// The text as one word for a shell, on one line.
 pub fn shell_word(text: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "/._-:+,=@%".contains(c);
     if !text.is_empty() && text.chars().all(plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
+        return text.to_owned();
     }
+    let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));
+    if !text.contains('\n') {
+        return quoted(text);
+    }
+    let format = text.replace('\\', r"\\").replace('%', "%%").replace('\n', r"\n");
+    format!("\"$(printf {})\"", quoted(&format))
 }
 
 /// The path as one word for a shell, which no program takes for an option.

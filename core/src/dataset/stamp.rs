@@ -147,7 +147,7 @@ mod tests {
         // The clock of the file system may stand still for some milliseconds.
         std::thread::sleep(std::time::Duration::from_millis(30));
         std::fs::write(&path, "two").expect("written");
-        File::options().write(true).open(&path).and_then(|file| file.set_modified(modified)).expect("set");
+        std::fs::File::options().write(true).open(&path).and_then(|file| file.set_modified(modified)).expect("set");
         assert!(!agree(&kept, &files, Comparison::Content));
         if cfg!(unix) {
             assert!(!agree(&kept, &files, Comparison::Times) && !agree(&kept, &files, Comparison::Glance));

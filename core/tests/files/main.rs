@@ -6,6 +6,7 @@ mod damage;
 #[path = "../common/shared.rs"]
 mod shared;
 
+mod cases;
 #[cfg(feature = "colmap")]
 mod colmap;
 mod export;

@@ -1,8 +1,10 @@
 //! Parameters of the detector and choices of how files are opened: what is read comes back, and nonsense is named.
 
 use burstscope_core::burst::{AxisChoice, Dump, FrameRange, Positions, TimesChoice, ViewGrid, ViewsChoice};
-use burstscope_core::detector::params::{Rules, Stage, doc};
-use burstscope_core::detector::{DetectorParams, Method, NoiseGate, SearchParams, SlopeGrid};
+use burstscope_core::detector::params::{Rules, Stage, Word, doc};
+use burstscope_core::detector::{
+    DetectorParams, Distinct, Method, NoiseGate, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeExtrema, SlopeGrid,
+};
 
 #[test]
 fn a_file_may_fix_the_gate_and_the_frames() {
@@ -130,4 +132,120 @@ fn a_range_of_frames_is_one_that_files_keep() {
     {
         assert!(text.parse::<FrameRange>().is_err_and(|fault| fault.contains(words)), "{text}");
     }
+}
+
+#[test]
+fn every_choice_survives_a_file_and_json() {
+    let detector = DetectorParams { peak_threshold: 0.0003, levels: 3, ..DetectorParams::default() };
+    for slopes in [SlopeChoice::Given, SlopeChoice::AUTO, SlopeChoice::Auto { direction_deg: Some(-30.5) }] {
+        let params = SearchParams { detector: detector.clone(), slopes };
+        let text = params.to_toml();
+        assert_eq!(SearchParams::from_toml(&text).as_ref(), Ok(&params), "{text}");
+        let json = serde_json::to_string(&params).expect("written");
+        assert_eq!(serde_json::from_str::<SearchParams>(&json).expect("read"), params, "{json}");
+        assert!(json.contains("\"peak_threshold\":0.0003,"), "{json}");
+    }
+}
+
+#[test]
+fn a_file_without_slopes_has_them_found_and_one_with_slopes_does_not() {
+    assert_eq!(SearchParams::from_toml(""), Ok(SearchParams::default()));
+    assert_eq!(SearchParams::from_toml("slopes = \"auto\""), Ok(SearchParams::default()));
+    let given = SearchParams::from_toml("[slopes]\nu = { min = -1.0, max = 1.0, count = 3 }\n").expect("valid");
+    assert_eq!(given.slopes, SlopeChoice::Given);
+    assert_eq!(given.detector.slopes, SlopeGrid::line(-1.0..=1.0, 3));
+    // The slopes in a file of the detector's parameters are kept.
+    let library = SearchParams::from_toml(&DetectorParams::default().to_toml()).expect("valid");
+    assert_eq!(library, DetectorParams::default().into());
+}
+
+#[test]
+fn nonsense_in_a_search_says_what_would_be_right() {
+    for (text, words) in [
+        ("slopes = \"all\"", "give \"auto\""),
+        ("[slopes]\nauto = true\nu = { min = 0.0, max = 1.0, count = 2 }", "stands alone"),
+        ("[slopes]\nauto = 3", "stands alone"),
+        ("[slopes]\nauto = true\ndirection_deg = \"up\"", "give degrees"),
+        ("[slopes]\nauto = true\ndirection_deg = nan", "slope-direction"),
+        ("slopes = \"auto\"\npeak_treshold = 1.0", "peak_treshold"),
+        ("slopes = \"auto\"\nlevels = 0", "give 1 to 10"),
+        ("levels = ", "TOML"),
+        ("[slopes]\ndirection = 90.0", "direction_deg"),
+        ("[slopes]\nu = { min = 0.0, max = 1.0, count = 2, step = 1.0 }", "step"),
+    ] {
+        let error = SearchParams::from_toml(text).expect_err(text);
+        assert!(error.contains(words), "{text}: {error}");
+    }
+}
+
+#[test]
+fn a_line_is_horizontal_and_runs_from_min_to_max_and_a_plane_its_first_axis_fastest() {
+    let grid = SlopeGrid::line(-3.0..=3.0, 7);
+    assert!(grid.slopes().eq((-3..=3).map(|u| Slope::new(u as f32, 0.0))));
+    assert!(grid.on_rim(0, 0) && grid.on_rim(6, 0) && !grid.on_rim(3, 0));
+    assert_eq!(SlopeGrid::line_along(90.0, -1.0..=1.0, 3).slope(2), Slope::new(0.0, 1.0));
+    let plane = SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=2.0, 2);
+    assert!(plane.is_plane() && plane.coordinates(4) == (1, 1));
+    assert_eq!((plane.slope(0), plane.slope(5)), (Slope::new(-1.0, 0.0), Slope::new(1.0, 2.0)));
+}
+
+#[test]
+fn positions_are_the_inverse_of_slopes_and_know_the_rim() {
+    for grid in [
+        SlopeGrid::line(-3.0..=3.0, 7),
+        SlopeGrid::line_along(30.0, -2.0..=4.0, 5),
+        SlopeGrid { direction_deg: -75.0, ..SlopeGrid::plane(-1.0..=1.5, 6, 0.0..=2.0, 5) },
+    ] {
+        for (i, j) in [(0.0, 0.0), (1.0, 0.0), (2.3, 0.0), (2.3, 2.4), (3.6, 1.6)] {
+            let j = if grid.v.count > 1 { j } else { 0.0 };
+            let (a, b) = grid.position(grid.at(i, j));
+            assert!((a - i).abs() < 1e-4 && (b - j).abs() < 1e-4, "{grid:?}: {a} {b} for {i} {j}");
+        }
+    }
+    let line = SlopeGrid::line(-3.0..=3.0, 7);
+    for (slope_u, on_rim) in [(-5.0, true), (-2.6, true), (-2.4, false), (0.0, false), (2.4, false), (2.6, true)] {
+        assert_eq!(line.nearest_on_rim(Slope::new(slope_u, 0.0)), on_rim, "{slope_u}");
+    }
+    assert!(!SlopeGrid::single(Slope::new(1.0, 0.0)).nearest_on_rim(Slope::new(1.0, 0.0)));
+}
+
+#[test]
+fn axes_read_what_they_write_and_refuse_the_rest() {
+    let axis: SlopeAxis = "-3:3:7".parse().expect("valid");
+    assert_eq!(axis.to_string().parse(), Ok(axis));
+    assert_eq!("2.5".parse::<SlopeAxis>().expect("valid").value(0.0), 2.5);
+    for bad in ["", "1:2", "a:b:c", "1:2:3:4", "1:2:-3", "nan:1:2"] {
+        assert!(bad.parse::<SlopeAxis>().is_err(), "{bad}");
+    }
+}
+
+#[test]
+fn rules_bring_their_parameters_and_leave_what_is_searched() {
+    let mine = DetectorParams {
+        slopes: SlopeGrid::line(-2.0..=2.0, 5),
+        first_octave: -1,
+        max_features: 7,
+        levels: 6,
+        ..DetectorParams::default()
+    };
+    let paper = mine.clone().under(Rules::BUFF);
+    assert_eq!((paper.slopes, paper.first_octave, paper.max_features), (mine.slopes, -1, 7));
+    assert_eq!((paper.slope_extrema, paper.distinct, paper.levels), (SlopeExtrema::Joint, Distinct::Off, 4));
+    assert_eq!((paper.noise_gate, paper.edge_threshold), (NoiseGate::Factor(0.0), 10.0));
+    let back = paper.under(Rules::BURSTSCOPE);
+    assert_eq!(back, DetectorParams { levels: DetectorParams::default().levels, ..mine.clone() });
+    let own = Rules { kernel_cut: 3.0, ..Rules::VLFEAT };
+    assert_eq!(mine.clone().under(own), DetectorParams { rules: own, ..mine });
+}
+
+#[test]
+fn each_name_stands_for_its_rules_and_others_are_refused() {
+    for ((rules, name), (word, _)) in Rules::NAMED.into_iter().zip(Rules::default().words()) {
+        assert_eq!((name, rules.word()), (*word, name));
+        let mut read = Rules { kernel_cut: 3.0, ..Rules::default() };
+        assert!(read.word() == "own" && read.set_word(name) && read == rules);
+    }
+    assert!(!Rules::default().set_word("own"));
+    let error = serde_json::from_str::<Rules>("\"own\"").expect_err("no set of this name");
+    assert!(error.to_string().contains("give one of burstscope, buff, liff, vlfeat"), "{error}");
 }

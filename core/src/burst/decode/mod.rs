@@ -37,8 +37,7 @@ pub use serve::serve_decoding;
 use super::layout::{Mosaic, ViewGrid, ViewsChoice};
 use super::options::{Encoding, Limits, OpenOptions};
 use super::times::Times;
-use crate::error::{Error, Result};
-use crate::files::one_line;
+use crate::error::{Error, Result, one_line};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::memory::{self};
@@ -225,7 +224,6 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
         Kind::Picture(format) => Ok((image::header(path, input.file, format, &options.limits)?, None)),
         _ => Ok((plain(path, input, options)?.header(), None)),
     })?;
-    // Names in a file may hold anything.
     found.0.taken.iter_mut().for_each(|taken| *taken = one_line(taken));
     Ok(found)
 }
@@ -383,8 +381,10 @@ impl InputFile {
 /// Runs a decoder. A panic in it, and memory that the system refuses it, become errors about the file.
 fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T>) -> Result<T> {
     let decode = || memory::refusable(decode).unwrap_or_else(|refused| Err(refused.about(path)));
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode))
-        .unwrap_or_else(|_| Err(Error::corrupt(path, kind.name(), "its decoder failed unexpectedly")))
+    let decoded = std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode))
+        .unwrap_or_else(|_| Err(Error::corrupt(path, kind.name(), "its decoder failed unexpectedly")));
+    // Names in a file may hold anything.
+    decoded.map_err(|error| Error { problem: one_line(&error.problem), remedy: one_line(&error.remedy), ..error })
 }
 
 /// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.

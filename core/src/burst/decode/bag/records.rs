@@ -2,7 +2,7 @@
 //! the reader of their numbers and texts, which never reads or reserves more than the file has; and the work that all
 //! of this may take.
 
-use crate::files::one_line;
+use crate::error::one_line;
 use crate::monitor::Monitor;
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};

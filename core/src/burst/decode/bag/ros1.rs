@@ -4,7 +4,7 @@
 //! Format: <http://wiki.ros.org/Bags/Format/2.0>.
 
 use super::records::{Channel, Chunk, Contents, List, Message, Scan, Wire, corrupt};
-use crate::files::one_line;
+use crate::error::one_line;
 use std::io::{self, Read, Seek};
 
 /// Bytes before the version.

@@ -1,7 +1,8 @@
 //! ROS 2 bags in SQLite (`.db3`): a table of topics, and one of messages. The file is taken as one that nobody writes.
 
 use super::records::{Channel, Message, Wire, Work};
-use crate::files::{self, one_line};
+use crate::error::one_line;
+use crate::files;
 use crate::plane::memory;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags};
