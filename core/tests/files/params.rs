@@ -1,10 +1,13 @@
 //! Parameters of the detector and choices of how files are opened: what is read comes back, and nonsense is named.
 
-use burstscope_core::burst::{AxisChoice, Dump, FrameRange, Positions, TimesChoice, ViewGrid, ViewsChoice};
+use burstscope_core::burst::{
+    AxisChoice, Dump, FrameRange, Positions, SequenceCut, TimesChoice, ViewGrid, ViewsChoice,
+};
 use burstscope_core::detector::params::{Rules, Stage, Word, doc};
 use burstscope_core::detector::{
     DetectorParams, Distinct, Method, NoiseGate, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeExtrema, SlopeGrid,
 };
+use proptest::prelude::*;
 
 #[test]
 fn a_file_may_fix_the_gate_and_the_frames() {
@@ -248,4 +251,15 @@ fn each_name_stands_for_its_rules_and_others_are_refused() {
     assert!(!Rules::default().set_word("own"));
     let error = serde_json::from_str::<Rules>("\"own\"").expect_err("no set of this name");
     assert!(error.to_string().contains("give one of burstscope, buff, liff, vlfeat"), "{error}");
+}
+
+proptest! {
+    #[test]
+    fn every_burst_is_whole_and_the_last_one_is_the_last_that_fits(frames in 0usize..200, length in 1usize..20, step in 1usize..20) {
+        let cut = SequenceCut::new(length, Some(step)).expect("it can be cut like this");
+        let ranges: Vec<_> = cut.ranges(frames).collect();
+        prop_assert!(ranges.iter().enumerate().all(|(k, r)| r.start == k * step && r.len() == length && r.end <= frames));
+        let next = ranges.len() * step + length;
+        prop_assert!(next > frames);
+    }
 }

@@ -108,6 +108,10 @@ impl Segment {
             let remedy = format!("write it anew with small chunks, or without compression ('{}')", self.form.rewrite());
             return Error::new(ErrorKind::TooLarge, format!("this is too large: {error}"), remedy).about(&self.path);
         }
+        if error.kind() == io::ErrorKind::OutOfMemory {
+            let remedy = "take fewer frames, or close other programs";
+            return Error::new(ErrorKind::NoMemory, "there is no memory for its messages", remedy).about(&self.path);
+        }
         if error.kind() == io::ErrorKind::Unsupported {
             return Error::unsupported(&self.path, self.form.name(), error);
         }
