@@ -82,7 +82,7 @@ impl Error {
     /// This error, with the file or folder `path` as its subject.
     #[must_use]
     pub fn about(self, path: &Path) -> Self {
-        Self { subject: path.display().to_string(), ..self }
+        Self { subject: one_line(&path.display().to_string()), ..self }
     }
 
     /// Error for a file or folder that the system does not let read.
@@ -100,6 +100,11 @@ impl From<Cancelled> for Error {
     fn from(cancelled: Cancelled) -> Self {
         Self::new(ErrorKind::Cancelled, cancelled.to_string(), "")
     }
+}
+
+/// The text on one line: what a file names may not begin lines of its own where it is shown.
+pub fn one_line(text: &str) -> String {
+    text.replace('\n', "\\u{a}")
 }
 
 /// A path ends the line, so that it can be copied; anything else begins it.

@@ -8,10 +8,10 @@ pub mod lock;
 pub mod mark;
 pub mod unfinished;
 
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorKind, one_line};
 use crate::monitor::Cancelled;
 use serde::Serializer;
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -22,19 +22,41 @@ pub const MAX_SESSION_BYTES: u64 = 16 << 20;
 /// Largest text or JSON file of numbers, bytes: features, poses, the truth of a synthetic burst.
 pub const MAX_TABLE_BYTES: u64 = 1 << 30;
 
+/// Opens the regular file `path` for reading. All files that others made are opened here, or by [`open_as`].
+///
+/// # Errors
+/// The system's error, and [`io::ErrorKind::InvalidInput`] for a path that is no regular file.
+pub fn open(path: &Path) -> io::Result<File> {
+    open_as(path, OpenOptions::new().read(true))
+}
+
+/// Opens the regular file `path` as `options` say.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_as(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    // Opening a pipe waits for its other end, and so does reading what the system makes up, such as /proc/kmsg.
+    #[cfg(unix)]
+    let options =
+        std::os::unix::fs::OpenOptionsExt::custom_flags(options, rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
+    // Also opening a device may have effects.
+    let is_regular = |found: std::fs::Metadata| found.is_file();
+    let is_other = std::fs::metadata(path).is_ok_and(|found| !is_regular(found));
+    let file = if is_other { None } else { Some(options.open(path)?) };
+    match file {
+        Some(file) if is_regular(file.metadata()?) => Ok(file),
+        _ => Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file; name one")),
+    }
+}
+
 /// Reads the regular file `path`, at most `max_bytes` bytes.
 ///
 /// # Errors
-/// The system's error; [`io::ErrorKind::InvalidInput`] for a path that is no regular file (a folder, a device, a pipe),
-/// and [`io::ErrorKind::FileTooLarge`] for a file beyond the limit.
+/// As [`open`] (a folder, a device, a pipe), and [`io::ErrorKind::FileTooLarge`] for a file beyond the limit.
 pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
-    // Checked before the file is opened, because opening a pipe waits for its writer.
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is not a regular file; name one"));
-    }
     let mut bytes = Vec::new();
     // A file may grow while it is read, so the limit applies to the bytes read.
-    File::open(path)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    open(path)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > max_bytes {
         let problem = format!("this file is larger than {} MiB, too large for what it shall hold", max_bytes >> 20);
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem));
@@ -49,6 +71,26 @@ pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
 pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
     String::from_utf8(read_bytes(path, max_bytes)?)
         .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "this is not text; save it as UTF-8"))
+}
+
+/// Largest whole number that files of parameters, sessions and cases keep: TOML has no larger one.
+pub const MAX_INTEGER: u64 = i64::MAX.unsigned_abs();
+
+/// Reads a whole number of 0 or more, at most [`MAX_INTEGER`].
+///
+/// # Errors
+/// The fault in `text`.
+pub fn whole_number<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
+    let digits = text.trim();
+    let number =
+        digits.parse().ok().filter(|number| *number <= MAX_INTEGER).and_then(|number| T::try_from(number).ok());
+    number.ok_or_else(|| match digits.bytes().all(|byte| byte.is_ascii_digit()) && !digits.is_empty() {
+        true => {
+            let most = MAX_INTEGER.min(u64::MAX >> (64 - 8 * size_of::<T>()));
+            format!("{text} is more than {most}, the largest number there is here")
+        }
+        false => format!("'{text}' is not a whole number of 0 or more"),
+    })
 }
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -95,11 +137,31 @@ impl Error {
     }
 }
 
-/// The path as text, with bytes that are not UTF-8 as `\xNN`.
+/// The text as one word for a shell, on one line.
+pub fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/._-:+,=@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        return text.to_owned();
+    }
+    let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));
+    if !text.contains('\n') {
+        return quoted(text);
+    }
+    let format = text.replace('\\', r"\\").replace('%', "%%").replace('\n', r"\n");
+    format!("\"$(printf {})\"", quoted(&format))
+}
+
+/// The path as one word for a shell, which no program takes for an option.
+pub fn shell_path(path: &Path) -> String {
+    let path = path.display().to_string();
+    shell_word(&if path.starts_with('-') { format!("./{path}") } else { path })
+}
+
+/// The path as text, on one line, with bytes that are not UTF-8 as `\xNN`.
 pub fn path_text(path: &Path) -> String {
     let mut text = String::new();
     for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
-        text.push_str(chunk.valid());
+        text += &one_line(chunk.valid());
         for byte in chunk.invalid() {
             text += &format!("\\x{byte:02X}");
         }
@@ -115,53 +177,4 @@ pub fn serialize_path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok
 /// [`path_text`] of each path, for `#[serde(serialize_with)]`.
 pub fn serialize_paths<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(paths.iter().map(|path| path_text(path)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn files_are_read_up_to_their_limit() {
-        let home = tempfile::tempdir().expect("a folder");
-        let path = home.path().join("a.toml");
-        std::fs::write(&path, "levels = 4\n").expect("written");
-        assert_eq!(read_text(&path, 11).expect("just fits"), "levels = 4\n");
-        assert_eq!(read_text(&path, 10).expect_err("too large").kind(), io::ErrorKind::FileTooLarge);
-        assert_eq!(read_text(home.path(), 10).expect_err("a folder").kind(), io::ErrorKind::InvalidInput);
-        std::fs::write(&path, [0xff, b'a']).expect("written");
-        assert_eq!(read_text(&path, 10).expect_err("no text").kind(), io::ErrorKind::InvalidData);
-        #[cfg(unix)]
-        assert_eq!(read_text(Path::new("/dev/zero"), 10).expect_err("a device").kind(), io::ErrorKind::InvalidInput);
-    }
-
-    #[test]
-    fn a_limit_on_the_size_of_files_is_said_also_by_an_encoder() {
-        let limit = || io::Error::from(io::ErrorKind::FileTooLarge);
-        for error in [limit(), io::Error::other(limit()), io::Error::other(io::Error::other(limit()))] {
-            assert!(write_problem(&error).contains("ulimit -f"), "{error}");
-        }
-        assert_eq!(write_problem(&io::Error::other("disk full")), "disk full");
-    }
-
-    #[test]
-    fn a_newer_writer_is_said() {
-        let older = format!("{}levels = 4\n", written_by());
-        assert_eq!(explained(&older, "unknown field"), "unknown field");
-        assert_eq!(explained("levels = 4", "unknown field"), "unknown field");
-        let newer = "# Written by Burstscope 99.10.2\nlevels = 4\n";
-        let words = explained(newer, "unknown field");
-        assert!(words.contains("99.10.2") && words.contains(VERSION) && words.contains("unknown field"), "{words}");
-        assert_eq!(explained("# Written by Burstscope soon\n", "x"), "x");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn names_that_are_no_text_are_said_and_told_apart() {
-        use std::os::unix::ffi::OsStrExt;
-        let text = |bytes: &[u8]| path_text(Path::new(std::ffi::OsStr::from_bytes(bytes)));
-        assert_eq!(text("nächte/1".as_bytes()), "nächte/1");
-        assert_eq!(text(b"night\xff\xfe1"), "night\\xFF\\xFE1");
-        assert_ne!(text(b"\xff"), text(b"\xfe"));
-    }
 }

@@ -12,6 +12,7 @@ use crate::detector::{Slope, SlopeGrid};
 use crate::error::{Error, ErrorKind};
 use crate::export::{OutputRules, Picture, write_png};
 use crate::monitor::Monitor;
+use crate::requests::BurstSource;
 use std::cell::RefCell;
 use std::path::Path;
 use std::time::Duration;
@@ -114,6 +115,9 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
         |app| {
             let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
             let answered = app.model.slots.a.burst.is_some() || failed || begin.play.is_some();
+            if app.asks_for_shape() {
+                *unfit.borrow_mut() = Some(no_shape(options));
+            }
             let second = begin.second.is_none() || app.model.slots.b.burst.is_some() || failed;
             unfit.borrow().is_some() || (app.is_settled() && answered && second)
         },
@@ -133,6 +137,20 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
     let (width, height) = rendered.image.dimensions();
     write_png(path, Picture::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
     Ok(())
+}
+
+/// Error of the file whose shape the window would ask for.
+fn no_shape(options: &RenderOptions) -> Error {
+    let Startup { source, second, calibration, .. } = &options.startup;
+    let of_source = |source: &BurstSource| source.info(calibration, &options.monitor).err();
+    let error = [source, second].into_iter().flatten().find_map(of_source);
+    error.unwrap_or_else(|| {
+        Error::new(
+            ErrorKind::NoShape,
+            "the shape of a file without header is not said",
+            "give it in the calibration (raw)",
+        )
+    })
 }
 
 /// The burst has the frame, octave and level, and the slope stays within it; worded as by `stack`.

@@ -13,6 +13,7 @@ use anyhow::anyhow;
 use egui::{Color32, IconData};
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -80,6 +81,13 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     }
 }
 
+/// File of the settings where the usual one is no regular file, which the toolkit would wait for.
+fn other_settings() -> Option<PathBuf> {
+    let folder = eframe::storage_dir(APP_ID)?;
+    let is_other = std::fs::metadata(folder.join("app.ron")).is_ok_and(|found| !found.is_file());
+    is_other.then(|| folder.join("settings.ron"))
+}
+
 fn draw_until_closed(
     window: &SharedWindow,
     startup: &mut Option<Startup>,
@@ -95,6 +103,7 @@ fn draw_until_closed(
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,
         wgpu_options: gpu::wgpu_configuration(),
+        persistence_path: other_settings(),
         ..Default::default()
     };
     let before = context.clone();

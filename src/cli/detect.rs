@@ -213,12 +213,4 @@ mod tests {
             assert_eq!((inputs, read, &options), (vec![PathBuf::from("demo")], params, &calibration));
         }
     }
-
-    #[test]
-    fn paths_are_quoted_as_a_shell_takes_them() {
-        let paths = ["/data/night 1/it's dark", "/data/$HOME;x", "-odd", "plain/0001.png", "Über/ü.tiff"];
-        let (inputs, ..) = understood(&paths, &SearchParams::default(), &OpenOptions::default());
-        let read: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
-        assert_eq!(read, ["/data/night 1/it's dark", "/data/$HOME;x", "./-odd", "plain/0001.png", "Über/ü.tiff"]);
-    }
 }

@@ -107,17 +107,3 @@ pub(super) fn complain(text: &str) {
     // A standard error that cannot be written is no reason to fail.
     let _ = writeln!(std::io::stderr().lock(), "{}", printable(text));
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn commands_to_a_terminal_are_written_out() {
-        assert_eq!(
-            printable("night\u{1b}[31m\n\tone\u{9b}2J\u{7f}\r"),
-            "night\\u{1b}[31m\n\tone\\u{9b}2J\\u{7f}\\u{d}"
-        );
-        assert!(matches!(printable("夜 night\n"), Cow::Borrowed(_)));
-    }
-}

@@ -50,8 +50,9 @@ pub use report::burst_document;
 pub use synthetic::synthetic_burst;
 
 use crate::burst::{DecodeWorker, serve_decoding};
+use crate::files::MAX_INTEGER;
 use crate::plane::memory;
-use clap::Parser;
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use commands::{Cli, Command};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -80,7 +81,8 @@ pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) 
     if let Some(worker) = worker {
         worker.install();
     }
-    let cli = match Cli::try_parse_from(arguments) {
+    let parsed = Cli::command().try_get_matches_from(arguments);
+    let cli = match parsed.and_then(|matches| kept_integers(&matches).and_then(|()| Cli::from_arg_matches(&matches))) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are "errors" of clap that go to the standard output with code 0; wrong use is 2.
@@ -105,6 +107,23 @@ pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) 
             failure.exit_code()
         }
     }
+}
+
+/// Refuses numbers that no file of parameters, sessions or cases could keep; those in texts are refused where these are
+/// read.
+fn kept_integers(matches: &ArgMatches) -> Result<(), clap::Error> {
+    for id in matches.ids().map(clap::Id::as_str) {
+        let wide = matches.try_get_many::<u64>(id).ok().flatten().into_iter().flatten().copied();
+        let sized = matches.try_get_many::<usize>(id).ok().flatten().into_iter().flatten().map(|number| *number as u64);
+        if let Some(number) = wide.chain(sized).find(|number| *number > MAX_INTEGER) {
+            let problem = format!(
+                "--{}: {number} is more than {MAX_INTEGER}, the largest number there is here",
+                id.replace('_', "-")
+            );
+            return Err(Cli::command().error(clap::error::ErrorKind::ValueValidation, problem));
+        }
+    }
+    matches.subcommand().map_or(Ok(()), |(_, matches)| kept_integers(matches))
 }
 
 fn this_program() -> Option<PathBuf> {

@@ -6,8 +6,9 @@ use super::failure::Failure;
 use super::inputs::resolve;
 use super::opening::{Opening, what_to_open};
 use super::search_options::SearchArgs;
-use crate::app::document::Steps;
+use crate::app::actions::registry::ActionId;
 use crate::app::document::journal::read_steps;
+use crate::app::document::{Action, Steps};
 use crate::app::project::cursor::ViewKind;
 use crate::app::{RenderOptions, Startup, render_to_png};
 use crate::burst::OpenOptions;
@@ -80,7 +81,17 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
 /// Reads what is to be done again.
 fn steps_of(path: &Path) -> Result<Steps, Failure> {
     let read = read_text(path, MAX_SESSION_BYTES).map_err(|error| error.to_string());
-    read.and_then(|text| read_steps(&text))
+    // A list may come from a stranger, and would choose the folder.
+    let writes = |action: &Action| match action {
+        Action::Do(ActionId::DetectAll) => Some("detect_all"),
+        Action::DetectAllAnyway => Some("detect_all_anyway"),
+        _ => None,
+    };
+    let harmless = |steps: Steps| match steps.iter().flatten().find_map(writes) {
+        Some(name) => Err(format!("'{name}' writes files, and a list writes nothing but the picture; take it out")),
+        None => Ok(steps),
+    };
+    read.and_then(|text| read_steps(&text).and_then(harmless))
         .map_err(|error| Failure::usage(format!("--play: {error}: {}", path.display())))
 }
 
@@ -171,18 +182,4 @@ fn parse_scale(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|x| (0.5..=4.0).contains(x))
         .ok_or_else(|| format!("'{text}' is not a factor from 0.5 to 4"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn small_parsers_refuse_nonsense() {
-        assert_eq!(parse_size("1280x800"), Ok((1280.0, 800.0)));
-        for bad in ["", "1280", "0x0", "-5x9", "99999x99999"] {
-            assert!(parse_size(bad).is_err(), "{bad}");
-        }
-        assert!(parse_scale("nan").is_err() && parse_scale("9").is_err());
-    }
 }

@@ -4,6 +4,7 @@
 use crate::burst::OpenOptions;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SearchParams, SlopeAxis, SlopeChoice};
+use crate::files::shell_word;
 
 const OUT: &str = "features";
 
@@ -12,11 +13,11 @@ pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenO
     let mut words = vec!["burstscope".to_owned(), "detect".to_owned()];
     // A path that begins with a dash would be read as an option.
     let path = |input: &String| if input.starts_with('-') { format!("./{input}") } else { input.clone() };
-    words.extend(inputs.iter().map(|input| quoted(&path(input))));
+    words.extend(inputs.iter().map(|input| shell_word(&path(input))));
     words.extend(["--out".to_owned(), OUT.to_owned()]);
     for (name, value) in options(params).into_iter().chain(calibration.given()) {
         words.push(format!("--{name}"));
-        words.extend(value.map(|value| quoted(&value)));
+        words.extend(value.map(|value| shell_word(&value)));
     }
     words.join(" ")
 }
@@ -47,13 +48,4 @@ fn options(params: &SearchParams) -> Vec<(String, Option<String>)> {
         }
     }
     options.into_iter().map(|(name, value)| (name.to_owned(), Some(value))).collect()
-}
-
-fn quoted(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-:+,=@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
-    }
 }

@@ -10,6 +10,8 @@ mod detecting;
 mod drawing;
 #[cfg(unix)]
 mod ending_well;
+#[cfg(unix)]
+mod hostile;
 mod house;
 mod inspecting;
 mod interrupting;

@@ -21,8 +21,10 @@ impl Error {
     }
 
     pub(super) fn stack_among_frames(path: &Path, frames: usize) -> Self {
+        // Where as little as possible is read, 2 are several.
+        let held = if frames == 2 { "several".to_owned() } else { frames.to_string() };
         let problem =
-            format!("several files are taken as the frames of one burst, but this one holds {frames} frames itself");
+            format!("several files are taken as the frames of one burst, but this one holds {held} frames itself");
         Self::new(ErrorKind::Request, problem, "open it alone").about(path)
     }
 

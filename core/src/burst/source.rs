@@ -288,8 +288,7 @@ impl SequenceCut {
 pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptions) -> Result<Vec<BurstFiles>> {
     let frames = sequence.files()?;
     if let Some(path) = frames.iter().find(|f| is_stack(f, options)) {
-        let held = decode::frame_count(path, options).unwrap_or(2);
-        let problem = format!("a sequence is cut into bursts between its files, but this one file holds {held} frames");
+        let problem = "a sequence is cut into bursts between its files, but this one file holds several frames";
         let remedy = "save each frame as a file of its own";
         return Err(Error::new(ErrorKind::Request, problem, remedy).about(path));
     }
@@ -335,15 +334,6 @@ mod tests {
             if natural_order(a, b) != Ordering::Greater && natural_order(b, c) != Ordering::Greater {
                 prop_assert_ne!(natural_order(a, c), Ordering::Greater);
             }
-        }
-
-        #[test]
-        fn every_burst_is_whole_and_the_last_one_is_the_last_that_fits(frames in 0usize..200, length in 1usize..20, step in 1usize..20) {
-            let cut = SequenceCut::new(length, Some(step)).expect("it can be cut like this");
-            let ranges: Vec<_> = cut.ranges(frames).collect();
-            prop_assert!(ranges.iter().enumerate().all(|(k, r)| r.start == k * step && r.len() == length && r.end <= frames));
-            let next = ranges.len() * step + length;
-            prop_assert!(next > frames);
         }
     }
 }

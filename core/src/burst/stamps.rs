@@ -10,6 +10,7 @@ use super::options::OpenOptions;
 use super::positions::Positions;
 use super::times::{Times, seconds_of};
 use crate::error::{Error, ErrorKind, Result};
+use crate::files::read_bytes;
 use crate::monitor::Monitor;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -480,7 +481,7 @@ fn read_list(path: &Path, names: &[String]) -> Result<List> {
         let found = format!("it has {} bytes", metadata.len());
         return Err(Error::too_large(path, found, format!("{MAX_LIST_BYTES} bytes"), "give the frames' lines alone"));
     }
-    let bytes = std::fs::read(path).map_err(|e| Error::from_io(path, &e))?;
+    let bytes = read_bytes(path, MAX_LIST_BYTES).map_err(|e| Error::from_io(path, &e))?;
     let wrong = |problem| Error::new(ErrorKind::Unsupported, format!("times: {problem}"), "").about(path);
     List::read(&String::from_utf8_lossy(&bytes), names).map_err(wrong)
 }

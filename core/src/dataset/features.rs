@@ -15,6 +15,7 @@ use crate::export::{
 };
 use crate::files::lock::FolderLock;
 use crate::files::mark::{Checksum, Kind};
+use crate::files::read_bytes;
 use crate::files::unfinished::remove_abandoned;
 use crate::matching::Blob;
 use crate::monitor::Monitor;
@@ -244,7 +245,7 @@ impl FeatureStore {
         let image_name = image_name(source);
         let path = self.feature_file(&image_name);
         // A file of another length was altered; it is not read.
-        let bytes = record.content.is_as_long_as(&path).then(|| std::fs::read(&path).ok()).flatten();
+        let bytes = record.content.is_as_long_as(&path).then(|| read_bytes(&path, u64::MAX).ok()).flatten();
         let bytes = bytes.filter(|bytes| Checksum::of(bytes) == record.content).ok_or(NotKept::Altered)?;
         let text = String::from_utf8(bytes).map_err(|_| NotKept::Altered)?;
         let (keypoints, descriptors) = parse_colmap(&path, &text).map_err(|_| NotKept::Altered)?;
@@ -279,7 +280,7 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<BurstFeatures> {
         // Checked before anything is read.
-        check_memory(&source.paths, &self.job.open, &self.job.detector)?;
+        check_memory(&source.paths, &self.job.open, &self.job.detector, monitor)?;
         let stamps = FileStamp::with_checksums(files, monitor)?;
         let (found, burst) = self.find(source, camera, monitor)?;
         self.begin_writing()?;

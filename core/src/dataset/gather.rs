@@ -9,7 +9,7 @@ use super::kept::{KeptBurst, NotKept};
 use crate::burst::BurstFiles;
 use crate::error::{Error, Result};
 use crate::export::write_whole;
-use crate::files::serialize_path;
+use crate::files::{read_bytes, serialize_path};
 use crate::monitor::Monitor;
 use serde::{Serialize, Serializer};
 use std::io::Write;
@@ -109,7 +109,7 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
         let to = store.folder.join(&file);
         store.check_output(&to)?;
         let from = other.folder.join(&file);
-        let bytes = std::fs::read(&from).map_err(|e| Error::unread_file(&from, e))?;
+        let bytes = read_bytes(&from, u64::MAX).map_err(|e| Error::unread_file(&from, e))?;
         write_whole(&to, |out| out.write_all(&bytes))?;
     }
     store.records().write(image, &record)

@@ -4,10 +4,10 @@
 //! which cannot be set. Where a time differs (access rights change it too) the checksum decides.
 
 use crate::error::{Error, Result};
-use crate::files::path_text;
+use crate::files::{self, path_text};
 use crate::monitor::Monitor;
 use serde::{Deserialize, Serialize};
-use std::fs::{File, Metadata};
+use std::fs::Metadata;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -112,7 +112,7 @@ fn changed_ns(_: &Metadata) -> Option<u64> {
 }
 
 fn checksum(path: &Path, monitor: &Monitor) -> Result<u32> {
-    let mut file = File::open(path).map_err(|e| Error::unread(path, &e))?;
+    let mut file = files::open(path).map_err(|e| Error::unread(path, &e))?;
     let (mut hasher, mut piece) = (crc32fast::Hasher::new(), vec![0; 1 << 18]);
     loop {
         monitor.check()?;
@@ -147,7 +147,7 @@ mod tests {
         // The clock of the file system may stand still for some milliseconds.
         std::thread::sleep(std::time::Duration::from_millis(30));
         std::fs::write(&path, "two").expect("written");
-        File::options().write(true).open(&path).and_then(|file| file.set_modified(modified)).expect("set");
+        std::fs::File::options().write(true).open(&path).and_then(|file| file.set_modified(modified)).expect("set");
         assert!(!agree(&kept, &files, Comparison::Content));
         if cfg!(unix) {
             assert!(!agree(&kept, &files, Comparison::Times) && !agree(&kept, &files, Comparison::Glance));

@@ -10,7 +10,7 @@ use crate::burst::{Burst, Encoding, Limits, Positions};
 use crate::detector::SearchParams;
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::mark::Kind;
-use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
+use crate::files::{self, MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Mask, Plane, memory};
 use crate::synth::{FeatureTruth, Truth};
@@ -390,7 +390,7 @@ fn invalid(path: &Path, problem: impl ToString) -> Error {
 type Zip = ZipArchive<BufReader<File>>;
 
 fn opened(path: &Path) -> Result<Zip> {
-    let file = File::open(path).map_err(|error| invalid(path, error))?;
+    let file = files::open(path).map_err(|error| invalid(path, error))?;
     ZipArchive::new(BufReader::new(file)).map_err(|error| invalid(path, error))
 }
 
@@ -456,49 +456,6 @@ mod tests {
         let path = home.path().join("a.burstcase");
         write_case(&path, (case, burst), enclosed, &Monitor::default()).expect("written");
         (home, path)
-    }
-
-    #[test]
-    fn a_case_comes_back_as_it_was() {
-        let (burst, truth) = chart();
-        let search = SearchParams::default();
-        let of = |place, note: &str| Case::of(&burst, &search, place, note, &Monitor::default()).expect("whole");
-        let (case, part) = of((Some([40.0, 30.0]), None), "why not this one?");
-        // A masked frame comes back masked, and its seen values to the bit.
-        let mask = Mask::new(Plane::from_fn(96, 64, |u, v| f32::from(u > 20 || v > 9)));
-        let frames = part.frames.iter().map(|frame| Arc::new(Plane::clone(frame).masked(mask.clone()))).collect();
-        let masked = Burst { frames, ..part.clone() };
-        let whole = Case::of(&masked, &search, (None, None), "", &Monitor::default()).expect("not cancelled").0;
-        let (_home, path) = written(&whole, &masked, &Enclosed::default());
-        let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
-        assert!(back.frames == masked.frames);
-        let views = Burst { positions: Positions::grid(2, 2), ..part.clone() };
-        let of_views = Case::of(&views, &search, (None, None), "", &Monitor::default()).expect("not cancelled").0;
-        let (_home, path) = written(&of_views, &views, &Enclosed::default());
-        let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
-        assert_eq!(back.positions, views.positions);
-        // A case without session and truth.
-        let (_home, path) = written(&case, &part, &Enclosed::default());
-        assert!(!has_truth(&path));
-        assert!(matches!((read_session(&path), read_truth(&path)), (Ok(None), Ok(None))));
-        let enclosed = Enclosed { session: Some("version = 3\n".to_owned()), truth: Some(truth.clone()) };
-        let (_home, path) = written(&case, &part, &enclosed);
-        assert!(has_truth(&path));
-        assert_eq!(read_session(&path).expect("read"), enclosed.session);
-        assert_eq!(read_truth(&path).expect("read"), enclosed.truth);
-        let (read, back) = read_case(&path, &Limits::default(), &Monitor::default()).expect("read");
-        assert_eq!(read, case);
-        assert!(back.frames == burst.frames, "12-bit values are exact");
-        assert!(std::fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
-        let (case, part) = of((Some([90.0, 30.0]), Some(10)), "");
-        assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
-        assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
-        let (_home, path) = written(&case, &part, &enclosed);
-        let of_part = read_truth(&path).expect("read").expect("a truth");
-        assert_eq!((of_part.width, of_part.height), (16, 21));
-        let inside = truth.features.iter().filter(|one| one.u >= 79.5 && (19.5..40.5).contains(&one.v));
-        assert_eq!(of_part.features.len(), inside.count());
-        assert!(read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1.frames == part.frames);
     }
 
     #[test]

@@ -6,9 +6,8 @@
 use super::atomic::write_whole;
 use crate::detector::{Feature, Moves, Quantity};
 use crate::error::{Error, Result};
-use crate::files::{MAX_TABLE_BYTES, read_bytes, read_text};
+use crate::files::{self, MAX_TABLE_BYTES, read_bytes, read_text};
 use crate::plane::sample::ProfileSample;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 
@@ -99,7 +98,7 @@ pub(super) fn is_table(path: &Path) -> bool {
 /// The first line of the regular file at `path`, if it is short enough for a header.
 pub(super) fn first_line(path: &Path) -> Option<String> {
     let mut line = String::new();
-    let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|found| found.is_file()))?;
+    let file = files::open(path).ok()?;
     BufReader::new(file.take(1024)).read_line(&mut line).ok()?;
     line.strip_suffix('\n').map(str::to_owned)
 }

@@ -28,7 +28,7 @@ pub(super) fn is_lock(path: &Path) -> bool {
     let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
     (name == LOCK_FILE || (name.starts_with(HIDDEN_PREFIX) && name.ends_with(LOCK_SUFFIX)))
         && std::fs::symlink_metadata(path).is_ok_and(|found| found.is_file())
-        && File::open(path).is_ok_and(|mut file| names_owner(&mut file))
+        && super::open(path).is_ok_and(|mut file| names_owner(&mut file))
 }
 
 fn names_owner(file: &mut File) -> bool {
@@ -85,7 +85,7 @@ impl FolderLock {
             if std::fs::symlink_metadata(&path).is_ok_and(|file| file.is_symlink()) {
                 return Err(refused("this is a link, which is not followed; remove it"));
             }
-            let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+            let file = super::open_as(&path, OpenOptions::new().read(true).write(true).create(true).truncate(false));
             let mut file = match file {
                 Ok(file) => file,
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
@@ -198,105 +198,11 @@ fn remove_abandoned(parent: &Path) {
         if cfg!(unix)
             && entry.file_name() != LOCK_FILE
             && is_lock(&entry.path())
-            && let Ok(file) = OpenOptions::new().write(true).open(entry.path())
+            && let Ok(file) = super::open_as(&entry.path(), OpenOptions::new().write(true))
             && file.try_lock().is_ok()
             && is_named(&file, &entry.path())
         {
             let _ = std::fs::remove_file(entry.path());
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_at_a_time_and_the_owner_is_named() {
-        let home = tempfile::tempdir().expect("a folder");
-        let folder = home.path().join("deep/new");
-        for lock in [FolderLock::take, FolderLock::beside] {
-            let first = lock(&folder).expect("free");
-            let refused = lock(&folder).expect_err("another has it").to_string();
-            assert!(refused.starts_with(&format!("process {}", std::process::id())), "{refused}");
-            drop(first);
-            lock(&folder).expect("free again");
-        }
-        let of_another = FolderLock::beside(&home.path().join("b")).expect("free");
-        FolderLock::beside(&home.path().join("a")).expect("another folder's lock is no hindrance");
-        drop(of_another);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn nothing_is_left_but_what_was_written() {
-        let home = tempfile::tempdir().expect("a folder");
-        let names = || std::fs::read_dir(home.path()).expect("a folder").count();
-        let folder = home.path().join("a/b/c");
-        drop(FolderLock::take(&folder).expect("free"));
-        assert_eq!(names(), 0, "folders that were made for nothing");
-        let lock = FolderLock::take(&folder).expect("free");
-        std::fs::write(folder.join("x"), "").expect("written");
-        drop(lock);
-        assert_eq!(std::fs::read_dir(&folder).expect("it stays").count(), 1);
-        // A lock file left by a killed run is removed by the next lock there.
-        std::fs::write(home.path().join(".burstscope-old.lock"), "process 4711").expect("written");
-        drop(FolderLock::beside(&home.path().join("d")).expect("free"));
-        assert_eq!(names(), 1);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_folder_that_is_removed_or_replaced_is_noticed() {
-        let home = tempfile::tempdir().expect("a folder");
-        let folder = home.path().join("a");
-        let lock = FolderLock::take(&folder).expect("free");
-        lock.check().expect("it is there");
-        std::fs::remove_dir_all(&folder).expect("removed");
-        assert_eq!(lock.check(), Err(lock.gone()));
-        let next = FolderLock::take(&folder).expect("a new folder has a new lock");
-        assert_eq!(lock.check(), Err(lock.gone()));
-        drop(lock);
-        next.check().expect("the old lock has left it alone");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn many_who_want_it_have_it_one_after_the_other() {
-        use std::sync::atomic::{AtomicUsize, Ordering};
-        let home = tempfile::tempdir().expect("a folder");
-        let folder = home.path().join("a");
-        let (inside, had) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        std::thread::scope(|scope| {
-            for _ in 0..4 {
-                scope.spawn(|| {
-                    let mut own = 0;
-                    while own < 40 {
-                        match FolderLock::take(&folder) {
-                            Ok(_lock) => {
-                                assert_eq!(inside.fetch_add(1, Ordering::SeqCst), 0, "two have the lock");
-                                had.fetch_add(1, Ordering::SeqCst);
-                                own += 1;
-                                inside.fetch_sub(1, Ordering::SeqCst);
-                            }
-                            Err(error) if error.kind == ErrorKind::Locked => {}
-                            Err(error) => panic!("{error}"),
-                        }
-                    }
-                });
-            }
-        });
-        assert_eq!(had.load(Ordering::SeqCst), 160);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_link_in_place_of_the_lock_is_not_followed() {
-        let home = tempfile::tempdir().expect("a folder");
-        let precious = home.path().join("thesis.txt");
-        std::fs::write(&precious, "precious").expect("written");
-        std::os::unix::fs::symlink(&precious, home.path().join(LOCK_FILE)).expect("linked");
-        assert!(FolderLock::take(home.path()).is_err_and(|error| error.kind == ErrorKind::Unwritten));
-        assert_eq!(std::fs::read_to_string(&precious).expect("there"), "precious");
     }
 }

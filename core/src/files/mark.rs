@@ -118,7 +118,7 @@ impl Checksum {
 
     /// The checksum of the file at `path`.
     pub fn of_file(path: &Path) -> io::Result<Self> {
-        Self::of_parts(&mut File::open(path)?, &[(0, u64::MAX)])
+        Self::of_parts(&mut super::open(path)?, &[(0, u64::MAX)])
     }
 
     /// The checksum of parts of a file, each from an offset on and of at most so many bytes.
@@ -234,11 +234,11 @@ fn part_of(file: &mut File, offset: u64, length: u64) -> io::Result<Vec<u8>> {
 /// Whether the regular file at `path` has a mark of this program; with `is_whole`, only if what the mark claims has not
 /// changed. A picture that was cut off, so that it has lost its mark, is known by its `Software` unless `is_whole`.
 pub fn has_mark(path: &Path, is_whole: bool) -> bool {
-    std::fs::metadata(path).is_ok_and(|file| file.is_file()) && holds_mark(path, is_whole).unwrap_or(false)
+    holds_mark(path, is_whole).unwrap_or(false)
 }
 
 fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
-    let mut file = File::open(path)?;
+    let mut file = super::open(path)?;
     let head = part_of(&mut file, 0, HEAD)?;
     let starts = |start: &[u8]| head.starts_with(start);
     if starts(b"SQLite format 3\0") {

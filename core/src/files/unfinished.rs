@@ -125,7 +125,7 @@ pub fn remove_abandoned(parent: &Path) {
             continue;
         }
         let in_use = hidden.join(Kind::Unfinished.file());
-        let Ok(lock) = OpenOptions::new().write(true).open(&in_use) else { continue };
+        let Ok(lock) = super::open_as(&in_use, OpenOptions::new().write(true)) else { continue };
         if lock.try_lock().is_err() {
             continue;
         }
@@ -157,7 +157,7 @@ fn remove_unmarked(hidden: &Path) {
         return;
     }
     let path = hidden.join(Kind::Unfinished.file());
-    let mark = OpenOptions::new().write(true).open(&path).ok();
+    let mark = super::open_as(&path, OpenOptions::new().write(true)).ok();
     if mark.as_ref().is_some_and(|mark| mark.try_lock().is_ok() && mark.metadata().is_ok_and(|found| found.len() == 0))
     {
         let _ = std::fs::remove_file(&path);

@@ -9,6 +9,7 @@
 use crate::detector::{Feature, Slope};
 use crate::error::{Error, Result};
 use crate::export::{feature_header, read_colmap, read_features_csv};
+use crate::files;
 use crate::inspect::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
@@ -236,7 +237,7 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>> {
 fn is_table(path: &Path) -> Result<bool> {
     let read = |e: std::io::Error| Error::unread_file(path, e);
     let mut start = Vec::new();
-    std::fs::File::open(path).map_err(read)?.take(256).read_to_end(&mut start).map_err(read)?;
+    files::open(path).map_err(read)?.take(256).read_to_end(&mut start).map_err(read)?;
     let start = String::from_utf8_lossy(&start);
     let first = start.lines().next().unwrap_or_default();
     let header = feature_header();

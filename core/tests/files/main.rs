@@ -6,8 +6,11 @@ mod damage;
 #[path = "../common/shared.rs"]
 mod shared;
 
+mod cases;
 #[cfg(feature = "colmap")]
 mod colmap;
 mod export;
 mod opening;
+mod params;
 mod parsers;
+mod reading_and_locks;

@@ -14,6 +14,7 @@ use crate::dataset::{
 };
 use crate::detector::SearchParams;
 use crate::error::Error;
+use crate::files::shell_path;
 use crate::matching::{MatchCounts, MatchParams};
 use crate::requests::error::JobError;
 use crate::requests::request::{Request, Urgency, Work};
@@ -133,18 +134,12 @@ impl Request for ThumbnailsRequest {
 
 /// Commands that reconstruct what an export wrote to `out`: the mapper of COLMAP in two lines, or that of pycolmap.
 pub fn next_commands(out: &Path) -> [String; 3] {
-    let quoted = |path: String| {
-        let plain = |c: char| c.is_alphanumeric() || "/\\._-:".contains(c);
-        if path.chars().all(plain) { path } else { format!("'{path}'") }
-    };
-    let at = |name: &str| quoted(out.join(name).display().to_string());
-    let [database, images, sparse] = ["database.db", "images", "sparse"].map(at);
-    // Backslashes do nothing in a raw text of Python.
-    let [d, i, s] = ["database.db", "images", "sparse"].map(|name| out.join(name).display().to_string());
-    let python = format!("import pycolmap; pycolmap.incremental_mapping(r'{d}', r'{i}', r'{s}')");
+    let [database, images, sparse] = ["database.db", "images", "sparse"].map(|name| shell_path(&out.join(name)));
     [
         format!("mkdir -p {sparse}"),
         format!("colmap mapper --database_path {database} --image_path {images} --output_path {sparse}"),
-        format!("python3 -c \"{python}\""),
+        format!(
+            "python3 -c 'import sys, pycolmap; pycolmap.incremental_mapping(*sys.argv[1:])' {database} {images} {sparse}"
+        ),
     ]
 }

@@ -7,6 +7,7 @@ mod dependencies;
 pub mod documents;
 mod floors;
 mod notices;
+mod opened_files;
 mod reading;
 mod screenshots;
 mod walls;

@@ -9,6 +9,7 @@ use super::{Header, RawFrame, Reading};
 use crate::burst::options::OpenOptions;
 use crate::burst::times::Times;
 use crate::error::{Error, ErrorKind, Result};
+use crate::files::shell_path;
 use crate::monitor::Monitor;
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Read};
@@ -30,12 +31,11 @@ fn ffmpeg(path: &Path) -> Result<PathBuf> {
 }
 
 fn missing(path: &Path) -> Error {
-    let quoted = |path: &Path| path.display().to_string().replace('\'', r"'\''");
     let remedy = format!(
         "ffmpeg decodes it and is not in PATH: install it, or convert the film elsewhere, with all its bits: \
-         ffmpeg -i '{}' -fps_mode passthrough -strict -1 '{}'",
-        quoted(path),
-        quoted(&path.with_extension("y4m"))
+         ffmpeg -i {} -fps_mode passthrough -strict -1 {}",
+        shell_path(path),
+        shell_path(&path.with_extension("y4m"))
     );
     Error::new(ErrorKind::Unsupported, "this is a film", remedy)
 }

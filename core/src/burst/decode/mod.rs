@@ -37,7 +37,7 @@ pub use serve::serve_decoding;
 use super::layout::{Mosaic, ViewGrid, ViewsChoice};
 use super::options::{Encoding, Limits, OpenOptions};
 use super::times::Times;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::memory::{self};
@@ -210,7 +210,7 @@ pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
 /// is decoded: for it the frame is returned too.
 pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<(Header, Option<RawFrame>)> {
     let input = InputFile::open(path, usize::MAX, options)?;
-    guarded(path, input.kind, || match input.kind {
+    let mut found = guarded(path, input.kind, || match input.kind {
         Kind::Raw => {
             let misnamed = input.misnamed;
             let frame = raw_frame(Reading::new(path, options, &Ticker::new(monitor, 1)), &input)?;
@@ -224,7 +224,9 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
         Kind::Tiff => Ok((tiff::header(path, input.file, options)?, None)),
         Kind::Picture(format) => Ok((image::header(path, input.file, format, &options.limits)?, None)),
         _ => Ok((plain(path, input, options)?.header(), None)),
-    })
+    })?;
+    found.0.taken.iter_mut().for_each(|taken| *taken = one_line(taken));
+    Ok(found)
 }
 
 /// Times that the file gives for its frames. Decodes nothing.
@@ -380,8 +382,10 @@ impl InputFile {
 /// Runs a decoder. A panic in it, and memory that the system refuses it, become errors about the file.
 fn guarded<T>(path: &Path, kind: Kind, decode: impl FnOnce() -> Result<T>) -> Result<T> {
     let decode = || memory::refusable(decode).unwrap_or_else(|refused| Err(refused.about(path)));
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode))
-        .unwrap_or_else(|_| Err(Error::corrupt(path, kind.name(), "its decoder failed unexpectedly")))
+    let decoded = std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode))
+        .unwrap_or_else(|_| Err(Error::corrupt(path, kind.name(), "its decoder failed unexpectedly")));
+    // Names in a file may hold anything.
+    decoded.map_err(|error| Error { problem: one_line(&error.problem), remedy: one_line(&error.remedy), ..error })
 }
 
 /// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.

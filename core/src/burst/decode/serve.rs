@@ -91,7 +91,12 @@ mod confined {
         ABI, Access, AccessFs, AccessNet, PathBeneath, PathFd, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetError,
         RulesetStatus, Scope,
     };
-    use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch, apply_filter};
+    use seccompiler::SeccompCmpArgLen::Dword;
+    use seccompiler::SeccompCmpOp::{MaskedEq, Ne};
+    use seccompiler::{
+        BackendError, BpfProgram, SeccompAction, SeccompCondition, SeccompFilter, SeccompRule, TargetArch, apply_filter,
+    };
+    use std::collections::BTreeMap;
     use std::path::Path;
 
     /// Newest interface of Landlock whose rights are given up; an older kernel offers fewer of them.
@@ -113,55 +118,68 @@ mod confined {
         Ok(rules.restrict_self()?.ruleset)
     }
 
-    /// System calls of which decoding makes none and that [`to_file`] leaves. Each then fails with `EPERM`.
-    const CALLS: &[i64] = &[
-        // The network, and programs that wait for orders at a socket.
-        libc::SYS_socket,
-        libc::SYS_io_uring_setup,
-        // Other programs and processes.
-        libc::SYS_execve,
-        libc::SYS_execveat,
-        libc::SYS_ptrace,
-        libc::SYS_process_vm_readv,
-        libc::SYS_process_vm_writev,
-        libc::SYS_pidfd_getfd,
-        // Permissions, owners, times and attributes of files, in which Landlock has no say.
-        libc::SYS_fchmod,
-        libc::SYS_fchmodat,
-        libc::SYS_fchown,
-        libc::SYS_fchownat,
-        libc::SYS_utimensat,
-        libc::SYS_setxattr,
-        libc::SYS_lsetxattr,
-        libc::SYS_fsetxattr,
-        libc::SYS_removexattr,
-        libc::SYS_lremovexattr,
-        libc::SYS_fremovexattr,
-        #[cfg(target_arch = "x86_64")]
-        libc::SYS_chmod,
-        #[cfg(target_arch = "x86_64")]
-        libc::SYS_chown,
-        #[cfg(target_arch = "x86_64")]
-        libc::SYS_lchown,
-        #[cfg(target_arch = "x86_64")]
-        libc::SYS_utime,
-        #[cfg(target_arch = "x86_64")]
-        libc::SYS_utimes,
-        #[cfg(target_arch = "x86_64")]
-        libc::SYS_futimesat,
-        // fchmodat2, setxattrat, removexattrat, file_setattr: one number on all processors, not yet in `libc` for all.
-        452,
-        463,
-        466,
-        469,
-    ];
+    macro_rules! calls {
+        ($($call:ident)*) => { [$(libc::$call),*] };
+    }
+
+    /// System calls of which decoding makes none and that [`to_file`] leaves: the network, and programs that wait for
+    /// orders at a socket; other programs and processes; priority, processors and memory, of other processes too;
+    /// memory, messages, semaphores and keys that are shared by number or name; namespaces, in which a process has
+    /// rights that it has not outside (see [`SPACES`]); news of what others do to files, and files by a handle in place
+    /// of a path; and permissions, owners, times and attributes of files, in which Landlock has no say. Each then fails
+    /// with `EPERM`.
+    const CALLS: [i64; 55] = calls!(
+        SYS_socket SYS_io_uring_setup
+        SYS_execve SYS_execveat SYS_ptrace SYS_process_vm_readv SYS_process_vm_writev SYS_pidfd_getfd SYS_kcmp
+        SYS_perf_event_open SYS_bpf SYS_userfaultfd
+        SYS_setpriority SYS_ioprio_set SYS_sched_setaffinity SYS_sched_setattr SYS_sched_setparam SYS_sched_setscheduler
+        SYS_migrate_pages SYS_move_pages SYS_process_madvise SYS_process_mrelease
+        SYS_shmget SYS_shmat SYS_shmctl SYS_msgget SYS_msgsnd SYS_msgrcv SYS_msgctl SYS_semget SYS_semop SYS_semtimedop
+        SYS_semctl SYS_mq_open SYS_mq_unlink SYS_add_key SYS_request_key SYS_keyctl
+        SYS_unshare SYS_setns
+        SYS_inotify_init1 SYS_inotify_add_watch SYS_fanotify_init SYS_open_by_handle_at
+        SYS_fchmod SYS_fchmodat SYS_fchown SYS_fchownat SYS_utimensat SYS_setxattr SYS_lsetxattr SYS_fsetxattr
+        SYS_removexattr SYS_lremovexattr SYS_fremovexattr
+    );
+    /// Those that only this processor has, for the same.
+    #[cfg(target_arch = "x86_64")]
+    const OLD_CALLS: [i64; 7] = calls!(
+        SYS_chmod SYS_chown SYS_lchown SYS_utime SYS_utimes SYS_futimesat SYS_inotify_init
+    );
+    #[cfg(not(target_arch = "x86_64"))]
+    const OLD_CALLS: [i64; 0] = [];
+    /// fchmodat2, setxattrat, removexattrat, file_setattr: one number on all processors, not yet in `libc` for all.
+    const NEW_CALLS: [i64; 4] = [452, 463, 466, 469];
+
+    /// Flags of a new process that give it namespaces of its own: files, control groups, names, shared memory, users,
+    /// processes and network.
+    const SPACES: [u64; 7] =
+        [0x0002_0000, 0x0200_0000, 0x0400_0000, 0x0800_0000, 0x1000_0000, 0x2000_0000, 0x4000_0000];
+
+    /// The filters, which all hold: what they deny fails with `EPERM`, and what the libraries have another call for with
+    /// `ENOSYS`.
+    pub(super) fn filters() -> Result<[BpfProgram; 2], BackendError> {
+        let rule = |argument, operator, value| {
+            SeccompRule::new(vec![SeccompCondition::new(argument, Dword, operator, value)?])
+        };
+        let all = CALLS.into_iter().chain(OLD_CALLS).chain(NEW_CALLS);
+        let mut calls: BTreeMap<i64, Vec<SeccompRule>> = all.map(|call| (call, Vec::new())).collect();
+        // The limits of another process; its own are number 0, and can be lowered alone.
+        calls.insert(libc::SYS_prlimit64, vec![rule(0, Ne, 0)?]);
+        let spaces = SPACES.iter().map(|space| rule(0, MaskedEq(*space), *space)).collect::<Result<_, _>>()?;
+        calls.insert(libc::SYS_clone, spaces);
+        // Its flags lie in memory, where no filter reads; threads are then started by `clone`.
+        let newer = BTreeMap::from([(libc::SYS_clone3, Vec::new())]);
+        let filter = |calls, error: i32| {
+            let denied = SeccompAction::Errno(error.unsigned_abs());
+            let arch = TargetArch::try_from(std::env::consts::ARCH)?;
+            BpfProgram::try_from(SeccompFilter::new(calls, SeccompAction::Allow, denied, arch)?)
+        };
+        Ok([filter(calls, libc::EPERM)?, filter(newer, libc::ENOSYS)?])
+    }
 
     pub(super) fn without_calls() -> Result<(), seccompiler::Error> {
-        let denied = SeccompAction::Errno(libc::EPERM.unsigned_abs());
-        let calls = CALLS.iter().map(|call| (*call, Vec::new())).collect();
-        let filter =
-            SeccompFilter::new(calls, SeccompAction::Allow, denied, TargetArch::try_from(std::env::consts::ARCH)?)?;
-        apply_filter(&BpfProgram::try_from(filter)?)
+        filters()?.iter().try_for_each(|filter| apply_filter(filter))
     }
 }
 
@@ -169,6 +187,7 @@ mod confined {
 mod tests {
     use super::confined;
     use landlock::RulesetStatus;
+    use seccompiler::sock_filter;
     use std::fs::{self, File, OpenOptions, Permissions};
     use std::io::ErrorKind::PermissionDenied;
     use std::io::{self, Read};
@@ -234,9 +253,66 @@ mod tests {
             assert_denied(File::open(own).and_then(|file| file.set_permissions(Permissions::from_mode(0o777))));
             assert_denied(File::open(own).and_then(|file| file.set_modified(std::time::UNIX_EPOCH)));
             assert_eq!(modes(), before);
+            let parent = rustix::process::getppid();
+            let limits = rustix::process::getrlimit(rustix::process::Resource::Core);
+            let limit = |process| rustix::process::prlimit(process, rustix::process::Resource::Core, limits.clone());
+            assert_denied(limit(parent).map_err(io::Error::from));
+            limit(None).expect("its own may be set");
+            assert_denied(rustix::process::setpriority_process(parent, 19).map_err(io::Error::from));
+            assert_denied(
+                rustix::fs::inotify::init(rustix::fs::inotify::CreateFlags::empty()).map_err(io::Error::from),
+            );
             // Threads are still there, and what reads.
             let read = std::thread::scope(|scope| scope.spawn(|| fs::read_to_string(own)).join()).expect("no panic");
             assert_eq!(read.expect("it may be read"), "own");
         });
+    }
+
+    /// Error with which a filter answers a call of this number and first argument; 0 where it lets it pass.
+    fn answer(filter: &[sock_filter], call: i64, argument: u64) -> u32 {
+        let (mut at, mut value) = (0, 0);
+        loop {
+            let sock_filter { code, jt, jf, k } = filter[at];
+            at += 1;
+            let jump = |is: bool| usize::from(if is { jt } else { jf });
+            match code {
+                // The number, the processor, and the halves of the first argument lie at these places.
+                0x20 => {
+                    value = match k {
+                        0 => call as u32,
+                        4 if cfg!(target_arch = "x86_64") => 0xc000_003e,
+                        4 => 0xc000_00b7,
+                        16 => argument as u32,
+                        20 => (argument >> 32) as u32,
+                        _ => 0,
+                    }
+                }
+                0x54 => value &= k,
+                0x05 => at += k as usize,
+                0x15 => at += jump(value == k),
+                0x25 => at += jump(value > k),
+                0x35 => at += jump(value >= k),
+                0x06 => return if k == 0x7fff_0000 { 0 } else { k & 0xffff },
+                other => panic!("the filter has the instruction {other:#x}"),
+            }
+        }
+    }
+
+    #[test]
+    fn what_reaches_other_processes_is_denied_and_what_threads_need_is_not() {
+        let filters = confined::filters().expect("filters");
+        let errors = |call, argument| filters.each_ref().map(|filter| answer(filter, call, argument));
+        let denied = [libc::EPERM.unsigned_abs(), 0];
+        let calls = [libc::SYS_add_key, libc::SYS_keyctl, libc::SYS_shmget, libc::SYS_msgget, libc::SYS_unshare];
+        let more = [libc::SYS_sched_setaffinity, libc::SYS_ioprio_set, libc::SYS_setns, libc::SYS_execve];
+        for call in calls.into_iter().chain(more) {
+            assert_eq!(errors(call, 0), denied, "{call}");
+        }
+        assert_eq!((errors(libc::SYS_prlimit64, 1), errors(libc::SYS_prlimit64, 0)), (denied, [0, 0]));
+        // A thread, as glibc starts one, and the same with users of its own.
+        let thread = 0x003d_0f00;
+        assert_eq!((errors(libc::SYS_clone, thread | 0x1000_0000), errors(libc::SYS_clone, thread)), (denied, [0, 0]));
+        assert_eq!(errors(libc::SYS_clone3, 0), [0, libc::ENOSYS.unsigned_abs()]);
+        assert_eq!(errors(libc::SYS_read, 0), [0, 0]);
     }
 }

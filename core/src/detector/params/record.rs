@@ -5,6 +5,7 @@
 
 use super::{Distinct, FrameRange, NoiseGate, SlopeAxis, Word};
 use crate::error::{Error, Result};
+use crate::files::whole_number;
 use std::fmt;
 use std::ops::{Bound, Deref, RangeBounds, RangeInclusive};
 
@@ -118,10 +119,10 @@ impl Field<'_> {
         }
         match self {
             Self::F32(x) => number(x, text, "number")?,
-            Self::U32(n) => number(n, text, "whole number of 0 or more")?,
+            Self::U32(n) => *n = whole_number(text)?,
             Self::I32(n) => number(n, text, "whole number")?,
-            Self::Usize(n) => number(n, text, "whole number of 0 or more")?,
-            Self::U64(n) => number(n, text, "whole number of 0 or more")?,
+            Self::Usize(n) => *n = whole_number(text)?,
+            Self::U64(n) => *n = whole_number(text)?,
             Self::Flag(flag) => *flag = text.trim().parse().map_err(|_| format!("'{text}' is not true or false"))?,
             Self::Word(word) => word.set_word(text).then_some(()).ok_or_else(|| format!("'{text}' is not known"))?,
             Self::Axis(axis) => *axis = text.parse()?,

@@ -165,39 +165,3 @@ impl<'de> Deserialize<'de> for Rules {
         rules.set_word(&word).then_some(rules).ok_or_else(wrong)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rules_bring_their_parameters_and_leave_what_is_searched() {
-        let mine = DetectorParams {
-            slopes: crate::detector::SlopeGrid::line(-2.0..=2.0, 5),
-            first_octave: -1,
-            max_features: 7,
-            levels: 6,
-            ..DetectorParams::default()
-        };
-        let paper = mine.clone().under(Rules::BUFF);
-        assert_eq!((paper.slopes, paper.first_octave, paper.max_features), (mine.slopes, -1, 7));
-        assert_eq!((paper.slope_extrema, paper.distinct, paper.levels), (SlopeExtrema::Joint, Distinct::Off, 4));
-        assert_eq!((paper.noise_gate, paper.edge_threshold), (NoiseGate::Factor(0.0), 10.0));
-        let back = paper.under(Rules::BURSTSCOPE);
-        assert_eq!(back, DetectorParams { levels: DetectorParams::default().levels, ..mine.clone() });
-        let own = Rules { kernel_cut: 3.0, ..Rules::VLFEAT };
-        assert_eq!(mine.clone().under(own), DetectorParams { rules: own, ..mine });
-    }
-
-    #[test]
-    fn each_name_stands_for_its_rules_and_others_are_refused() {
-        for ((rules, name), (word, _)) in Rules::NAMED.into_iter().zip(Rules::default().words()) {
-            assert_eq!((name, rules.word()), (*word, name));
-            let mut read = Rules { kernel_cut: 3.0, ..Rules::default() };
-            assert!(read.word() == "own" && read.set_word(name) && read == rules);
-        }
-        assert!(!Rules::default().set_word("own"));
-        let error = serde_json::from_str::<Rules>("\"own\"").expect_err("no set of this name");
-        assert!(error.to_string().contains("give one of burstscope, buff, liff, vlfeat"), "{error}");
-    }
-}

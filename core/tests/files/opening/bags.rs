@@ -35,6 +35,11 @@ pub fn samples() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
+/// The bytes of one of them.
+pub fn sample_of(name: &str) -> Vec<u8> {
+    samples().into_iter().find(|(own, _)| *own == name).expect("a sample").1
+}
+
 /// A bag of two topics of pictures.
 pub fn stereo() -> (&'static str, Vec<u8>) {
     sample!("stereo_bz2.bag")
@@ -69,7 +74,7 @@ impl Opened {
     }
 }
 
-fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
+pub fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
     Burst::open_with(&[path.to_owned()], options, &Monitor::default())
 }
 

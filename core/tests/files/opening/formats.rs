@@ -352,7 +352,7 @@ fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     let film = BurstFiles { name: "film".into(), paths: vec![path.clone()] };
     let error = cut_sequence(&film, cut, &OpenOptions::default()).expect_err("a stack");
     assert!(
-        error.problem.contains("this one file holds 2 frames") && error.subject == path.display().to_string(),
+        error.problem.contains("this one file holds several frames") && error.subject == path.display().to_string(),
         "{error}"
     );
     let error = cut_sequence(sequence, cut, &OpenOptions::default()).expect_err("a stack among frames");
@@ -376,7 +376,7 @@ fn several_stacks_are_several_bursts() {
     save(&picture, &grey8(2, 1, 0));
     let error = open(&[picture, paths[0].clone()]).expect_err("mixed");
     let named = paths[0].display().to_string();
-    assert!(error.problem.contains("this one holds 2 frames itself") && error.subject == named, "{error}");
+    assert!(error.problem.contains("this one holds several frames itself") && error.subject == named, "{error}");
     let error = Burst::open(folder.path()).expect_err("mixed");
     assert!(error.problem.contains("frames itself") && error.subject == named, "{error}");
 }

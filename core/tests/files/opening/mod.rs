@@ -11,6 +11,8 @@ mod dng;
 mod errors;
 mod formats;
 mod fuzz;
+#[cfg(feature = "bags")]
+mod hostile_bags;
 mod options;
 mod photographs;
 mod plain;

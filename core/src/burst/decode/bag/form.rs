@@ -1,5 +1,6 @@
 //! Formats of recordings, by their first bytes.
 
+use crate::files;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -20,7 +21,7 @@ pub(in crate::burst::decode) fn is_metadata(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = |file: File| file.take(METADATA.1.len() as u64).read_to_end(&mut start);
     path.file_name().is_some_and(|name| name == METADATA.0)
-        && File::open(path).and_then(read).is_ok()
+        && files::open(path).and_then(read).is_ok()
         && start == METADATA.1
 }
 

@@ -3,27 +3,25 @@
 //!
 //! Format: <https://mcap.dev/spec>.
 
-use super::records::{Channel, Chunk, Contents, List, Message, Scan, Wire, corrupt};
-use std::io::{self, Read, Seek, SeekFrom};
+use super::records::{Channel, Checksum, Chunk, Contents, List, Message, Scan, Wire, corrupt};
+use std::io::{self, Read, Seek};
 
 /// Bytes before the first record, and after the last.
 const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
-const START: u64 = 8;
+pub(super) const START: u64 = 8;
 const FOOTER: u8 = 2;
 const SCHEMA: u8 = 3;
 const CHANNEL: u8 = 4;
 const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
 const LIST: u8 = 7;
+const DATA_END: u8 = 15;
 /// Bytes of a message's record before the message: channel, number, and two times.
 const BEFORE_MESSAGE: u64 = 22;
 
 /// Reads the records of a file, or of the unpacked chunk `chunk`.
-pub(super) fn walk(mut reader: impl Read + Seek, length: u64, chunk: usize, found: &mut Contents) -> io::Result<()> {
-    let start = if chunk == 0 { START } else { 0 };
-    reader.seek(SeekFrom::Start(start))?;
-    let mut scan = Scan::new(reader, start, length);
-    while scan.at < length {
+pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &mut Contents) -> io::Result<()> {
+    while scan.goes_on()? {
         let at = scan.at;
         let [kind] = scan.array()?;
         let bytes = scan.u64()?;
@@ -31,12 +29,19 @@ pub(super) fn walk(mut reader: impl Read + Seek, length: u64, chunk: usize, foun
         match kind {
             // A file without one was not closed.
             FOOTER if chunk == 0 => {
+                let (from, _offsets, crc) = (scan.u64()?, scan.u64()?, scan.u32()?);
+                let checksum = Checksum { from, to: scan.at - 4, crc };
+                found.summary_checksum = Some(checksum).filter(|sum| sum.crc != 0 && (1..=at).contains(&sum.from));
                 scan.skip_to(end)?;
                 return if &scan.array()? == MAGIC {
                     Ok(())
                 } else {
                     Err(corrupt("its last bytes are not those of its kind"))
                 };
+            }
+            DATA_END if chunk == 0 => {
+                let checksum = Checksum { from: 0, to: at, crc: scan.u32()? };
+                found.data_checksum = Some(checksum).filter(|sum| sum.crc != 0);
             }
             SCHEMA => {
                 let id = scan.u16()?;
@@ -79,12 +84,12 @@ pub(super) fn walk(mut reader: impl Read + Seek, length: u64, chunk: usize, foun
 }
 
 /// Time and place of the next message of a list.
-pub(super) fn entry(scan: &mut Scan<impl Read + Seek>) -> io::Result<(u64, u64)> {
+pub(super) fn entry(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<(u64, u64)> {
     Ok((scan.u64()?, scan.u64()?))
 }
 
 /// Bytes of the message of the record that follows, to the start of which `scan` goes.
-pub(super) fn message(scan: &mut Scan<impl Read + Seek>) -> io::Result<u64> {
+pub(super) fn message(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<u64> {
     let [kind] = scan.array()?;
     let bytes = scan.u64()?.checked_sub(BEFORE_MESSAGE).filter(|_| kind == MESSAGE);
     let bytes = bytes.ok_or_else(|| corrupt("a list of messages names a place where there is none"))?;

@@ -15,27 +15,30 @@ use super::{Expected, Header, RawFrame, Reading, Ticker};
 use crate::burst::options::{Limits, OpenOptions};
 use crate::burst::times::Times;
 use crate::error::{Error, ErrorKind, Result};
-use crate::files::read_bytes;
+use crate::files::{path_text, read_bytes};
 use crate::monitor::Monitor;
 use ::image::ImageFormat::{self, Jpeg, Png};
 use form::{Form, is_metadata};
 use message::{Picture, STAMP_BYTES, stamp_ns};
-use records::{Channel, Message, Wire};
-use segment::Segment;
-use std::collections::BTreeMap;
+use records::{Channel, Message, Wire, Work};
+use segment::{Segment, UNCHECKED, WHOLE};
+use std::collections::{BTreeMap, HashSet};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// Largest list of files, bytes.
+/// Largest list of files, bytes, and largest number of files in it.
 const MAX_METADATA_BYTES: u64 = 1 << 24;
+const MAX_FILES: usize = 4096;
 /// Nanoseconds of a time that counts from 1970, at least (it is in 1973); smaller ones are those of a simulation.
 const SINCE_1970_NS: u64 = 100_000_000_000_000_000;
 /// Largest number of topics that a message lists.
 const FEW: usize = 12;
 
 /// The files of the recording at `path`.
-fn segments(path: &Path, options: &OpenOptions) -> Result<Vec<Segment>> {
-    let open = |file: &Path| Segment::open(file, &options.limits);
+fn segments(path: &Path, options: &OpenOptions, work: Work) -> Result<Vec<Segment>> {
+    let work = Arc::new(work);
+    let open = |file: &Path| Segment::open(file, &options.limits, &work);
     if !is_metadata(path) {
         return Ok(vec![open(path)?]);
     }
@@ -45,11 +48,20 @@ fn segments(path: &Path, options: &OpenOptions) -> Result<Vec<Segment>> {
     let names = listed.map_while(|line| line.strip_prefix("- ")).map(|name| name.trim_matches(['"', '\'', ' ']));
     // Old versions write the name of the folder too.
     let files = names.filter_map(|name| Some(path.with_file_name(Path::new(name).file_name()?)));
-    let segments = files.map(|file: PathBuf| open(&file)).collect::<Result<Vec<_>, _>>()?;
-    if segments.is_empty() {
-        return Err(Error::corrupt(path, Form::Rows.name(), "its field 'relative_file_paths' lists no file"));
+    let files: Vec<PathBuf> = files.take(MAX_FILES + 1).collect();
+    let fault = |fault: String| {
+        Err(Error::corrupt(path, Form::Rows.name(), format!("its field 'relative_file_paths' lists {fault}")))
+    };
+    let mut names = HashSet::new();
+    match files.iter().find(|file| !names.insert(*file)) {
+        _ if files.is_empty() => return fault("no file".to_owned()),
+        _ if files.len() > MAX_FILES => return fault(format!("more than {MAX_FILES} files")),
+        Some(twice) => {
+            return fault(format!("'{}' twice", path_text(Path::new(twice.file_name().unwrap_or_default()))));
+        }
+        None => {}
     }
-    Ok(segments)
+    files.iter().map(|file| open(file)).collect()
 }
 
 /// A topic of pictures.
@@ -145,7 +157,7 @@ impl<'a> Topic<'a> {
         let (segment, first) = first.ok_or_else(|| self.parts[0].0.wrong("the topic has no message"))?;
         let (path, kind, limits) = (&segment.path, segment.form.name(), &options.limits);
         let quiet = Monitor::default();
-        let header = segment.each(&[*first], u64::MAX, &Ticker::new(&quiet, 1), |_, message| {
+        let header = segment.each(&[*first], UNCHECKED, &Ticker::new(&quiet, 1), |_, message| {
             let picture = self.picture(segment, message)?;
             let header = match self.format(segment, &picture)? {
                 Some(format) => image::header_of(path, Cursor::new(picture.data), picture.data, format, limits)?,
@@ -222,14 +234,21 @@ fn few(topics: impl Iterator<Item = String>) -> String {
     topics.join(", ")
 }
 
-/// Number of pictures of the topic.
+/// Number of pictures of the topic; 2 where a quick look does not tell.
 pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
-    Ok(Topic::chosen(path, &segments(path, options)?, options)?.frames())
+    match count(path, options, Work::new(&Monitor::default(), true)) {
+        Err(error) if error.kind == ErrorKind::TooLarge => Ok(2),
+        count => count,
+    }
+}
+
+fn count(path: &Path, options: &OpenOptions, work: Work) -> Result<usize> {
+    Ok(Topic::chosen(path, &segments(path, options, work)?, options)?.frames())
 }
 
 /// Size and number of the topic's pictures, and their times.
 pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header> {
-    let segments = segments(path, options)?;
+    let segments = segments(path, options, Work::new(monitor, false))?;
     let topic = Topic::chosen(path, &segments, options)?;
     let (header, silent) = (topic.header(options)?, monitor.silent());
     let (width, height) = (header.width as u64, header.height as u64);
@@ -246,6 +265,7 @@ pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> R
     };
     let mut taken = vec![format!("the topic is {}, of {}{others}", topic.channel.topic, topic.channel.of)];
     taken.extend(header.taken);
+    taken.extend(segments.iter().filter_map(|segment| segment.beside.clone()));
     let times = if are_stamps(stamps.iter()) {
         if !stamps.is_sorted() {
             taken.push("the frames are in the order of their stamps, which is not that of the recording".to_owned());
@@ -277,7 +297,7 @@ fn times(ns: &[u64]) -> Times {
 
 pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     let Reading { path, options, ticker, .. } = reading;
-    let segments = segments(path, options)?;
+    let segments = segments(path, options, Work::new(ticker.monitor(), false))?;
     let topic = Topic::chosen(path, &segments, options)?;
     let header = topic.header(options)?;
     let size = (header.width, header.height);
@@ -285,7 +305,7 @@ pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     for (segment, skipped, messages) in &topic.parts {
         let before = frames.len();
         let frame = |k, message: &[u8]| topic.frame(segment, (skipped + k, before + k), size, message, options, ticker);
-        frames.extend(segment.each(messages, u64::MAX, ticker, frame)?);
+        frames.extend(segment.each(messages, WHOLE, ticker, frame)?);
     }
     if are_stamps(frames.iter().map(|(stamp, _)| stamp)) {
         frames.sort_by_key(|(stamp, _)| *stamp);
@@ -296,7 +316,7 @@ pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
 /// The picture of a recording that has one.
 pub(super) fn only(reading: Reading<'_>) -> Result<RawFrame> {
     let Reading { path, options, ticker, .. } = reading;
-    match frame_count(path, options)? {
+    match count(path, options, Work::new(ticker.monitor(), false))? {
         1 => {
             let frame = stack(Reading { ticker: &Ticker::new(&ticker.monitor().silent(), 1), ..reading })?.remove(0);
             reading.check(frame.plane.size())?;
@@ -309,12 +329,12 @@ pub(super) fn only(reading: Reading<'_>) -> Result<RawFrame> {
 /// The picture with the index `page` in the file, which is frame `frame` of its burst.
 pub(super) fn page(reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
     let Reading { path, options, ticker, .. } = reading;
-    let segments = segments(path, options)?;
+    let segments = segments(path, options, Work::new(ticker.monitor(), false))?;
     let topic = Topic::chosen(path, &segments, options)?;
     let (segment, _, messages) = &topic.parts[0];
     let message = messages.get(page..=page).ok_or_else(|| segment.wrong("it became shorter"))?;
     let header = topic.header(options)?;
     let size = (header.width, header.height);
     let decode = |_, message: &[u8]| topic.frame(segment, (page, frame), size, message, options, ticker);
-    Ok(segment.each(message, u64::MAX, ticker, decode)?.remove(0).1)
+    Ok(segment.each(message, UNCHECKED, ticker, decode)?.remove(0).1)
 }

@@ -1,8 +1,12 @@
 //! Records of a recording as both of its formats with chunks have them: channels, messages, chunks, lists of messages;
-//! and the reader of their numbers and texts, which never reads or reserves more than the file has.
+//! the reader of their numbers and texts, which never reads or reserves more than the file has; and the work that all
+//! of this may take.
 
+use crate::error::one_line;
+use crate::monitor::Monitor;
 use std::collections::{BTreeMap, HashMap};
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Longest name, or header of a record of a ROS 1 bag, bytes.
 const MAX_FIELD_BYTES: u64 = 1 << 24;
@@ -10,6 +14,101 @@ const MAX_FIELD_BYTES: u64 = 1 << 24;
 /// Error of a file that announces the impossible; `reason` is the end of a sentence about it.
 pub(super) fn corrupt(reason: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, reason.into())
+}
+
+/// Bytes that a recording may unpack to whatever its length, and for each byte that is packed. Frames of a sensor are
+/// packed to a tenth at best; drawn ones to some hundredth.
+const UNPACKED_BYTES: u64 = 1 << 28;
+const UNPACKED_PER_BYTE: u64 = 1000;
+/// Times that all may be unpacked: to look for messages, for their stamps, and for frames.
+const PASSES: u64 = 3;
+/// Records and instructions of a database that may be looked at whatever the length, and for each byte.
+const STEPS: u64 = 1 << 26;
+const STEPS_PER_BYTE: u64 = 256;
+/// Bytes of unpacked chunks that are kept, so that those of a small recording are unpacked once.
+const KEPT_BYTES: u64 = 1 << 26;
+
+/// Work that reading a recording may take, which ends when it is cancelled. It counts down from any thread.
+#[derive(Debug)]
+pub(super) struct Work {
+    monitor: Monitor,
+    bytes: AtomicU64,
+    steps: AtomicU64,
+    kept: AtomicU64,
+    /// Whether it does not grow with what there is to read.
+    is_quick: bool,
+}
+
+impl Work {
+    /// Work for a recording, or for a quick look at it, which takes about a second and leaves the rest.
+    pub(super) fn new(monitor: &Monitor, is_quick: bool) -> Self {
+        let part = if is_quick { 4 } else { 1 };
+        let [bytes, steps, kept] = [UNPACKED_BYTES * PASSES / part, STEPS / part, KEPT_BYTES].map(AtomicU64::new);
+        Self { monitor: monitor.silent(), bytes, steps, kept, is_quick }
+    }
+
+    fn add(&self, of: &AtomicU64, count: u64, each: u64) {
+        let count = if self.is_quick { 0 } else { count.saturating_mul(each) };
+        let _ = of.fetch_update(Relaxed, Relaxed, |left| Some(left.saturating_add(count)));
+    }
+
+    /// Adds the steps that a file of `length` bytes allows.
+    pub(super) fn add_file(&self, length: u64) {
+        self.add(&self.steps, length, STEPS_PER_BYTE);
+    }
+
+    /// Adds what so many packed bytes, which are to be unpacked now, allow.
+    pub(super) fn add_packed(&self, bytes: u64) {
+        self.add(&self.bytes, bytes, UNPACKED_PER_BYTE);
+    }
+
+    fn spent(of: &AtomicU64, count: u64) -> bool {
+        of.fetch_update(Relaxed, Relaxed, |left| left.checked_sub(count)).is_ok()
+    }
+
+    /// Takes `count` records or instructions.
+    pub(super) fn step(&self, count: u64) -> io::Result<()> {
+        self.monitor.check().map_err(io::Error::other)?;
+        match Self::spent(&self.steps, count) {
+            true => Ok(()),
+            false => {
+                Err(io::Error::new(io::ErrorKind::QuotaExceeded, "it has far more records than its length allows"))
+            }
+        }
+    }
+
+    /// Fails before anything is unpacked where `packed` bytes announce to become more than they may.
+    pub(super) fn check_unpacked(&self, packed: u64, unpacked: u64) -> io::Result<()> {
+        let most = packed.saturating_mul(UNPACKED_PER_BYTE).saturating_add(UNPACKED_BYTES);
+        let most = if self.is_quick { UNPACKED_BYTES / 4 } else { most };
+        if unpacked <= most { Ok(()) } else { Err(Self::unpacks_to_too_much()) }
+    }
+
+    fn unpacks_to_too_much() -> io::Error {
+        let (times, least) = (UNPACKED_PER_BYTE, UNPACKED_BYTES >> 20);
+        let problem = format!("its packed parts become more than {times} times their length and {least} MiB");
+        io::Error::new(io::ErrorKind::QuotaExceeded, problem)
+    }
+
+    /// Whether `bytes` unpacked ones may be kept.
+    pub(super) fn keeps(&self, bytes: u64) -> bool {
+        Self::spent(&self.kept, bytes)
+    }
+}
+
+/// Reader of unpacked bytes, which counts them as work.
+pub(super) struct Metered<'a, R> {
+    pub reader: R,
+    pub work: &'a Work,
+}
+
+impl<R: Read> Read for Metered<'_, R> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        self.work.step(0)?;
+        let room = to.len().min(1 << 20);
+        let count = self.reader.read(&mut to[..room])?;
+        if Work::spent(&self.work.bytes, count as u64) { Ok(count) } else { Err(Work::unpacks_to_too_much()) }
+    }
 }
 
 /// Serialisation of messages.
@@ -81,6 +180,14 @@ pub(super) struct Chunk {
     pub crc: u32,
 }
 
+/// Checksum (CRC-32) of the bytes from `from` to `to` of a file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Checksum {
+    pub from: u64,
+    pub to: u64,
+    pub crc: u32,
+}
+
 /// Records of a file.
 #[derive(Debug, Default)]
 pub(super) struct Contents {
@@ -90,6 +197,9 @@ pub(super) struct Contents {
     /// The file itself, and the chunks.
     pub chunks: Vec<Chunk>,
     pub lists: Vec<List>,
+    /// Of all before the summary, and of the summary, where the file has them (MCAP).
+    pub data_checksum: Option<Checksum>,
+    pub summary_checksum: Option<Checksum>,
 }
 
 impl Contents {
@@ -104,16 +214,24 @@ impl Contents {
 }
 
 /// Reader of records, which knows its place.
-pub(super) struct Scan<R: Read + Seek> {
+pub(super) struct Scan<'a, R: Read + Seek> {
     reader: BufReader<R>,
     pub at: u64,
     pub length: u64,
+    work: &'a Work,
 }
 
-impl<R: Read + Seek> Scan<R> {
-    /// Begins at the place `at`, at which `reader` is too, of `length` bytes.
-    pub(super) fn new(reader: R, at: u64, length: u64) -> Self {
-        Self { reader: BufReader::with_capacity(512, reader), at, length }
+impl<'a, R: Read + Seek> Scan<'a, R> {
+    /// Begins at the place `at` of `length` bytes.
+    pub(super) fn new(mut reader: R, at: u64, length: u64, work: &'a Work) -> io::Result<Self> {
+        reader.seek(SeekFrom::Start(at))?;
+        Ok(Self { reader: BufReader::with_capacity(512, reader), at, length, work })
+    }
+
+    /// Whether another record follows, which is counted as work.
+    pub(super) fn goes_on(&self) -> io::Result<bool> {
+        self.work.step(1)?;
+        Ok(self.at < self.length)
     }
 
     pub(super) fn array<const N: usize>(&mut self) -> io::Result<[u8; N]> {
@@ -155,7 +273,7 @@ impl<R: Read + Seek> Scan<R> {
     }
 
     pub(super) fn text(&mut self) -> io::Result<String> {
-        Ok(String::from_utf8_lossy(&self.field()?).into_owned())
+        Ok(one_line(&String::from_utf8_lossy(&self.field()?)))
     }
 
     /// The place `bytes` behind this one, which must lie in the file.

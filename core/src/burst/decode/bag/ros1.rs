@@ -4,10 +4,11 @@
 //! Format: <http://wiki.ros.org/Bags/Format/2.0>.
 
 use super::records::{Channel, Chunk, Contents, List, Message, Scan, Wire, corrupt};
-use std::io::{self, Read, Seek, SeekFrom};
+use crate::error::one_line;
+use std::io::{self, Read, Seek};
 
 /// Bytes before the version.
-const START: u64 = 9;
+pub(super) const START: u64 = 9;
 const VERSION: &[u8] = b"2.0\n";
 
 /// Value of a field of a header: its bytes, behind a length, the name and `=`.
@@ -25,7 +26,7 @@ fn field<'a>(header: &'a [u8], name: &str) -> Option<&'a [u8]> {
 
 fn text(header: &[u8], name: &str) -> io::Result<String> {
     let value = field(header, name).ok_or_else(|| corrupt(format!("a record has no field '{name}'")))?;
-    Ok(String::from_utf8_lossy(value).into_owned())
+    Ok(one_line(&String::from_utf8_lossy(value)))
 }
 
 fn number(header: &[u8], name: &str) -> io::Result<u32> {
@@ -39,17 +40,14 @@ fn time_ns([s, ns]: [u32; 2]) -> u64 {
 }
 
 /// Reads the records of a file, or of the unpacked chunk `chunk`.
-pub(super) fn walk(mut reader: impl Read + Seek, length: u64, chunk: usize, found: &mut Contents) -> io::Result<()> {
-    let start = if chunk == 0 { START } else { 0 };
-    reader.seek(SeekFrom::Start(start))?;
-    let mut scan = Scan::new(reader, start, length);
+pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &mut Contents) -> io::Result<()> {
     if chunk == 0 && scan.array::<4>()? != VERSION {
         let reason = "its version is not 2.0; record it again";
         return Err(io::Error::new(io::ErrorKind::Unsupported, reason));
     }
     // Each chunk is named in a record at the end of a bag that was closed.
     let (mut announced, mut named) = (0, 0);
-    while scan.at < length {
+    while scan.goes_on()? {
         let at = scan.at;
         let header = scan.field()?;
         let bytes = scan.u32()?.into();
@@ -92,12 +90,12 @@ pub(super) fn walk(mut reader: impl Read + Seek, length: u64, chunk: usize, foun
 }
 
 /// Time and place of the next message of a list.
-pub(super) fn entry(scan: &mut Scan<impl Read + Seek>) -> io::Result<(u64, u64)> {
+pub(super) fn entry(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<(u64, u64)> {
     Ok((time_ns([scan.u32()?, scan.u32()?]), scan.u32()?.into()))
 }
 
 /// Bytes of the message of the record that follows, to the start of which `scan` goes.
-pub(super) fn message(scan: &mut Scan<impl Read + Seek>) -> io::Result<u64> {
+pub(super) fn message(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<u64> {
     let header = scan.field()?;
     if field(&header, "op") != Some(&[2]) {
         return Err(corrupt("a list of messages names a place where there is none"));

@@ -1,22 +1,34 @@
 //! ROS 2 bags in SQLite (`.db3`): a table of topics, and one of messages. The file is taken as one that nobody writes.
 
-use super::records::{Channel, Message, Wire};
+use super::records::{Channel, Message, Wire, Work};
+use crate::error::one_line;
+use crate::files;
+use crate::plane::memory;
+use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags};
 use std::collections::BTreeMap;
-use std::io;
-use std::path::Path;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Largest number of topics that are looked at, and of characters of a name.
 const MAX_TOPICS: usize = 4096;
 const MAX_NAME: usize = 4096;
+/// Instructions of SQLite between two looks at the work.
+const EACH: u64 = 1000;
 
-fn connection(path: &Path) -> rusqlite::Result<Connection> {
+fn connection(path: &Path, work: &Arc<Work>) -> rusqlite::Result<Connection> {
     let kept = |byte: u8| byte.is_ascii_alphanumeric() || b"/._-:".contains(&byte);
+    // No value is longer than its file; the most is SQLite's own limit.
+    let longest = std::fs::metadata(path).map_or(0, |file| file.len()).clamp(1 << 20, 1_000_000_000) as i32;
     let path = path.as_os_str().as_encoded_bytes();
     let escaped = |byte: &u8| if kept(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02x}") };
     let path: String = path.iter().map(escaped).collect();
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let connection = Connection::open_with_flags(format!("file:{path}?immutable=1"), flags)?;
+    let mut connection = Connection::open_with_flags(format!("file:{path}?immutable=1"), flags)?;
+    connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest)?;
+    let work = work.clone();
+    connection.progress_handler(EACH as i32, Some(move || work.step(EACH).is_err()))?;
     connection.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")?;
     Ok(connection)
 }
@@ -32,24 +44,67 @@ pub(super) fn check_length(start: &[u8], length: u64) -> io::Result<()> {
     Ok(())
 }
 
-/// The topics by their numbers.
-pub(super) fn channels(path: &Path) -> io::Result<BTreeMap<u32, Channel>> {
-    let connection = connection(path).map_err(io::Error::other)?;
-    // A view could compute for ever.
-    let tables = "SELECT count(*) FROM sqlite_schema WHERE name IN ('topics', 'messages') AND type = 'table'";
-    let tables: i64 = connection.query_row(tables, [], |row| row.get(0)).map_err(io::Error::other)?;
-    if tables != 2 {
-        let reason = "it has no tables 'topics' and 'messages', as ROS 2 records them";
+/// Sentence about the file of a recorder that still writes, or was killed, beside the database at `path`.
+///
+/// # Errors
+/// One that says that the database is in the middle of a write.
+pub(super) fn beside(path: &Path) -> io::Result<Option<String>> {
+    let named = |ending: &str| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    let start_of = |ending| {
+        let mut start = Vec::new();
+        files::open(&named(ending)).and_then(|file| file.take(33).read_to_end(&mut start)).map_or(Vec::new(), |_| start)
+    };
+    // A journal whose write was finished is empty, or begins with zeros.
+    if start_of("-journal").starts_with(b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7") {
+        let reason = "a write into it was not finished, as the journal beside it ('-journal') says; stop the recorder, or \
+                      open and close the file once with sqlite3, which takes the write back";
         return Err(io::Error::new(io::ErrorKind::Unsupported, reason));
     }
-    let read = || {
+    // The header alone has 32 bytes.
+    let is_left = start_of("-wal").len() > 32;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok(is_left.then(|| format!(
+        "messages in '{name}-wal' beside it are not read; stop the recorder, or open and close '{name}' once with sqlite3, \
+         which takes them in"
+    )))
+}
+
+/// Runs a question to the database.
+fn asked<T>(path: &Path, work: &Arc<Work>, ask: impl FnOnce(Connection) -> rusqlite::Result<T>) -> io::Result<T> {
+    connection(path, work).and_then(ask).map_err(|e| match (work.step(EACH), e.sqlite_error_code()) {
+        // An interrupted one is told by what interrupted it.
+        (Err(reason), _) => reason,
+        (_, Some(rusqlite::ErrorCode::OutOfMemory)) => io::ErrorKind::OutOfMemory.into(),
+        _ => io::Error::other(e),
+    })
+}
+
+/// The topics by their numbers.
+pub(super) fn channels(path: &Path, work: &Arc<Work>) -> io::Result<BTreeMap<u32, Channel>> {
+    // A view and a column that is generated could compute for ever.
+    let stored = "SELECT count(*), coalesce(sum((SELECT count(*) FROM pragma_table_xinfo(s.name) WHERE hidden > 0)), 0) \
+                  FROM sqlite_schema AS s WHERE name IN ('topics', 'messages') AND type = 'table' AND rootpage > 0";
+    let stored: (i64, i64) =
+        asked(path, work, |connection| connection.query_row(stored, [], |row| Ok((row.get(0)?, row.get(1)?))))?;
+    if stored != (2, 0) {
+        let reason = "it has no tables 'topics' and 'messages' of stored columns alone, as ROS 2 records them";
+        return Err(io::Error::new(io::ErrorKind::Unsupported, reason));
+    }
+    asked(path, work, |connection| {
         let mut topics = connection.prepare(&format!(
             "SELECT id, substr(name, 1, {MAX_NAME}), substr(type, 1, {MAX_NAME}), serialization_format = 'cdr' \
              FROM topics ORDER BY id LIMIT {MAX_TOPICS}"
         ))?;
         let topics = topics.query_map([], |row| {
             let (name, of): (String, String) = (row.get(1)?, row.get(2)?);
-            Ok((row.get(0)?, Channel::new(name, &of, row.get::<_, bool>(3)?.then_some(Wire::Cdr))))
+            Ok((
+                row.get(0)?,
+                Channel::new(one_line(&name), &one_line(&of), row.get::<_, bool>(3)?.then_some(Wire::Cdr)),
+            ))
         })?;
         let mut channels: BTreeMap<u32, Channel> = topics.collect::<rusqlite::Result<_>>()?;
         let mut counts = connection.prepare("SELECT topic_id, count(*) FROM messages GROUP BY topic_id")?;
@@ -60,14 +115,12 @@ pub(super) fn channels(path: &Path) -> io::Result<BTreeMap<u32, Channel>> {
             }
         }
         Ok(channels)
-    };
-    read().map_err(|e: rusqlite::Error| io::Error::other(e))
+    })
 }
 
 /// The first `most` messages of the topic with the number `id`.
-pub(super) fn messages(path: &Path, id: u32, most: u64) -> io::Result<Vec<Message>> {
-    let read = || {
-        let connection = connection(path)?;
+pub(super) fn messages(path: &Path, id: u32, most: u64, work: &Arc<Work>) -> io::Result<Vec<Message>> {
+    asked(path, work, |connection| {
         let mut rows =
             connection.prepare("SELECT id, timestamp FROM messages WHERE topic_id = ?1 ORDER BY timestamp LIMIT ?2")?;
         let message = |row: &rusqlite::Row<'_>| {
@@ -75,15 +128,19 @@ pub(super) fn messages(path: &Path, id: u32, most: u64) -> io::Result<Vec<Messag
             Ok(Message { recorded_ns: recorded.max(0).unsigned_abs(), chunk: 0, at: at.cast_unsigned() })
         };
         rows.query_map((id, most.cast_signed()), message)?.collect::<rusqlite::Result<_>>()
-    };
-    read().map_err(|e: rusqlite::Error| io::Error::other(e))
+    })
 }
 
 /// The first bytes of the message in the row `row`, at most `most`.
-pub(super) fn bytes(path: &Path, row: u64, most: u64) -> io::Result<Vec<u8>> {
-    let read = || {
-        let message = "SELECT substr(data, 1, ?2) FROM messages WHERE id = ?1";
-        connection(path)?.query_row(message, (row.cast_signed(), most.cast_signed()), |row| row.get(0))
-    };
-    read().map_err(|e: rusqlite::Error| io::Error::other(e))
+pub(super) fn bytes(path: &Path, row: u64, most: u64, work: &Arc<Work>) -> io::Result<Vec<u8>> {
+    let message = "SELECT substr(data, 1, ?2) FROM messages WHERE id = ?1";
+    asked(path, work, |connection| {
+        connection.query_row(message, (row.cast_signed(), most.cast_signed()), |row| {
+            let stored = row.get_ref(0)?.as_blob()?;
+            // Room that the system may refuse.
+            let mut bytes = memory::with_capacity(stored.len());
+            bytes.extend_from_slice(stored);
+            Ok(bytes)
+        })
+    })
 }

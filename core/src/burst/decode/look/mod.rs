@@ -11,6 +11,7 @@ pub(super) use directories::Directories;
 use super::bag::form;
 use super::{fits, npy, ser, y4m};
 use crate::error::{Error, ErrorKind};
+use crate::files::shell_path;
 use image::ImageFormat::{Bmp, Jpeg, Png, Pnm, WebP};
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -183,37 +184,37 @@ pub(super) fn is_video(start: &[u8]) -> bool {
         .any(|magic| at(0, magic))
 }
 
-/// Formats that others read: first bytes, name, and the way to frames, in which FILE is the path.
+/// Formats that others read: first bytes, name, and the way to frames, in which FILE is the path, as a word of a shell.
 const OF_OTHERS: [(&[u8], &str, &str); 11] = [
     (
         b"\x89HDF\r\n\x1a\n",
         "an HDF5 file (also MATLAB's .mat of version 7.3)",
-        "save its frames as an array: python3 -c \"import h5py, numpy; numpy.save('frames.npy', h5py.File('FILE')['NAME'][:])\"; h5py.File('FILE').keys() has the names",
+        "save its frames as an array: python3 -c \"import sys, h5py, numpy; numpy.save('frames.npy', h5py.File(sys.argv[1])['NAME'][:])\" FILE; h5py.File(…).keys() has the names",
     ),
     (
         b"MATLAB 5.0 MAT",
         "a MATLAB file",
-        "save its frames as an array: python3 -c \"import scipy.io, numpy; numpy.save('frames.npy', scipy.io.loadmat('FILE')['NAME'])\"",
+        "save its frames as an array: python3 -c \"import sys, scipy.io, numpy; numpy.save('frames.npy', scipy.io.loadmat(sys.argv[1])['NAME'])\" FILE",
     ),
     (b"#ROSBAG V", "a ROS 1 bag", ROS),
     (b"\x89MCAP0\r\n", "a bag in MCAP", ROS),
     (b"SQLite format 3\0", "a database, as ROS 2 records them", ROS),
-    (b"\x1f\x8b", "a file that gzip compressed", "unpack it first: gunzip --keep 'FILE'"),
+    (b"\x1f\x8b", "a file that gzip compressed", "unpack it first: gunzip --keep FILE"),
     (
         b"v/1\x01",
         "an OpenEXR picture",
-        "save it as TIFF: python3 -c \"import imageio.v3 as i; i.imwrite('frame.tiff', i.imread('FILE').astype('float32'))\"",
+        "save it as TIFF: python3 -c \"import sys, imageio.v3 as i; i.imwrite('frame.tiff', i.imread(sys.argv[1]).astype('float32'))\" FILE",
     ),
-    (b"\0\0\0\x0cjP  ", "a JPEG 2000 picture", "convert it to a 16-bit PNG: opj_decompress -i 'FILE' -o frame.png"),
-    (b"\0\0\0\x0cJXL ", "a JPEG XL picture", "convert it to a 16-bit PNG: djxl 'FILE' frame.png"),
+    (b"\0\0\0\x0cjP  ", "a JPEG 2000 picture", "convert it to a 16-bit PNG: opj_decompress -i FILE -o frame.png"),
+    (b"\0\0\0\x0cJXL ", "a JPEG XL picture", "convert it to a 16-bit PNG: djxl FILE frame.png"),
     (b"ZISRAWFILE", "a CZI file of microscopes", MICROSCOPE),
     (b"\xda\xce\xbe\x0a", "an ND2 file of microscopes", MICROSCOPE),
 ];
 
-const ROS: &str = "save its pictures as an array: python3 -c \"import numpy; from rosbags.highlevel import AnyReader; from rosbags.image import message_to_cvimage; \
-     from pathlib import Path; r = AnyReader([Path('FILE')]); r.open(); numpy.save('frames.npy', [message_to_cvimage(r.deserialize(m, c.msgtype)) \
-     for c, _, m in r.messages() if c.topic == 'TOPIC'])\"";
-const MICROSCOPE: &str = "convert it to OME-TIFF: bfconvert 'FILE' frames.ome.tiff";
+const ROS: &str = "save its pictures as an array: python3 -c \"import sys, numpy; from rosbags.highlevel import AnyReader; from rosbags.image import message_to_cvimage; \
+     from pathlib import Path; r = AnyReader([Path(sys.argv[1])]); r.open(); numpy.save('frames.npy', [message_to_cvimage(r.deserialize(m, c.msgtype)) \
+     for c, _, m in r.messages() if c.topic == 'TOPIC'])\" FILE";
+const MICROSCOPE: &str = "convert it to OME-TIFF: bfconvert FILE frames.ome.tiff";
 
 /// Error for a file that begins with `start`, which is no kind that can be decoded.
 pub(super) fn unknown(path: &Path, start: &[u8]) -> Error {
@@ -223,7 +224,7 @@ pub(super) fn unknown(path: &Path, start: &[u8]) -> Error {
         return Error::corrupt(path, "PNG", reason);
     }
     if let Some((_, name, way)) = OF_OTHERS.iter().find(|(magic, ..)| start.starts_with(magic)) {
-        let remedy = way.replace("FILE", &path.display().to_string());
+        let remedy = way.replace("FILE", &shell_path(path));
         return Error::new(ErrorKind::Unsupported, format!("this is {name}, which is not opened here"), remedy)
             .about(path);
     }

@@ -34,7 +34,7 @@ pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>> {
 }
 
 fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
-    let file = File::open(path).map_err(|e| unread(path, &e))?;
+    let file = burstscope_core::files::open(path).map_err(|e| unread(path, &e))?;
     let bytes = file.metadata().map_err(|e| unread(path, &e))?.len();
     Ok((BufReader::with_capacity(1 << 16, file), bytes))
 }

@@ -3,18 +3,18 @@
 use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::{corrupt, unread};
 use burstscope_core::error::{Error, Result};
+use burstscope_core::files;
 use std::fmt::Display;
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::str::FromStr;
 
 pub(super) fn read_images(path: &Path) -> Result<Vec<SparseImage>> {
-    images(BufReader::new(File::open(path).map_err(|e| unread(path, &e))?), path)
+    images(BufReader::new(files::open(path).map_err(|e| unread(path, &e))?), path)
 }
 
 pub(super) fn read_points(path: &Path) -> Result<Vec<SparsePoint>> {
-    points(BufReader::new(File::open(path).map_err(|e| unread(path, &e))?), path)
+    points(BufReader::new(files::open(path).map_err(|e| unread(path, &e))?), path)
 }
 
 /// Parses images: a line of pose and name, then a line of keypoints, which may be empty.

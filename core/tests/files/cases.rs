@@ -1,0 +1,65 @@
+//! Cases, of the whole burst and of a part: what was written comes back.
+
+use burstscope_core::Monitor;
+use burstscope_core::burst::{Burst, Limits, Positions};
+use burstscope_core::detector::SearchParams;
+use burstscope_core::export::case::{Case, Enclosed, has_truth, read_case, read_session, read_truth, write_case};
+use burstscope_core::plane::{Mask, Plane};
+use burstscope_core::synth::{ChartParams, Truth, synth_chart};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+fn chart() -> (Burst, Truth) {
+    let chart = ChartParams { width: 96, height: 64, discs: 3, frames: 4, radius: 3.6..=8.0, ..ChartParams::default() };
+    synth_chart(&chart, &Monitor::default()).expect("a chart")
+}
+
+fn written(case: &Case, burst: &Burst, enclosed: &Enclosed) -> (tempfile::TempDir, PathBuf) {
+    let home = tempfile::tempdir().expect("a folder");
+    let path = home.path().join("a.burstcase");
+    write_case(&path, (case, burst), enclosed, &Monitor::default()).expect("written");
+    (home, path)
+}
+
+#[test]
+fn a_case_comes_back_as_it_was() {
+    let (burst, truth) = chart();
+    let search = SearchParams::default();
+    let of = |place, note: &str| Case::of(&burst, &search, place, note, &Monitor::default()).expect("whole");
+    let (case, part) = of((Some([40.0, 30.0]), None), "why not this one?");
+    // A masked frame comes back masked, and its seen values to the bit.
+    let mask = Mask::new(Plane::from_fn(96, 64, |u, v| f32::from(u > 20 || v > 9)));
+    let frames = part.frames.iter().map(|frame| Arc::new(Plane::clone(frame).masked(mask.clone()))).collect();
+    let masked = Burst { frames, ..part.clone() };
+    let whole = Case::of(&masked, &search, (None, None), "", &Monitor::default()).expect("not cancelled").0;
+    let (_home, path) = written(&whole, &masked, &Enclosed::default());
+    let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
+    assert!(back.frames == masked.frames);
+    let views = Burst { positions: Positions::grid(2, 2), ..part.clone() };
+    let of_views = Case::of(&views, &search, (None, None), "", &Monitor::default()).expect("not cancelled").0;
+    let (_home, path) = written(&of_views, &views, &Enclosed::default());
+    let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
+    assert_eq!(back.positions, views.positions);
+    // A case without session and truth.
+    let (_home, path) = written(&case, &part, &Enclosed::default());
+    assert!(!has_truth(&path));
+    assert!(matches!((read_session(&path), read_truth(&path)), (Ok(None), Ok(None))));
+    let enclosed = Enclosed { session: Some("version = 3\n".to_owned()), truth: Some(truth.clone()) };
+    let (_home, path) = written(&case, &part, &enclosed);
+    assert!(has_truth(&path));
+    assert_eq!(read_session(&path).expect("read"), enclosed.session);
+    assert_eq!(read_truth(&path).expect("read"), enclosed.truth);
+    let (read, back) = read_case(&path, &Limits::default(), &Monitor::default()).expect("read");
+    assert_eq!(read, case);
+    assert!(back.frames == burst.frames, "12-bit values are exact");
+    assert!(std::fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
+    let (case, part) = of((Some([90.0, 30.0]), Some(10)), "");
+    assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
+    assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
+    let (_home, path) = written(&case, &part, &enclosed);
+    let of_part = read_truth(&path).expect("read").expect("a truth");
+    assert_eq!((of_part.width, of_part.height), (16, 21));
+    let inside = truth.features.iter().filter(|one| one.u >= 79.5 && (19.5..40.5).contains(&one.v));
+    assert_eq!(of_part.features.len(), inside.count());
+    assert!(read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1.frames == part.frames);
+}

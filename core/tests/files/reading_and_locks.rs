@@ -1,0 +1,155 @@
+//! Files in general: which are read and how far, names as text, and locks of folders.
+
+use burstscope_core::error::ErrorKind;
+use burstscope_core::files::lock::{FolderLock, LOCK_FILE};
+use burstscope_core::files::{explained, path_text, read_text, whole_number, write_problem, written_by};
+use std::io;
+use std::path::Path;
+
+#[test]
+fn files_are_read_up_to_their_limit() {
+    let home = tempfile::tempdir().expect("a folder");
+    let path = home.path().join("a.toml");
+    std::fs::write(&path, "levels = 4\n").expect("written");
+    assert_eq!(read_text(&path, 11).expect("just fits"), "levels = 4\n");
+    assert_eq!(read_text(&path, 10).expect_err("too large").kind(), io::ErrorKind::FileTooLarge);
+    assert_eq!(read_text(home.path(), 10).expect_err("a folder").kind(), io::ErrorKind::InvalidInput);
+    std::fs::write(&path, [0xff, b'a']).expect("written");
+    assert_eq!(read_text(&path, 10).expect_err("no text").kind(), io::ErrorKind::InvalidData);
+    #[cfg(unix)]
+    assert_eq!(read_text(Path::new("/dev/zero"), 10).expect_err("a device").kind(), io::ErrorKind::InvalidInput);
+}
+
+#[test]
+fn a_limit_on_the_size_of_files_is_said_also_by_an_encoder() {
+    let limit = || io::Error::from(io::ErrorKind::FileTooLarge);
+    for error in [limit(), io::Error::other(limit()), io::Error::other(io::Error::other(limit()))] {
+        assert!(write_problem(&error).contains("ulimit -f"), "{error}");
+    }
+    assert_eq!(write_problem(&io::Error::other("disk full")), "disk full");
+}
+
+#[test]
+fn a_newer_writer_is_said() {
+    let older = format!("{}levels = 4\n", written_by());
+    assert_eq!(explained(&older, "unknown field"), "unknown field");
+    assert_eq!(explained("levels = 4", "unknown field"), "unknown field");
+    let newer = "# Written by Burstscope 99.10.2\nlevels = 4\n";
+    let words = explained(newer, "unknown field");
+    assert!(
+        words.contains("99.10.2") && words.contains(env!("CARGO_PKG_VERSION")) && words.contains("unknown field"),
+        "{words}"
+    );
+    assert_eq!(explained("# Written by Burstscope soon\n", "x"), "x");
+}
+
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_text_are_said_and_told_apart() {
+    use std::os::unix::ffi::OsStrExt;
+    let text = |bytes: &[u8]| path_text(Path::new(std::ffi::OsStr::from_bytes(bytes)));
+    assert_eq!(text("nächte/1".as_bytes()), "nächte/1");
+    assert_eq!(text(b"night\xff\xfe1"), "night\\xFF\\xFE1");
+    assert_ne!(text(b"\xff"), text(b"\xfe"));
+}
+
+#[test]
+fn whole_numbers_are_those_that_files_keep() {
+    assert_eq!((whole_number(" 7 "), whole_number("9223372036854775807")), (Ok(7u64), Ok(i64::MAX.unsigned_abs())));
+    assert_eq!(whole_number::<u32>("4294967295"), Ok(u32::MAX));
+    let fault = |text: &str| whole_number::<u64>(text).expect_err(text);
+    assert_eq!(fault("-1"), "'-1' is not a whole number of 0 or more");
+    let most = "is more than 9223372036854775807";
+    assert!(fault("9223372036854775808").contains(most) && fault(&"9".repeat(40)).contains(most));
+    assert!(whole_number::<u32>("4294967296").is_err_and(|fault| fault.contains("more than 4294967295")));
+}
+
+#[test]
+fn one_at_a_time_and_the_owner_is_named() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folder = home.path().join("deep/new");
+    for lock in [FolderLock::take, FolderLock::beside] {
+        let first = lock(&folder).expect("free");
+        let refused = lock(&folder).expect_err("another has it").to_string();
+        assert!(refused.starts_with(&format!("process {}", std::process::id())), "{refused}");
+        drop(first);
+        lock(&folder).expect("free again");
+    }
+    let of_another = FolderLock::beside(&home.path().join("b")).expect("free");
+    FolderLock::beside(&home.path().join("a")).expect("another folder's lock is no hindrance");
+    drop(of_another);
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_left_but_what_was_written() {
+    let home = tempfile::tempdir().expect("a folder");
+    let names = || std::fs::read_dir(home.path()).expect("a folder").count();
+    let folder = home.path().join("a/b/c");
+    drop(FolderLock::take(&folder).expect("free"));
+    assert_eq!(names(), 0, "folders that were made for nothing");
+    let lock = FolderLock::take(&folder).expect("free");
+    std::fs::write(folder.join("x"), "").expect("written");
+    drop(lock);
+    assert_eq!(std::fs::read_dir(&folder).expect("it stays").count(), 1);
+    // A lock file left by a killed run is removed by the next lock there.
+    std::fs::write(home.path().join(".burstscope-old.lock"), "process 4711").expect("written");
+    drop(FolderLock::beside(&home.path().join("d")).expect("free"));
+    assert_eq!(names(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_is_removed_or_replaced_is_noticed() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folder = home.path().join("a");
+    let lock = FolderLock::take(&folder).expect("free");
+    lock.check().expect("it is there");
+    std::fs::remove_dir_all(&folder).expect("removed");
+    let gone = lock.check().expect_err("it is gone");
+    assert!(gone.kind == ErrorKind::Locked && gone.to_string().contains("was removed while"), "{gone}");
+    let next = FolderLock::take(&folder).expect("a new folder has a new lock");
+    assert_eq!(lock.check(), Err(gone));
+    drop(lock);
+    next.check().expect("the old lock has left it alone");
+}
+
+#[cfg(unix)]
+#[test]
+fn many_who_want_it_have_it_one_after_the_other() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let home = tempfile::tempdir().expect("a folder");
+    let folder = home.path().join("a");
+    let (inside, had) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                let mut own = 0;
+                while own < 40 {
+                    match FolderLock::take(&folder) {
+                        Ok(_lock) => {
+                            assert_eq!(inside.fetch_add(1, Ordering::SeqCst), 0, "two have the lock");
+                            had.fetch_add(1, Ordering::SeqCst);
+                            own += 1;
+                            inside.fetch_sub(1, Ordering::SeqCst);
+                        }
+                        Err(error) if error.kind == ErrorKind::Locked => {}
+                        Err(error) => panic!("{error}"),
+                    }
+                }
+            });
+        }
+    });
+    assert_eq!(had.load(Ordering::SeqCst), 160);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_in_place_of_the_lock_is_not_followed() {
+    let home = tempfile::tempdir().expect("a folder");
+    let precious = home.path().join("thesis.txt");
+    std::fs::write(&precious, "precious").expect("written");
+    std::os::unix::fs::symlink(&precious, home.path().join(LOCK_FILE)).expect("linked");
+    assert!(FolderLock::take(home.path()).is_err_and(|error| error.kind == ErrorKind::Unwritten));
+    assert_eq!(std::fs::read_to_string(&precious).expect("there"), "precious");
+}

@@ -1,0 +1,187 @@
+//! Numbers, names and files that are made to end the program, to make it wait, or to do what nobody asked for.
+
+use super::support::{ended, names, program, run_badly, run_well, stderr};
+use burstscope::burst::OpenOptions;
+use burstscope::detector::SearchParams;
+use burstscope::files::{shell_path, shell_word};
+use burstscope::requests::{detect_line, next_commands};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+const LARGEST: &str = "9223372036854775807";
+
+#[test]
+fn a_number_that_no_file_can_keep_is_refused_where_it_is_read() {
+    let home = tempfile::tempdir().expect("a folder");
+    let beyond = ["9223372036854775808", "18446744073709551615", "99999999999999999999999"];
+    let commands = [
+        "detect demo-tripod --out o --json --max-features N",
+        "detect demo-tripod --out o --json --frames 0..N",
+        "detect demo-tripod --out o --take 0..N",
+        "detect demo-tripod --out o --burst-length N",
+        "probe demo-tripod --at 9,9 --json --max-features N",
+        "decoys demo-tripod --json --frames N..5",
+        "case demo-tripod --out a.burstcase --max-features N",
+        "match demo demo-later --out o --json --max-features N",
+        "synth chart --out o --seed N",
+        "evaluate chart --seeds N",
+        "render demo --out a.png --frame N",
+        "detect demo-tripod --out o --memory N",
+    ];
+    for command in commands {
+        for number in beyond {
+            let command = command.replace('N', number);
+            let words: Vec<&str> = command.split(' ').collect();
+            let error = run_badly(home.path(), &words, 2);
+            assert!(error.contains(number), "{command}: {error}");
+            let is_told = [LARGEST, "too large", "is neither", "is not in"].iter().any(|words| error.contains(words));
+            assert!(is_told, "{command}: {error}");
+        }
+    }
+    assert_eq!(names(home.path()), Vec::<String>::new());
+    let error =
+        run_badly(home.path(), &["detect", "demo-tripod", "--out", "o", "--frames", "0..18446744073709551615"], 2);
+    assert!(error.contains(&format!("18446744073709551615 is more than {LARGEST}")), "{error}");
+    let error = run_badly(home.path(), &["synth", "chart", "--out", "o", "--seed", "9223372036854775808"], 2);
+    assert!(error.contains(&format!("--seed: 9223372036854775808 is more than {LARGEST}")), "{error}");
+    // The largest one is a number like others.
+    run_well(home.path(), &["case", "demo-tripod", "--out", "a.burstcase", "--json", "--max-features", LARGEST]);
+}
+
+#[cfg(unix)]
+#[test]
+fn no_pipe_is_waited_for() {
+    let home = tempfile::tempdir().expect("a folder");
+    let pipe = |name: &str| {
+        assert!(Command::new("mkfifo").arg(home.path().join(name)).status().expect("mkfifo runs").success());
+    };
+    let folder = |name: &str| std::fs::create_dir_all(home.path().join(name)).expect("made");
+    folder("bag");
+    ["bag/metadata.yaml", "a.burstcase", "a.toml", "times.csv", "a.csv"].iter().for_each(|name| pipe(name));
+    for left in ["out/.burstscope-abcdef.tmp", "out/.burstscope-lock.tmp"] {
+        folder(left);
+        pipe(&format!("{left}/in-use"));
+    }
+    for lock in ["out/.burstscope-x.lock", "locked.pipe"] {
+        pipe(lock);
+    }
+    folder("taken");
+    pipe("taken/.burstscope-lock");
+    let list =
+        "version = 1\ndid = [[{ open = [\"a\", \"demo-tripod\"] }], [{ open_features = [\"a\", \"./a.csv\"] }]]\n";
+    std::fs::write(home.path().join("list.toml"), list).expect("written");
+    let commands = [
+        ("info bag", Some(1)),
+        ("detect bag --out found", None),
+        ("info a.burstcase", Some(1)),
+        ("detect demo-tripod --out o --params a.toml", None),
+        ("detect demo-tripod --out o --times times.csv", None),
+        ("render --play a.toml --out a.png", Some(2)),
+        ("render --play list.toml --timeout 60 --out a.png", None),
+        ("detect demo-tripod --out taken --octaves 1 --quiet", Some(1)),
+        ("detect demo-tripod --out out --octaves 1 --quiet", Some(0)),
+        ("synth chart --out out/made --frames 2 --quiet", Some(0)),
+    ];
+    for (command, code) in commands {
+        let mut running = program(home.path(), &command.split(' ').collect::<Vec<_>>());
+        let output = ended(running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts"));
+        assert!(code.is_none_or(|code| output.status.code() == Some(code)), "{command}: {}", stderr(&output));
+        assert!(output.status.code().is_some_and(|code| code < 3), "{command}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn a_picture_of_a_file_without_header_says_what_is_missing() {
+    let home = tempfile::tempdir().expect("a folder");
+    std::fs::write(home.path().join("x.raw"), [7; 4096]).expect("written");
+    let expected = run_badly(home.path(), &["detect", "x.raw", "--out", "o"], 1);
+    let words = expected.split("error: ").nth(1).and_then(|error| error.split_once(": ")).expect("an error").1;
+    let running = program(home.path(), &["render", "x.raw", "--out", "r.png"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn();
+    let output = ended(running.expect("it starts"));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains(words.trim()) && words.contains("--raw"), "{}", stderr(&output));
+    assert!(!home.path().join("r.png").exists());
+}
+
+#[test]
+fn sizes_of_a_picture_that_make_no_sense_are_refused() {
+    let home = tempfile::tempdir().expect("a folder");
+    for size in ["", "1280", "0x0", "-5x9", "99999x99999"] {
+        let error = run_badly(home.path(), &["render", "demo", "--out", "a.png", &format!("--size={size}")], 2);
+        assert!(error.contains("--size"), "{error}");
+    }
+    for scale in ["nan", "9"] {
+        run_badly(home.path(), &["render", "demo", "--out", "a.png", "--scale", scale], 2);
+    }
+    assert_eq!(names(home.path()), Vec::<String>::new());
+}
+
+#[test]
+fn a_list_that_is_played_writes_nothing_but_the_picture() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["a", "b"] {
+        let size = ["--width", "320", "--height", "240", "--frames", "2", "--discs", "5"];
+        let out = format!("ds/{name}");
+        run_well(home.path(), &[&["synth", "chart", "--out", &out, "--quiet"][..], &size].concat());
+    }
+    for action in ["{ do = \"detect_all\" }", "\"detect_all_anyway\""] {
+        let list = format!(
+            "version = 1\ndid = [\n[{{ open_dataset = {{ paths = [\"./ds\"] }} }}],\n[{{ use_feature_folder = \"./victim\" }}],\n[{action}],\n]\n"
+        );
+        std::fs::write(home.path().join("list.toml"), list).expect("written");
+        let error = run_badly(home.path(), &["render", "--play", "list.toml", "--out", "a.png"], 2);
+        assert!(error.contains("detect_all") && error.contains("writes files"), "{error}");
+        assert_eq!(names(home.path()), ["ds", "list.toml"]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn names_are_one_word_for_a_shell_and_one_line_for_people() {
+    let home = tempfile::tempdir().expect("a folder");
+    let odd = "o'; touch pwned; '";
+    for line in next_commands(&home.path().join(odd)) {
+        // What the lines start is not here; that they say nothing else to the shell is.
+        let stubs = "mkdir() { :; }; colmap() { :; }; python3() { :; }; ";
+        let shell = Command::new("sh").current_dir(home.path()).args(["-c", &format!("{stubs}{line}")]).status();
+        assert!(shell.expect("it runs").success(), "{line}");
+    }
+    assert_eq!(names(home.path()), Vec::<String>::new());
+    let line = detect_line(&["-odd".to_owned(), odd.to_owned()], &SearchParams::default(), &OpenOptions::default());
+    assert_eq!(line, format!("burstscope detect ./-odd {} --out features", shell_word(odd)));
+    for text in [odd, "$(touch pwned)", "`x`", "a\nb", "it's\n100 % \\n", "-x", "", "~", "a b", "ü/1.png", "\"", "\\"]
+    {
+        let printed = |word: &str| {
+            let output = Command::new("sh").args(["-c", &format!("printf '%s' {word}")]).output().expect("it runs");
+            String::from_utf8(output.stdout).expect("text")
+        };
+        assert_eq!(printed(&shell_word(text)), text);
+        assert!(!shell_word(text).contains('\n'));
+        assert_eq!(printed(&shell_path(Path::new(text))), if text == "-x" { "./-x" } else { text });
+    }
+    // Remedies for files of other programs.
+    for (start, tool) in [(&b"\x1f\x8b"[..], "gunzip"), (b"\x89HDF\r\n\x1a\n", "python3"), (b"ZISRAWFILE", "bfconvert")]
+    {
+        let name = format!("{odd}.x");
+        std::fs::write(home.path().join(&name), [start, &[0; 64]].concat()).expect("written");
+        let error = run_badly(home.path(), &["info", &name], 1);
+        assert!(error.contains(tool) && error.contains(&shell_word(&name)), "{error}");
+        std::fs::remove_file(home.path().join(&name)).expect("removed");
+    }
+    // What a terminal reads as a command, and a line feed, are written out.
+    let name = "a\u{1b}[31m\u{9b}2J\r.png";
+    std::fs::write(home.path().join(name), "no picture").expect("written");
+    let text = run_badly(home.path(), &["info", name], 1);
+    assert!(text.contains("a\\u{1b}[31m\\u{9b}2J\\u{d}.png") && !text.contains(['\u{1b}', '\u{9b}', '\r']), "{text}");
+    let name = "a\nerror: all is lost.png";
+    image::GrayImage::from_pixel(9, 9, image::Luma([9])).save(home.path().join("a.png")).expect("saved");
+    std::fs::rename(home.path().join("a.png"), home.path().join(name)).expect("renamed");
+    let text = run_well(home.path(), &["info", name]);
+    assert!(text.contains("a\\u{a}error") && !text.contains("\nerror"), "{text}");
+    std::fs::write(home.path().join(name), "no picture").expect("written");
+    let text = run_badly(home.path(), &["info", name], 1);
+    assert!(text.contains("a\\u{a}error") && !text.contains("\nerror"), "{text}");
+}
