@@ -73,8 +73,8 @@ impl PreparedSearch {
 
 /// Checks, before the burst that `inputs` name is opened, that there is memory for its search; the error says the least
 /// that it needs, and changes that would lower it. A file that cannot be read passes: opening it reports the error.
-pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams) -> Result<()> {
-    match Info::of(inputs, options, &Monitor::default()) {
+pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams, monitor: &Monitor) -> Result<()> {
+    match Info::of(inputs, options, &monitor.silent()) {
         Ok(info) => memory::check_before_opening(params, info.frames, (info.width, info.height)),
         Err(_) => Ok(()),
     }

@@ -53,7 +53,7 @@ impl Input {
         monitor: &Monitor,
     ) -> Result<Burst, Failure> {
         if let Ok(BurstSource::Paths(paths)) = &self.source {
-            check_memory(paths, options, params)?;
+            check_memory(paths, options, params, monitor)?;
         }
         self.open(options, monitor)
     }

@@ -279,7 +279,7 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<BurstFeatures> {
         // Checked before anything is read.
-        check_memory(&source.paths, &self.job.open, &self.job.detector)?;
+        check_memory(&source.paths, &self.job.open, &self.job.detector, monitor)?;
         let stamps = FileStamp::with_checksums(files, monitor)?;
         let (found, burst) = self.find(source, camera, monitor)?;
         self.begin_writing()?;

@@ -11,9 +11,11 @@ mod dng;
 mod errors;
 mod formats;
 mod fuzz;
+mod interface;
 mod options;
 mod photographs;
 mod plain;
+mod promises;
 #[cfg(feature = "raw")]
 mod raw;
 mod support;
