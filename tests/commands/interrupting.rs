@@ -159,3 +159,36 @@ fn where_a_closed_terminal_is_to_be_ignored_it_is() {
     assert_eq!(child.wait().expect("an end").code(), Some(0));
     assert_eq!(names(&home.path().join("out")), ["a.csv"]);
 }
+
+/// A program in the place of `ffmpeg` that waits, with a process of its own: both end with the work.
+#[test]
+fn work_on_a_film_stops_also_where_ffmpeg_hangs() {
+    use std::os::unix::fs::PermissionsExt;
+    let home = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| home.path().join(name);
+    std::fs::create_dir(at("bin")).expect("made");
+    std::fs::write(at("bin/ffmpeg"), "#!/bin/sh\n: > started\nsleep 600\necho late\n").expect("written");
+    std::fs::set_permissions(at("bin/ffmpeg"), std::fs::Permissions::from_mode(0o755)).expect("a program");
+    std::fs::write(at("a.mp4"), b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2").expect("written");
+    let path = format!("{}:{}", at("bin").display(), std::env::var("PATH").expect("a path"));
+    let commands: [&[&str]; 3] = [
+        &["info", "a.mp4"],
+        &["detect", "a.mp4", "--out", "found"],
+        &["stack", "a.mp4", "--slope", "0,0", "--out", "a.tiff"],
+    ];
+    for arguments in commands {
+        for signal in ["-INT", "-TERM"] {
+            let mut command = program(home.path(), arguments);
+            let child =
+                command.env("PATH", &path).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+            let begun = std::time::Instant::now();
+            while !at("started").exists() {
+                assert!(begun.elapsed() < Duration::from_secs(120), "{arguments:?} starts no ffmpeg");
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            send(signal, child.id());
+            assert_eq!(ended(child).status.code(), Some(130), "{arguments:?} {signal}");
+            std::fs::remove_file(at("started")).expect("removed");
+        }
+    }
+}

@@ -193,6 +193,42 @@ fn a_harmful_file_loses_neither_the_other_bursts_nor_the_program() {
     assert!(words.contains("bad.dng") && words.contains("bad.raf"), "{words}");
     assert!(!words.contains("panicked") && !words.contains("memory allocation of"), "{words}");
     assert_eq!(names(&home.path().join("found")), ["demo.csv"]);
+    // Files that announce more frames than there is memory, beside a good one in a folder.
+    std::fs::create_dir(home.path().join("arrays")).expect("made");
+    let at = |name: &str| home.path().join("arrays").join(name);
+    let good: Vec<u8> = (0..2 * 96 * 72u32).map(|i| (i * i % 251) as u8).collect();
+    let good = crafted::npy("2, 72, 96", &good);
+    std::fs::write(at("good.npz"), crafted::npz(&good, good.len() as u32, None, None)).expect("written");
+    let many = crafted::npy("4294967000, 1, 1", &[7; 600]);
+    std::fs::write(at("many.npz"), crafted::npz(&many, 4_294_967_290, None, None)).expect("written");
+    let arguments = ["detect", "arrays", "--out", "arrays-found", "--slopes-u", "-1:1:3", "--octaves", "1"];
+    let words = run_badly(home.path(), &arguments, 1);
+    assert!(words.contains("many.npz") && words.contains("announces"), "{words}");
+    assert_eq!(names(&home.path().join("arrays-found")), ["good.csv"]);
+    for more in [
+        &["info"][..],
+        &["info", "--take", "0..2"],
+        &["detect", "--out", "x", "--burst-length", "5"],
+        &["colmap", "--out", "y"],
+    ] {
+        let arguments = [&more[..1], &["arrays/many.npz"], &more[1..]].concat();
+        let words = run_badly(home.path(), &arguments, 1);
+        assert!(words.contains("error: ") && !words.contains("memory allocation of"), "{arguments:?}: {words}");
+    }
+}
+
+/// An image in one tile that takes much memory is unpacked in a process of its own, which has its frames one by one.
+#[test]
+fn large_tiles_are_unpacked_in_a_process() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("large.fits");
+    let sides = [("ZNAXIS1", "8192"), ("ZNAXIS2", "4096"), ("ZTILE1", "8192"), ("ZTILE2", "4096")];
+    std::fs::write(&path, crafted::tile_fits(&sides, &[], &crafted::gzip_of_zeros(8192 * 4096))).expect("written");
+    let burst = open(&path).expect("unpacked");
+    assert!(burst.size() == (8192, 4096) && burst.frames[0].data().iter().all(|value| *value == 0.0));
+    let packed = crafted::gzip_of_zeros(8192 * 4096 + 1);
+    std::fs::write(&path, crafted::tile_fits(&sides, &[], &packed)).expect("written");
+    assert!(open(&path).expect_err("too much").to_string().contains("unpacks to more than its pixels"));
 }
 
 #[test]

@@ -9,6 +9,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Options for opening a burst: they turn the values of files into linear light, and tell which of them count.
@@ -158,17 +159,22 @@ impl OpenOptions {
     ///
     /// # Errors
     /// It has no such frames, or they are too many.
-    pub(super) fn taken<T>(&self, path: &Path, mut all: Vec<T>, (width, height): (usize, usize)) -> Result<Vec<T>> {
-        let Some(range) = self.take else { return Ok(all) };
-        let count = all.len();
+    pub(super) fn taken<T>(&self, path: &Path, mut all: Vec<T>, size: (usize, usize)) -> Result<Vec<T>> {
+        let range = self.taken_of(path, all.len(), size)?;
+        all.truncate(range.end);
+        all.drain(..range.start);
+        Ok(all)
+    }
+
+    /// The frames that are to be taken of `count`, as [`OpenOptions::taken`].
+    pub(super) fn taken_of(&self, path: &Path, count: usize, (width, height): (usize, usize)) -> Result<Range<usize>> {
+        let Some(range) = self.take else { return Ok(0..count) };
         let problem = match range.check() {
             Err((problem, _)) => problem,
             Ok(()) if range.end > count => format!("{range} reaches beyond the {count} frames of {}", path.display()),
             Ok(()) => {
-                all.truncate(range.end);
-                all.drain(..range.start);
-                self.limits.check_burst(path, all.len() as u64, width as u64, height as u64)?;
-                return Ok(all);
+                self.limits.check_burst(path, (range.end - range.start) as u64, width as u64, height as u64)?;
+                return Ok(range.start..range.end);
             }
         };
         Err(Error::param("take", problem, format!("give A..B with 0 ≤ A < B ≤ {count}")))

@@ -133,7 +133,7 @@ fn entries_of_folder(folder: &Path, look_into_subfolders: bool, options: &OpenOp
     if is_other && !look_into_subfolders && options.raw.is_none() {
         pictures.clear();
     }
-    if pictures.len() > 1 && pictures.iter().all(|p| is_stack(p, options)) {
+    if pictures.len() > 1 && are_stacks(&pictures, options) {
         return Ok(Entries { bursts: pictures.into_iter().map(stack_source).collect(), strays: Vec::new() });
     }
     let mut bursts = Vec::new();
@@ -164,7 +164,7 @@ fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<Bur
     if let [single] = &files[..] {
         return Ok(vec![stack_source(single.clone())]);
     }
-    if files.iter().all(|f| is_stack(f, options)) {
+    if are_stacks(&files, options) {
         return Ok(files.into_iter().map(stack_source).collect());
     }
     if let Some(path) = files.iter().find(|f| is_stack(f, options)) {
@@ -174,6 +174,13 @@ fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<Bur
     let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
     let name = if together { folder_name(parent) } else { stem(&files[0]) };
     Ok(vec![BurstFiles { name, paths: files }])
+}
+
+/// Whether each file is a burst: one at least holds several frames, and none a single one. One that cannot be read is a
+/// burst too, whose opening gives the error, so that the others are not lost.
+fn are_stacks(files: &[PathBuf], options: &OpenOptions) -> bool {
+    let is_single = |file: &PathBuf| decode::frame_count(file, options).is_ok_and(|frames| frames < 2);
+    !files.iter().any(is_single) && files.iter().any(|file| is_stack(file, options))
 }
 
 /// Whether the file holds more than one frame. False for a file that cannot be read: opening it gives the error.

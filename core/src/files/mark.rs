@@ -264,9 +264,9 @@ type MarkWithParts = (Mark, Vec<(u64, u64)>);
 fn mark_at_end(file: &mut File, place: Place) -> io::Result<Option<MarkWithParts>> {
     let length = file.seek(SeekFrom::End(0))?;
     let tail = part_of(file, length.saturating_sub(TAIL), TAIL)?;
-    let begin = tail.windows(12).rposition(|window| window == b"{\"program\":\"");
-    let end = tail.iter().rposition(|byte| *byte == b'}');
-    let text = begin.zip(end).and_then(|(begin, end)| tail.get(begin..=end)).unwrap_or_default();
+    let begin = tail.windows(12).rposition(|window| window == b"{\"program\":\"").unwrap_or(tail.len());
+    // Its first brace ends it; bytes behind it, as of a checksum, may be braces too.
+    let text = tail[begin..].split_inclusive(|byte| *byte == b'}').next().unwrap_or_default();
     let marked_end = place.marked_end(text);
     let mark = Mark::parsed(text).filter(|_| tail.ends_with(&marked_end));
     Ok(mark.map(|mark| (mark, vec![(0, length - marked_end.len() as u64)])))

@@ -36,6 +36,12 @@ pub fn with_capacity<T>(count: usize) -> Vec<T> {
     }
 }
 
+/// Unwinds as [`zeroed`] does where the system refuses `bytes` of memory: before code that cannot be refused memory
+/// without ending the program, of which this is the most that it takes.
+pub fn check_room(bytes: u64) {
+    drop(with_capacity::<u8>(usize::try_from(bytes).unwrap_or(usize::MAX)));
+}
+
 /// Memory available to this process, bytes: the minimum of the machine's, its control group's and its own limit of
 /// address space. `None` where the system does not tell (anything but Linux). Read once.
 pub fn machine_bytes() -> Option<u64> {

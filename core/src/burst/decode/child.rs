@@ -180,8 +180,16 @@ impl Running {
     }
 
     pub(super) fn kill(&self) {
+        let mut child = self.child.lock().unwrap_or_else(PoisonError::into_inner);
+        // Processes that it has started hold its pipes open; they are of its group.
+        #[cfg(unix)]
+        if matches!(child.try_wait(), Ok(None)) {
+            use rustix::process::{Pid, Signal, kill_process_group};
+            let group = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
+            let _ = group.map(|group| kill_process_group(group, Signal::KILL));
+        }
         // Fails for a child that has ended.
-        let _ = self.child.lock().unwrap_or_else(PoisonError::into_inner).kill();
+        let _ = child.kill();
     }
 
     /// Waits for the end of the child; whether it ended well.

@@ -1,9 +1,10 @@
 //! Films, decoded by the `ffmpeg` of this machine: it writes them as Y4M to a pipe, with all bits of their luma.
 //!
-//! The program is started without a shell, may read this file and no address of a network, and is killed when the work
-//! is cancelled or done. Memory holds the frames and a block of the pipe.
+//! The program is started without a shell, may read this file alone and no address of a network, and is killed when the
+//! work is cancelled. Its words are an error, also where it ends well. Memory holds the frames and a block of the pipe.
 
 use super::child::Running;
+use super::look::container;
 use super::y4m::Film;
 use super::{Header, RawFrame, Reading};
 use crate::burst::options::OpenOptions;
@@ -12,13 +13,18 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::files::shell_path;
 use crate::monitor::Monitor;
 use std::ffi::OsString;
+use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const KIND: &str = "film";
-/// Arguments that decode each frame once and keep its bits.
-const FRAMES: [&str; 7] = ["-fps_mode", "passthrough", "-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
+/// Formats of pixels that Y4M holds: frames in these keep their bits, others (GIF, RGB) are converted to the nearest.
+const PIXELS: &str = "format=gray|gray9le|gray10le|gray12le|gray16le|yuv411p|yuv420p|yuv422p|yuv444p|yuvj420p|yuvj422p|\
+    yuvj444p|yuv420p9le|yuv422p9le|yuv444p9le|yuv420p10le|yuv422p10le|yuv444p10le|yuv420p12le|yuv422p12le|yuv444p12le|\
+    yuv420p14le|yuv422p14le|yuv444p14le|yuv420p16le|yuv422p16le|yuv444p16le";
+/// Arguments that decode each frame once.
+const FRAMES: [&str; 9] = ["-fps_mode", "passthrough", "-vf", PIXELS, "-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
 /// Arguments that list the frames with their times, without decoding them.
 const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
 
@@ -40,16 +46,20 @@ fn missing(path: &Path) -> Error {
     Error::new(ErrorKind::Unsupported, "this is a film", remedy)
 }
 
-/// Runs `ffmpeg` over the film `path` and reads what it writes; `is_whole` where that is read to its end.
+/// Runs `ffmpeg` over at most `most` frames of the film `path` and reads what it writes, to its end. The container is
+/// named, so that no pattern in the name of the file stands for others.
 fn run<T>(
     path: &Path,
-    arguments: &[&str],
-    is_whole: bool,
+    (arguments, most): (&[&str], usize),
     options: &OpenOptions,
     monitor: &Monitor,
     read: impl FnOnce(&mut dyn BufRead) -> Result<T>,
 ) -> Result<T> {
     monitor.check()?;
+    let mut start = Vec::new();
+    let opened = File::open(path).and_then(|file| file.take(32).read_to_end(&mut start));
+    opened.map_err(|e| Error::from_io(path, &e))?;
+    let container = container(&start).ok_or_else(|| Error::corrupt(path, KIND, "its first bytes have changed"))?;
     let mut command = Command::new(ffmpeg(path)?);
     let mut input = OsString::from("file:");
     input.push(path);
@@ -57,24 +67,40 @@ fn run<T>(
     if !options.accept_damaged {
         command.arg("-xerror");
     }
-    command.arg("-i").arg(input).args(["-map", "0:v:0"]).args(arguments);
+    command.args(["-format_whitelist", container, "-f", container, "-i"]).arg(input);
+    command.args(["-map", "0:v:0"]);
+    if most < usize::MAX {
+        command.args(["-frames:v", &most.to_string()]);
+    }
+    command.args(arguments);
     let mut running = Running::spawn(command, path)?;
     let (stdin, stdout, stderr) = running.pipes();
     drop(stdin);
     let (answer, words) = std::thread::scope(|scope| {
         let words = scope.spawn(move || last_words(stderr));
-        let answer = running.watched(path, monitor, None, || read(&mut BufReader::with_capacity(1 << 16, stdout)));
-        if !is_whole || !matches!(answer, Ok(Ok(_))) {
+        let mut reader = BufReader::with_capacity(1 << 16, stdout);
+        let answer = running.watched(path, monitor, None, || {
+            let answer = read(&mut reader)?;
+            io::copy(&mut reader, &mut io::sink()).map_err(|e| Error::from_read(path, KIND, &e))?;
+            Ok::<_, Error>(answer)
+        });
+        if !matches!(answer, Ok(Ok(_))) {
             running.kill();
         }
         (answer, words.join().unwrap_or_default())
     });
     monitor.check()?;
-    let failed = is_whole && !running.ends_well();
+    let ended_well = running.ends_well();
     match answer? {
         // A limit, or a value that is not finite, is not the program's failure.
         Err(error) if words.is_empty() || error.kind != ErrorKind::Damaged => Err(error),
-        Ok(answer) if !failed => Ok(answer),
+        // It goes on after damage, and ends well.
+        Ok(answer) if ended_well && (words.is_empty() || options.accept_damaged) => Ok(answer),
+        Ok(_) if ended_well => {
+            let reason =
+                format!("ffmpeg says: {words}; --accept-damaged takes the frames that it decodes all the same");
+            Err(Error::corrupt(path, KIND, reason))
+        }
         _ => Err(Error::corrupt(path, KIND, format!("ffmpeg says: {words}"))),
     }
 }
@@ -92,8 +118,8 @@ fn last_words(stderr: impl Read) -> String {
 /// Size, number of frames and times, without decoding more than the first.
 pub(super) fn header(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Header> {
     let whole = &options.of_whole();
-    let mut times = run(path, &LIST, true, options, monitor, |reader| times(path, reader, whole))?;
-    let film = run(path, &FRAMES, false, options, monitor, |reader| Film::read(path, &mut BufReader::new(reader)))?;
+    let mut times = run(path, (&LIST, usize::MAX), options, monitor, |reader| times(path, reader, whole))?;
+    let film = run(path, (&FRAMES, 1), options, monitor, |mut reader| Film::read(path, &mut reader))?;
     let (width, height) = (film.size.0 as u64, film.size.1 as u64);
     options.limits.check_frame(path, width, height)?;
     times.seconds = options.taken(path, times.seconds, film.size)?;
@@ -120,7 +146,7 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
     }
     // Packets come in the order of decoding.
     seconds.sort_by(f64::total_cmp);
-    let first = *seconds.first().ok_or_else(|| Error::corrupt(path, KIND, "it has no frame"))?;
+    let first = *seconds.first().ok_or_else(|| Error::corrupt(path, KIND, "ffmpeg finds no frame in it"))?;
     seconds.iter_mut().for_each(|time| *time -= first);
     Ok(Times { seconds, is_absolute: false })
 }
@@ -128,8 +154,7 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
 pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     let Reading { path, options, ticker, .. } = reading;
     let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
-    run(path, &FRAMES, options.take.is_none(), options, ticker.monitor(), |reader| {
-        let mut reader = BufReader::new(reader);
+    run(path, (&FRAMES, range.end), options, ticker.monitor(), |mut reader| {
         let film = Film::read(path, &mut reader)?;
         let (width, height) = (film.size.0 as u64, film.size.1 as u64);
         options.limits.check_frame(path, width, height)?;
@@ -150,7 +175,7 @@ pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
             }
         }
         if frames.is_empty() {
-            return Err(Error::corrupt(path, KIND, "it has no frame"));
+            return Err(Error::corrupt(path, KIND, "ffmpeg finds no frame in it"));
         }
         Ok(frames)
     })

@@ -5,7 +5,7 @@
 //! Rows are in the file's order, as astropy reads them; many programs show the first one at the bottom. Format: the
 //! FITS standard 4.0, <https://fits.gsfc.nasa.gov/fits_standard.html>; tiles are section 10 of it.
 
-use super::plain::Plain;
+use super::plain::{Places, Plain};
 use super::tiles::Tiles;
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::OpenOptions;
@@ -36,7 +36,8 @@ struct Unit {
     cards: Vec<Card>,
     /// Place of the data.
     data: u64,
-    /// Axes of the image.
+    /// Axes of the data, and of the image: those of the data, unless these are a table of tiles.
+    own_axes: Vec<u64>,
     axes: Vec<u64>,
     is_tiled: bool,
     /// Bytes of the data, without padding.
@@ -63,7 +64,7 @@ impl Unit {
             cards.extend(parse_card(&card));
         }
         let data = reader.stream_position().map_err(fail)?.next_multiple_of(BLOCK_BYTES);
-        let unit = Self { cards, data, axes: Vec::new(), is_tiled: false, bytes: 0 };
+        let unit = Self { cards, data, own_axes: Vec::new(), axes: Vec::new(), is_tiled: false, bytes: 0 };
         let positive = |name: &str| {
             let number = unit.whole(path, name)?;
             Ok::<Option<u64>, Error>(number.and_then(|number| number.try_into().ok()))
@@ -85,7 +86,8 @@ impl Unit {
         let (pcount, gcount) = (positive("PCOUNT")?.unwrap_or(0), positive("GCOUNT")?.unwrap_or(1));
         let bytes = values.saturating_add(pcount).saturating_mul(gcount).saturating_mul(bits / 8);
         let is_tiled = unit.text("XTENSION") == Some("BINTABLE") && unit.value("ZIMAGE") == Some(&Value::Logical(true));
-        Ok(Self { axes: if is_tiled { axes_of("Z")? } else { axes }, is_tiled, bytes, ..unit })
+        let image = if is_tiled { axes_of("Z")? } else { axes.clone() };
+        Ok(Self { own_axes: axes, axes: image, is_tiled, bytes, ..unit })
     }
 
     /// Value of a keyword; one without a value, or with one that cannot be read, is undefined.
@@ -179,8 +181,9 @@ impl Unit {
         let step = number.bytes(self.axes[0].saturating_mul(self.axes[1]));
         let shape = (frames, self.axes[1], self.axes[0]);
         let (places, tiles) = if self.is_tiled {
-            let tiles = Tiles::of(path, self.cards.clone(), shape, (self.data, length), &options.limits)?;
-            ((0..frames).collect(), Some(tiles))
+            let place = (self.data, length);
+            let tiles = Tiles::of(path, &self.cards, &self.own_axes, shape, place, &options.limits)?;
+            (Places::Even { first: 0, step: 1, count: frames }, Some(tiles))
         } else {
             (Plain::places_in(path, KIND, shape, (self.data, step, length), &options.limits)?, None)
         };

@@ -88,6 +88,7 @@ pub(super) fn decoded(reading: Reading<'_>, source: Source<'_, impl BufRead + Se
         let budget = Budget::new(length, pixels, 2 * taken);
         return child::decode(reading, name(format), part, budget);
     }
+    memory::check_room(taken);
     let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(bytes, true)) {
         None => (None, None),
         Some(Ok(samples)) => (Some(samples), None),

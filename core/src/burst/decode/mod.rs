@@ -42,7 +42,7 @@ use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::memory::{self};
 use ::image::ImageFormat::WebP;
-use look::{Directories, Kind, check_webp, is_video};
+use look::{Directories, Kind, check_webp};
 use plain::Plain;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -292,13 +292,14 @@ fn plain(path: &Path, input: InputFile, options: &OpenOptions) -> Result<Plain> 
     plain.part(path, options)
 }
 
-/// Decodes one page of a TIFF, or one picture of a bag, which is frame `frame` of its burst.
+/// Decodes one page of a TIFF, picture of a bag or frame of a FITS image, which is frame `frame` of its burst.
 fn page(reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
     let Reading { path, options, .. } = reading;
     let input = InputFile::open(path, usize::MAX, options)?;
     guarded(path, input.kind, || match input.kind {
         #[cfg(feature = "bags")]
         Kind::Bag => bag::page(reading, page, frame),
+        Kind::Fits => plain(path, input, options)?.page(reading, page),
         _ => tiff::page(reading, input, page, frame),
     })
 }
@@ -357,7 +358,7 @@ impl InputFile {
         let mut kind = match begins_as {
             None | Some(Kind::Tiff) if is_raw => Kind::Raw,
             Some(kind) => kind,
-            None if is_video(&start) => Kind::Film,
+            None if look::container(&start).is_some() => Kind::Film,
             None if named == Some(Kind::Dump) => Kind::Dump,
             None => return Err(look::unknown(path, &start)),
         };

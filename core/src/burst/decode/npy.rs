@@ -14,7 +14,7 @@ use crate::error::{Error, ErrorKind, Result};
 use std::fs::File;
 use std::io::{BufReader, Error as IoError, Read};
 use std::path::Path;
-use zip::ZipArchive;
+use zip::{CompressionMethod, ZipArchive};
 
 /// Largest header allowed, bytes. Longer ones are of structured arrays, which are no pictures.
 const MAX_HEADER_BYTES: usize = 4096;
@@ -231,18 +231,31 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
     text[1..].split_once(quote)
 }
 
+/// Most bytes to which a deflated byte unpacks.
+const MOST_OF_BYTE: u64 = 1032;
 /// Largest number of members that are looked at.
 const MAX_MEMBERS: usize = 256;
 
 /// The array of an `.npz` archive, stored or deflated, that the options name, or the only one that can be frames.
 pub(super) fn of_archive(path: &Path, file: File, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: zip::result::ZipError| Error::from_read(path, "NPZ", &IoError::from(e));
+    let file_length = file.metadata().map_err(|e| Error::from_io(path, &e))?.len();
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(fail)?;
     let mut found = Vec::new();
     for index in 0..archive.len().min(MAX_MEMBERS) {
         let mut member = archive.by_index(index).map_err(fail)?;
         let Some(name) = member.name().strip_suffix(".npy").map(str::to_owned) else { continue };
         let length = member.size();
+        // A size is a promise until the bytes are compared with it.
+        let (packed, at) = (member.compressed_size(), member.data_start());
+        let is_stored = member.compression() == CompressionMethod::Stored;
+        let most = if is_stored { packed } else { packed.saturating_mul(MOST_OF_BYTE) };
+        if at.saturating_add(packed) > file_length || length > most {
+            let reason = format!(
+                "'{name}' in it announces {length} bytes, and {packed} packed ones from byte {at} of {file_length} on"
+            );
+            return Err(Error::corrupt(path, "NPZ", reason));
+        }
         found.push((name, index, length, ArrayHeader::read(path, "NPZ", &mut member)?));
     }
     if found.is_empty() {

@@ -4,7 +4,7 @@
 //! as they are stored, that is, to gamma-encoded values without decoding them, unless the [`Curve`] undoes the encoding
 //! first. Alpha is ignored.
 
-use crate::plane::Plane;
+use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
 use std::sync::LazyLock;
 
@@ -80,11 +80,14 @@ pub(in crate::burst) fn grey_from_interleaved<T: Sample>(samples: &[T], channels
 }
 
 fn interleaved<T: Sample>(samples: &[T], channels: usize, value: impl Fn(T) -> f32, divisor: f32) -> Vec<f32> {
+    let pixels = samples.chunks_exact(channels);
+    let mut grey = memory::with_capacity(pixels.len());
     match channels {
-        1 => samples.iter().map(|s| value(*s) / divisor).collect(),
-        2 => samples.chunks_exact(2).map(|s| value(s[0]) / divisor).collect(),
-        _ => samples.chunks_exact(channels).map(|s| luma(value(s[0]), value(s[1]), value(s[2])) / divisor).collect(),
+        1 => grey.extend(samples.iter().map(|s| value(*s) / divisor)),
+        2 => grey.extend(pixels.map(|s| value(s[0]) / divisor)),
+        _ => grey.extend(pixels.map(|s| luma(value(s[0]), value(s[1]), value(s[2])) / divisor)),
     }
+    grey
 }
 
 /// One value for each pixel of three planes of colour, by `curve`.
@@ -97,7 +100,9 @@ pub(in crate::burst) fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue
 }
 
 fn of_planes<T: Sample>([red, green, blue]: [&[T]; 3], value: impl Fn(T) -> f32, divisor: f32) -> Vec<f32> {
-    red.iter().zip(green).zip(blue).map(|((r, g), b)| luma(value(*r), value(*g), value(*b)) / divisor).collect()
+    let mut grey = memory::with_capacity(red.len());
+    grey.extend(red.iter().zip(green).zip(blue).map(|((r, g), b)| luma(value(*r), value(*g), value(*b)) / divisor));
+    grey
 }
 
 /// Size (columns, rows) of a picture of `size` after turning.

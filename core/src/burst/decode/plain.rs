@@ -1,7 +1,10 @@
 //! Frames that lie in a file as plain numbers, at known places: what the readers of `.npy`, `.npz`, FITS, SER, Y4M and
-//! files without header have in common. Each frame is read in blocks, several frames at a time.
+//! files without header have in common. Each frame is read in blocks, several frames at a time. Nothing is made in
+//! proportion to a number of frames that a file announces.
 
+use super::child::{self, Budget};
 use super::tiles::Tiles;
+use super::wire::Part;
 use super::{FileScale, Header, RawFrame, Reading, Ticker, frame_of_plane, in_order};
 use crate::burst::decode::pixels::{Curve, grey_from_interleaved};
 use crate::burst::layout::{Mosaic, ViewGrid};
@@ -13,6 +16,7 @@ use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::path::Path;
 use zip::ZipArchive;
 
@@ -29,6 +33,45 @@ pub(super) enum Index {
     Colour,
 }
 
+/// Places of frames.
+#[derive(Debug, Clone)]
+pub(super) enum Places {
+    /// One after the other, in steps from the first one on: however many are announced, they take no memory.
+    Even { first: u64, step: u64, count: u64 },
+    /// Those that were seen in the file.
+    Listed(Vec<u64>),
+}
+
+impl Places {
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Even { count, .. } => usize::try_from(*count).unwrap_or(usize::MAX),
+            Self::Listed(places) => places.len(),
+        }
+    }
+
+    pub(super) fn at(&self, t: usize) -> u64 {
+        match self {
+            Self::Even { first, step, .. } => first + t as u64 * step,
+            Self::Listed(places) => places[t],
+        }
+    }
+
+    /// The places of some of these frames.
+    fn part(self, range: Range<usize>) -> Self {
+        match self {
+            Self::Even { step, .. } => Self::Even { first: self.at(range.start), step, count: range.len() as u64 },
+            Self::Listed(places) => Self::Listed(places[range].to_vec()),
+        }
+    }
+}
+
+impl From<Vec<u64>> for Places {
+    fn from(places: Vec<u64>) -> Self {
+        Self::Listed(places)
+    }
+}
+
 /// Pixels of a file, and the way they are read.
 #[derive(Debug, Clone)]
 pub(super) struct Plain {
@@ -37,7 +80,7 @@ pub(super) struct Plain {
     /// Size (columns, rows) of a frame.
     pub size: (usize, usize),
     /// Place of each frame's first byte; in an archive, from the start of its member; of an image in tiles, its number.
-    pub places: Vec<u64>,
+    pub places: Places,
     pub number: Number,
     pub big_endian: bool,
     /// Samples of a pixel, side by side: 1, or 3 (colours) or 4 (with alpha).
@@ -67,11 +110,11 @@ pub(super) struct Plain {
 
 impl Plain {
     /// Grey frames of `size`, whose numbers are their values.
-    pub(super) fn new(kind: &'static str, size: (usize, usize), places: Vec<u64>, number: Number) -> Self {
+    pub(super) fn new(kind: &'static str, size: (usize, usize), places: impl Into<Places>, number: Number) -> Self {
         Self {
             kind,
             size,
-            places,
+            places: places.into(),
             number,
             big_endian: false,
             channels: 1,
@@ -105,11 +148,11 @@ impl Plain {
             let reason = "its frames are not one after the other, so no part of them can be taken; save [N,H,W]";
             return Err(Error::unsupported(path, self.kind, reason));
         }
+        let range = options.taken_of(path, self.places.len(), self.size)?;
         if self.times.seconds.len() == self.places.len() {
-            self.times.seconds = options.taken(path, self.times.seconds, self.size)?;
+            self.times.seconds = self.times.seconds[range.clone()].to_vec();
         }
-        let places = options.taken(path, self.places, self.size)?;
-        Ok(Self { places, views: None, ..self })
+        Ok(Self { places: self.places.part(range), views: None, ..self })
     }
 
     /// Bytes of a frame.
@@ -138,22 +181,24 @@ impl Plain {
             _ => self.read_scattered(reading, from),
         };
         if let Some(tiles) = &self.tiles {
-            let layers: Vec<_> = self.places.chunk_by(|a, b| tiles.layer_of(*a) == tiles.layer_of(*b)).collect();
-            let frames = in_order(layers.len(), |layer| {
-                let (bytes, first) = tiles.layer(path, tiles.layer_of(layers[layer][0]))?;
-                let own = |frame: &u64| {
-                    let (t, start) = (frame - self.places[0], (frame - first) * self.frame_bytes());
-                    self.read(reading, t as usize, &mut &bytes[start as usize..])
-                };
-                layers[layer].iter().map(own).collect::<Result<Vec<_>>>()
-            })?;
-            return Ok(frames.into_iter().flatten().collect());
+            return self.unpacked(reading, tiles);
         }
         if let Some(member) = self.member {
             let mut archive = ZipArchive::new(File::open(path).map_err(fail)?).map_err(|e| fail(e.into()))?;
             let mut reader = archive.by_index(member).map_err(|e| fail(e.into()))?;
-            io::copy(&mut (&mut reader).take(self.places[0]), &mut io::sink()).map_err(fail)?;
-            return all(&mut reader);
+            let length = reader.size();
+            // The checksum is compared at the end of the member, and there is no more than it says.
+            let mut whole = (&mut reader).take(length);
+            skip(reading, &mut whole, self.places.at(0)).map_err(fail)?;
+            let frames = all(&mut whole)?;
+            reading.ticker.check()?;
+            skip(reading, &mut whole, u64::MAX).map_err(fail)?;
+            reading.ticker.check()?;
+            if whole.limit() > 0 || reader.read(&mut [0]).map_err(fail)? > 0 {
+                let reason = format!("the array in it is not {length} bytes long, as it says");
+                return Err(Error::corrupt(path, self.kind, reason));
+            }
+            return Ok(frames);
         }
         let at = |place: u64| {
             let mut file = File::open(path)?;
@@ -161,9 +206,50 @@ impl Plain {
             Ok(file)
         };
         if !self.scattered.is_empty() {
-            return all(&mut at(self.places[0]).map_err(fail)?);
+            return all(&mut at(self.places.at(0)).map_err(fail)?);
         }
-        in_order(self.places.len(), |t| self.read(reading, t, &mut at(self.places[t]).map_err(fail)?))
+        in_order(self.places.len(), |t| self.read(reading, t, &mut at(self.places.at(t)).map_err(fail)?))
+    }
+
+    /// Frames of an image in tiles: layer by layer in this process, where those that are decoded at once have room; or
+    /// each frame in a process of its own, where one takes much memory.
+    fn unpacked(&self, reading: Reading<'_>, tiles: &Tiles) -> Result<Vec<RawFrame>> {
+        let count = self.places.len();
+        let (first, bytes) = (self.places.at(0), tiles.layer_bytes());
+        if child::takes(bytes) {
+            let limits = Limits { max_frames: usize::MAX, ..reading.options.limits };
+            let options = &OpenOptions { take: None, limits, ..reading.options.clone() };
+            let budget = Budget::new(0, (self.size.0 * self.size.1) as u64, bytes.saturating_mul(2));
+            return in_order(count, |frame| {
+                let part = Part::Page { page: self.places.at(frame) as usize, frame };
+                let decoded = child::decode(Reading { expected: None, options, ..reading }, self.kind, part, budget)?;
+                reading.ticker.tick();
+                Ok(decoded)
+            });
+        }
+        let layers = tiles.layer_of(first)..tiles.layer_of(self.places.at(count - 1)) + 1;
+        let at_once = (rayon::current_num_threads() as u64).min(layers.end - layers.start);
+        memory::check_room(bytes * at_once + 4 * (count * self.size.0 * self.size.1) as u64);
+        let frames = in_order((layers.end - layers.start) as usize, |layer| {
+            let layer = layers.start + layer as u64;
+            let (bytes, start) = tiles.layer(reading, layer)?;
+            let own = (0..count).filter(|t| tiles.layer_of(self.places.at(*t)) == layer);
+            let read = |t| {
+                let at = (self.places.at(t) - start) * self.frame_bytes();
+                self.read(reading, t, &mut bytes.get(at as usize..).unwrap_or_default())
+            };
+            own.map(read).collect::<Result<Vec<_>>>()
+        })?;
+        Ok(frames.into_iter().flatten().collect())
+    }
+
+    /// The frame with the number `page` in the file, which is frame `frame` of its burst.
+    pub(super) fn page(mut self, reading: Reading<'_>, page: usize) -> Result<RawFrame> {
+        if page >= self.places.len() {
+            return Err(Error::corrupt(reading.path, self.kind, "it became shorter"));
+        }
+        self.places = self.places.part(page..page + 1);
+        Ok(self.stack(reading)?.remove(0))
     }
 
     /// Reads frame `t`, with which `from` begins.
@@ -273,7 +359,7 @@ impl Plain {
         (frames, height, width): (u64, u64, u64),
         (first, step, length): (u64, u64, u64),
         limits: &Limits,
-    ) -> Result<Vec<u64>> {
+    ) -> Result<Places> {
         limits.check_frame(path, width, height)?;
         limits.check_burst(path, frames, width, height)?;
         let (wanted, there) = (frames.saturating_mul(step), length.saturating_sub(first));
@@ -281,6 +367,13 @@ impl Plain {
             let reason = format!("{wanted} bytes of values are announced, {there} are there");
             return Err(Error::corrupt(path, kind, reason));
         }
-        Ok((0..frames).map(|t| first + t * step).collect())
+        Ok(Places::Even { first, step, count: frames })
     }
+}
+
+/// Reads on by at most `count` bytes, unless the work is cancelled.
+fn skip(reading: Reading<'_>, from: &mut impl Read, count: u64) -> io::Result<()> {
+    let mut left = from.take(count);
+    while !reading.ticker.monitor().is_cancelled() && io::copy(&mut (&mut left).take(1 << 20), &mut io::sink())? > 0 {}
+    Ok(())
 }

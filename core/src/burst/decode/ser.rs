@@ -19,6 +19,8 @@ const KIND: &str = "SER";
 /// First bytes of every film.
 pub(super) const MAGIC: &[u8] = b"LUCAM-RECORDER";
 const HEADER_BYTES: usize = 178;
+/// Most frames whose times are read at once.
+const MAX_TIMES: usize = 1 << 20;
 /// Ticks of 100 ns of a second.
 const TICKS_A_SECOND: u64 = 10_000_000;
 /// Ticks from the start of the year 1 to that of 1970.
@@ -75,22 +77,42 @@ pub(super) fn plain(path: &Path, mut file: File, length: u64, options: &OpenOpti
         is_bgr: colour == 101,
         white: Some(((1u32 << bits) - 1) as f32),
         mosaic,
-        times: times(path, &mut file, end, length, frames as usize)?,
+        times: times(path, &mut file, (end, length), shape.0 as usize, options, &mut taken)?,
         taken,
         ..Plain::new(KIND, (width as usize, height as usize), places, kind)
     })
 }
 
-/// Times behind the last frame, which ends at `end`; none where the file has none or they make no sense.
-fn times(path: &Path, file: &mut File, end: u64, length: u64, frames: usize) -> Result<Times> {
-    if length.saturating_sub(end) < 8 * frames as u64 {
+/// Times of the frames to be taken, from behind the last frame, which ends at `end` of `length` bytes; none where the
+/// file has none or they make no sense. `taken` gets a word about times that are not read.
+fn times(
+    path: &Path,
+    file: &mut File,
+    (end, length): (u64, u64),
+    frames: usize,
+    options: &OpenOptions,
+    taken: &mut Vec<String>,
+) -> Result<Times> {
+    let (there, whole) = (length.saturating_sub(end), 8 * frames as u64);
+    if there < whole {
+        if there > 0 {
+            taken.push(format!(
+                "{there} bytes follow the last frame, from byte {end} on, and the times of {frames} frames take {whole}: \
+                 the file may be cut there; its times are not read"
+            ));
+        }
         return Ok(Times::default());
     }
-    let mut bytes = vec![0; 8 * frames];
-    file.seek(SeekFrom::Start(end)).map_err(|e| Error::from_read(path, KIND, &e))?;
+    let range = options.take.map_or(0..frames, |range| range.start.min(frames)..range.end.min(frames));
+    if range.len() > MAX_TIMES {
+        taken.push(format!("the times of more than {MAX_TIMES} frames are not read; take a part"));
+        return Ok(Times::default());
+    }
+    let mut bytes = vec![0; 8 * range.len()];
+    file.seek(SeekFrom::Start(end + 8 * range.start as u64)).map_err(|e| Error::from_read(path, KIND, &e))?;
     file.read_exact(&mut bytes).map_err(|e| Error::from_read(path, KIND, &e))?;
     let ticks: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
-    if ticks[0] < TICKS_TO_1970 || !ticks.is_sorted() {
+    if ticks.first().is_none_or(|first| *first < TICKS_TO_1970) || !ticks.is_sorted() {
         return Ok(Times::default());
     }
     let seconds = |ticks: u64| {

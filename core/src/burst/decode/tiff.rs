@@ -15,6 +15,7 @@ use crate::burst::layout::AxisChoice;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
 use crate::plane::{Plane, memory};
+use flate2::{Decompress, FlushDecompress, Status};
 use image::metadata::Orientation;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -155,6 +156,28 @@ impl Pages {
     }
 }
 
+/// Bytes that deflated strips and tiles may have besides their pixels.
+const FILLING_BYTES: u64 = 1 << 20;
+
+/// Number of bytes, at most `most`, to which zlib's data unpacks whose checksum is right. The error is the end of a
+/// sentence.
+fn unpacked_bytes(packed: &[u8], most: u64) -> Result<u64, String> {
+    let (mut state, mut block) = (Decompress::new(true), [0; 1 << 14]);
+    loop {
+        let before = (state.total_in(), state.total_out());
+        let status = state.decompress(&packed[before.0 as usize..], &mut block, FlushDecompress::None);
+        let status = status.map_err(|e| format!("its deflated data: {e}"))?;
+        match status {
+            _ if state.total_out() > most => return Err("its deflated data is far more than its pixels".to_owned()),
+            Status::StreamEnd => return Ok(state.total_out()),
+            _ if (state.total_in(), state.total_out()) == before => {
+                return Err("its deflated data ends before its checksum".to_owned());
+            }
+            _ => {}
+        }
+    }
+}
+
 struct PageReader<'a> {
     reading: Reading<'a>,
     decoder: FileDecoder,
@@ -186,7 +209,10 @@ impl<'a> PageReader<'a> {
             let part = Part::Page { page, frame };
             return child::decode(Reading { expected: None, ..self.reading }, "TIFF", part, budget);
         }
-        let damage = self.damage().map_err(fail)?;
+        memory::check_room(taken);
+        // Strips and tiles at the edges may be filled up.
+        let most = pixels.saturating_add(chunk).saturating_mul(2 * sample_bytes).saturating_add(FILLING_BYTES);
+        let damage = self.damage(most).map_err(fail)?;
         if let Some(reason) = damage.as_ref().filter(|_| !options.accept_damaged) {
             return Err(Error::corrupt(path, "TIFF", reason));
         }
@@ -194,10 +220,15 @@ impl<'a> PageReader<'a> {
         Ok(RawFrame { damage, ..decoded })
     }
 
-    /// Damage of the decoder's current page that the decoder would not report: its strips or tiles may be JPEGs.
-    fn damage(&mut self) -> TiffResult<Option<String>> {
+    /// Damage of the decoder's current page that the decoder would not report: its strips or tiles may be JPEGs, or
+    /// deflated, of which it does not read the checksum: a wrong one is an error. All unpack to at most `most` bytes.
+    fn damage(&mut self, mut most: u64) -> TiffResult<Option<String>> {
         const JPEG: u16 = 7;
-        if self.decoder.find_tag_unsigned::<u16>(Tag::Compression)? != Some(JPEG) {
+        const DEFLATED: [u16; 2] = [8, 32946];
+        let compression = self.decoder.find_tag_unsigned::<u16>(Tag::Compression)?.unwrap_or_default();
+        let is_deflated = DEFLATED.contains(&compression);
+        let corrupt = |reason: String| std::io::Error::new(std::io::ErrorKind::InvalidData, reason);
+        if compression != JPEG && !is_deflated {
             return Ok(None);
         }
         let tables = self.decoder.find_tag(Tag::JPEGTables)?.map(|tables| tables.into_u8_vec()).transpose()?;
@@ -216,6 +247,14 @@ impl<'a> PageReader<'a> {
             let mut bytes: Vec<u8> = memory::zeroed(length as usize);
             file.seek(SeekFrom::Start(at))?;
             file.read_exact(&mut bytes)?;
+            if is_deflated {
+                if self.reading.ticker.monitor().is_cancelled() {
+                    break;
+                }
+                let unpacked = unpacked_bytes(&bytes, most).map_err(corrupt)?;
+                most -= unpacked;
+                continue;
+            }
             // Tables that stand apart have the picture's start marker, and an end marker of their own.
             if !tables.is_empty() {
                 bytes.splice(..2.min(bytes.len()), tables[..tables.len().saturating_sub(2)].iter().copied());

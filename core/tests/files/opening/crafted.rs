@@ -2,7 +2,7 @@
 
 /// A TIFF of one directory, least significant byte first, whose entries have a tag, a type, a count and a value or its
 /// position.
-fn directory(entries: &[(u16, u16, u32, u32)], length: usize) -> Vec<u8> {
+pub fn directory(entries: &[(u16, u16, u32, u32)], length: usize) -> Vec<u8> {
     let mut bytes = b"II*\0\x08\0\0\0".to_vec();
     bytes.extend((entries.len() as u16).to_le_bytes());
     for (tag, kind, count, value) in entries {
@@ -89,25 +89,72 @@ pub fn packed_chunks_png(unpacked: usize) -> Vec<u8> {
     [&sound[..AFTER_HEADER], &profile, &text, &other, &sound[AFTER_HEADER..]].concat()
 }
 
-/// A FITS image of 8×8 in one tile, which unpacks to `unpacked` zeros.
-pub fn packed_tile_fits(unpacked: u64) -> Vec<u8> {
+/// Zeros as gzip data.
+pub fn gzip_of_zeros(count: u64) -> Vec<u8> {
     let mut packed = Vec::new();
-    let zeros = std::io::Read::take(std::io::repeat(0), unpacked);
+    let zeros = std::io::Read::take(std::io::repeat(0), count);
     let mut encoder = flate2::read::GzEncoder::new(zeros, flate2::Compression::best());
     std::io::Read::read_to_end(&mut encoder, &mut packed).expect("memory takes everything");
+    packed
+}
+
+/// A FITS image of 8×8 in one tile, which unpacks to `unpacked` zeros.
+pub fn packed_tile_fits(unpacked: u64) -> Vec<u8> {
+    tile_fits(&[], &[], &gzip_of_zeros(unpacked))
+}
+
+/// A FITS image of 8×8 bytes in one tile of gzip data. `changes` are other values of its keywords, or further ones, and
+/// `rest` follows the reference of its row to the bytes `packed`.
+pub fn tile_fits(changes: &[(&str, &str)], rest: &[u8], packed: &[u8]) -> Vec<u8> {
     let unit = |cards: &[(&str, &str)]| {
         let cards: String =
             cards.iter().map(|(name, value)| format!("{:<80}", format!("{name:<8}= {value}"))).collect();
         format!("{:<2880}", cards + "END")
     };
-    let length = packed.len().to_string();
+    let (length, row_bytes) = (packed.len().to_string(), (8 + rest.len()).to_string());
     let image = [("ZIMAGE", "T"), ("ZBITPIX", "8"), ("ZNAXIS", "2"), ("ZNAXIS1", "8"), ("ZNAXIS2", "8")];
     let tile = [("ZTILE1", "8"), ("ZTILE2", "8"), ("ZCMPTYPE", "'GZIP_1'"), ("TFIELDS", "1")];
     let column = [("TTYPE1", "'COMPRESSED_DATA'"), ("TFORM1", "'1PB'"), ("PCOUNT", &*length), ("GCOUNT", "1")];
-    let table = [("XTENSION", "'BINTABLE'"), ("BITPIX", "8"), ("NAXIS", "2"), ("NAXIS1", "8"), ("NAXIS2", "1")];
+    let table = [("XTENSION", "'BINTABLE'"), ("BITPIX", "8"), ("NAXIS", "2"), ("NAXIS1", &*row_bytes), ("NAXIS2", "1")];
+    let mut cards = [&table[..], &column, &image, &tile].concat();
+    for change in changes {
+        match cards.iter_mut().find(|card| card.0 == change.0) {
+            Some(card) => *card = *change,
+            None => cards.push(*change),
+        }
+    }
     let header = unit(&[("SIMPLE", "T"), ("BITPIX", "8"), ("NAXIS", "0")]);
-    let row = [(packed.len() as u32).to_be_bytes(), [0; 4]].concat();
-    [header.as_bytes(), unit(&[&table[..], &column, &image, &tile].concat()).as_bytes(), &row, &packed].concat()
+    let row = [&(packed.len() as u32).to_be_bytes()[..], &[0; 4], rest].concat();
+    [header.as_bytes(), unit(&cards).as_bytes(), &row, packed].concat()
+}
+
+/// An archive with the member `frames.npy`, which announces `announced` bytes and has the given checksum; without one,
+/// the right one. It is stored unless `packed` has its deflated bytes.
+pub fn npz(member: &[u8], announced: u32, checksum: Option<u32>, packed: Option<&[u8]>) -> Vec<u8> {
+    const NAME: &[u8] = b"frames.npy";
+    let (data, method) = packed.map_or((member, 0u16), |packed| (packed, 8));
+    let fields = [
+        &20u16.to_le_bytes()[..],
+        &[0; 2],
+        &method.to_le_bytes(),
+        &[0; 4],
+        &checksum.unwrap_or(crc(member)).to_le_bytes(),
+        &(data.len() as u32).to_le_bytes(),
+        &announced.to_le_bytes(),
+        &(NAME.len() as u16).to_le_bytes(),
+        &[0; 2],
+    ]
+    .concat();
+    let local = [b"PK\x03\x04", &fields[..], NAME, data].concat();
+    let central = [b"PK\x01\x02\x14\0", &fields[..], &[0; 14], NAME].concat();
+    let sizes = [central.len() as u32, local.len() as u32].map(u32::to_le_bytes).concat();
+    [&local[..], &central, b"PK\x05\x06\0\0\0\0\x01\0\x01\0", &sizes, &[0; 2]].concat()
+}
+
+/// An array of bytes of this shape, as Python writes it, with the given values.
+pub fn npy(shape: &str, values: &[u8]) -> Vec<u8> {
+    let header = format!("{:<117}\n", format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({shape}), }}"));
+    [b"\x93NUMPY\x01\0", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), values].concat()
 }
 
 /// Zeros as a zlib stream.
@@ -121,8 +168,8 @@ fn zlib_of_zeros(count: usize) -> Vec<u8> {
     encoder.finish().expect("memory takes everything")
 }
 
-/// The checksum of a PNG's chunk.
-fn crc(bytes: &[u8]) -> u32 {
+/// The checksum of PNG, gzip and ZIP.
+pub fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, byte| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 })
     })

@@ -13,7 +13,7 @@ use tiff::encoder::colortype;
 use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
 
 /// One valid file of each kind and type: (name, bytes).
-fn samples() -> &'static [(&'static str, Vec<u8>)] {
+pub fn samples() -> &'static [(&'static str, Vec<u8>)] {
     static SAMPLES: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
     SAMPLES.get_or_init(|| {
         let folder = folder();
@@ -65,6 +65,12 @@ fn seeds() -> &'static [(&'static str, Vec<u8>)] {
         seeds.push(("progressive.jpg", progressive));
         seeds.push(("packed.png", crafted::packed_chunks_png(1 << 16)));
         seeds.push(("packed.fits", crafted::packed_tile_fits(1 << 22)));
+        let packed = crafted::gzip_of_zeros(64);
+        let scaled =
+            [("TFIELDS", "2"), ("TTYPE2", "'ZSCALE'"), ("TFORM2", "'1D'"), ("ZZERO", "1.5"), ("ZBITPIX", "-32")];
+        seeds.push(("scaled.fits", crafted::tile_fits(&scaled, &[0; 8], &crafted::gzip_of_zeros(256))));
+        seeds.push(("wide.fits", crafted::tile_fits(&[("TFORM1", "'1QB'")], &[0; 8], &packed)));
+        seeds.push(("many.npz", crafted::npz(&crafted::npy("4, 3, 2", &[7; 24]), 152, None, None)));
         seeds.push(("text.tif", crafted::huge_description_tiff()));
         seeds.push(("count5.tif", crafted::huge_count_dng(5)));
         #[cfg(feature = "bags")]
@@ -106,6 +112,32 @@ fn check(name: &str, answer: Result<Burst, Error>) {
 /// Values that are unusual for counts, types, sizes and positions.
 const EXTREMES: [u64; 14] =
     [0, 1, 5, 10, 12, 13, 16, 0x7f, 0xff, 0xffff, 0x7fff_ffff, 0xffff_ffff, 0x7fff_ffff_ffff_ffff, u64::MAX];
+
+/// Values of keywords of FITS.
+const WORDS: [&str; 22] = [
+    "RICE_1",
+    "RICE_ONE",
+    "GZIP_1",
+    "GZIP_2",
+    "PLIO_1",
+    "HCOMPRESS_1",
+    "NOCOMPRESS",
+    "1PB",
+    "0PB",
+    "2PB",
+    "1QB",
+    "1PI",
+    "PJ(99)",
+    "1B",
+    "1D",
+    "9999999999J",
+    "NONE",
+    "SUBTRACTIVE_DITHER_2",
+    "COMPRESSED_DATA",
+    "ZSCALE",
+    "ZBLANK",
+    "UNCOMPRESSED_DATA",
+];
 
 /// At least 400 cases for each test; more when PROPTEST_CASES asks for more.
 fn config() -> ProptestConfig {
@@ -213,6 +245,38 @@ proptest! {
             bytes[place..end].copy_from_slice(&value[..end - place]);
         }
         check(name, open(name, &bytes));
+    }
+
+    /// Damages the header of a FITS image: whole numbers, types of columns and compressions become others.
+    #[test]
+    fn values_of_cards(
+        sample in any::<prop::sample::Index>(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), prop_oneof![
+            any::<i64>(), -9..70i64, (0..63u32).prop_map(|power| 1 << power), (0..63u32).prop_map(|power| (1i64 << power).wrapping_neg()),
+        ], 0..WORDS.len()), 1..4),
+    ) {
+        static FITS: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
+        let fits = FITS.get_or_init(|| seeds().iter().filter(|(name, _)| name.ends_with(".fits")).cloned().collect());
+        let (name, bytes) = sample.get(fits);
+        let mut bytes = bytes.clone();
+        for (place, number, word) in changes {
+            let cards: Vec<usize> = (0..bytes.len() / 80 * 80).step_by(80).filter(|at| &bytes[at + 8..at + 10] == b"= ").collect();
+            let at = cards[place.index(cards.len())] + 10;
+            let value = if bytes[at] == b'\'' { format!("'{:<8}'", WORDS[word]) } else { format!("{number:>20}") };
+            bytes[at..at + value.len()].copy_from_slice(value.as_bytes());
+        }
+        check(name, open(name, &bytes));
+    }
+
+    /// Directories of TIFFs and of raw files with any tags, types, counts and places.
+    #[test]
+    fn directories(
+        entries in prop::collection::vec((prop_oneof![254..300u16, 320..335u16, Just(34665), Just(50706), any::<u16>()], 0..20u16, prop_oneof![0..9u32, any::<u32>()], prop_oneof![0..300u32, any::<u32>()]), 0..12),
+        length in 0..400usize,
+        is_raw in any::<bool>(),
+    ) {
+        let name = if is_raw && cfg!(feature = "raw") { "any.dng" } else { "any.tif" };
+        check(name, open(name, &crafted::directory(&entries, length)));
     }
 
     #[test]

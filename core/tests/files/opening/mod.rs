@@ -13,9 +13,11 @@ mod formats;
 mod fuzz;
 #[cfg(feature = "bags")]
 mod hostile_bags;
+mod interface;
 mod options;
 mod photographs;
 mod plain;
+mod promises;
 #[cfg(feature = "raw")]
 mod raw;
 mod support;

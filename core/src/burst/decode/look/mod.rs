@@ -164,24 +164,28 @@ impl Kind {
     }
 }
 
-/// Whether a file that begins with `start` is a video: MP4 and QuickTime (but not HEIF, which is a picture in the same
-/// container), Matroska and WebM, AVI, MPEG, Flash, Windows Media, GIF.
-pub(super) fn is_video(start: &[u8]) -> bool {
+/// Name that `ffmpeg` has for the container of a video that begins with `start`: MP4 and QuickTime (but not HEIF, which
+/// is a picture in the same container), Matroska and WebM, AVI, MPEG, Flash, Windows Media, GIF.
+pub(super) fn container(start: &[u8]) -> Option<&'static str> {
     let at = |place: usize, magic: &[u8]| start.get(place..).is_some_and(|rest| rest.starts_with(magic));
     let is_picture = [&b"hei"[..], b"hev", b"mif1", b"msf1", b"avi"].iter().any(|brand| at(8, brand));
-    (at(4, b"ftyp") && !is_picture)
-        || [&b"moov"[..], b"mdat", b"wide"].iter().any(|atom| at(4, atom))
-        || (at(0, b"RIFF") && at(8, b"AVI "))
-        || [
-            &b"\x1a\x45\xdf\xa3"[..],
-            b"\0\0\x01\xba",
-            b"\0\0\x01\xb3",
-            b"FLV\x01",
-            b"\x30\x26\xb2\x75\x8e\x66\xcf\x11",
-            b"GIF8",
-        ]
-        .iter()
-        .any(|magic| at(0, magic))
+    let magics: [(usize, &[u8], &str); 10] = [
+        (4, b"moov", "mov"),
+        (4, b"mdat", "mov"),
+        (4, b"wide", "mov"),
+        (8, b"AVI ", "avi"),
+        (0, b"\x1a\x45\xdf\xa3", "matroska"),
+        (0, b"\0\0\x01\xba", "mpeg"),
+        (0, b"\0\0\x01\xb3", "mpegvideo"),
+        (0, b"FLV\x01", "flv"),
+        (0, b"\x30\x26\xb2\x75\x8e\x66\xcf\x11", "asf"),
+        (0, b"GIF8", "gif"),
+    ];
+    if at(4, b"ftyp") && !is_picture {
+        return Some("mov");
+    }
+    let found = magics.into_iter().find(|(place, magic, _)| at(*place, magic)).map(|(.., name)| name);
+    found.filter(|name| *name != "avi" || at(0, b"RIFF"))
 }
 
 /// Formats that others read: first bytes, name, and the way to frames, in which FILE is the path, as a word of a shell.
