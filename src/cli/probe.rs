@@ -176,7 +176,7 @@ Examples:
 JSON (--json), beside version, params, name and inputs:
   \"set_up\", \"set_up_slopes\": {\"nearest\", \"farthest\", \"grid\", \"step\"}, \"depths\": [{\"slope\", \"features\", \"depth_m\" or null}], with --speed
   \"most_features_at\": {\"u\", \"v\"} or null, not counting the ends of the range
-  \"spectrum\": {\"grid\", \"frames\", \"features\", \"at_limit\", \"judgement\": {\"sentence\", \"advice\" or null}, \"finding\" (as slopes_found of detect), \"cost\": {\"slopes\", \"samples\", \"search_secs\"},
+  \"spectrum\": {\"grid\", \"frames\", \"features\", \"at_limit\", \"judgement\": {\"sentence\", \"fits\", \"advice\" or null}, \"finding\" (as slopes_found of detect), \"cost\": {\"slopes\", \"samples\", \"search_secs\"},
     \"bars\": [{\"at\": [i, j], \"slope\": {\"u\", \"v\"}, \"is_searched\", \"is_on_rim\", \"features\", \"at_limit\", \"evidence\" (0 … 1), \"coverage\" (0 … 1)}],
     \"aliases\": [{\"period_px\", \"correlation\", \"direction\", \"slope\", \"inside_range\", \"side_lobe\", \"places\": [[u, v]]}],
     \"advice\": [{\"subject\": range, step, direction, frames, aliases, coverage or cost, \"number\", \"sentence\", \"changes\": [{\"parameter\", \"value\"}]}]}";

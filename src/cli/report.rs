@@ -58,6 +58,12 @@ pub(super) struct BurstReport {
     /// Names of the damaged frames that were accepted; absent where all are whole.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     damaged_frames: Vec<String>,
+    /// Guesses and choices about the files, as clauses: an axis, an array, times and an order found; absent without.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    taken: Vec<String>,
+    /// Names of the frames in their order, where something was taken so.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    frame_names: Vec<String>,
     #[serde(skip)]
     notes: Vec<Note>,
     pub features: usize,
@@ -166,6 +172,8 @@ impl BurstReport {
             binning: burst.binning,
             suggested_full_scale: burst.suggested_full_scale,
             damaged_frames: burst.damaged_frames().map(|(name, _)| name.to_owned()).collect(),
+            taken: burst.taken.clone(),
+            frame_names: if burst.taken.is_empty() { Vec::new() } else { burst.frame_names.clone() },
             notes: burst.notes(),
             features: detection.features.len(),
             files,
@@ -225,7 +233,7 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
         let is_judged = report.slopes_judged.is_some();
         line("slopes", &if is_judged { finding.summary_beside_judgement() } else { finding.summary() });
     }
-    if let Some(SlopeJudgement { sentence, advice }) = &report.slopes_judged {
+    if let Some(SlopeJudgement { sentence, advice, .. }) = &report.slopes_judged {
         line(if report.slopes_found.is_some() { "" } else { "slopes" }, sentence);
         let options = advice.as_ref().map_or(String::new(), |advice| advice.options());
         if !options.is_empty() {

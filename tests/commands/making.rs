@@ -108,7 +108,14 @@ fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
         (known.features.iter().filter(is_found).count(), known.features.len())
     };
     let said = found("exchanged --times found");
-    assert!(said.contains("exchanged"), "{said}");
+    let document: serde_json::Value = serde_json::from_str(&said).expect("JSON");
+    let burst = &document["bursts"][0];
+    assert!(burst["taken"][0].as_str().is_some_and(|taken| taken.contains("exchanged")), "{said}");
+    let names: Vec<&str> = burst["frame_names"].as_array().expect("names").iter().filter_map(|n| n.as_str()).collect();
+    let mut in_order = names.clone();
+    in_order.sort_unstable();
+    in_order.swap(1, 4);
+    assert_eq!(names, in_order);
     let (right, all) = answers("exchanged", &known);
     assert!(right + 1 >= all, "{right} of {all}");
     let known = synth("behind", "--mask 0.4");

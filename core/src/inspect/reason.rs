@@ -8,14 +8,18 @@ use super::price::time_factor;
 use super::remedy::nearest_slope;
 use super::response::covering;
 use super::words::{number, slope_text};
+use crate::burst::Burst;
 use crate::detector::coherence::{Shape, evenness_of};
 use crate::detector::noise::gate_factor;
 use crate::detector::params::doc;
+use crate::detector::pipeline::search;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::LOWEST_GATE;
-use crate::detector::{DetectorParams, Neighbourhood, ParamChange, Sample, Slope, Trail};
+use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Slope, Trail};
 use crate::monitor::{Cancelled, Monitor};
+use crate::plane::{Mask, Plane};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Kind of a reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -180,21 +184,75 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
     if peak.snr < gate_factor(&changed) {
         return Ok(None);
     }
+    let mut sigma_and_snr = (trail.space().sigma_image(first - 1, f64::from(peak.level)) as f32, peak.snr);
     if peak.level < 0 {
-        let sentence = format!("{}, and beyond a first octave of {next}", rises(peak.slope));
-        return Ok(Some(Reason::new(ReasonKind::TooSmall, peak.slope, sentence)));
+        // At its own slope it may still rise, and yet be kept at one of the grid.
+        let Some(kept) = kept_there(trail, &changed, (clear.pos_image, peak.slope), monitor)? else {
+            let sentence = format!("{}, and a first octave of {next} keeps nothing here either", rises(peak.slope));
+            return Ok(Some(Reason::new(ReasonKind::TooSmall, peak.slope, sentence)));
+        };
+        sigma_and_snr = kept;
     }
-    let sigma = trail.space().sigma_image(first - 1, f64::from(peak.level)) as f32;
     let times = number(time_factor(params, &changed, trail.size_image()), 0);
     let sentence = format!(
         "{}; first octave {next} finds it (σ {} px, {} σ of its noise), and the search of as many slopes then takes about {times} times as long",
         rises(peak.slope),
-        number(sigma, 1),
-        number(peak.snr, 1)
+        number(sigma_and_snr.0, 1),
+        number(sigma_and_snr.1, 1)
     );
     let change = Some(ParamChange::new(doc::FIRST_OCTAVE, first - 1));
     let reason = Reason::new(ReasonKind::TooSmall, peak.slope, sentence);
-    Ok(Some(Reason { sigma_and_snr: Some((sigma, peak.snr)), change, ..reason }))
+    Ok(Some(Reason { sigma_and_snr: Some(sigma_and_snr), change, ..reason }))
+}
+
+/// Pixels beyond the motion of a place that decide whether a small thing is kept there.
+const AROUND_PX: f32 = 64.0;
+
+/// Scale, input pixels, and SNR of the strongest feature too small for the search that one with `params` keeps at a
+/// place (u, v) with its slope: the frames are searched again around it.
+fn kept_there(
+    trail: &Trail,
+    params: &DetectorParams,
+    ([u, v], slope): ([f32; 2], Slope),
+    monitor: &Monitor,
+) -> Result<Option<(f32, f32)>, Cancelled> {
+    let (frames, kept, positions) = trail.frames();
+    let fastest = trail.params().used_slopes().slopes().map(Slope::magnitude).fold(0.0, f32::max);
+    let reach = fastest * positions.reach() as f32;
+    let part = |x: f32, n: usize| {
+        let from = (x - reach - AROUND_PX).max(0.0) as usize;
+        from..n.min((x + reach + AROUND_PX) as usize + 1)
+    };
+    let (columns, rows) = (part(u, trail.size_image().0), part(v, trail.size_image().1));
+    let cut = |frame: &Arc<Plane>| {
+        let of = |value: &dyn Fn(usize, usize) -> f32| {
+            Plane::from_fn(columns.len(), rows.len(), |u, v| value(columns.start + u, rows.start + v))
+        };
+        let seen = frame.mask().and_then(|_| Mask::new(of(&|u, v| frame.weight_at(u, v))));
+        of(&|u, v| frame.at(u, v)).masked(seen)
+    };
+    let burst = Burst::from_planes("place", frames.iter().map(cut).collect());
+    let burst = Burst { positions: positions.of(kept), ..burst };
+    let early = kept.first().map_or((0.0, 0.0), |first| {
+        slope.displacement((positions.offset(*first) - burst.positions.offset(0)).to_f32())
+    });
+    let place = [u - early.0 - columns.start as f32, v - early.1 - rows.start as f32];
+    let params = DetectorParams {
+        frames: None,
+        octaves: 1,
+        max_features: 0,
+        noise_gate: NoiseGate::Factor(gate_factor(params)),
+        ..params.clone()
+    };
+    let Ok(found) = search(&burst, &params, monitor) else { return monitor.check().map(|()| None) };
+    let smallest = trail.space().sigma_image(trail.space().first_octave, 0.0) as f32;
+    let is_it = |feature: &&Feature| {
+        (feature.u - place[0]).hypot(feature.v - place[1]) <= AT_PLACE_PX
+            && feature.sigma <= smallest
+            && is_same_motion(trail, feature.slope, slope, feature.sigma)
+    };
+    let strongest = found.features.iter().filter(is_it).max_by(|a, b| a.snr.total_cmp(&b.snr));
+    Ok(strongest.map(|feature| (feature.sigma, feature.snr)))
 }
 
 /// The finest octave that can be searched.

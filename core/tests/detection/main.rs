@@ -5,6 +5,7 @@
 mod shared;
 
 mod aligned;
+mod claims;
 mod goldens;
 mod inspect;
 mod laws;

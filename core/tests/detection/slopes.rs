@@ -1,13 +1,16 @@
-//! Automatic slopes on real bursts.
+//! Automatic slopes on real bursts, and on scenes and noise that were made.
 
 use crate::shared::shared;
 use burstscope_core::burst::{Burst, OpenOptions};
 use burstscope_core::detect::{Searched, search};
+use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::detector::{
     DetectorParams, ParamChange, SearchParams, Slope, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes,
 };
 use burstscope_core::inspect::spectrum::{Subject, judgement};
-use burstscope_core::{Monitor, SlopeGrid};
+use burstscope_core::synth::random::Stream;
+use burstscope_core::synth::{Motion, NoiseCase, SceneParams, synth_scene};
+use burstscope_core::{Monitor, Plane, SlopeGrid};
 use std::path::{Path, PathBuf};
 
 fn open(files: &[PathBuf]) -> Burst {
@@ -134,4 +137,118 @@ fn a_floor_that_is_sharpest_beyond_the_range_is_no_fit_and_one_change_widens_it(
     assert!(wider.slopes.u.max > 6.5 && wider.slopes.u.min == params.slopes.u.min, "{:?}", wider.slopes);
     let (mended, _) = judged(&wider.into());
     assert_eq!(mended.advice.filter(|advice| advice.subject == Subject::Range), None);
+}
+
+fn noise(seed: u64, size: (usize, usize)) -> Plane {
+    let mut stream = Stream::new(seed, 9);
+    Plane::from_fn(size.0, size.1, |_, _| 0.5 + 0.05 * stream.normal() as f32)
+}
+
+#[test]
+fn noise_that_frames_have_in_common_does_not_move() {
+    let (width, height) = (320, 240);
+    let check = |name: &str, frames: Vec<Plane>| {
+        let finding = find(&Burst::from_planes(name, frames));
+        let shows_motion = finding.verdict != SlopeVerdict::NothingSeen && finding.grid.len() > 1;
+        assert!(!shows_motion, "{name}: {}", finding.summary());
+    };
+    for seed in 0..3 {
+        for case in [NoiseCase::Smoothed, NoiseCase::HotPixels, NoiseCase::FlickeringPixels] {
+            let burst = case.burst((width, height), 8, 0.02, seed + 1, &Monitor::default()).expect("not cancelled");
+            check(&case.name(), burst.frames.iter().map(|f| (**f).clone()).collect());
+        }
+        let some: Vec<Plane> = (0..9).map(|t| noise(10 * seed + t, (width, height))).collect();
+        // Fields: each frame has every other row of the frame before, or rows that were interpolated.
+        let fields = |t: usize| Plane::from_fn(width, height, |u, v| some[t + (v + t + 1) % 2].at(u, v));
+        check("interlaced", (0..8).map(fields).collect());
+        let interpolated = |t: usize| {
+            let between =
+                |u: usize, v: usize| some[t].at(u, v.saturating_sub(1)) + some[t].at(u, (v + 1).min(height - 1));
+            Plane::from_fn(width, height, |u, v| if v % 2 == t % 2 { some[t].at(u, v) } else { 0.5 * between(u, v) })
+        };
+        check("interpolated", (0..8).map(interpolated).collect());
+        // Copies: each frame twice, some in turn, and one that is turned by half a turn each time.
+        check("doubled", (0..8).map(|t| some[t / 2].clone()).collect());
+        check("in turn", (0..8).map(|t| some[t % 4].clone()).collect());
+        let turned = Plane::from_fn(width, height, |u, v| some[0].at(width - 1 - u, height - 1 - v));
+        check("turned", (0..8).map(|t| if t % 2 == 0 { some[0].clone() } else { turned.clone() }).collect());
+    }
+}
+
+/// Frames of a scene in the dark at `quarters` of frame intervals; its layers move along a line or in the plane.
+fn taken(quarters: &[usize], seed: u64) -> Burst {
+    let frames = quarters.iter().max().map_or(0, |last| last + 1);
+    let motion = if seed.is_multiple_of(2) { Motion::OneD } else { Motion::TwoD };
+    let max_slope = SceneParams::default().max_slope / 4.0;
+    let params = SceneParams {
+        width: 480,
+        height: 360,
+        frames,
+        snr: std::env::var("SNR").ok().and_then(|x| x.parse().ok()).unwrap_or(0.5),
+        seed,
+        motion,
+        max_slope,
+        ..Default::default()
+    };
+    let (burst, _) = synth_scene(&params, &Monitor::default()).expect("a scene");
+    Burst::from_planes("taken", quarters.iter().map(|t| (*burst.frames[*t]).clone()).collect())
+}
+
+/// Events that may happen to ten frames, and the quarters of frame intervals at which they were taken then.
+fn happened(seed: u64) -> [(Option<MotionWarningKind>, Vec<usize>, Vec<usize>); 6] {
+    use MotionWarningKind::*;
+    const FRAMES: usize = 10;
+    let mut stream = Stream::new(seed, 77);
+    let mut any = |range: std::ops::Range<usize>| range.start + stream.below(range.len());
+    let even = |frames: usize| (0..frames).map(|t| 4 * t).collect::<Vec<usize>>();
+    let a = any(0..FRAMES);
+    let b = (a + any(1..FRAMES)) % FRAMES;
+    let mut exchanged = even(FRAMES);
+    exchanged.swap(a, b);
+    let (from, by) = (any(0..FRAMES - 3), any(2..4));
+    let mut moved = even(FRAMES);
+    let frame = moved.remove(from);
+    moved.insert(from + by, frame);
+    let (after, count) = (any(1..FRAMES - 2), any(1..4));
+    let mut missing = even(FRAMES + count);
+    missing.drain(after + 1..after + 1 + count);
+    let (frame, is_early, quarters) = (any(1..FRAMES - 1), any(0..2) == 1, any(2..4));
+    let mut late = even(FRAMES);
+    late[frame] = if is_early { late[frame] - quarters } else { late[frame] + quarters };
+    let speeds_up = (0..FRAMES).map(|t| 2 * t + 2 * t * t / (FRAMES - 1)).collect();
+    [
+        (None, vec![], even(FRAMES)),
+        (None, vec![], speeds_up),
+        (Some(OutOfOrder), vec![a.min(b), a.max(b)], exchanged),
+        (Some(OutOfOrder), (from..=from + by).collect(), moved),
+        (Some(MissingFrames), vec![after], missing),
+        (Some(Late), vec![frame], late),
+    ]
+}
+
+#[test]
+fn what_happened_to_frames_in_the_dark_is_told_and_nothing_of_good_ones() {
+    // More: `HAPPENED_BURSTS=100 cargo test -p burstscope-core --test detection what_happened -- --nocapture`.
+    let bursts = std::env::var("HAPPENED_BURSTS").ok().map(|count| count.parse::<u64>().expect("a number"));
+    let mut counts = [[0; 3]; 6];
+    for seed in 0..bursts.unwrap_or(2) {
+        for (case, (kind, frames, quarters)) in happened(seed).into_iter().enumerate() {
+            let finding = find(&taken(&quarters, seed));
+            let told = finding
+                .warnings
+                .iter()
+                .find(|warning| !matches!(warning.kind, MotionWarningKind::Turns | MotionWarningKind::Grows));
+            let is_right = told.map(|told| (told.kind, &told.frames)) == kind.map(|kind| (kind, &frames));
+            // In order: right, nothing told, wrong.
+            counts[case][if is_right { 0 } else { 1 + usize::from(told.is_some()) }] += 1;
+            let is_uniform = finding.uniform.is_some();
+            assert!(is_uniform == told.is_some() && (!is_uniform || finding.verdict == SlopeVerdict::NotStraight));
+            if bursts.is_some() {
+                println!("{seed} {kind:?} {frames:?}: {:?}", told.map(|told| &told.text));
+            }
+        }
+    }
+    println!("right, silent, wrong: {counts:?}");
+    let [right, silent, wrong] = [0, 1, 2].map(|at| counts.iter().map(|count| count[at]).sum::<usize>());
+    assert!(counts[0][2] == 0 && 20 * wrong <= right && 10 * silent <= right, "{counts:?}");
 }

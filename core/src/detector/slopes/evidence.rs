@@ -239,7 +239,12 @@ pub(super) struct Steps {
 }
 
 pub(super) fn is_significant(evidence: &SlopeEvidence) -> bool {
-    evidence.significance >= LARGE_SIGNIFICANCE + SMALL_SIGNIFICANCE / side_in_smallest(evidence)
+    evidence.significance >= least_significance(evidence)
+}
+
+/// Significance from which on a window of the size of that of `evidence` counts.
+pub(super) fn least_significance(evidence: &SlopeEvidence) -> f32 {
+    LARGE_SIGNIFICANCE + SMALL_SIGNIFICANCE / side_in_smallest(evidence)
 }
 
 /// Side of a square as large as the window, in sides of the smallest window at its level.

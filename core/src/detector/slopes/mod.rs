@@ -22,7 +22,7 @@ pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
 use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
-use crate::burst::{Burst, OpenOptions, Positions, TimesChoice};
+use crate::burst::{Burst, Offset, OpenOptions, Positions, TimesChoice};
 use crate::detector::scale_space::ScaleSpace;
 use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -36,6 +36,7 @@ use order::Blocks;
 use peak::{Path, SearchTable, Track};
 use serde::Serialize;
 use spectra::{Fourier, SIDE};
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Smear of the outermost frames, in pixels, below which two slopes are equal: about the σ of the finest features.
@@ -104,7 +105,17 @@ pub fn find_slopes(
     let is_told = is_even && (event::MIN_FRAMES..=event::MAX_FRAMES).contains(&frames.len());
     let blocks = seen.blocks.first().filter(|_| is_told);
     let blocks = blocks.map(|blocks| Blocks::of(blocks, (&lags, shared), levels.start, &fourier));
-    let event = blocks.and_then(|blocks| blocks.event());
+    // An event makes the way of the picture straight, where that is known.
+    let is_straight_with = |event: &Event| {
+        let is_straight = |path: &Path| {
+            let times = event.times(kept.len());
+            let middle = times.iter().sum::<f64>() / times.len() as f64;
+            let at: Vec<Offset> = times.iter().map(|time| Offset::from(time - middle)).collect();
+            peak::distance_from_a_line(&path.way, &at) <= path.limit(false)
+        };
+        path.as_ref().is_none_or(is_straight)
+    };
+    let event = blocks.and_then(|blocks| blocks.event()).filter(is_straight_with);
     let uniform = (event.is_some() || is_even && !copies.is_empty())
         .then(|| UniformTimes::of(event.as_ref().unwrap_or(&Event::Nothing), &kept));
     let order = event.and_then(|event| event.warning_of(&kept));
@@ -112,7 +123,16 @@ pub fn find_slopes(
     let is_irregular = order.is_some();
     let mut warnings = regularity::of_places(&seen.evidence, steps, size);
     warnings.extend(order.into_iter().chain(event::copies_warning(copies)));
-    let deviation = path.map(|path| (peak::distance_from_a_line(&path.way, positions.offsets()), path.limit(still)));
+    let deviation_of = |path: &Path, part: Range<usize>| {
+        peak::distance_from_a_line(&path.way[part.clone()], positions.part(part).offsets())
+    };
+    let deviation_of_middle = |path: &Path| {
+        let middle = |count: usize| (kept.len() - count) / 2..(kept.len() - count) / 2 + count;
+        (0..=kept.len()).map(|count| if count < 2 { 0.0 } else { deviation_of(path, middle(count)) as f32 }).collect()
+    };
+    let is_whole = kept.len() == all.len();
+    let deviation_of_middle = path.as_ref().filter(|_| is_whole).map(deviation_of_middle).unwrap_or_default();
+    let deviation = path.map(|path| (deviation_of(&path, 0..kept.len()), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
     let verdict = match finding.verdict {
         SlopeVerdict::Found | SlopeVerdict::Still
@@ -125,7 +145,7 @@ pub fn find_slopes(
     };
     let deviation_px = deviation.map(|(distance, _)| distance as f32);
     let spectrum = spectrum(&seen, &table, levels.start);
-    Ok(SlopeFinding { verdict, deviation_px, spectrum, warnings, uniform, ..finding })
+    Ok(SlopeFinding { verdict, deviation_px, deviation_of_middle, spectrum, warnings, uniform, ..finding })
 }
 
 /// Opens a burst as [`Burst::open_with`] does; where the choice of times says so, with its frames in the order and at
@@ -166,6 +186,12 @@ impl SlopeFinding {
         let steps = steps_of(params, &positions.part(params.used_frames(positions.len())));
         let clear: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_clear(e, steps)).copied().collect();
         confirmed(&clear, steps)
+    }
+
+    /// Part (0 … 1) of all significant evidence, by its significance, whose slope a `grid` holds.
+    pub fn agreement(&self, grid: &SlopeGrid, params: &DetectorParams, positions: &Positions) -> f32 {
+        let significant: Vec<SlopeEvidence> = self.evidence.iter().filter(|e| is_significant(e)).copied().collect();
+        agreement(&significant, grid, steps_of(params, positions))
     }
 
     /// Texts of the warnings.
@@ -387,6 +413,9 @@ pub struct SlopeFinding {
     pub moved_px: f32,
     /// Largest distance of the picture's path from a uniform motion, pixels; `None` where frames are too noisy.
     pub deviation_px: Option<f32>,
+    /// The same of the middle 0, 1, 2, … frames alone; empty where it is not known.
+    #[serde(skip)]
+    pub deviation_of_middle: Vec<f32>,
     /// Irregularities of the motion: frames out of order, missing, late or copied, a picture that turns or grows.
     pub warnings: Vec<MotionWarning>,
     /// Order and times in which the motion is uniform, where the frames show that those they have are wrong.

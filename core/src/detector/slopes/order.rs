@@ -10,7 +10,7 @@
 
 use super::SlopeEvidence;
 use super::event::{Event, MAX_MISSING, MAX_SCRAMBLED};
-use super::evidence::{SHARED_NOISE, Sum};
+use super::evidence::{SHARED_NOISE, Sum, least_significance};
 use super::lags::Lags;
 use super::peak::{MIN_OVERLAP, cubic, overlap_at, peak_of, unbiased};
 use super::spectra::Fourier;
@@ -18,6 +18,11 @@ use rayon::prelude::*;
 
 /// Least gain of an event over even times, nats: twice ln 400, about what the luckiest of 400 events gains by noise.
 const MIN_NATS: f64 = 12.0;
+/// Least gain of every other block, and of the others, nats.
+const MIN_HALF_NATS: f64 = 5.0;
+/// Part of what blocks gain that others may lose: 0.3 or more where nothing happened, 0.05 at most where frames are
+/// missing or out of order.
+const MAX_LOST: f64 = 0.2;
 /// Least gain, as a part of what even times have: pictures differ from what they are taken for by up to half of it.
 const MIN_PART: f64 = 0.01;
 /// Part of the gain of free times that an event may leave; a motion that speeds up leaves 0.27 to 0.64.
@@ -50,6 +55,8 @@ struct Block {
     pairs: Vec<(Vec<f32>, f64)>,
     /// Slope for even times, level pixels per frame.
     slope: [f64; 2],
+    /// Significance from which on it shows anything.
+    least: f64,
 }
 
 /// Blocks of the picture, at one level.
@@ -68,6 +75,8 @@ pub(super) struct Agreement {
     pub nats: f64,
     /// Slope of each block.
     slopes: Vec<[f64; 2]>,
+    /// Significance of each block.
+    significance: Vec<f64>,
 }
 
 /// Correlation of each pair over the time between its frames, nats.
@@ -89,7 +98,8 @@ impl<'a> Blocks<'a> {
             let planes = fourier.correlations(&sum.pairs.products[from..], &mut scratch);
             let planes = planes.iter().map(|plane| unbiased(plane, &fourier.overlap));
             let pairs = planes.zip(sum.pairs.variance[from..].iter().map(|variance| SHARED_NOISE * variance)).collect();
-            Block { pairs, slope: [evidence.slope.u, evidence.slope.v].map(|slope| f64::from(slope) / unit) }
+            let slope = [evidence.slope.u, evidence.slope.v].map(|slope| f64::from(slope) / unit);
+            Block { pairs, slope, least: f64::from(least_significance(evidence)) }
         };
         let blocks = seen.iter().map(&mut block).collect();
         Self { pairs: &lags.near[from..], frames: lags.frames, overlap: &fourier.overlap, blocks }
@@ -104,7 +114,21 @@ impl<'a> Blocks<'a> {
             others.iter().find(|other| !other.event.is_like(&first.event)).map_or(even.nats, |other| other.nats);
         let is_all = gain >= (1.0 - MAX_LEFT) * (free.nats - even.nats) - MAX_LEFT_PART * even.nats;
         let is_ahead = first.nats - other >= MIN_AHEAD * gain;
-        (self.is_clear(first, even) && is_all && is_ahead).then(|| first.event.clone())
+        let is_told = self.is_clear(first, even) && is_all && is_ahead && self.is_shared(first, even);
+        is_told.then(|| first.event.clone())
+    }
+
+    /// Whether a block shows anything, and nearly all blocks agree with `one` rather than with `even` times: of hundreds
+    /// of events chance favours one in some blocks, and as much against it in others.
+    fn is_shared(&self, one: &Agreement, even: &Agreement) -> bool {
+        let is_seen = self.blocks.iter().zip(&one.significance).any(|(block, seen)| *seen >= block.least);
+        let gains = one.significance.iter().zip(&even.significance).map(|(one, even)| nats(*one) - nats(*even));
+        let (mut halves, mut lost) = ([0.0; 2], 0.0);
+        for (i, gain) in gains.enumerate() {
+            halves[i % 2] += gain;
+            lost -= gain.min(0.0);
+        }
+        is_seen && halves.iter().all(|gain| *gain >= MIN_HALF_NATS) && lost <= MAX_LOST * (halves[0] + halves[1] + lost)
     }
 
     /// Even times, free ones, and the events that agree best.
@@ -193,7 +217,7 @@ impl<'a> Blocks<'a> {
             }
             (plane, variance)
         };
-        let block = Block { pairs: (0..self.pairs.len()).map(sum).collect(), slope: [0.0; 2] };
+        let block = Block { pairs: (0..self.pairs.len()).map(sum).collect(), slope: [0.0; 2], least: 0.0 };
         Self { blocks: vec![block], ..*self }
     }
 
@@ -233,8 +257,8 @@ impl<'a> Blocks<'a> {
         let times = event.times(self.frames);
         let climbed = self.blocks.par_iter().zip(from).map(|(block, from)| self.climbed(block, *from, &times));
         let (slopes, significance): (Vec<_>, Vec<f64>) = climbed.collect::<Vec<_>>().into_iter().unzip();
-        let nats = significance.iter().map(|s| 0.5 * s.max(0.0).powi(2)).sum();
-        Agreement { event, nats, slopes }
+        let nats = significance.iter().map(|s| nats(*s)).sum();
+        Agreement { event, nats, slopes, significance }
     }
 
     /// Readings along `slopes`; the amplitude of each block is that at `times`, and any without them.
@@ -288,6 +312,11 @@ impl<'a> Blocks<'a> {
         }
         self.agreement(Event::Free(times), &from.slopes)
     }
+}
+
+/// Logarithm of the likelihood of a significance.
+fn nats(significance: f64) -> f64 {
+    0.5 * significance.max(0.0).powi(2)
 }
 
 /// Each event once, those that agree best first.

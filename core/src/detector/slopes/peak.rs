@@ -298,7 +298,11 @@ impl Path {
     }
 }
 
-/// Path of the picture as a whole, level pixels; `None` where single pairs of frames are too noisy to measure it.
+/// Overlap of two frames from which on their correlation shows whether the shifts between them add up.
+const MIN_SEEN: f32 = 0.2;
+
+/// Path of the picture as a whole, level pixels; `None` where single pairs of frames are too noisy to measure it, or
+/// the picture does not move as a whole.
 pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
     let neighbours = pairs.neighbours();
     let variance = pairs.variance[..neighbours.len()].iter().sum::<f64>() / neighbours.len() as f64;
@@ -313,12 +317,25 @@ pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
         let [x, y] = *way.last()?;
         way.push([x + u, y + v]);
     }
+    let (next, of_next) = (&pairs.products[neighbours.len()..], &pairs.variance[neighbours.len()..]);
+    let next = fourier.correlations(&next[..neighbours.len() - 1], &mut fourier.scratch(0));
+    // Of several motions now one and now another is the strongest: their shifts do not add up.
+    let adds_up = |((plane, variance), ends): ((&Vec<f32>, &f64), &[[f64; 2]])| {
+        let shift = [0, 1].map(|axis| ends[2][axis] - ends[0][axis]);
+        let plane_of = unbiased(plane, &fourier.overlap);
+        overlap_at(&fourier.overlap, shift) < MIN_SEEN
+            || peak_of(plane, &fourier.overlap, *variance)
+                .is_none_or(|(at, _)| cubic(&plane_of, shift) >= SAME_SCENE * cubic(&plane_of, at))
+    };
+    if !next.iter().zip(of_next).zip(way.windows(3)).all(adds_up) {
+        return None;
+    }
     // Each shift has an error of about a pixel divided by its significance; the errors add up along the path.
     let error = SHIFT_ERROR / min;
     Some(Path { way, error, noise: error * (planes.len() as f64).sqrt(), pixel: 1.0 })
 }
 
-/// Part of the correlation at one lag that the next one has at least, where it comes from a scene.
+/// Part of a correlation that another one of the same scene has at least.
 const SAME_SCENE: f64 = 0.5;
 
 /// Index of a correlation's largest value; 0 is shift 0.

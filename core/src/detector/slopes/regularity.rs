@@ -97,39 +97,73 @@ fn affine(evidence: &[&SlopeEvidence], size: Size, error: f64) -> Option<([[f64;
         .iter()
         .map(|e| [1.0, (f64::from(e.centre[0]) - middle[0]) / unit, (f64::from(e.centre[1]) - middle[1]) / unit])
         .collect();
-    let slopes: Vec<[f64; 2]> = evidence.iter().map(|e| [e.slope.u, e.slope.v].map(f64::from)).collect();
-    let errors: Vec<f64> = evidence.iter().map(|e| f64::from(e.uncertainty).max(error)).collect();
-    let plain: Vec<f64> = errors.iter().map(|e| 1.0 / (e * e)).collect();
-    let mut weights = plain.clone();
-    let (mut fit, mut typical) = ([[0.0; 3]; 2], f64::INFINITY);
-    for _ in 0..FITS {
-        fit = [solve(&at, &slopes, &weights, 0)?, solve(&at, &slopes, &weights, 1)?];
-        let off: Vec<f64> = distances(&at, &slopes, &fit).zip(&errors).map(|(d, e)| d / e).collect();
-        typical = median(off.clone()).max(0.2);
-        for ((weight, plain), off) in weights.iter_mut().zip(&plain).zip(off) {
-            *weight = plain * (1.0 - (off / (FAR * typical)).min(1.0).powi(2)).powi(2);
+    let slopes = evidence.iter().map(|e| [e.slope.u, e.slope.v].map(f64::from)).collect();
+    let errors = evidence.iter().map(|e| f64::from(e.uncertainty).max(error)).collect();
+    let windows = Windows { at, slopes, errors };
+    let all = vec![true; evidence.len()];
+    let (fit, mean) = windows.fits(&all)?;
+    let left = windows.left(&fit, &mean, &all);
+    // Several things, each with a motion of its own, may fit a map as well; but it does not foretell the others.
+    let mut foretold: f64 = 0.0;
+    for quarter in 0..4 {
+        let is_there = |x: &[f64; 3]| usize::from(x[1] > 0.0) + 2 * usize::from(x[2] > 0.0) == quarter;
+        let there: Vec<bool> = windows.at.iter().map(is_there).collect();
+        if there.contains(&true) {
+            let (fit, mean) = windows.fits(&there.iter().map(|is_there| !is_there).collect::<Vec<_>>())?;
+            foretold = foretold.max(windows.left(&fit, &mean, &there));
         }
     }
-    // The same without a change by place.
-    let total: f64 = plain.iter().sum();
-    let mean = |axis: usize| slopes.iter().zip(&plain).map(|(s, w)| s[axis] * w).sum::<f64>() / total;
-    let none = [[mean(0), 0.0, 0.0], [mean(1), 0.0, 0.0]];
-    let before = median(distances(&at, &slopes, &none).zip(&errors).map(|(d, e)| d / e).collect());
-    let left = typical / before.max(f64::MIN_POSITIVE);
-    Some((fit.map(|[_, u, v]| [u / unit, v / unit]), left))
+    Some((fit.map(|[_, u, v]| [u / unit, v / unit]), left.max(foretold)))
+}
+
+/// Coefficients of each axis of a slope at (1, u, v).
+type Map = [[f64; 3]; 2];
+
+struct Windows {
+    at: Vec<[f64; 3]>,
+    slopes: Vec<[f64; 2]>,
+    errors: Vec<f64>,
+}
+
+impl Windows {
+    /// The map that fits those windows that count, and their mean; `None` where these do not determine it.
+    fn fits(&self, counts: &[bool]) -> Option<(Map, Map)> {
+        let plain: Vec<f64> =
+            self.errors.iter().zip(counts).map(|(e, counts)| if *counts { 1.0 / (e * e) } else { 0.0 }).collect();
+        let (mut weights, mut fit) = (plain.clone(), Map::default());
+        for _ in 0..FITS {
+            fit = [solve(&self.at, &self.slopes, &weights, 0)?, solve(&self.at, &self.slopes, &weights, 1)?];
+            let off: Vec<f64> = self.off(&fit).collect();
+            let typical = median(off.iter().zip(counts).filter(|(_, counts)| **counts).map(|(d, _)| *d)).max(0.2);
+            for ((weight, plain), off) in weights.iter_mut().zip(&plain).zip(off) {
+                *weight = plain * (1.0 - (off / (FAR * typical)).min(1.0).powi(2)).powi(2);
+            }
+        }
+        let total: f64 = plain.iter().sum();
+        let mean = |axis: usize| self.slopes.iter().zip(&plain).map(|(s, w)| s[axis] * w).sum::<f64>() / total;
+        Some((fit, [[mean(0), 0.0, 0.0], [mean(1), 0.0, 0.0]]))
+    }
+
+    /// Distance of each window's slope from a map, in its error.
+    fn off<'a>(&'a self, map: &'a Map) -> impl Iterator<Item = f64> + 'a {
+        self.at.iter().zip(&self.slopes).zip(&self.errors).map(|((x, slope), error)| {
+            let of = |axis: usize| slope[axis] - (0..3).map(|i| map[axis][i] * x[i]).sum::<f64>();
+            of(0).hypot(of(1)) / error
+        })
+    }
+
+    /// Share of the typical distance from `mean` that those windows that count have from `map`.
+    fn left(&self, map: &Map, mean: &Map, counts: &[bool]) -> f64 {
+        let typical = |map: &Map| median(self.off(map).zip(counts).filter(|(_, counts)| **counts).map(|(d, _)| d));
+        typical(map).max(0.2) / typical(mean).max(f64::MIN_POSITIVE)
+    }
 }
 
 /// The upper one of two; of at least one value.
-fn median(mut values: Vec<f64>) -> f64 {
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
-}
-
-fn distances<'a>(at: &'a [[f64; 3]], slopes: &'a [[f64; 2]], fit: &'a [[f64; 3]; 2]) -> impl Iterator<Item = f64> + 'a {
-    at.iter().zip(slopes).map(|(x, slope)| {
-        let of = |axis: usize| slope[axis] - (0..3).map(|i| fit[axis][i] * x[i]).sum::<f64>();
-        of(0).hypot(of(1))
-    })
 }
 
 /// Coefficients of the weighted least squares of `slopes[…][axis]` over `at`; `None` where they are not determined.

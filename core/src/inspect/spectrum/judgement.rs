@@ -42,12 +42,18 @@ const FIELD_BEYOND: f32 = 0.02;
 const FEATURES_BEYOND: usize = 3;
 /// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
 const STRAIGHT_PX: f32 = 1.4;
+/// Part of the motion seen that slopes hold at least where they fit.
+const FITS: f32 = 0.8;
+/// Number of frames from which on that they move evenly says anything.
+const FEWEST: usize = 3;
 
 /// Judgement of the slopes of a search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlopeJudgement {
     /// Sentence: a clause without a capital at its start or a full stop at its end.
     pub sentence: String,
+    /// Whether the frames show that the slopes fit: not where there is a fault, nor where they show too little.
+    pub fits: bool,
     /// The fault, with the changes that mend it; `None` where the slopes fit or cannot be judged.
     pub advice: Option<SlopeAdvice>,
 }
@@ -108,19 +114,30 @@ impl<'a> Judging<'a> {
             _ => format!("; {} of {} lie at the limit", grouped(at_limit as u64), counted(features, "feature")),
         };
         let advice = self.advice().map(|advice| SlopeAdvice { sentence: advice.sentence + &clause, ..advice });
+        let held = self.finding.map_or(0.0, |finding| finding.agreement(&self.grid, self.params, self.positions));
+        let fits = advice.is_none() && !self.evidence.is_empty() && held >= FITS;
         let sentence = advice.as_ref().map_or_else(
             || match (self.evidence.is_empty(), self.finding) {
-                (false, _) => format!("the slopes fit the burst{clause}"),
+                (false, _) if fits => format!("the slopes fit the burst{clause}"),
+                (false, _) => format!(
+                    "too little to judge the slopes: {:.0} % of the motion seen lies within them{clause}",
+                    100.0 * held
+                ),
                 (true, Some(_)) => format!("the frames show too little to judge the slopes{clause}"),
                 (true, None) => format!("the slopes fit what was found{clause}"),
             },
             |advice| advice.sentence.clone(),
         );
-        SlopeJudgement { sentence, advice }
+        SlopeJudgement { sentence, fits, advice }
     }
 
-    /// The first fault of direction, range and step: its changes mend those after it too.
+    /// The first fault, with the changes that mend it and those after it.
     fn advice(&self) -> Option<SlopeAdvice> {
+        self.order().or_else(|| self.frames()).or_else(|| self.fault_of_slopes().map(|fault| self.tried(fault)))
+    }
+
+    /// The first fault of direction, range and step. The slopes found have none but that the field shows more.
+    fn fault_of_slopes(&self) -> Option<SlopeAdvice> {
         let found = self.finding.map(|finding| (finding.grid, finding.verdict));
         // Motions within half a step of 0 lose no more there than half-way between two slopes of a right grid.
         let half_step = self.sigma / self.positions.span() as f32;
@@ -128,9 +145,6 @@ impl<'a> Judging<'a> {
         let is_still = is_slow || matches!(found, Some((_, SlopeVerdict::Still)));
         if is_still && self.grid.len() > 1 {
             return Some(self.still());
-        }
-        if let Some(advice) = self.order().or_else(|| self.frames()) {
-            return Some(advice);
         }
         if found.is_some_and(|(grid, _)| grid == self.grid) {
             return self.range_of_field();
@@ -141,6 +155,22 @@ impl<'a> Judging<'a> {
             .or_else(|| self.range_of_field())
             .or_else(|| self.step())
             .or_else(|| self.cost())
+    }
+
+    /// Advice whose changes leave no fault of the slopes, or less of the same; otherwise the same with the slopes that
+    /// the frames show, if these are so, or without changes.
+    fn tried(&self, advice: SlopeAdvice) -> SlopeAdvice {
+        let mends = |changes: &Vec<ParamChange>| {
+            let Ok(params) = ParamChange::all_applied(changes, self.params) else { return false };
+            let fault = Judging { grid: params.used_slopes(), params: &params, ..*self }.fault_of_slopes();
+            fault.is_none_or(|fault| fault.subject == advice.subject && fault.number < advice.number)
+        };
+        // Where nothing is clear there is nothing to try them with.
+        if self.evidence.is_empty() || mends(&advice.changes) {
+            return advice;
+        }
+        let to_found = self.finding.map(|finding| self.changes_to(finding.grid));
+        SlopeAdvice { changes: to_found.filter(mends).unwrap_or_default(), ..advice }
     }
 
     /// The part of the evidence that satisfies `holds`.
@@ -196,28 +226,30 @@ impl<'a> Judging<'a> {
 
     /// Fewer frames, where the motion is not straight or carries the picture away.
     fn frames(&self) -> Option<SlopeAdvice> {
-        let finding = self.finding?;
-        let frames = self.frames;
+        let (finding, frames) = (self.finding?, self.frames);
         let (left, why) = match finding.verdict {
             SlopeVerdict::NotStraight => {
-                // The deviation of a bent motion grows with the square of the time.
                 let off = finding.deviation_px.filter(|off| *off > STRAIGHT_PX)?;
                 let px = number(off, 1);
                 let why = match finding.warnings[..] {
                     [] => format!("the motion is not straight: it deviates from a uniform one by up to {px} px"),
                     _ => finding.irregularities(),
                 };
-                ((frames as f32 * (STRAIGHT_PX / off).sqrt()) as usize, why)
+                let is_even =
+                    |count: &usize| finding.deviation_of_middle.get(*count).is_some_and(|px| *px <= STRAIGHT_PX);
+                ((FEWEST..frames).rev().find(is_even), why)
             }
             SlopeVerdict::Film => {
                 let (width, height) = self.size;
                 let (part, px) = (finding.moved_px / width.min(height) as f32, number(finding.moved_px, 0));
                 let why = format!("the picture moves by {px} px over the frames, more than a third of it");
-                ((frames as f32 * 0.25 / part.max(0.25)) as usize, why)
+                (Some((frames as f32 * 0.25 / part.max(0.25)) as usize), why)
             }
             _ => return None,
         };
-        let left = left.clamp(2, frames);
+        let Some(left) = left.map(|left| left.clamp(2, frames)) else {
+            return Some(SlopeAdvice::new(Subject::Frames, frames as f64, why, Vec::new()));
+        };
         let (fewer, add) = (frames - left, if frames - left == 1 { "adds" } else { "add" });
         let sentence = format!("{why}; {fewer} of the {frames} frames {add} nothing but blur");
         let changes = vec![self.middle_frames(left)];
@@ -348,8 +380,10 @@ impl<'a> Judging<'a> {
             let middle = 0.5 * (axis.min + axis.max);
             let at_end = |end: f32| {
                 let is_there = |slope: Slope| (self.along(slope, second) - middle) * (end - middle) > 0.0;
-                let features = self.detection.features.iter().filter(|feature| feature.at_slope_limit);
-                features.filter(|feature| is_there(feature.slope)).count()
+                let is_beyond =
+                    |slope: Slope| is_below(self.along(slope, second)) || is_above(self.along(slope, second));
+                let features = self.detection.features.iter().filter(|feature| is_there(feature.slope));
+                features.filter(|feature| feature.at_slope_limit || is_beyond(feature.slope)).count()
             };
             let mut more = |beyond: usize, end: f32| {
                 let part = beyond as f32 / field.motions.len() as f32;
@@ -431,7 +465,8 @@ impl<'a> Judging<'a> {
         let finding = self.finding.filter(|finding| finding.verdict == SlopeVerdict::Found)?;
         let (grid, found) = (self.grid, finding.grid);
         let part = found.len() as f64 / grid.len() as f64;
-        if part > NEEDED {
+        let of_found = Self { grid: found, ..*self };
+        if part > NEEDED || of_found.range_of_field().is_some() {
             return None;
         }
         let (searched, enough) = (counted(grid.len(), "slope"), found.len());

@@ -151,14 +151,16 @@ fn reasons_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
             ReasonKind::Ghost => "A blob with another motion crosses here: see the responses of the frames below",
         };
         ui.add(Label::new(sentence(&reason.sentence)).wrap()).on_hover_text(help);
-        ui.horizontal_wrapped(|ui| {
-            if let Some(change) = &reason.change {
-                apply_ui(ui, model, change, queue);
-            }
-            if let Some(feature) = reason.feature {
-                go_to_feature_ui(ui, model, answer, feature, queue);
-            }
-        });
+        if reason.change.is_some() || reason.feature.is_some() {
+            ui.horizontal_wrapped(|ui| {
+                if let Some(change) = &reason.change {
+                    apply_ui(ui, model, change, queue);
+                }
+                if let Some(feature) = reason.feature {
+                    go_to_feature_ui(ui, model, answer, feature, queue);
+                }
+            });
+        }
         if reason.kind == ReasonKind::AtAnotherSlope && model.look.overlay == FeaturesShown::ThisSlope {
             weak_ui(ui, "It is shown under All, not under This slope.");
         }

@@ -14,7 +14,7 @@ use crate::app::style;
 use crate::burst::OpenOptions;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
-use crate::inspect::spectrum::{SlopeAdvice, Spectrum, Subject};
+use crate::inspect::spectrum::{SlopeAdvice, SlopeJudgement, Spectrum, Subject};
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
@@ -76,8 +76,8 @@ fn waiting_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn advice_list_ui(ui: &mut Ui, model: &Model, spectrum: &Arc<Spectrum>, queue: &mut Queue) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
-        if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
-            ui.add(Label::new(RichText::new(sentence_of(&fits.sentence)).color(style::good(ui))).wrap());
+        if let Some(judgement) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
+            faultless_ui(ui, judgement);
         }
         for (index, advice) in spectrum.advice.iter().enumerate() {
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
@@ -100,10 +100,18 @@ pub fn judgement_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let advice = model.slope_judgement().and_then(|judgement| judgement.advice.as_ref());
     let Some(advice) = advice.filter(|advice| advice.subject != Subject::Cost) else { return };
     ui.horizontal(|ui| {
-        apply_ui(ui, model, "Apply slopes", advice, queue);
+        if !advice.options().is_empty() {
+            apply_ui(ui, model, "Apply slopes", advice, queue);
+        }
         let sentence = sentence_of(&advice.sentence);
         ui.add(Label::new(RichText::new(&sentence).color(style::warning(ui))).truncate()).on_hover_text(sentence);
     });
+}
+
+/// Draws a judgement without a fault, in the colour of success only if the slopes fit.
+fn faultless_ui(ui: &mut Ui, judgement: &SlopeJudgement) {
+    let colour = if judgement.fits { style::good(ui) } else { style::warning(ui) };
+    ui.add(Label::new(RichText::new(sentence_of(&judgement.sentence)).color(colour)).wrap());
 }
 
 fn sentence_of(clause: &str) -> String {
@@ -158,9 +166,7 @@ pub fn verdict_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         }
         let Some(judgement) = judgement else { return };
         match &judgement.advice {
-            None => {
-                ui.add(Label::new(RichText::new(sentence_of(&judgement.sentence)).color(style::good(ui))).wrap());
-            }
+            None => faultless_ui(ui, judgement),
             Some(advice) if !has_advice => piece_ui(ui, model, "Apply slopes", advice, queue),
             // Without features it comes second; the tab has it.
             Some(_) => {}

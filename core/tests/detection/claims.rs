@@ -1,0 +1,275 @@
+//! What is said of bursts from their frames alone: nothing false of noise, still, flickering and orderly ones, and of
+//! several motions, while what did happen is told; and advice that helps.
+//!
+//! More bursts: `CLAIMS=20 cargo test -p burstscope-core --test detection claims -- --nocapture` takes 20 times as many.
+
+use crate::shared::shared;
+use burstscope_core::burst::{Burst, OpenOptions, TimesChoice};
+use burstscope_core::detect::{Searched, search};
+use burstscope_core::detector::slopes::MotionWarningKind;
+use burstscope_core::detector::{
+    DetectorParams, ParamChange, SearchParams, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes,
+};
+use burstscope_core::inspect::spectrum::{SlopeJudgement, Subject, judgement};
+use burstscope_core::inspect::{ProbeCache, ProbeOptions, ReasonKind, probe};
+use burstscope_core::synth::random::Stream;
+use burstscope_core::synth::{ChartParams, Motion, demo_burst, synth_chart};
+use burstscope_core::{Monitor, Plane, SlopeGrid};
+use std::ops::Range;
+
+fn find(burst: &Burst) -> SlopeFinding {
+    find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
+}
+
+/// Seeds, more of them on request.
+fn seeds(count: u64) -> Range<u64> {
+    let times = std::env::var("CLAIMS").map_or(1, |times| times.parse::<u64>().expect("a number"));
+    0..count * times
+}
+
+/// What happened to the times of frames, in half frame intervals: each frame shows where things are then.
+fn times(happened: &str, frames: usize, stream: &mut Stream) -> Vec<i32> {
+    let mut times: Vec<i32> = (0..frames as i32).map(|t| 2 * t).collect();
+    match happened {
+        "exchanged" => {
+            let a = stream.below(frames);
+            times.swap(a, (a + 1 + stream.below(frames - 1)) % frames);
+        }
+        "dropped" => {
+            // After the first frame, or before the last one, it may as well have been taken early or late.
+            let after = 2 + stream.below(frames - 3);
+            times[after..].iter_mut().for_each(|time| *time += 2);
+        }
+        "late" => times[1 + stream.below(frames - 2)] += 1,
+        _ => {}
+    }
+    times
+}
+
+/// A small burst of waves that fade with their frequency. It stands still, flickers by up to a half, moves as a whole,
+/// or in four parts each with a motion of its own; or it moves, and something happened to its frames.
+fn small(happened: &str, seed: u64) -> (Burst, Vec<i32>) {
+    let mut stream = Stream::new(seed, 41);
+    let (width, height) = [(128, 96), (96, 128), (200, 150)][stream.below(3)];
+    let frames = 5 + stream.below(7);
+    let noise = [0.003, 0.01, 0.03, 0.1, 0.2, 0.4];
+    let is_event = ["exchanged", "dropped", "late"].contains(&happened);
+    let noise = if is_event { noise[stream.below(4)] } else { noise[stream.below(6)] };
+    let waves: Vec<[f64; 4]> = (0..40)
+        .map(|_| {
+            let (frequency, direction) = (stream.within(0.05, 0.9), stream.within(0.0, std::f64::consts::PI));
+            let phase = stream.within(0.0, std::f64::consts::TAU);
+            [frequency * direction.cos(), frequency * direction.sin(), phase, 0.05 / (1.0 + 3.0 * frequency)]
+        })
+        .collect();
+    let mut slope = || {
+        let (speed, direction) = (stream.within(0.8, 2.5), stream.within(0.0, std::f64::consts::TAU));
+        (speed * direction.cos(), speed * direction.sin())
+    };
+    let slopes = [slope(), slope(), slope(), slope()];
+    let gains: Vec<f64> =
+        (0..frames).map(|_| if happened == "flickering" { stream.within(0.5, 1.5) } else { 1.0 }).collect();
+    let times = times(happened, frames, &mut stream);
+    let slope_at = |u: usize, v: usize| match happened {
+        "still" | "flickering" => (0.0, 0.0),
+        "several" => slopes[usize::from(2 * u > width) + 2 * usize::from(2 * v > height)],
+        _ => slopes[0],
+    };
+    let planes = times.iter().zip(&gains).map(|(time, gain)| {
+        Plane::from_fn(width, height, |u, v| {
+            let (slope, time) = (slope_at(u, v), 0.5 * f64::from(*time));
+            let (x, y) = (u as f64 - slope.0 * time, v as f64 - slope.1 * time);
+            let value: f64 = waves.iter().map(|w| w[3] * (w[0] * x + w[1] * y + w[2]).cos()).sum();
+            (gain * (0.5 + value) + noise * stream.normal()) as f32
+        })
+    });
+    (Burst::from_planes(happened, planes.collect()), times)
+}
+
+fn noise(frames: usize, (width, height): (usize, usize), is_masked: bool, seed: u64) -> Burst {
+    let mut stream = Stream::new(seed, 1_000 + width as u64);
+    let mut frame = || {
+        let plane = Plane::from_fn(width, height, |_, v| {
+            let value = (0.5 + 0.1 * stream.normal()) as f32;
+            if is_masked && (v % 7 == 3 || (20..26).contains(&v)) { f32::NAN } else { value }
+        });
+        if is_masked { plane.with_nan_masked() } else { plane }
+    };
+    Burst::from_planes("noise", (0..frames).map(|_| frame()).collect())
+}
+
+fn is_of_time(kind: MotionWarningKind) -> bool {
+    !matches!(kind, MotionWarningKind::Turns | MotionWarningKind::Grows)
+}
+
+#[test]
+fn nothing_is_said_of_noise_alone() {
+    for (count, frames, size) in [(60, 5, (64, 64)), (16, 10, (128, 128)), (4, 8, (240, 240)), (3, 10, (240, 240))] {
+        for (seed, is_masked) in seeds(count).flat_map(|seed| [(seed, false), (seed, true)]) {
+            let finding = find(&noise(frames, size, is_masked, seed));
+            assert_eq!(finding.verdict, SlopeVerdict::NothingSeen, "{frames} {size:?} {is_masked} {seed}");
+            assert!(finding.warnings.is_empty() && finding.uniform.is_none(), "{seed}: {}", finding.irregularities());
+        }
+    }
+}
+
+#[test]
+fn nothing_false_is_said_of_the_times_of_good_bursts() {
+    for kind in ["still", "flickering", "orderly", "several"] {
+        for seed in seeds(25) {
+            let finding = find(&small(kind, seed).0);
+            let said = finding.warnings.iter().any(|warning| is_of_time(warning.kind));
+            assert!(!said && finding.uniform.is_none(), "{kind} {seed}: {}", finding.irregularities());
+            assert_ne!(finding.verdict, SlopeVerdict::NotStraight, "{kind} {seed}: {:?}", finding.deviation_px);
+        }
+    }
+}
+
+#[test]
+fn what_did_happen_to_frames_is_told() {
+    for kind in ["exchanged", "dropped", "late"] {
+        let (mut right, mut wrong, all) = (0, 0, seeds(25));
+        for seed in all.clone() {
+            let (burst, times) = small(kind, seed);
+            let Some(uniform) = find(&burst).uniform else { continue };
+            let first = f64::from(times[uniform.frames[0]]);
+            let mut off = uniform.frames.iter().zip(&uniform.times);
+            let is_right = off.all(|(frame, time)| (0.5 * (f64::from(times[*frame]) - first) - time).abs() < 0.3);
+            *(if is_right { &mut right } else { &mut wrong }) += 1;
+        }
+        println!("{kind}: {right} right and {wrong} wrong of {all:?}");
+        assert!(100 * right >= 92 * all.end && 50 * wrong <= all.end, "{kind}: {right} and {wrong} of {}", all.end);
+    }
+}
+
+fn dark(snr: f64, seed: u64) -> Burst {
+    let chart = ChartParams { snr, motion: Motion::TwoD, seed, ..ChartParams::default() };
+    synth_chart(&chart, &Monitor::default()).expect("a chart").0
+}
+
+fn judged(burst: &Burst, params: &SearchParams) -> (SlopeJudgement, SlopeFinding, DetectorParams) {
+    let monitor = Monitor::default();
+    let Searched { detection, params, finding, .. } = search(burst, params, &monitor).expect("valid");
+    let finding = finding.map_or_else(|| find_slopes(burst, &params, None, &monitor), Ok).expect("not cancelled");
+    (judgement(&detection, &params, Some(&finding), burst).expect("it has slopes"), finding, params)
+}
+
+/// Parameters that find the same slopes sooner.
+fn coarse() -> DetectorParams {
+    DetectorParams { octaves: 2, max_orientations: 1, ..DetectorParams::default() }
+}
+
+#[test]
+fn several_motions_in_the_dark_are_not_one_crooked_motion() {
+    for (snr, seed) in seeds(8).map(|seed| ([0.2, 0.25, 0.15][seed as usize % 3], seed + 1)) {
+        let finding = find(&dark(snr, seed));
+        assert_ne!(finding.verdict, SlopeVerdict::NotStraight, "{snr} {seed}: {}", finding.summary());
+        assert!(finding.uniform.is_none(), "{snr} {seed}: {}", finding.summary());
+    }
+}
+
+#[test]
+fn slopes_fit_only_if_most_of_what_moves_has_them() {
+    let mut doubted = 0;
+    for (snr, seed) in [(0.15, 3), (0.2, 2), (0.1, 1), (0.08, 1)] {
+        let (judged, finding, _) =
+            judged(&dark(snr, seed), &SearchParams { detector: coarse(), ..SearchParams::default() });
+        assert!(!judged.fits || finding.confidence >= 0.8, "{snr} {seed}: {} {}", judged.sentence, finding.confidence);
+        doubted += usize::from(!judged.fits && judged.advice.is_none());
+    }
+    assert!(doubted >= 2, "{doubted}");
+}
+
+#[test]
+fn applied_advice_on_slopes_leaves_none() {
+    let chart = ChartParams {
+        width: 320,
+        height: 240,
+        discs: 30,
+        frames: 8,
+        snr: 2.0,
+        motion: Motion::TwoD,
+        ..ChartParams::default()
+    };
+    let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+    let axis = |min, max, count| SlopeAxis { min, max, count };
+    let grids = [
+        (axis(-30.0, 30.0, 7), axis(1.0, 1.4, 2)),
+        (axis(-12.0, 12.0, 3), axis(-12.0, 12.0, 3)),
+        (axis(-40.0, 40.0, 5), axis(0.0, 0.0, 1)),
+        (axis(0.5, 1.5, 5), axis(-1.0, 1.0, 5)),
+        (axis(0.0, 0.0, 1), axis(0.0, 0.0, 1)),
+    ];
+    for (u, v) in grids {
+        let params = DetectorParams { slopes: SlopeGrid { u, v, direction_deg: 0.0 }, ..coarse() };
+        let (before, ..) = judged(&burst, &params.clone().into());
+        let advice = before.advice.expect("no such slopes fit");
+        let applied = ParamChange::all_applied(&advice.changes, &params).expect("valid");
+        assert!(!before.fits && applied != params, "{u:?} {v:?}: {advice:?}");
+        let (after, ..) = judged(&burst, &applied.into());
+        assert_eq!(after.advice, None, "{u:?} {v:?}: {advice:?}");
+    }
+}
+
+#[needs::shared("data/buff-demo-1d")]
+#[test]
+fn the_order_of_frames_is_judged_whatever_slopes_are_searched() {
+    let mut frames: Vec<_> = (1..6).map(|k| shared("data/buff-demo-1d").join(format!("{k}.png"))).collect();
+    frames.sort();
+    let burst = Burst::open_with(&frames, &OpenOptions::default(), &Monitor::default()).expect("a burst");
+    for axis in [SlopeAxis { min: 0.0, max: 1.0, count: 2 }, SlopeAxis { min: -20.0, max: 20.0, count: 5 }] {
+        let slopes = SlopeGrid { u: axis, ..SlopeGrid::default() };
+        let (judged, ..) = judged(&burst, &DetectorParams { slopes, ..coarse() }.into());
+        let advice = judged.advice.expect("the frames are out of order");
+        assert!(advice.subject == Subject::Frames && advice.times == Some(TimesChoice::Found), "{advice:?}");
+        assert!(judged.sentence.contains("in the order 2, 3, 1, 0, 4"), "{}", judged.sentence);
+    }
+}
+
+#[needs::shared("data/buff-demo-2d")]
+#[test]
+fn several_things_that_move_are_no_picture_that_grows() {
+    let files: Vec<_> = std::fs::read_dir(shared("data/buff-demo-2d")).expect("a folder").flatten().collect();
+    let mut files: Vec<_> = files
+        .into_iter()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|e| e == "png"))
+        .collect();
+    files.sort();
+    let burst = Burst::open_with(&files, &OpenOptions::default(), &Monitor::default()).expect("a burst");
+    assert_eq!(find(&burst).warnings, []);
+    for seed in seeds(12) {
+        let discs = 4 + seed as usize % 8;
+        let chart = ChartParams {
+            width: 320,
+            height: 240,
+            discs,
+            frames: 8,
+            snr: 5.0,
+            motion: Motion::TwoD,
+            seed,
+            ..ChartParams::default()
+        };
+        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        assert_eq!(find(&burst).warnings, [], "{seed}");
+    }
+}
+
+#[test]
+fn a_finer_octave_is_offered_where_it_keeps_what_rises_beyond_the_smallest_scale() {
+    let burst = demo_burst();
+    let found = |params: SearchParams| ProbeCache::new(&burst, &params, &Monitor::default()).expect("valid");
+    let cache = found(SearchParams::default());
+    // A lamp whose response still rises at the smallest scale of that octave, at its own slope.
+    let place = [257.4, 150.5];
+    let probe = probe(&cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside");
+    let small = probe.reasons.iter().find(|reason| reason.kind == ReasonKind::TooSmall).expect("too small");
+    let change = small.change.as_ref().expect("a first octave of -1");
+    let finer = found(change.applied(&cache.made_with()).expect("valid").into());
+    let is_it = |feature: &&burstscope_core::Feature| {
+        (feature.u - place[0]).hypot(feature.v - place[1]) < 3.0 && feature.sigma < 1.9
+    };
+    let kept = finer.detection().features.iter().find(is_it);
+    let (sigma, snr) = small.sigma_and_snr.expect("measured");
+    assert!(kept.is_some_and(|f| (f.sigma / sigma - 1.0).abs() < 0.3 && f.snr > 0.5 * snr), "{small:?} {kept:?}");
+}
