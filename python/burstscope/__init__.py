@@ -30,7 +30,7 @@ from burstscope._field import Field, field
 from burstscope._image import Image, coverage, dog, merge, stack
 from burstscope._memory import case, film, recover
 from burstscope._inspect import Noise, Probe, Slopes, noise, probe, slopes
-from burstscope._matches import Matches, match
+from burstscope._matches import Matches, colmap, match
 from burstscope._show import Window, show
 from burstscope._slider import Slider, slider
 
@@ -49,6 +49,7 @@ __all__ = [
     "Window",
     "__version__",
     "case",
+    "colmap",
     "command",
     "coverage",
     "detect",

@@ -152,13 +152,13 @@ class MatchKeywords(TypedDict, total=False):
     predict : bool
         Whether matching is repeated at the places that the motions of the features and the geometry of the sure
         matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its
-        geometry is refused: true or false. Switch it off for the sure matches alone; without motions, as of
-        single frames, nothing changes. [default: true]
+        geometry is refused, or with an alignment left to its pictures: true or false. Switch it off for the
+        sure matches alone; without motions, as of single frames, nothing changes. [default: true]
     align : bool
         Whether inliers are measured by the pictures of their places, each keypoint is moved to where its
-        matches agree, and what contradicts by more than a third of the max error is no inlier any more; a pair
-        that keeps too few is refused: true or false. Switch it off for the sure or predicted matches at the
-        places of the blobs. [default: true]
+        matches agree, by at most 20 px, and what contradicts by more than 0.35 times the max error is no inlier
+        any more; a pair that keeps too few is refused: true or false. Switch it off for the sure or predicted
+        matches at the places of the blobs. [default: true]
     max_error_px : float
         Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric
         transfer error. Unit: px. Raise it to keep less exact matches, and more wrong ones that fit by chance.
@@ -1189,11 +1189,11 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     predict : bool
         Whether matching is repeated at the places that the motions of the features and the geometry of the sure
         matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its
-        geometry is refused: true or false [default: true]
+        geometry is refused, or with an alignment left to its pictures: true or false [default: true]
     align : bool
         Whether inliers are measured by the pictures of their places, each keypoint is moved to where its
-        matches agree, and what contradicts by more than a third of the max error is no inlier any more; a pair
-        that keeps too few is refused: true or false [default: true]
+        matches agree, by at most 20 px, and what contradicts by more than 0.35 times the max error is no inlier
+        any more; a pair that keeps too few is refused: true or false [default: true]
     max_error_px : float
         Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric
         transfer error [default: 4]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from burstscope._detection import Detection, _fixed
 from burstscope._keywords import MatchKeywords
 from burstscope._progress import Progress, shown
 from burstscope._values import Given, Made, data_frame, documented, needed, texts
+from burstscope._values import path as path_of
 
 if TYPE_CHECKING:
     import pandas
@@ -63,13 +65,40 @@ class Matches(Made):
 
     @cached_property
     def xy_a(self) -> NDArray[np.float32]:
-        """Places in A [m, 2], pixels."""
+        """Places in A as they were found [m, 2], pixels: those of `a`."""
         return _fixed(self.a.xy[self.pairs[:, 0]])
 
     @cached_property
     def xy_b(self) -> NDArray[np.float32]:
-        """Places in B [m, 2], pixels."""
+        """Places in B as they were found [m, 2], pixels: those of `b`."""
         return _fixed(self.b.xy[self.pairs[:, 1]])
+
+    @cached_property
+    def aligned_a(self) -> NDArray[np.float32]:
+        """Places in A after the alignment [m, 2], pixels, on which `inliers`, `error_px` and `geometry` are based; as found
+        where nothing was measured, and with ``align=False``."""
+        return _fixed(self._raw.aligned()[:, 0])
+
+    @cached_property
+    def aligned_b(self) -> NDArray[np.float32]:
+        """Places in B after the alignment [m, 2], pixels; see `aligned_a`."""
+        return _fixed(self._raw.aligned()[:, 1])
+
+    @cached_property
+    def shift(self) -> NDArray[np.float64]:
+        """From the places found in B to where the pictures of those in A are seen there [m, 2], pixels; NaN where the
+        pictures do not tell, or were not compared."""
+        return _fixed(self._raw.measured()[:, :2])
+
+    @cached_property
+    def correlation(self) -> NDArray[np.float64]:
+        """Correlations of the pictures of both places, laid over one another [m], -1 to 1; NaN as in `shift`."""
+        return _fixed(self._raw.measured()[:, 2])
+
+    @cached_property
+    def how(self) -> NDArray[np.str_]:
+        """How each match was found [m]: ``sure``, by descriptors alone, or ``predicted``, where its motion puts it."""
+        return _fixed(np.array(self._raw.how(), dtype=np.str_))
 
     @cached_property
     def distance(self) -> NDArray[np.float32]:
@@ -78,7 +107,8 @@ class Matches(Made):
 
     @cached_property
     def ratio(self) -> NDArray[np.float32]:
-        """Ratios of that distance to the one to the second nearest descriptor [m], 0 to 1."""
+        """Ratios of that distance to the one to the second nearest descriptor of those compared [m], 0 to 1; NaN without a
+        second. Of sure matches all were compared, of predicted ones those where the motion puts it."""
         return _fixed(self._raw.ratio())
 
     @cached_property
@@ -89,15 +119,20 @@ class Matches(Made):
 
     @cached_property
     def error_px(self) -> NDArray[np.float32] | None:
-        """Error of each match under the geometry [m], pixels; infinite without one."""
-        error = self._raw.error_px()
+        """Error of each match under the geometry, at its aligned places [m], pixels; NaN without a geometry."""
+        error = self._raw.error_px(False)
         return None if error is None else _fixed(error)
+
+    @property
+    def refused(self) -> str | None:
+        """Why the pair was refused although enough matches agreed on a geometry; ``None`` where it was not."""
+        return self._raw.refused()
 
     @cached_property
     def geometry(self) -> NDArray[np.float64] | None:
         """The 3×3 matrix on which the inliers agree, from A to B; ``None`` where too few agree on any.
 
-        For a fundamental matrix x_b·F·x_a = 0 with x = (u, v, 1) in pixels, the centre of the first pixel at (0, 0); an
+        It is that of the aligned places. For a fundamental matrix x_b·F·x_a = 0 with x = (u, v, 1) in pixels, the centre of the first pixel at (0, 0); an
         essential matrix is for directions of the camera.
         """
         geometry = self._raw.geometry()
@@ -158,22 +193,41 @@ class Matches(Made):
         return _plot.matches(self, ax, which, how)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A table of pandas with a row a match.
+        """A table of pandas with a row a match and the columns of the CSV file that ``burstscope match`` writes: NaN where a
+        cell is empty there.
 
         Raises
         ------
         ImportError
             pandas is not installed.
         """
-        (a, b), (u_a, v_a), (u_b, v_b) = self.pairs.T, self.xy_a.T, self.xy_b.T
-        table = {"a": a, "b": b, "u_a": u_a, "v_a": v_a, "u_b": u_b, "v_b": v_b}
-        table |= {"distance": self.distance, "ratio": self.ratio}
-        if self.inliers is not None:
-            table |= {"error_px": self.error_px, "inlier": self.inliers}
-        return data_frame(table)
+        none = np.full(len(self), np.nan, np.float32)
+        as_found = self._raw.error_px(True)
+        columns = {
+            ("a", "b"): self.pairs,
+            ("u_a", "v_a"): self.xy_a,
+            ("u_b", "v_b"): self.xy_b,
+            ("distance",): self.distance,
+            ("ratio",): self.ratio,
+            ("error_px",): none if self.error_px is None else self.error_px,
+            ("inlier",): none if self.inliers is None else self.inliers.astype(np.int64),
+            ("shift_u_b", "shift_v_b"): self.shift,
+            ("correlation",): self.correlation,
+            ("how",): self.how,
+            ("among",): self._raw.among(),
+            ("ratio_among_all",): self._raw.ratio_among_all(),
+            ("aligned_u_a", "aligned_v_a"): self.aligned_a,
+            ("aligned_u_b", "aligned_v_b"): self.aligned_b,
+            ("error_found_px",): none if as_found is None else as_found,
+        }
+        rows = ((names, values.reshape(len(self), -1)) for names, values in columns.items())
+        return data_frame({name: values[:, k] for names, values in rows for k, name in enumerate(names)})
 
     def write_colmap(self, database: Union[str, os.PathLike[str], pycolmap.Database], id_a: int, id_b: int) -> None:
         """Writes the putative matches of two images into a database of COLMAP, which verifies them itself.
+
+        The features there lie where they were found: `burstscope.colmap` writes aligned ones, which are about twice as
+        exact, with verified matches of all pairs.
 
         Parameters
         ----------
@@ -269,3 +323,64 @@ def match(
     a, b = (needed(name, found, Detection, "make it, detect(burst)") for name, found in (("a", a), ("b", b)))
     text = None if camera is None else _camera_text(camera)
     return Matches._of(a, b, (text, texts(keywords)), progress)
+
+
+@documented(MatchKeywords)
+def colmap(
+    detections: Sequence[Detection],
+    out: Union[str, os.PathLike[str]],
+    *,
+    camera: Union[str, os.PathLike[str], pycolmap.Camera, None] = None,
+    camera_model: str = "SIMPLE_RADIAL",
+    pairs: str = "all",
+    images: Literal["middle", "merged"] = "middle",
+    progress: Progress = None,
+    **keywords: Unpack[MatchKeywords],
+) -> dict[str, Any]:
+    """Writes what COLMAP's mapper takes from the features of several bursts, as ``burstscope colmap`` does.
+
+    The pairs are matched and verified, and all keypoints moved to where their matches agree, by at most 20 px.
+    The folder gets ``database.db``, a picture of each burst in ``images``, and the features, where they were found, in
+    ``features``. ``pycolmap.incremental_mapping(out / "database.db", out / "images", out / "sparse")`` goes on from there.
+
+    Parameters
+    ----------
+    detections : sequence of Detection
+        Two or more, with their bursts.
+    out : path
+        The folder: a new or an empty one, or one of an earlier call.
+    camera : str, path of a TOML file or pycolmap.Camera, optional
+        The camera of all, as for `match`; COLMAP's guess without.
+    camera_model : str
+        The model of a guessed camera.
+    pairs : str
+        ``"all"``, or ``"sequential:K"`` for each with the next K.
+    images : 'middle' or 'merged'
+        The pictures: the middle frames, or the merged ones.
+    progress : callable, False or None
+        See `burstscope.detect`.
+    **keywords
+        The parameters of matching, below.
+
+    Returns
+    -------
+    dict
+        What ``burstscope colmap --json`` says of cameras, images, pairs, and how far keypoints were moved.
+
+    Raises
+    ------
+    ValueError
+        A parameter that makes no sense, fewer than two detections, or one whose burst is not known.
+    FileExistsError
+        The folder holds other files.
+    """
+    found = [needed("detections", one, Detection, "make it, detect(burst)") for one in detections]
+    if len(found) < 2:
+        raise ValueError(f"detections: {len(found)}; a reconstruction needs two or more")
+    sides = [(one.burst._raw, one._raw) for one in found]
+    text = None if camera is None else _camera_text(camera)
+    words = (pairs, images, camera_model)
+    with shown(progress) as tell:
+        report = _burstscope.export_colmap(sides, path_of("out", out), text, words, texts(keywords), tell)
+    document: dict[str, Any] = json.loads(report)
+    return document

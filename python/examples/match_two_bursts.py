@@ -13,7 +13,7 @@ def main(first: str = "demo", second: str = "demo-later") -> None:
     matched = bs.match(*detections)
     print(matched)
     if matched.inliers is not None:
-        moved = matched.xy_b[matched.inliers] - matched.xy_a[matched.inliers]
+        moved = matched.aligned_b[matched.inliers] - matched.aligned_a[matched.inliers]
         print("mean motion from the first to the second:", [round(float(x), 2) for x in moved.mean(0)], "px")
     try:
         keypoints, descriptors = detections[0].to_cv2()

@@ -29,6 +29,7 @@ fn _burstscope(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(detection::step_picture, module)?)?;
     module.add_function(wrap_pyfunction!(detection::motion_field, module)?)?;
     module.add_function(wrap_pyfunction!(matching::match_features, module)?)?;
+    module.add_function(wrap_pyfunction!(matching::export_colmap, module)?)?;
     module.add_function(wrap_pyfunction!(inspection::inspect, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::colour_maps, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::encode_picture, module)?)?;

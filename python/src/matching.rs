@@ -6,14 +6,21 @@ use crate::failure::raised;
 use crate::parameters::{Given, match_params};
 use crate::work::run;
 use burstscope::app::figure::write_drawing;
-use burstscope::dataset::{DetectedBurst, match_bursts};
-use burstscope::export::FigureAmount;
-use burstscope::matching::{MatchResult, TwoViewModel};
+use burstscope::burst::OpenOptions;
+use burstscope::dataset::{
+    CameraChoice, ColmapJob, DetectedBurst, FeatureJob, export_detections, match_bursts, match_rows,
+};
+use burstscope::detect::Searched;
+use burstscope::detector::SearchParams;
+use burstscope::export::{FigureAmount, MatchRow};
+use burstscope::matching::{MatchResult, Refusal, TwoViewModel};
 use burstscope::requests::{MatchFigure, MatchPictures};
 use burstscope::{Burst, Plane};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use serde::de::DeserializeOwned;
+use std::path::PathBuf;
 
 /// Name of a geometry and its 3×3 matrix.
 type NamedMatrix<'py> = (&'static str, Bound<'py, PyArray2<f64>>);
@@ -22,7 +29,15 @@ type NamedMatrix<'py> = (&'static str, Bound<'py, PyArray2<f64>>);
 #[pyclass(frozen, module = "burstscope._burstscope")]
 pub(crate) struct RawMatches {
     result: MatchResult,
+    rows: Vec<MatchRow>,
     params: String,
+}
+
+impl RawMatches {
+    /// A number of each match, NaN where there is none.
+    fn numbers<'py>(&self, py: Python<'py>, of: impl Fn(&MatchRow) -> Option<f32>) -> Bound<'py, PyArray1<f32>> {
+        PyArray1::from_vec(py, self.rows.iter().map(|row| of(row).unwrap_or(f32::NAN)).collect())
+    }
 }
 
 #[pymethods]
@@ -41,7 +56,37 @@ impl RawMatches {
     }
 
     fn ratio<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        PyArray1::from_vec(py, self.result.matches.iter().map(|m| m.ratio).collect())
+        self.numbers(py, |row| row.ratio)
+    }
+
+    fn ratio_among_all<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        self.numbers(py, |row| row.predicted?.1)
+    }
+
+    fn among<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        self.numbers(py, |row| row.predicted.map(|(among, _)| among as f32))
+    }
+
+    /// `sure` or `predicted`, of each match.
+    fn how(&self) -> Vec<&'static str> {
+        self.rows.iter().map(|row| row.how()).collect()
+    }
+
+    /// Places in A and in B after the alignment [m, 2, 2].
+    fn aligned<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let flat: Vec<f32> = self.rows.iter().flat_map(|row| row.aligned).flatten().collect();
+        PyArray1::from_vec(py, flat).reshape([self.rows.len(), 2, 2])
+    }
+
+    /// Shift (u, v) in B and correlation of the pictures [m, 3], NaN where they do not tell.
+    fn measured<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let numbers = |row: &MatchRow| row.measured.map_or([f64::NAN; 3], |([u, v], correlation)| [u, v, correlation]);
+        PyArray1::from_vec(py, self.rows.iter().flat_map(numbers).collect()).reshape([self.rows.len(), 3])
+    }
+
+    /// Why there are no inliers although enough matches agreed.
+    fn refused(&self) -> Option<&'static str> {
+        self.result.counts.refused.map(Refusal::words)
     }
 
     /// Whether each match is an inlier; `None` where matches were not verified.
@@ -49,8 +94,9 @@ impl RawMatches {
         self.result.verification.as_ref().map(|v| PyArray1::from_vec(py, v.inlier.clone()))
     }
 
-    fn error_px<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f32>>> {
-        self.result.verification.as_ref().map(|v| PyArray1::from_vec(py, v.error_px.clone()))
+    /// Errors at the aligned places, or at those found; `None` where matches were not verified.
+    fn error_px<'py>(&self, py: Python<'py>, as_found: bool) -> Option<Bound<'py, PyArray1<f32>>> {
+        self.result.verification.as_ref().map(|_| self.numbers(py, |row| row.error_px[usize::from(as_found)]))
     }
 
     /// Name and 3×3 matrix of the geometry.
@@ -73,9 +119,10 @@ impl RawMatches {
             "keypoints_b": counts.keypoints_b,
             "putative": counts.putative,
             "inliers": counts.inliers,
+            "refused": counts.refused,
             "match_ratio": counts.match_ratio(),
             "match_score": counts.match_score(),
-            "precision": counts.precision(),
+            "inlier_ratio": counts.inlier_ratio(),
         })
         .to_string()
     }
@@ -127,7 +174,7 @@ pub(crate) fn match_features(
     let params = match_params(camera.as_deref(), &given)?;
     let text =
         serde_json::to_string(&params).map_err(|error| raised(&burstscope::cli::Failure::Failed(error.into())))?;
-    if params.align && (a.0.is_none() || b.0.is_none()) {
+    if params.aligns() && (a.0.is_none() || b.0.is_none()) {
         let message = "align: features of a file have no pictures; give load(path, burst=burst), or align=False";
         return Err(PyValueError::new_err(message));
     }
@@ -139,5 +186,44 @@ pub(crate) fn match_features(
         detection: &found.searched.detection,
     });
     let result = run(py, progress, |monitor| Ok(match_bursts(found, &params, monitor)?))?;
-    Ok(RawMatches { result, params: text })
+    let [a, b] = found.map(|of| &of.detection.features);
+    let rows = match_rows(a, b, &result);
+    Ok(RawMatches { result, rows, params: text })
+}
+
+/// Writes the input of COLMAP's mapper from detections with their bursts; `words` are the pairs, the kind of pictures
+/// and the model of a guessed camera. Returns the report (JSON).
+#[pyfunction]
+pub(crate) fn export_colmap(
+    py: Python<'_>,
+    found: Vec<(PyRef<'_, RawBurst>, PyRef<'_, RawDetection>)>,
+    out: PathBuf,
+    camera: Option<String>,
+    words: (String, String, String),
+    given: Given,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    fn word<T: DeserializeOwned>(name: &str, word: String) -> PyResult<T> {
+        serde_json::from_value(word.into()).map_err(|error| PyValueError::new_err(format!("{name}: {error}")))
+    }
+    let matching = match_params(camera.as_deref(), &given)?;
+    let (pairs, images, model) = words;
+    let pairs = pairs.parse().map_err(|error| PyValueError::new_err(format!("pairs: {error}")))?;
+    let guessed = CameraChoice::Guessed(word("camera_model", model)?);
+    let camera = matching.camera.clone().map_or(guessed, CameraChoice::Known);
+    let images = word("images", images)?;
+    let features = FeatureJob { detector: SearchParams::default(), open: OpenOptions::default(), images };
+    let job = ColmapJob { features, matching, pairs, camera };
+    let found: Vec<(Burst, Searched)> =
+        found.iter().map(|(burst, detection)| (burst.burst.clone(), detection.searched.clone())).collect();
+    run(py, progress, |monitor| {
+        let of = |(burst, searched): &'_ (Burst, Searched)| DetectedBurst {
+            burst,
+            params: &searched.params,
+            detection: &searched.detection,
+        };
+        let bursts: Vec<DetectedBurst<'_>> = found.iter().map(of).collect();
+        let report = export_detections(&out, &bursts, &job, monitor)?;
+        serde_json::to_string(&report).map_err(|error| burstscope::cli::Failure::Failed(error.into()))
+    })
 }

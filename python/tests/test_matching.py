@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from conftest import Run
+from numpy.typing import NDArray
 
 import burstscope as bs
 
@@ -28,19 +30,108 @@ def test_matches_are_those_of_the_command(
         "match", "demo", "demo-later", "--out", tmp_path, "--slopes-u=" + SLOPES, "--geometry=homography",
         "--min-inliers=8",
     )  # fmt: skip
-    rows = np.genfromtxt(tmp_path / "demo_demo-later.matches.csv", delimiter=",", names=True)
+    rows = np.genfromtxt(tmp_path / "demo_demo-later.matches.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     np.testing.assert_array_equal(matched.pairs, np.column_stack([rows["a"], rows["b"]]))
     np.testing.assert_array_equal(matched.xy_a, np.column_stack([rows["u_a"], rows["v_a"]]).astype(np.float32))
     assert matched.inliers is not None and matched.error_px is not None and matched.geometry is not None
     np.testing.assert_array_equal(matched.inliers, rows["inlier"] == 1)
-    for name in ("putative", "inliers", "keypoints_a", "match_ratio", "match_score", "precision"):
+    for name in ("putative", "inliers", "keypoints_a", "match_ratio", "match_score", "inlier_ratio"):
         assert matched.counts[name] == document[name]
+    assert matched.counts["refused"] is None and matched.refused is None
     assert matched.geometry_name == "homography"
     np.testing.assert_array_equal(matched.geometry, document["model"]["matrix"])
     assert matched.png() == (tmp_path / "demo_demo-later.matches.png").read_bytes()
-    places = np.column_stack([matched.xy_a, np.ones(len(matched))]) @ matched.geometry.T
-    away = np.hypot(*(places[:, :2] / places[:, 2:] - matched.xy_b).T)
-    assert away[matched.inliers].max() < 2 * matched.params["max_error_px"]
+    places = np.column_stack([matched.aligned_a, np.ones(len(matched))]) @ matched.geometry.T
+    away = np.hypot(*(places[:, :2] / places[:, 2:] - matched.aligned_b).T)
+    assert away[matched.inliers].max() < 2 * 0.35 * matched.params["max_error_px"]
+
+
+def _sampson(a: NDArray[np.float32], b: NDArray[np.float32], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distances of places from epipolar geometry, pixels."""
+    a, b = (np.column_stack([side.astype(np.float64), np.ones(len(side))]) for side in (a, b))
+    to_b, to_a = a @ matrix.T, b @ matrix
+    return np.abs((b * to_b).sum(1)) / np.sqrt((to_b[:, :2] ** 2).sum(1) + (to_a[:, :2] ** 2).sum(1))
+
+
+def test_errors_and_geometry_are_those_of_the_aligned_places(street: tuple[bs.Detection, bs.Detection]) -> None:
+    matched = bs.match(*street)
+    assert matched.geometry is not None and matched.error_px is not None and matched.inliers is not None
+    errors = _sampson(matched.aligned_a, matched.aligned_b, matched.geometry)
+    np.testing.assert_allclose(errors, matched.error_px, atol=1e-3)
+    as_found = _sampson(matched.xy_a, matched.xy_b, matched.geometry)
+    assert np.median(errors[matched.inliers]) < 0.5 * np.median(as_found[matched.inliers])
+    moved = np.hypot(*(matched.aligned_b - matched.xy_b).T)
+    assert moved.max() <= 20.001 and (moved > 0).any()
+    # What was measured is known of each inlier; with the pictures laid over one another they agree.
+    assert np.isfinite(matched.shift[matched.inliers]).all() and (matched.correlation[matched.inliers] > 0.5).all()
+    assert set(matched.how) == {"sure", "predicted"}
+    plain = bs.match(*street, align=False, predict=False)
+    assert set(plain.how) == {"sure"} and np.isnan(plain.shift).all()
+    np.testing.assert_array_equal(plain.aligned_b, plain.xy_b)
+
+
+def test_a_refused_pair_says_why(street: tuple[bs.Detection, bs.Detection]) -> None:
+    # Fewer than thirty inliers are too few for their pictures to be believed.
+    few = street[0][np.flatnonzero(street[0].snr > np.sort(street[0].snr)[-60])]
+    matched = bs.match(few, street[1], min_inliers=8)
+    assert matched.counts["inliers"] == 0 and matched.counts["refused"] == "pictures", matched.counts
+    assert matched.refused == "the pictures of too many matches contradict each other"
+    unaligned = bs.match(few, street[1], min_inliers=8, align=False)
+    assert unaligned.refused is None and unaligned.counts["inliers"] >= 8, unaligned.counts
+
+
+@pytest.mark.parametrize("keywords", [{}, {"geometry": "none"}, {"align": False}])
+def test_tables_have_the_columns_and_values_of_the_file(
+    street: tuple[bs.Detection, bs.Detection], tmp_path: Path, run: Run, keywords: dict[str, Any]
+) -> None:
+    pandas = pytest.importorskip("pandas")
+    options = [f"--{name}={str(value).lower()}" for name, value in keywords.items()]
+    run("match", "demo", "demo-later", "--out", tmp_path, "--slopes-u=" + SLOPES, *options)
+    path = tmp_path / "demo_demo-later.matches.csv"
+    table, frame = pandas.read_csv(path), bs.match(*street, **keywords).to_pandas()
+    assert list(table.columns) == list(frame.columns)
+    assert "nan" not in path.read_text() and "inf" not in path.read_text()
+    for name in table.columns:
+        if name == "how":
+            assert list(table[name]) == list(frame[name])
+        else:
+            ours = frame[name].to_numpy(np.float64)
+            ours[np.isinf(ours)] = np.nan
+            np.testing.assert_allclose(ours, table[name].to_numpy(np.float64), rtol=1e-6, atol=1e-4, err_msg=name)
+
+
+def test_colmap_solves_jointly_as_the_command_does(tmp_path: Path, run: Run) -> None:
+    sqlite3 = pytest.importorskip("sqlite3")
+    scene = bs.synth.scene(width=240, height=180, frames=21, max_slope=1.5, snr=1.0, seed=2)
+    paths = [tmp_path / f"{name}.npy" for name in "abc"]
+    for index, path in enumerate(paths):
+        np.save(path, (scene.burst.frames[7 * index : 7 * index + 7].clip(0, 1) * 65535).round().astype(np.uint16))
+    nights = [bs.open(path) for path in paths]
+    detections = [bs.detect(night, slopes_u=(-2, 2, 9), noise_gate="matching") for night in nights]
+    report = bs.colmap(detections, tmp_path / "ours", ratio=0.85)
+    theirs = run("colmap", *paths, "--out", tmp_path / "theirs", "--slopes-u=-2:2:9", "--ratio=0.85")
+    assert report["pairs"] == theirs["pairs"] and report["moved"] == theirs["moved"]
+    assert report["moved"]["max_px"] <= 20 and sum(pair["inliers"] for pair in report["pairs"]) > 100
+
+    def contents(folder: str) -> list[Any]:
+        with sqlite3.connect(tmp_path / folder / "database.db") as database:
+            tables = ("keypoints", "descriptors", "matches", "two_view_geometries", "images", "cameras")
+            return [database.execute(f"SELECT * FROM {table}").fetchall() for table in tables]
+
+    assert contents("ours") == contents("theirs")
+    for file in ("images/a.png", "features/b.png.txt"):
+        assert (tmp_path / "ours" / file).read_bytes() == (tmp_path / "theirs" / file).read_bytes()
+    # Again into its own folder, but into no other.
+    assert bs.colmap(detections[:2], tmp_path / "ours", pairs="sequential:1")["pairs"][0]["ids"] == [1, 2]
+    with pytest.raises(OSError, match="name a new or an empty folder"):
+        bs.colmap(detections, tmp_path)
+    with pytest.raises(ValueError, match="two or more"):
+        bs.colmap(detections[:1], tmp_path / "one")
+    with pytest.raises(ValueError, match="pairs: .*sequential:K"):
+        bs.colmap(detections, tmp_path / "one", pairs="some")
+    detections[0].save(tmp_path / "a.npz")
+    with pytest.raises(ValueError, match="give their burst too"):
+        bs.colmap([bs.load(tmp_path / "a.npz"), detections[1]], tmp_path / "one")
 
 
 def test_parameters_reach_matching(street: tuple[bs.Detection, bs.Detection]) -> None:

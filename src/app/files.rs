@@ -12,13 +12,12 @@ use crate::app::panel::lab::curves::shown_plots;
 use crate::app::project::Model;
 use crate::app::project::effect::{ExportKind, Purpose};
 use crate::app::project::messages::Messages;
-use crate::app::project::pair::MatchRow;
 use crate::app::project::side::Side;
 use crate::app::project::trajectories::Which;
 use crate::app::project::workspace::Workspace;
 use crate::app::workspace::compare::methods_table;
 use crate::burst::OpenOptions;
-use crate::dataset::DatasetSource;
+use crate::dataset::{DatasetSource, match_rows};
 use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
@@ -286,8 +285,8 @@ fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
 fn matches_work(model: &Model) -> Result<Work, String> {
     let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
     Ok(work(move |path| {
-        let rows: Vec<export::MatchRow> = matches.rows().map(|row| export_row(&row)).collect();
-        export::write_matches_csv(path, &rows)
+        let [a, b] = [Side::A, Side::B].map(|side| matches.detection(side));
+        export::write_matches_csv(path, &match_rows(&a.features, &b.features, &matches.result))
     }))
 }
 
@@ -314,19 +313,6 @@ fn mask_work(model: &Model) -> Result<Work, String> {
         let ((width, height), pixels) = (open.burst.size(), greys.iter().flat_map(|grey| [*grey; 3]));
         export::write_png(path, export::Picture::rgb(width, height, &pixels.collect::<Vec<u8>>()))
     }))
-}
-
-fn export_row(row: &MatchRow<'_>) -> export::MatchRow {
-    export::MatchRow {
-        features: [row.found.a, row.found.b],
-        a: [f64::from(row.a.u), f64::from(row.a.v)],
-        b: [f64::from(row.b.u), f64::from(row.b.v)],
-        distance: row.found.distance,
-        ratio: row.found.ratio,
-        // Where no geometry was found the error is infinite, as the command writes it.
-        verified: row.inlier.map(|inlier| (row.error_px.unwrap_or(f32::INFINITY), inlier)),
-        aligned: row.aligned.map(|aligned| (aligned.shift_px, aligned.correlation)),
-    }
 }
 
 fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {

@@ -13,6 +13,7 @@ use crate::dataset::{
 };
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{DetectorParams, NoiseGate, SearchParams};
+use crate::matching::aligned::Moved;
 use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::requests::next_commands;
 use clap::{Arg, Args};
@@ -136,11 +137,18 @@ fn summary(report: &ColmapReport, next: &[String]) -> String {
     let inliers: usize = report.pairs.iter().filter_map(|p| p.counts.inliers).sum();
     let verified = report.pairs.iter().filter(|p| p.counts.inliers.is_some_and(|n| n > 0)).count();
     text += &format!(
-        "{} images, {} pairs: {putative} matches, {inliers} inliers in {verified} verified pairs\nwrote {}\n\nNext:\n",
+        "{} images, {} pairs: {putative} matches, {inliers} inliers in {verified} verified pairs\n",
         report.images.len(),
         report.pairs.len(),
-        report.database.display()
     );
+    if let Some(Moved { share, median_px: Some(median), max_px: Some(max), refused }) = report.moved {
+        text += &format!(
+            "moved {:.0} % of the keypoints to where their matches agree, by {median:.1} px in the median and {max:.1} px at most; \
+             {refused} more stay as found, like all in features/\n",
+            100.0 * share
+        );
+    }
+    text += &format!("wrote {}\n\nNext:\n", report.database.display());
     text.extend(next.iter().map(|command| format!("  {command}\n")));
     text
 }
@@ -187,9 +195,10 @@ pub struct ColmapArgs {
 const COLMAP_HELP: &str = "\
 Files in DIR:
   images/NAME.png            one for each burst
-  features/NAME.png.txt      its features, as COLMAP's feature_importer reads them
+  features/NAME.png.txt      its features where they were found, as COLMAP's feature_importer reads them
   database.db                cameras, images, keypoints, descriptors, matches, two-view geometries; COLMAP 3.12 and later make no change but to
-                             add what is theirs, earlier ones overlook rigs and frames
+                             add what is theirs, earlier ones overlook rigs and frames. Its keypoints are aligned: moved to where all of their matches agree,
+                             by at most 20 px, never out of the picture or under its mask; one that would be, and all with --align false, stay as found
   manifest.json              with which parameters this was made
   records/NAME.png.json      what is finished: its frames with their lengths, times and checksums
 
@@ -201,6 +210,7 @@ verified by the essential matrix, otherwise by the fundamental matrix.
 JSON (--json):
   {\"version\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
    \"images\": [{\"id\", \"burst\", \"image\", \"features\", \"resumed\"}],
-   \"pairs\": [{\"ids\": [a, b], \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\"}],
+   \"pairs\": [{\"ids\": [a, b], \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
+   \"moved\": null without an alignment, or {\"share\": of the keypoints, \"median_px\", \"max_px\", \"refused\": keypoints that stay as found},
    \"gathered\": with --gather, {\"brought\": [burst], \"left_out\": [{\"folder\", \"burst\", \"reason\"}], \"strange_folders\": [path]},
    \"failures\": [{\"name\", \"error\"}], \"next\": [command]}";

@@ -71,15 +71,16 @@ const MATCHES_HELP: &str = "\
 Slopes: where none are given, each burst's are found (buff-auto). A plane of slopes that is given is BuFF 2D's, and its u axis BuFF 1D's; a line that is given is BuFF 1D's, and
 BuFF 2D has it on both axes. Named without a range, BuFF 1D searches the default line.
 
-Columns: an image's matches with all others are added up, so that ratios may pass 1. Precision is that of all pairs together. 'on gold' counts the putative matches of an
-image that lie on the geometry that the sharp images' matches agree on; inliers lie on one that the same matches were used to find.
+Columns: an image's matches with all others are added up: each match counts for both of its images (inliers/image is twice the inliers over the images), and ratios may pass
+1. The inlier ratio, inliers over putative matches, is that of all pairs together. Pairs are matched, aligned and refused as 'match' does with the same options. 'on gold'
+counts the putative matches of an image that lie, as found, on the geometry that the sharp images' matches agree on; inliers lie on one that the same matches were used to find.
 
 JSON (--json):
   {\"version\", \"command\": \"evaluate matches\", \"noise\": null or {\"snr\", \"seed\", \"gain\", \"frame_noise\"}, \"bursts\": [name], \"frames\", \"size\": [columns, rows],
    \"pairs\": [[a, b]], \"detector\": {as in the parameter file}, \"slopes_1d\", \"slopes_2d\", \"matching\", \"methods\": [{\"method\", \"keypoints_per_image\",
-     \"putative_per_image\", \"inliers_per_image\", \"match_ratio\", \"match_score\", \"precision\", \"verified_pairs\", \"on_gold_geometry_per_image\",
+     \"putative_per_image\", \"inliers_per_image\", \"match_ratio\", \"match_score\", \"inlier_ratio\", \"verified_pairs\", \"on_gold_geometry_per_image\",
      \"slopes_found\": [one grid a burst, where the method finds them],
-     \"by_pair\": [{\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"on_gold_geometry\"}]}]}
+     \"by_pair\": [{\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent, \"on_gold_geometry\"}]}]}
   frame_noise is that of a frame at the mean signal, a fraction of full scale.";
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -234,7 +235,7 @@ const COLUMNS: [Column; 9] = [
     ("inliers/image", |row| format!("{:.1}", row.counts.inliers_per_image)),
     ("match ratio", |row| format!("{:.3}", row.counts.match_ratio)),
     ("match score", |row| format!("{:.3}", row.counts.match_score)),
-    ("precision", |row| or_dash(row.counts.precision, |x| format!("{x:.3}"))),
+    ("inlier ratio", |row| or_dash(row.counts.inlier_ratio, |x| format!("{x:.3}"))),
     ("pairs verified", |row| row.counts.verified_pairs.to_string()),
     ("on gold/image", |row| or_dash(row.on_gold_geometry_per_image, |x| format!("{x:.1}"))),
 ];

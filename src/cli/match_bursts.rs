@@ -9,12 +9,12 @@ use super::inputs::{open_options, resolve_pair};
 use super::matching_args::MatchingArgs;
 use super::report::BurstReport;
 use crate::burst::Burst;
-use crate::dataset::{DetectedBurst, match_bursts};
+use crate::dataset::{DetectedBurst, match_bursts, match_rows};
 use crate::detector::params::Word;
 use crate::detector::{Detection, SearchParams};
-use crate::export::{Drawing, ExportFormat, FigureAmount, FigureFormat, MatchRow, safe_file_name, write_matches_csv};
+use crate::export::{Drawing, ExportFormat, FigureAmount, FigureFormat, safe_file_name, write_matches_csv};
 use crate::files::serialize_path;
-use crate::matching::{MatchCounts, MatchParams, MatchResult, TwoViewModel};
+use crate::matching::{MatchCounts, MatchParams, TwoViewModel};
 use crate::monitor::Stage;
 use crate::requests::{MatchFigure, MatchPictures};
 use clap::Args;
@@ -32,7 +32,7 @@ struct MatchDocument<'a> {
     counts: MatchCounts,
     match_ratio: f64,
     match_score: Option<f64>,
-    precision: Option<f64>,
+    inlier_ratio: Option<f64>,
     model: Option<Model>,
     files: Files<'a>,
 }
@@ -89,7 +89,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let drawing = figure.drawing([of(burst_a, a), of(burst_b, b)], &result, &console.monitor.silent())?;
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
-    let rows = match_rows(a, b, &result);
+    let rows = match_rows(&a.features, &b.features, &result);
     folder.check()?;
     [&matches, &picture].into_iter().try_for_each(|file| job.rules.check(file))?;
     write_matches_csv(&matches, &rows)?;
@@ -111,7 +111,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
         counts: result.counts,
         match_ratio: result.counts.match_ratio(),
         match_score: result.counts.match_score(),
-        precision: result.counts.precision(),
+        inlier_ratio: result.counts.inlier_ratio(),
         model: model.map(Model::from),
         files: Files { matches: &matches, picture: &picture },
     };
@@ -153,24 +153,6 @@ fn parse_width(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|width| (10.0..=2000.0).contains(width)).ok_or_else(bad)
 }
 
-fn match_rows(a: &Detection, b: &Detection, result: &MatchResult) -> Vec<MatchRow> {
-    let place = |detection: &Detection, index: usize| {
-        let feature = &detection.features[index];
-        [f64::from(feature.u), f64::from(feature.v)]
-    };
-    let verified = |k: usize| result.verification.as_ref().map(|v| (v.error_px[k], v.inlier[k]));
-    let row = |(k, m): (usize, &crate::matching::Match)| MatchRow {
-        features: [m.a, m.b],
-        a: place(a, m.a),
-        b: place(b, m.b),
-        distance: m.distance,
-        ratio: m.ratio,
-        verified: verified(k),
-        aligned: result.alignment.as_ref().and_then(|alignment| alignment.shift_in_b(k)),
-    };
-    result.matches.iter().enumerate().map(row).collect()
-}
-
 fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> String {
     let MatchCounts { keypoints_a, keypoints_b, putative, inliers, .. } = *counts;
     let inliers = inliers.map_or_else(
@@ -178,10 +160,10 @@ fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> Stri
         |inliers| format!("{inliers} ({}{why_none})", matching.geometry.word()),
     );
     let number = |x: f64| format!("{x:.3}");
-    let (score, precision) = (or_dash(counts.match_score(), number), or_dash(counts.precision(), number));
+    let (score, ratio) = (or_dash(counts.match_score(), number), or_dash(counts.inlier_ratio(), number));
     format!(
         "matches\n  keypoints    {keypoints_a} and {keypoints_b}\n  putative     {putative}\n  inliers      {inliers}\n  \
-         match ratio  {:.3}\n  match score  {score}\n  inlier ratio {precision}\n",
+         match ratio  {:.3}\n  match score  {score}\n  inlier ratio {ratio}\n",
         counts.match_ratio()
     )
 }
@@ -231,8 +213,12 @@ pub struct MatchArgs {
 const MATCH_HELP: &str = "\
 Files in DIR, for bursts A and B:
   A.csv, B.csv       features, as 'detect' writes them
-  A_B.matches.csv    a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation; a and b count the features from 0. What A's
-                     place shows lies at (u_b + shift_u_b, v_b + shift_v_b) in B: nan where the pictures do not tell, or were not compared (--align false)
+  A_B.matches.csv    a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation,how,among,ratio_among_all,aligned_u_a,aligned_v_a,
+                     aligned_u_b,aligned_v_b,error_found_px; a and b count the features from 0, and a cell is empty where there is no value. u and v are the places of
+                     the features. What A's place shows lies at (u_b + shift_u_b, v_b + shift_v_b) in B, unless the pictures do not tell or were not compared
+                     (--align false). aligned_* are the places on which all matches of a feature agree, within 20 px of those found: error_px is the
+                     error there, error_found_px that of the places found. how: sure (by descriptors alone; ratio is among all of B) or predicted (where its motion
+                     puts it; ratio is among the features at so many places there, ratio_among_all among all of B, above 1 where another one is nearer)
   A_B.matches.png    both pictures with their names, lines between the matches of the smallest distance, and the numbers of inliers (solid, yellow) and outliers
                      (dashed, vermilion): the figure that the window exports of two bursts. --picture makes it .svg or .pdf
 
@@ -241,7 +227,7 @@ inliers over putative matches.
 
 JSON (--json):
   {\"version\", \"command\": \"match\", \"params\": {as in the parameter file}, \"matching\", \"a\": {as a burst of 'detect'}, \"b\",
-   \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": \"motions\" or \"pictures\" where they contradict the geometry, else absent, \"match_ratio\", \"match_score\", \"precision\",
+   \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": \"motions\" or \"pictures\" where they contradict the geometry, else absent, \"match_ratio\", \"match_score\", \"inlier_ratio\",
    \"model\": null or {\"kind\", \"matrix\": [[row], …]}, \"files\": {\"matches\", \"picture\"}}
   The matrix maps pixels whose first centre is at (0, 0): x_b^T F x_a = 0, or x_b ~ H x_a; the essential matrix maps directions. inliers, match_score and
-  precision are null where nothing was verified (--geometry none).";
+  inlier_ratio are null where nothing was verified (--geometry none).";

@@ -79,7 +79,6 @@ pub fn parse_camera(text: &str) -> Result<Camera, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matching::Geometry;
     use clap::{CommandFactory, Parser};
 
     #[derive(Parser)]
@@ -107,30 +106,5 @@ mod tests {
             }
         }
         assert_eq!(params(&[]), Ok(MatchParams::default()));
-    }
-
-    #[test]
-    fn every_option_reaches_its_parameter() {
-        let camera = "SIMPLE_PINHOLE,64,48,50,32,24";
-        let line = format!(
-            "--ratio 0.7 --mutual false --geometry homography --predict false --align false --max-error-px 2 --min-inliers 9 \
-             --confidence 0.99 --max-iterations 77 --seed 5 --camera {camera}"
-        );
-        let got = params(&line.split_whitespace().collect::<Vec<_>>());
-        let expected = MatchParams {
-            ratio: 0.7,
-            mutual: false,
-            predict: false,
-            align: false,
-            geometry: Geometry::Homography,
-            max_error_px: 2.0,
-            min_inliers: 9,
-            confidence: 0.99,
-            max_iterations: 77,
-            seed: 5,
-            camera: Some(camera.parse().expect("a camera")),
-        };
-        assert_eq!(got, Ok(expected));
-        assert_eq!(params(&["--camera", camera]).map(|p| p.geometry), Ok(Geometry::Essential));
     }
 }

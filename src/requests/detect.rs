@@ -9,8 +9,10 @@ use crate::burst::OpenOptions;
 use crate::dataset::{DetectedBurst, match_bursts};
 use crate::detect::{self, Searched};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
+use crate::error::Error;
 use crate::inspect::ProbeCache;
 use crate::matching::{MatchParams, MatchResult};
+use crate::monitor::Monitor;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -142,10 +144,17 @@ impl Request for MatchRequest {
     type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
+        Ok(self.matched(work.monitor)?)
+    }
+}
+
+impl MatchRequest {
+    /// The matches, computed now; errors as of [`match_bursts`].
+    pub fn matched(self, monitor: &Monitor) -> Result<Matched, Error> {
         let [(burst_a, params_a), (burst_b, params_b)] = &self.bursts;
         let a = DetectedBurst { burst: &burst_a.burst, params: params_a, detection: &self.a };
         let b = DetectedBurst { burst: &burst_b.burst, params: params_b, detection: &self.b };
-        let result = Arc::new(match_bursts([a, b], &self.params, work.monitor)?);
+        let result = Arc::new(match_bursts([a, b], &self.params, monitor)?);
         Ok(Matched { request: self, result })
     }
 }

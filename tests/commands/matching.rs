@@ -1,6 +1,16 @@
 //! `match` and `merge`: two bursts, and one image of a burst.
 
 use super::support::{features, names, run_badly, run_well};
+use burstscope::burst::{Burst, OpenOptions};
+use burstscope::dataset::{
+    CameraChoice, ColmapJob, DatasetSource, DetectedBurst, FeatureJob, FeatureStore, ImageKind, KeptBursts,
+    MatchedPair, export_colmap, export_detections, match_bursts, match_pairs,
+};
+use burstscope::detector::{DetectorParams, SlopeGrid};
+use burstscope::error::{Error, Result};
+use burstscope::evaluate::{BurstMethod, MatchStudy, Searches, Shot};
+use burstscope::matching::{Geometry, MatchCounts, MatchParams, PairSelection};
+use burstscope::{Detection, Monitor, detect};
 use std::path::Path;
 
 /// Makes two noisy bursts of one scene: equal layers, other noise, and the second one begins three frames later.
@@ -57,12 +67,14 @@ fn two_bursts_are_matched_verified_and_drawn() {
 
     let text = std::fs::read_to_string(out("a_b.matches.csv")).expect("a file");
     let mut lines = text.lines();
-    assert_eq!(
-        lines.next(),
-        Some("a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation")
-    );
-    let rows: Vec<Vec<f64>> =
-        lines.map(|line| line.split(',').map(|x| x.parse().expect("a number")).collect()).collect();
+    assert_eq!(lines.next(), Some(burstscope::export::MATCH_COLUMNS));
+    // Empty cells are NaN here, and predicted matches 1 in the column `how`, which alone has words.
+    let cell = |(k, cell): (usize, &str)| match cell {
+        "" if k > 5 => f64::NAN,
+        "sure" | "predicted" if k == 13 => f64::from(u8::from(cell == "predicted")),
+        cell => cell.parse().ok().filter(|x: &f64| x.is_finite()).unwrap_or_else(|| panic!("{k}: '{cell}'")),
+    };
+    let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').enumerate().map(cell).collect()).collect();
     let inliers = rows.iter().filter(|r| r[9] == 1.0).count();
     assert_eq!((count("putative"), count("inliers")), (rows.len(), inliers));
     assert!(inliers >= 30 && inliers * 10 >= rows.len() * 7, "{inliers} of {}", rows.len());
@@ -74,9 +86,20 @@ fn two_bursts_are_matched_verified_and_drawn() {
     for row in &rows {
         let (of_a, of_b) = (&a[row[0] as usize], &b[row[1] as usize]);
         assert_eq!([row[2], row[3], row[4], row[5]], [of_a[0], of_a[1], of_b[0], of_b[1]]);
-        // The max error of aligned matches, 0.35 times 4 px.
+        // The max error of aligned matches, 0.35 times 4 px; moved by at most 20 px, and both ends agree with what
+        // the pictures say.
         assert!(row[9] == 0.0 || row[8] <= 1.4);
+        for k in [0, 2] {
+            let moved = (row[16 + k] - row[2 + k]).hypot(row[17 + k] - row[3 + k]);
+            assert!(moved <= 20.001, "{moved} px");
+        }
+        // One predicted among a single place has nothing to compare with; every ratio is one.
+        assert_eq!(row[14].is_nan(), row[13] == 0.0);
+        assert!(row[7].is_nan() && row[14] == 1.0 || row[7] > 0.0 && row[7] <= 0.9, "{row:?}");
     }
+    assert!(rows.iter().any(|row| row[13] == 1.0) && rows.iter().any(|row| row[13] == 0.0));
+    let aligned = rows.iter().filter(|row| row[9] == 1.0 && row[8] < row[20]).count();
+    assert!(aligned * 2 > inliers, "{aligned} of {inliers} fit better after the alignment");
     let score = json["match_score"].as_f64().expect("a number");
     let expected = 0.5 * (inliers as f64 / a.len() as f64 + inliers as f64 / b.len() as f64);
     assert!((score - expected).abs() < 1e-9);
@@ -127,7 +150,9 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
         ["demo.csv", "demo_2.csv", "demo_demo_2.matches.csv", "demo_demo_2.matches.png"]
     );
     let text = std::fs::read_to_string(home.path().join("m/demo_demo_2.matches.csv")).expect("a file");
-    assert!(text.lines().skip(1).all(|line| line.ends_with(",nan,nan")));
+    // Nothing was verified, so that there is no error, no inlier and no alignment, and no word for it.
+    let is_empty = |line: &str| [8, 9, 10, 11, 12, 20].iter().all(|k| line.split(',').nth(*k) == Some(""));
+    assert!(text.lines().skip(1).all(is_empty) && !text.contains("nan") && !text.contains("inf,"));
     let cases: [(&[&str], i32, &str); 8] = [
         (&["match", "demo", "demo", "--out", "x", "--drawn", "0"], 2, "give 'all' or"),
         (&["match", "demo", "demo", "--out", "x", "--width", "3"], 2, "88 for one column"),
@@ -142,6 +167,37 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
         let error = run_badly(home.path(), arguments, code);
         assert!(error.contains(words), "{arguments:?}: {error}");
     }
+}
+
+#[test]
+fn every_option_of_matching_reaches_its_parameter() {
+    let home = tempfile::tempdir().expect("a folder");
+    let camera = "SIMPLE_PINHOLE,480,360,500,240,180";
+    let matched = |options: &str| -> MatchParams {
+        let line = format!("match demo demo-later --method sift --out m --json --camera {camera} {options}");
+        let json = run_well(home.path(), &line.split_whitespace().collect::<Vec<_>>());
+        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        serde_json::from_value(json["matching"].clone()).expect("parameters")
+    };
+    let got = matched(
+        "--ratio 0.7 --mutual false --geometry homography --predict false --align false --max-error-px 2 \
+         --min-inliers 9 --confidence 0.99 --max-iterations 77 --seed 5",
+    );
+    let expected = MatchParams {
+        ratio: 0.7,
+        mutual: false,
+        predict: false,
+        align: false,
+        geometry: Geometry::Homography,
+        max_error_px: 2.0,
+        min_inliers: 9,
+        confidence: 0.99,
+        max_iterations: 77,
+        seed: 5,
+        camera: Some(camera.parse().expect("a camera")),
+    };
+    assert_eq!(got, expected);
+    assert_eq!(matched("").geometry, Geometry::Essential, "with a camera and no geometry");
 }
 
 #[test]
@@ -165,4 +221,109 @@ fn the_merged_image_is_what_the_method_merge_searches() {
         };
         assert!(a.iter().zip(b).enumerate().all(near), "{a:?} {b:?}");
     }
+}
+
+#[test]
+fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
+    let home = tempfile::tempdir().expect("a folder");
+    let scene = "synth scene --out film --width 240 --height 180 --frames 14 --max-slope 1.5 --snr 1.2 --seed 4";
+    run_well(home.path(), &scene.split(' ').collect::<Vec<_>>());
+    for (name, first) in [("a", 0), ("b", 4), ("c", 7)] {
+        let folder = home.path().join("nights").join(name);
+        std::fs::create_dir_all(&folder).expect("made");
+        for t in first..first + 7 {
+            let frame = format!("frame_{t:03}.png");
+            std::fs::copy(home.path().join("film").join(&frame), folder.join(&frame)).expect("copied");
+        }
+    }
+    let monitor = Monitor::default();
+    let params = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 9), ..DetectorParams::default() };
+    let source = DatasetSource::of_bursts(vec![home.path().join("nights")]);
+    let files = source.bursts(&OpenOptions::default()).expect("three bursts");
+    let bursts: Vec<Burst> = files.iter().map(|file| Burst::open(&file.paths[0]).expect("opened")).collect();
+    let found: Vec<Detection> =
+        bursts.iter().map(|burst| detect(burst, &params, &monitor).expect("detected")).collect();
+    let of = |index: usize| DetectedBurst { burst: &bursts[index], params: &params, detection: &found[index] };
+    let images = ImageKind::default();
+    let job = FeatureJob { detector: params.clone().into(), open: OpenOptions::default(), images };
+    let pairs = PairSelection::All.pairs(3);
+    let searches = Searches { detector: params.clone(), slopes_1d: params.slopes, ..Searches::default() };
+    let default = MatchParams::default;
+    let options = [
+        default(),
+        MatchParams { align: false, ..default() },
+        MatchParams { predict: false, ..default() },
+        MatchParams { align: false, predict: false, ..default() },
+        MatchParams { mutual: false, ..default() },
+        MatchParams { ratio: 0.95, max_error_px: 3.0, ..default() },
+        MatchParams { geometry: Geometry::Homography, seed: 3, ..default() },
+        MatchParams { min_inliers: 60, align: false, ..default() },
+    ];
+    let mut all: Vec<Vec<MatchCounts>> = Vec::new();
+    for (number, matching) in options.into_iter().enumerate() {
+        // `match`, the window's two bursts, and Python.
+        let pair =
+            |&(a, b): &(usize, usize)| match_bursts([of(a), of(b)], &matching, &monitor).expect("matched").counts;
+        let expected: Vec<MatchCounts> = pairs.iter().map(pair).collect();
+        // `evaluate matches`, and the tables of `figures`.
+        let methods = vec![BurstMethod::Buff1d];
+        let (searches, of_study) = (searches.clone(), matching.clone());
+        let study = MatchStudy { methods, has_gold: false, searches, matching: of_study, pairs: PairSelection::All };
+        let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
+        let open = |k: usize, _: Shot| -> Result<Burst> { Ok(bursts[k].clone()) };
+        let report = study.run(&names, open, &monitor).expect("studied");
+        let counts: Vec<MatchCounts> = report.methods[0].by_pair.iter().map(|pair| pair.counts).collect();
+        assert_eq!(counts, expected, "evaluate matches, {matching:?}");
+        // `colmap`, whose solution is of all pairs together: of two bursts it is that of the pair.
+        let camera = CameraChoice::default();
+        let job = ColmapJob { features: job.clone(), matching: matching.clone(), pairs: PairSelection::All, camera };
+        let mut store = FeatureStore::open(&home.path().join("two"), &job.features).expect("a folder");
+        let report = export_colmap(&mut store, &files[..2], &job, &mut |_| {}, &monitor).expect("exported");
+        assert_eq!(report.pairs[0].counts, expected[0], "colmap of two, {matching:?}");
+        assert_eq!(report.moved.is_some(), matching.align);
+        let mut store = FeatureStore::open(&home.path().join("three"), &job.features).expect("a folder");
+        let report = export_colmap(&mut store, &files, &job, &mut |_| {}, &monitor).expect("exported");
+        let counts: Vec<MatchCounts> = report.pairs.iter().map(|pair| pair.counts).collect();
+        if !matching.align {
+            assert_eq!(counts, expected, "colmap of three, {matching:?}");
+        }
+        // From features in memory, as Python has them, it is the same.
+        let in_memory = [of(0), of(1), of(2)];
+        let again =
+            export_detections(&home.path().join(format!("memory{number}")), &in_memory, &job, &monitor).expect("done");
+        assert_eq!((again.pairs, again.moved), (report.pairs, report.moved), "{matching:?}");
+        // The window's dataset, from the features in that folder.
+        let mut of_window = vec![MatchCounts::default(); pairs.len()];
+        let mut on = |pair: MatchedPair<'_>| {
+            let index = pairs.iter().position(|of| *of == pair.indices).expect("a pair");
+            of_window[index] = pair.aligned(&matching, &monitor)?.counts;
+            Ok(())
+        };
+        let mut kept = KeptBursts { store: &store, bursts: &files, monitor: &monitor };
+        match_pairs::<Error>(&pairs, &matching, &mut kept, &mut on, &monitor).expect("matched");
+        assert_eq!(of_window, expected, "the window's dataset, {matching:?}");
+        all.push(expected);
+    }
+    // Each option does something.
+    assert!(all.iter().enumerate().all(|(k, one)| k == 0 || *one != all[0]), "{all:?}");
+    let inliers = |k: usize| all[k].iter().filter_map(|counts| counts.inliers).sum::<usize>();
+    assert!(
+        inliers(0) > 100 && inliers(1) > inliers(0),
+        "the alignment leaves some out: {} {}",
+        inliers(1),
+        inliers(0)
+    );
+    // The commands say so too.
+    let search = ["--slopes-u", "-2:2:9", "--json"];
+    let told =
+        run_well(home.path(), &[&["evaluate", "matches", "nights", "--methods", "buff-1d"], &search[..]].concat());
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    let pair = run_well(home.path(), &[&["match", "nights/a", "nights/b", "--out", "m"], &search[..]].concat());
+    let pair: serde_json::Value = serde_json::from_str(&pair).expect("JSON");
+    for key in ["keypoints_a", "putative", "inliers"] {
+        assert_eq!(told["methods"][0]["by_pair"][0][key], pair[key], "{key}");
+    }
+    assert_eq!((&told["matching"], pair["inliers"].as_u64()), (&pair["matching"], all[0][0].inliers.map(|n| n as u64)));
+    assert!(told["methods"][0]["inlier_ratio"].is_number() && pair["inlier_ratio"].is_number());
+    assert!(told["methods"][0]["precision"].is_null() && pair["precision"].is_null());
 }

@@ -161,3 +161,71 @@ fn datasets_that_make_no_sense_say_what_would() {
     assert!(run_badly(home.path(), &["colmap", "demo", "--out", "rec"], 2).contains("demo"));
     assert!(!home.path().join("rec").exists());
 }
+
+/// The keypoints of the image `name` in the database of `rec` (x, y, scale), pixels; the first centre is at 0.5.
+fn keypoints(rec: &Path, name: &str) -> Vec<[f64; 3]> {
+    let database = rusqlite::Connection::open(rec.join("database.db")).expect("a database");
+    let sql = "SELECT data FROM keypoints JOIN images USING (image_id) WHERE name = ?";
+    let data: Vec<u8> = database.query_row(sql, [name], |row| row.get(0)).expect("keypoints");
+    let number = |row: &[u8], k: usize| f64::from(f32::from_le_bytes(std::array::from_fn(|i| row[4 * k + i])));
+    data.chunks_exact(16).map(|row| [0, 1, 2].map(|k| number(row, k))).collect()
+}
+
+#[test]
+fn the_databases_keypoints_lie_in_their_pictures_and_the_command_says_how_far_they_were_moved() {
+    let home = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| home.path().join(name);
+    let scene = "synth scene --out film --width 240 --height 180 --frames 21 --max-slope 1.5 --snr 0.7 --seed 2";
+    run_well(home.path(), &scene.split(' ').collect::<Vec<_>>());
+    // What is behind a post is not seen.
+    let post = |u: u32, v: u32| image::Luma([if (110..140).contains(&u) && v > 60 { 0 } else { 255 }]);
+    image::GrayImage::from_fn(240, 180, post).save(at("post.png")).expect("written");
+    let arguments = "colmap film --burst-length 7 --slopes-u -2:2:9 --mask post.png --out rec";
+    let arguments: Vec<&str> = arguments.split(' ').collect();
+    let json = run_well(home.path(), &[&arguments[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let (mut places, mut inside) = (Vec::new(), 0);
+    for image in json["images"].as_array().expect("images") {
+        let name = image["image"].as_str().expect("a name");
+        let mask = image::open(at(&format!("rec/masks/{name}.png"))).expect("its mask").into_luma8();
+        let is_seen = |x: f64, y: f64| {
+            let in_picture = x > 0.0 && y > 0.0 && x < 240.0 && y < 180.0;
+            in_picture && mask[(x as u32, y as u32)].0[0] > 127
+        };
+        let text = fs::read_to_string(at(&format!("rec/features/{name}.txt"))).expect("features");
+        let number = |x: &str| f64::from(x.parse::<f32>().expect("a number"));
+        let numbers = |line: &str| line.split(' ').take(3).map(number).collect::<Vec<f64>>();
+        let found: Vec<Vec<f64>> = text.lines().skip(1).map(numbers).collect();
+        for (now, before) in keypoints(&at("rec"), name).iter().zip(&found) {
+            let moved = (now[0] - before[0]).hypot(now[1] - before[1]);
+            assert!(moved <= 20.001, "{moved} px");
+            if moved > 0.0 {
+                assert!(is_seen(now[0], now[1]), "{name}: {before:?} was moved to {now:?}");
+                inside += 1;
+            }
+            places.push(([before[0], before[1], before[2]].map(f64::to_bits), name.to_owned(), moved));
+        }
+    }
+    // The orientations of one keypoint count once.
+    places.sort_by(|a, b| (&a.1, a.0).cmp(&(&b.1, b.0)));
+    places.dedup_by(|a, b| (&a.1, a.0) == (&b.1, b.0));
+    let mut moved: Vec<f64> = places.iter().map(|place| place.2).filter(|moved| *moved > 0.0).collect();
+    moved.sort_by(f64::total_cmp);
+    let told = |key: &str| json["moved"][key].as_f64().unwrap_or_else(|| panic!("{key}: {}", json["moved"]));
+    assert!(inside > 100, "{inside} were moved");
+    assert!((told("share") - moved.len() as f64 / places.len() as f64).abs() < 0.01, "{}", json["moved"]);
+    assert!(
+        (told("median_px") - moved[moved.len() / 2]).abs() < 0.01
+            && (told("max_px") - moved.last().unwrap()).abs() < 0.01
+    );
+    let text = run_well(home.path(), &arguments);
+    let line = format!("by {:.1} px in the median and {:.1} px at most", told("median_px"), told("max_px"));
+    assert!(text.contains(&line) && text.contains("as found, like all in features/"), "{text}");
+    // Without an alignment nothing is moved, and nothing is said of it.
+    let text = run_well(home.path(), &[&arguments[..], &["--align", "false"]].concat());
+    assert!(!text.contains("moved"), "{text}");
+    let name = json["images"][0]["image"].as_str().expect("a name");
+    let text = fs::read_to_string(at(&format!("rec/features/{name}.txt"))).expect("features");
+    let first: Vec<f64> = text.lines().nth(1).expect("one").split(' ').take(3).map(|x| x.parse().unwrap()).collect();
+    assert_eq!(keypoints(&at("rec"), name)[0].to_vec(), first.iter().map(|x| f64::from(*x as f32)).collect::<Vec<_>>());
+}

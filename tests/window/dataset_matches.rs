@@ -4,8 +4,8 @@ use crate::datasets::{chosen, click_burst, dataset, few_slopes, start, walk};
 use crate::support::Window;
 use burstscope::Monitor;
 use burstscope::app::project::workspace::Workspace;
-use burstscope::burst::{Burst, OpenOptions};
-use burstscope::dataset::{BurstSide, FeatureJob, FeatureStore, ImageKind, MatchedPair, match_pairs};
+use burstscope::burst::OpenOptions;
+use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, KeptBursts, MatchedPair, match_pairs};
 use burstscope::matching::{MatchCounts, MatchParams};
 use egui::Key;
 use egui::accesskit::Role;
@@ -24,20 +24,16 @@ fn detected(home: &Path) -> Window {
 fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
     let job = FeatureJob { detector: few_slopes().into(), open: OpenOptions::default(), images: ImageKind::default() };
     let store = FeatureStore::open(&home.join("film-burstscope-5"), &job).unwrap();
-    let bursts = walk_again(home);
     let monitor = Monitor::default();
-    let mut load = |index: usize| {
-        let side = BurstSide::from(store.kept(&bursts[index], &monitor).ok().unwrap());
-        let burst = Burst::open_with(&bursts[index].paths, &job.open, &monitor)?;
-        side.with_pictures(&burst, &job.detector.detector, &monitor).map(Some)
-    };
+    let bursts = walk_again(home);
+    let mut kept = KeptBursts { store: &store, bursts: &bursts, monitor: &monitor };
     let mut counts = None;
     let params = MatchParams::default();
     let mut on = |matched: MatchedPair<'_>| {
         counts = Some(matched.aligned(&params, &monitor)?.counts);
         Ok(())
     };
-    match_pairs(&[pair], &params, &mut load, &mut on, &monitor).unwrap();
+    match_pairs::<burstscope::error::Error>(&[pair], &params, &mut kept, &mut on, &monitor).unwrap();
     counts.unwrap()
 }
 

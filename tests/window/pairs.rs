@@ -48,14 +48,14 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
     let expected = match_bursts(sides, &model.matching, &Monitor::default()).unwrap();
     assert_eq!(*model.pair.matches.as_ref().unwrap().result, expected, "the window matches as the library does");
     let counts = expected.counts;
-    assert!(counts.inliers.unwrap() > 50 && counts.precision().unwrap() > 0.7, "{counts:?}");
+    assert!(counts.inliers.unwrap() > 50 && counts.inlier_ratio().unwrap() > 0.7, "{counts:?}");
     for text in [
         format!("Keypoints {} + {}", counts.keypoints_a, counts.keypoints_b),
         format!("Putative {}", counts.putative),
         format!("Inliers {}", counts.inliers.unwrap()),
         format!("Match ratio {:.3}", counts.match_ratio()),
         format!("Match score {:.3}", counts.match_score().unwrap()),
-        format!("Inlier ratio {:.3}", counts.precision().unwrap()),
+        format!("Inlier ratio {:.3}", counts.inlier_ratio().unwrap()),
     ] {
         assert!(window.shows(&text), "{text}");
     }
@@ -82,7 +82,9 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     let row = model.pair.matches.as_ref().unwrap().row(chosen).unwrap();
     assert_eq!(patches[0].request.kind, PictureKind::Stack { slope: row.a.slope }, "from its own motion stack");
     assert_eq!(patches[1].request.kind, PictureKind::Stack { slope: row.b.slope });
-    assert!(window.shows(&format!("{:.3}", row.found.ratio)) && window.shows("Epipolar error"));
+    let shown =
+        [row.found.ratio.map_or("no other".to_owned(), |ratio| format!("{ratio:.3}")), "Epipolar error".to_owned()];
+    assert!(shown.iter().all(|text| window.shows(text)), "{shown:?}");
     // Rows and keys select too.
     window.harness.get_by_role_and_label(Role::Row, &format!("Match {chosen}")).click();
     window.harness.run_steps(2);
@@ -108,7 +110,7 @@ fn headings_sort_and_switches_leave_out() {
     let ratios = |window: &Window| -> Vec<f32> {
         let pair = &window.app().model.pair;
         let matches = pair.matches.as_ref().unwrap();
-        pair.listed.iter().map(|&i| matches.row(i).unwrap().found.ratio).collect()
+        pair.listed.iter().map(|&i| matches.row(i).unwrap().found.ratio.unwrap_or(0.0)).collect()
     };
     assert_eq!(window.app().model.match_order.column, MatchColumn::Ratio);
     assert!(ratios(&window).is_sorted());
@@ -139,7 +141,10 @@ fn parameters_of_matching_are_live_documented_and_checked() {
     window.app_mut().model.matching.ratio = 0.6;
     window.settle();
     let after = window.app().model.pair.matches.as_ref().unwrap().result.clone();
-    assert!(after.matches.len() < before.matches.len() && after.matches.iter().all(|m| m.ratio <= 0.6));
+    assert!(
+        after.matches.len() < before.matches.len()
+            && after.matches.iter().all(|m| m.ratio.is_none_or(|ratio| ratio <= 0.6))
+    );
     window.app_mut().model.matching.ratio = -1.0;
     window.settle();
     assert!(window.shows("give more than 0 and at most 1"));
@@ -296,6 +301,33 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     let counts = window.app().model.pair.matches.as_ref().unwrap().result.counts;
     let csv = std::fs::read_to_string(folder.path().join("m.csv")).unwrap();
     assert_eq!(csv.lines().count(), counts.putative + 1);
+    // A match has one number in the table, the panel, the tip's text and the file, and one ratio and error in each.
+    let matches = window.app().model.pair.matches.as_ref().unwrap();
+    let chosen = matches.rows().find(|row| row.found.predicted.is_some() && row.aligned.is_some()).unwrap();
+    let cells: Vec<&str> = csv.lines().nth(1 + chosen.index).unwrap().split(',').collect();
+    assert_eq!(cells[..2], [chosen.found.a.to_string(), chosen.found.b.to_string()]);
+    assert_eq!(MatchColumn::Number.text(&chosen), chosen.index.to_string());
+    assert_eq!(cells[13], "predicted");
+    assert_eq!(cells[8].parse().ok(), chosen.error_px, "the aligned one");
+    assert_eq!(cells[20].parse().ok(), chosen.error_found_px, "the one as found");
+    let (index, how, error) = (chosen.index, chosen.how_words(), chosen.error_words());
+    assert!(how.starts_with("predicted by its motion (") && how.ends_with(" among all)"), "{how}");
+    assert!(error.contains(" px aligned, ") && error.ends_with(" px as found"), "{error}");
+    let outlier = matches.rows().find(|row| matches.passed_limit(row).is_some_and(|why| why.starts_with("Error")));
+    let why = matches.passed_limit(&outlier.unwrap()).unwrap();
+    assert!(
+        why.starts_with("Error aligned ") && why.ends_with("at most 1.40 px is allowed: 0.35 × the max error of 4 px"),
+        "{why}"
+    );
+    window.app_mut().model.selected_match = Some(index);
+    window.settle();
+    assert!(window.shows(&format!("Match {index}: ")) && window.shows("predicted by its motion"));
+    for row in ["Ratio among all", "Error as found", " aligned"] {
+        assert!(window.shows(row), "{row}");
+    }
+    // The explanation below says the same of it.
+    let ratios = window.app().model.pair.matches.as_ref().unwrap().row(index).unwrap().found.ratio_words();
+    assert!(window.shows(&format!("ratio {ratios}")), "{ratios}");
     // 181 mm at 300 pixels an inch.
     assert_eq!(image::open(folder.path().join("m.png")).unwrap().width(), 2138);
     let svg = folder.path().join("m.svg");

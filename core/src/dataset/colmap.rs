@@ -6,26 +6,27 @@
 
 use super::CameraChoice;
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
-use super::pairs::{BurstSide, MatchedPair, match_pairs};
-use crate::burst::BurstFiles;
-use crate::detector::open_burst;
+use super::pairs::{BurstSide, DetectedBurst, MatchedPair, PairSource, match_pairs};
+use crate::burst::{Burst, BurstFiles};
+use crate::detector::{DetectorParams, SearchParams};
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
-    ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, write_colmap_database,
+    ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, make_file_names_unique,
+    write_colmap_database,
 };
 use crate::files::serialize_path;
 use crate::matching::align::Measured;
-use crate::matching::aligned::Alignment;
+use crate::matching::aligned::{Alignment, Moved, Seen};
 use crate::matching::{
-    Blob, Camera, CameraModel, Geometry, Match, MatchCounts, MatchParams, PairSelection, Refusal, TwoViewModel,
-    Verification,
+    Blob, Camera, CameraModel, Geometry, Match, MatchCounts, MatchParams, PairSelection, Pictures, Refusal,
+    TwoViewModel, Unaligned, Verification,
 };
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::cell::RefCell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const DATABASE_FILE: &str = "database.db";
 
@@ -84,6 +85,9 @@ pub struct ColmapReport {
     pub images: Vec<ImageReport>,
     /// Pairs, in order.
     pub pairs: Vec<PairReport>,
+    /// Distances of the database's keypoints from where they were found, which the files of features have; `None` where
+    /// they were not aligned.
+    pub moved: Option<Moved>,
 }
 
 /// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
@@ -118,31 +122,77 @@ pub fn export_colmap(
     if done.len() < 2 {
         return Err(too_few(done.len()));
     }
-    let pairs = job.pairs.pairs(done.len());
-    on(BurstEvent::Matching(pairs.len()));
+    on(BurstEvent::Matching(job.pairs.pairs(done.len()).len()));
     store.begin_writing()?;
-    let (database, images_folder) = (out.join(DATABASE_FILE), out.join(IMAGES_FOLDER));
-    let (cameras, images, pair_reports) = (Vec::new(), Vec::new(), Vec::new());
-    let known_camera = job.camera.is_known();
-    let mut report = ColmapReport { database, images_folder, cameras, known_camera, images, pairs: pair_reports };
-    store.check_output(&report.database)?;
-    write_colmap_database(&report.database.clone(), |database| {
-        let mut blobs = Vec::with_capacity(done.len());
-        for &(index, resumed) in &done {
-            monitor.check()?;
-            let mut burst = store.written(&bursts[index])?;
-            blobs.push(std::mem::take(&mut burst.blobs));
-            add_burst(database, &BurstFeatures { resumed, ..burst }, job, &mut report)?;
-        }
-        let with_pictures = |index: usize, side: BurstSide| {
-            let silent = monitor.silent();
-            let burst = open_burst(&bursts[done[index].0].paths, &job.features.open, &silent)?;
-            side.with_pictures(&burst, &job.features.detector.detector, &silent)
-        };
-        match_all(database, (&pairs, &blobs), &matching, &with_pictures, &mut report, monitor)
-    })?;
+    let written = |place: usize| {
+        let (index, resumed) = done[place];
+        Ok(BurstFeatures { resumed, ..store.written(&bursts[index])? })
+    };
+    let open = |place: usize| store.open_burst(&bursts[done[place].0], &monitor.silent());
+    let report = write_database(store, (job, &matching), (done.len(), &written, &open), monitor)?;
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
+    Ok(report)
+}
+
+/// Writes the input of COLMAP's mapper into `folder`, as [`export_colmap`] does, from the features of `bursts` that are
+/// in memory. The parameters of their search are their own, not those of `job`.
+///
+/// # Errors
+/// Parameters, a folder that holds other files, and files that cannot be written.
+pub fn export_detections(
+    folder: &Path,
+    bursts: &[DetectedBurst<'_>],
+    job: &ColmapJob,
+    monitor: &Monitor,
+) -> Result<ColmapReport> {
+    let matching = job.verified_matching()?;
+    if bursts.len() < 2 {
+        return Err(too_few(bursts.len()));
+    }
+    let of = |of: &DetectedBurst<'_>| BurstFiles { name: of.burst.name.clone(), paths: of.burst.sources.clone() };
+    let mut sources: Vec<BurstFiles> = bursts.iter().map(of).collect();
+    make_file_names_unique(sources.iter_mut().map(|source| &mut source.name));
+    let params = bursts.iter().map(|of| SearchParams::from(of.params.clone()).to_toml()).collect();
+    let mut store = FeatureStore::of_detections(folder, &job.features, params)?;
+    store.protect(&sources)?;
+    store.check_output(&folder.join(DATABASE_FILE))?;
+    let sizes = bursts.iter().map(|of| job.camera.for_images(of.burst.size()));
+    sizes.collect::<Result<Vec<_>>>()?;
+    let found: Vec<BurstFeatures> =
+        sources.iter().zip(bursts).map(|(source, of)| store.keep(source, of, monitor)).collect::<Result<_>>()?;
+    let written = |place: usize| Ok(found[place].clone());
+    let open = |place: usize| Ok((bursts[place].burst.clone(), bursts[place].params.clone()));
+    let report = write_database(&store, (job, &matching), (found.len(), &written, &open), monitor)?;
+    store.begin_writing()?;
+    Ok(report)
+}
+
+/// Bursts of an export: their number, and by their places the features, and the frames with the parameters of search.
+type Exported<'a> =
+    (usize, &'a dyn Fn(usize) -> Result<BurstFeatures>, &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>);
+
+fn write_database(
+    store: &FeatureStore,
+    (job, matching): (&ColmapJob, &MatchParams),
+    (count, features, open): Exported<'_>,
+    monitor: &Monitor,
+) -> Result<ColmapReport> {
+    let (database, images_folder) = (store.folder.join(DATABASE_FILE), store.folder.join(IMAGES_FOLDER));
+    let (cameras, images, pairs) = (Vec::new(), Vec::new(), Vec::new());
+    let known_camera = job.camera.is_known();
+    let mut report = ColmapReport { database, images_folder, cameras, known_camera, images, pairs, moved: None };
+    store.check_output(&report.database)?;
+    write_colmap_database(&report.database.clone(), |database| {
+        let mut blobs = Vec::with_capacity(count);
+        for place in 0..count {
+            monitor.check()?;
+            let mut burst = features(place)?;
+            blobs.push(std::mem::take(&mut burst.blobs));
+            add_burst(database, &burst, job, &mut report)?;
+        }
+        match_all(database, (&job.pairs.pairs(count), &blobs), matching, open, &mut report, monitor)
+    })?;
     Ok(report)
 }
 
@@ -175,24 +225,43 @@ struct Waiting {
     inliers: Vec<(Match, Option<Measured>)>,
 }
 
+/// Features of the database's images, and frames of their bursts.
+struct InDatabase<'a, 'b> {
+    database: &'a RefCell<&'a mut DatabaseWriter<'b>>,
+    ids: &'a [u32],
+    blobs: &'a [Vec<Blob>],
+    open: &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>,
+}
+
+impl PairSource<Error> for InDatabase<'_, '_> {
+    fn features(&mut self, index: usize) -> Result<Option<BurstSide>> {
+        let (keypoints, descriptors) = self.database.borrow().features(self.ids[index])?;
+        Ok(Some(BurstSide::new(&keypoints, descriptors, self.blobs[index].clone())))
+    }
+
+    fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams)> {
+        (self.open)(index)
+    }
+}
+
 fn match_all(
     database: &mut DatabaseWriter<'_>,
     (pairs, blobs): (&[(usize, usize)], &[Vec<Blob>]),
     matching: &MatchParams,
-    with_pictures: &dyn Fn(usize, BurstSide) -> Result<BurstSide>,
+    open: &dyn Fn(usize) -> Result<(Burst, DetectorParams)>,
     report: &mut ColmapReport,
     monitor: &Monitor,
 ) -> Result<()> {
     let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
     let database = RefCell::new(database);
-    let mut load = |index: usize| {
-        let (keypoints, descriptors) = database.borrow().features(ids[index])?;
-        let side = BurstSide::new(&keypoints, descriptors, blobs[index].clone());
-        Ok(Some(if matching.align { with_pictures(index, side)? } else { side }))
-    };
+    let mut source = InDatabase { database: &database, ids: &ids, blobs, open };
+    let mut seen: Vec<Option<Seen>> = vec![None; ids.len()];
     let mut waiting: Vec<Waiting> = Vec::new();
-    let mut write = |MatchedPair { indices: images, sides, result, measured }: MatchedPair<'_>| {
+    let mut write = |MatchedPair { indices: images, sides, found: Unaligned { result, measured } }: MatchedPair<'_>| {
         let [a, b] = [ids[images.0], ids[images.1]];
+        for (image, side) in [images.0, images.1].into_iter().zip(sides) {
+            seen[image] = seen[image].take().or_else(|| side.pictures.as_ref().map(Pictures::seen).cloned());
+        }
         report.pairs.push(PairReport { ids: [a, b], counts: result.counts });
         // COLMAP also has no row for a pair without a match.
         if result.matches.is_empty() {
@@ -203,7 +272,7 @@ fn match_all(
         let Some(verified) = &result.verification else { return Ok(()) };
         let agreed = result.matches.iter().zip(measured).zip(&verified.inlier).filter(|(_, inlier)| **inlier);
         let inliers: Vec<(Match, Option<Measured>)> = agreed.map(|((m, measured), _)| (*m, *measured)).collect();
-        if matching.align && verified.model.is_some() {
+        if matching.aligns() && verified.model.is_some() {
             waiting.push(Waiting { images, inliers });
             return Ok(());
         }
@@ -211,11 +280,11 @@ fn match_all(
         let places = [&sides[0].places[..], &sides[1].places];
         database.add_geometry(a, b, &database_geometry(places, &agreed, verified.model.as_ref()))
     };
-    match_pairs(pairs, matching, &mut load, &mut write, monitor)?;
+    match_pairs(pairs, matching, &mut source, &mut write, monitor)?;
     report.pairs.sort_by_key(|pair| pair.ids);
-    if matching.align {
+    if matching.aligns() {
         waiting.sort_by_key(|pair| pair.images);
-        align_all(database.into_inner(), (&waiting, blobs), matching, report, monitor)?;
+        align_all(&mut database.borrow_mut(), (&waiting, blobs, seen), matching, report, monitor)?;
     }
     Ok(monitor.check()?)
 }
@@ -223,16 +292,16 @@ fn match_all(
 /// Moves all features to the places on which the pairs agree, and writes the pairs' geometries there.
 fn align_all(
     database: &mut DatabaseWriter<'_>,
-    (waiting, blobs): (&[Waiting], &[Vec<Blob>]),
+    (waiting, blobs, seen): (&[Waiting], &[Vec<Blob>], Vec<Option<Seen>>),
     matching: &MatchParams,
     report: &mut ColmapReport,
     monitor: &Monitor,
 ) -> Result<()> {
     let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
     let mut alignment = Alignment::default();
-    for (&id, blobs) in ids.iter().zip(blobs) {
+    for ((&id, blobs), seen) in ids.iter().zip(blobs).zip(seen) {
         let (keypoints, _) = database.features(id)?;
-        alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs);
+        alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs, seen);
     }
     let mut linked: Vec<Vec<(Match, Option<usize>)>> = Vec::with_capacity(waiting.len());
     for Waiting { images, inliers } in waiting {
@@ -240,6 +309,7 @@ fn align_all(
         linked.push(inliers.iter().map(|(m, measured)| (*m, measured.map(|measured| link(m, measured)))).collect());
     }
     let aligned = alignment.solve(monitor)?;
+    report.moved = Some(aligned.moved);
     let confirmed: Vec<Option<Verification>> = waiting
         .par_iter()
         .zip(&linked)

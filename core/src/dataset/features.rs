@@ -3,11 +3,13 @@
 use super::CameraChoice;
 use super::blobs::StoredBlobs;
 use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
+#[cfg(feature = "colmap")]
+use super::pairs::DetectedBurst;
 use super::picture::{BurstPicture, ImageKind, burst_plane};
 use super::stamp::{Comparison, FileStamp};
 use crate::burst::{Burst, BurstFiles, OpenOptions, files_at};
 use crate::detect::{Searched, check_memory, search};
-use crate::detector::{Descriptor, SearchParams, SlopeFinding, open_burst};
+use crate::detector::{Descriptor, Detection, DetectorParams, SearchParams, SlopeFinding, open_burst};
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
     ColmapKeypoint, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records, may_begin,
@@ -137,6 +139,17 @@ impl FeatureStore {
         if job.open.mask_saturated {
             settings["mask_saturated"] = json!(true);
         }
+        Self::at(folder, job, settings)
+    }
+
+    /// Opens the dataset in `folder` for features that are in memory, found with `params`, one text for each burst.
+    /// Errors as of [`Self::open`].
+    #[cfg(feature = "colmap")]
+    pub(super) fn of_detections(folder: &Path, job: &FeatureJob, params: Vec<String>) -> Result<Self> {
+        Self::at(folder, job, json!({ "detectors": params }))
+    }
+
+    fn at(folder: &Path, job: &FeatureJob, settings: Value) -> Result<Self> {
         if !may_begin(folder, Kind::Dataset, &[IMAGES_FOLDER, MASKS_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
             let problem = "this folder holds files, but no dataset that was begun by this command";
             return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));
@@ -195,6 +208,11 @@ impl FeatureStore {
     /// Checks whether `file` of the dataset's folder may be written; errors as of [`Self::protect`].
     pub(super) fn check_output(&self, file: &Path) -> Result<()> {
         self.rules.check_own(file, &[])
+    }
+
+    /// Opens `source` as it is searched, and gives the parameters of the search.
+    pub(super) fn open_burst(&self, source: &BurstFiles, monitor: &Monitor) -> Result<(Burst, DetectorParams)> {
+        Ok((open_burst(&source.paths, &self.job.open, monitor)?, self.job.detector.detector.clone()))
     }
 
     /// The numbers of `source` if it is finished, judged without reading its frames or its features.
@@ -283,18 +301,37 @@ impl FeatureStore {
         check_memory(&source.paths, &self.job.open, &self.job.detector, monitor)?;
         let stamps = FileStamp::with_checksums(files, monitor)?;
         let (found, burst) = self.find(source, camera, monitor)?;
-        self.begin_writing()?;
-        let path = self.feature_file(&found.image_name);
-        self.check_output(&path)?;
-        self.records().remove(&found.image_name)?;
-        write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
-        let content = Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))?;
-        let picture_content = self.write_picture_of(&found.image_name, &burst, monitor)?;
+        let content = self.write_features(&found)?;
+        let picture_content = self.write_picture_of(&found.image_name, &burst, &self.job.detector.detector, monitor)?;
         let (blobs, picture) = (StoredBlobs(found.blobs.clone()), self.job.images);
         let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
         let of = KeptBurst { files, size, features, content, blobs, picture, picture_content, seconds };
         let record = Record { made_from: self.made_with.clone(), of };
         self.records().write(&found.image_name, &record)?;
+        Ok(found)
+    }
+
+    fn write_features(&mut self, found: &BurstFeatures) -> Result<Checksum> {
+        self.begin_writing()?;
+        let path = self.feature_file(&found.image_name);
+        self.check_output(&path)?;
+        self.records().remove(&found.image_name)?;
+        write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
+        Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
+    }
+
+    /// Writes the features and the picture of a burst that was searched elsewhere; there is no record of it, so that
+    /// another run finds its features again.
+    #[cfg(feature = "colmap")]
+    pub(super) fn keep(
+        &mut self,
+        source: &BurstFiles,
+        of: &DetectedBurst<'_>,
+        monitor: &Monitor,
+    ) -> Result<BurstFeatures> {
+        let found = found_in(source, of.burst, of.detection);
+        self.write_features(&found)?;
+        self.write_picture_of(&found.image_name, of.burst, of.params, monitor)?;
         Ok(found)
     }
 
@@ -319,16 +356,22 @@ impl FeatureStore {
         } else {
             let burst = open_burst(&source.paths, &self.job.open, monitor)?;
             self.begin_writing()?;
-            self.write_picture_of(&image_name, &burst, monitor)?
+            self.write_picture_of(&image_name, &burst, &self.job.detector.detector, monitor)?
         };
         let of = KeptBurst { files: stamps, picture: self.job.images, picture_content, ..of };
         self.records().write(&image_name, &Record { made_from, of })
     }
 
-    fn write_picture_of(&self, image_name: &str, burst: &Burst, monitor: &Monitor) -> Result<Checksum> {
+    fn write_picture_of(
+        &self,
+        image_name: &str,
+        burst: &Burst,
+        params: &DetectorParams,
+        monitor: &Monitor,
+    ) -> Result<Checksum> {
         let path = self.picture_file(image_name);
         self.check_output(&path)?;
-        let plane = burst_plane(burst, self.job.images, &self.job.detector.detector, monitor)?;
+        let plane = burst_plane(burst, self.job.images, params, monitor)?;
         // COLMAP looks for the mask of `a.png` in `a.png.png`.
         let mask_file = self.folder.join(MASKS_FOLDER).join(format!("{image_name}.png"));
         if plane.mask().is_some() || mask_file.exists() {
@@ -359,14 +402,10 @@ impl FeatureStore {
         let started = Instant::now();
         let burst = open_burst(&source.paths, &self.job.open, monitor)?;
         camera.for_images(burst.size())?;
-        let Searched { detection, finding, .. } = search(&burst, &self.job.detector, monitor)?;
-        let (name, image_name, size) = (source.name.clone(), image_name(source), burst.size());
-        let keypoints = detection.features.iter().map(ColmapKeypoint::from).collect();
-        let blobs = detection.features.iter().map(Blob::from).collect();
-        let (descriptors, slopes, seconds) = (detection.descriptors, finding, started.elapsed().as_secs_f64());
-        let resumed = false;
-        let found = BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds };
-        Ok((found, burst))
+        let Searched { detection, finding: slopes, .. } = search(&burst, &self.job.detector, monitor)?;
+        let found = found_in(source, &burst, &detection);
+        let seconds = started.elapsed().as_secs_f64();
+        Ok((BurstFeatures { slopes, seconds, ..found }, burst))
     }
 
     /// The record of `source`, if it was made with the current settings from `files` as they are now.
@@ -396,6 +435,14 @@ impl FeatureStore {
     fn picture_file(&self, image_name: &str) -> PathBuf {
         self.folder.join(IMAGES_FOLDER).join(image_name)
     }
+}
+
+fn found_in(source: &BurstFiles, burst: &Burst, detection: &Detection) -> BurstFeatures {
+    let (name, image_name, size) = (source.name.clone(), image_name(source), burst.size());
+    let keypoints = detection.features.iter().map(ColmapKeypoint::from).collect();
+    let blobs = detection.features.iter().map(Blob::from).collect();
+    let (descriptors, resumed, slopes, seconds) = (detection.descriptors.clone(), false, None, 0.0);
+    BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds }
 }
 
 /// The files of a bias or flat frame, which may be a folder of them.

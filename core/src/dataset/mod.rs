@@ -17,11 +17,11 @@ mod stamp;
 
 pub use camera::CameraChoice;
 #[cfg(feature = "colmap")]
-pub use colmap::{ColmapJob, ColmapReport, ImageReport, PairReport, export_colmap};
+pub use colmap::{ColmapJob, ColmapReport, ImageReport, PairReport, export_colmap, export_detections};
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
-pub use pairs::{BurstSide, DetectedBurst, MatchedPair, match_bursts, match_pairs};
+pub use pairs::{BurstSide, DetectedBurst, KeptBursts, MatchedPair, PairSource, match_bursts, match_pairs, match_rows};
 pub use picture::{BurstPicture, ImageKind, burst_plane, thumbnail};
 pub use source::DatasetSource;
 pub use stamp::Comparison;

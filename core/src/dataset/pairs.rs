@@ -1,14 +1,14 @@
 //! The matching of pairs of bursts, with the features of a few bursts in memory at a time, however many there are.
 
-use super::BurstFeatures;
-use crate::burst::Burst;
+use super::{BurstFeatures, FeatureStore};
+use crate::burst::{Burst, BurstFiles};
 use crate::detect::prepare;
-use crate::detector::{Descriptor, Detection, DetectorParams};
-use crate::error::Result;
-use crate::export::ColmapKeypoint;
-use crate::matching::align::Measured;
-use crate::matching::aligned::{Pictures, align_pair, measure_inliers};
-use crate::matching::{Blob, MatchParams, MatchResult, MatchSide, match_detections, match_features};
+use crate::detector::{Descriptor, Detection, DetectorParams, Feature};
+use crate::error::{Error, Result};
+use crate::export::{ColmapKeypoint, MatchRow};
+use crate::matching::{
+    Blob, Match, MatchParams, MatchResult, MatchSide, Pictures, Unaligned, match_features, match_pair,
+};
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -50,8 +50,10 @@ impl BurstSide {
         Ok(Self { pictures, ..self })
     }
 
-    fn side(&self) -> MatchSide<'_> {
-        MatchSide { places: &self.places, descriptors: &self.descriptors, blobs: &self.blobs }
+    /// These features as [`match_features`] takes them.
+    pub fn side(&self) -> MatchSide<'_> {
+        let Self { places, descriptors, blobs, pictures } = self;
+        MatchSide { places, descriptors, blobs, pictures: pictures.as_ref() }
     }
 }
 
@@ -72,13 +74,11 @@ pub struct DetectedBurst<'a> {
     pub detection: &'a Detection,
 }
 
-impl DetectedBurst<'_> {
-    fn side(&self, monitor: &Monitor) -> Result<BurstSide> {
-        let Detection { features, descriptors, .. } = self.detection;
-        let places = features.iter().map(|feature| [feature.u, feature.v].map(f64::from)).collect();
-        let blobs = features.iter().map(Blob::from).collect();
-        let side = BurstSide { places, descriptors: descriptors.clone(), blobs, pictures: None };
-        side.with_pictures(self.burst, self.params, monitor)
+impl From<&Detection> for BurstSide {
+    /// Places are rounded as in the files of a dataset, so that both give the same bits.
+    fn from(Detection { features, descriptors, .. }: &Detection) -> Self {
+        let keypoints: Vec<ColmapKeypoint> = features.iter().map(ColmapKeypoint::from).collect();
+        Self::new(&keypoints, descriptors.clone(), features.iter().map(Blob::from).collect())
     }
 }
 
@@ -87,13 +87,41 @@ impl DetectedBurst<'_> {
 ///
 /// # Errors
 /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
-pub fn match_bursts([a, b]: [DetectedBurst<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
-    if !params.align {
-        return match_detections(a.detection, b.detection, params, monitor);
+pub fn match_bursts(bursts: [DetectedBurst<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
+    let [mut a, mut b] = bursts.map(|of| BurstSide::from(of.detection));
+    if params.aligns() {
+        a = a.with_pictures(bursts[0].burst, bursts[0].params, monitor)?;
+        b = b.with_pictures(bursts[1].burst, bursts[1].params, monitor)?;
     }
-    let (a, b) = (a.side(monitor)?, b.side(monitor)?);
-    let (result, measured) = matched([&a, &b], params, monitor)?;
-    MatchedPair { indices: (0, 1), sides: [&a, &b], result: &result, measured: &measured }.aligned(params, monitor)
+    match_pair([a.side(), b.side()], params, monitor)
+}
+
+/// Rows of the table of the matches of `a` and `b`.
+pub fn match_rows(a: &[Feature], b: &[Feature], result: &MatchResult) -> Vec<MatchRow> {
+    let verified = result.verification.as_ref();
+    let model = verified.and_then(|verified| verified.model.as_ref());
+    let row = |(index, m): (usize, &Match)| {
+        let places = [&a[m.a], &b[m.b]].map(|feature| [feature.u, feature.v]);
+        let aligned = result.alignment.as_ref().map(|alignment| {
+            let [of_a, of_b] = &alignment.places;
+            [of_a[m.a], of_b[m.b]].map(|place| place.map(|x| x as f32))
+        });
+        let [of_a, of_b] = places.map(|place| place.map(f64::from));
+        let as_found = model.map(|model| model.error_px(of_a, of_b) as f32);
+        let error_px = verified.filter(|_| model.is_some()).map(|verified| verified.error_px[index]);
+        MatchRow {
+            features: [m.a, m.b],
+            places,
+            aligned: aligned.unwrap_or(places),
+            distance: m.distance,
+            ratio: m.ratio,
+            predicted: m.predicted.map(|predicted| (predicted.among, predicted.ratio_among_all)),
+            error_px: [error_px, as_found].map(|error| error.filter(|error| error.is_finite())),
+            inlier: verified.map(|verified| verified.inlier[index]),
+            measured: result.alignment.as_ref().and_then(|alignment| alignment.shift_in_b(index)),
+        }
+    };
+    result.matches.iter().enumerate().map(row).collect()
 }
 
 /// A pair of bursts and its matches.
@@ -103,40 +131,69 @@ pub struct MatchedPair<'a> {
     pub indices: (usize, usize),
     /// Their features.
     pub sides: [&'a BurstSide; 2],
-    /// Matches of the first burst's features with those of the second.
-    pub result: &'a MatchResult,
-    /// For each match what the pictures say, where both bursts have some and it is an inlier.
-    pub measured: &'a [Option<Measured>],
+    /// Matches of the first burst's features with those of the second, before an alignment.
+    pub found: &'a Unaligned,
 }
 
 impl MatchedPair<'_> {
-    /// The result after an alignment by the measurements of this pair alone, where `params` ask for it.
+    /// The result after an alignment of this pair alone, as [`match_bursts`] gives it.
     ///
     /// # Errors
     /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
     pub fn aligned(&self, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
-        let mut result = self.result.clone();
-        if !params.align {
-            return Ok(result);
-        }
-        let sides = self.sides.map(|side| (&side.places[..], &side.blobs[..]));
-        align_pair(&mut result, sides, self.measured, params, monitor)?;
-        Ok(result)
+        self.found.clone().aligned(self.sides.map(BurstSide::side), params, monitor)
     }
 }
 
-/// Matches the bursts of each of `pairs`, in an order in which `load` is rarely asked for one again; `on` receives each
-/// result. Pairs with a burst for which `load` gives `None` are left out. Returns their number.
+/// Source of the bursts of a dataset for [`match_pairs`], by their indices.
+pub trait PairSource<E> {
+    /// Features of a burst; `None` where there are none.
+    ///
+    /// # Errors
+    /// Of the source.
+    fn features(&mut self, index: usize) -> Result<Option<BurstSide>, E>;
+
+    /// A burst with the parameters of its search; needed only where matches are aligned.
+    ///
+    /// # Errors
+    /// Of the source.
+    fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams), E>;
+}
+
+/// Bursts whose features are in the files of a store; those that are not finished are left out.
+#[derive(Debug, Clone, Copy)]
+pub struct KeptBursts<'a> {
+    /// The store.
+    pub store: &'a FeatureStore,
+    /// The bursts, by their indices.
+    pub bursts: &'a [BurstFiles],
+    /// Monitor of the reading.
+    pub monitor: &'a Monitor,
+}
+
+impl<E: From<Error>> PairSource<E> for KeptBursts<'_> {
+    fn features(&mut self, index: usize) -> Result<Option<BurstSide>, E> {
+        let kept = self.bursts.get(index).and_then(|burst| self.store.kept(burst, self.monitor).ok());
+        Ok(kept.map(BurstSide::from))
+    }
+
+    fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams), E> {
+        Ok(self.store.open_burst(&self.bursts[index], &self.monitor.silent())?)
+    }
+}
+
+/// Matches the bursts of each of `pairs`, in an order in which `source` is rarely asked for one again; `on` receives
+/// each result. Pairs with a burst that has no features are left out. Returns their number.
 ///
 /// # Errors
-/// Parameters that make no sense, and errors of `load` and `on`.
-pub fn match_pairs(
+/// Parameters that make no sense, and errors of `source` and `on`.
+pub fn match_pairs<E: From<Error>>(
     pairs: &[(usize, usize)],
     params: &MatchParams,
-    load: &mut dyn FnMut(usize) -> Result<Option<BurstSide>>,
-    on: &mut dyn FnMut(MatchedPair<'_>) -> Result<()>,
+    source: &mut dyn PairSource<E>,
+    on: &mut dyn FnMut(MatchedPair<'_>) -> Result<(), E>,
     monitor: &Monitor,
-) -> Result<usize> {
+) -> Result<usize, E> {
     params.validate()?;
     let mut ordered = pairs.to_vec();
     ordered.sort_by_key(|&(a, b)| (a / FIRST_AT_ONCE, b, a));
@@ -148,45 +205,33 @@ pub fn match_pairs(
         let (count, needed) = next_together(&ordered[done..]);
         loaded.retain(|index, _| needed.contains(index));
         for &index in &needed {
-            monitor.check()?;
+            monitor.check().map_err(Error::from)?;
             if loaded.contains_key(&index) || missing.contains(&index) {
                 continue;
             }
-            match load(index)? {
-                Some(burst) => drop(loaded.insert(index, burst)),
-                None => drop(missing.insert(index)),
+            let Some(mut side) = source.features(index)? else {
+                missing.insert(index);
+                continue;
+            };
+            if params.aligns() {
+                let (burst, of_search) = source.burst(index)?;
+                side = side.with_pictures(&burst, &of_search, &monitor.silent())?;
             }
+            loaded.insert(index, side);
         }
         let there = |&(a, b): &(usize, usize)| Some(((a, b), [loaded.get(&a)?, loaded.get(&b)?]));
         let some: Vec<_> = ordered[done..done + count].iter().filter_map(there).collect();
         left_out += count - some.len();
-        let matched: Vec<(MatchResult, Vec<Option<Measured>>)> =
-            some.par_iter().map(|(_, sides)| matched(*sides, params, &monitor.silent())).collect::<Result<_, _>>()?;
-        for (&(indices, sides), (result, measured)) in some.iter().zip(&matched) {
-            on(MatchedPair { indices, sides, result, measured })?;
+        let of_pair =
+            |(_, sides): &(_, [&BurstSide; 2])| match_features(sides.map(BurstSide::side), params, &monitor.silent());
+        let matched: Vec<Unaligned> = some.par_iter().map(of_pair).collect::<Result<_>>()?;
+        for (&(indices, sides), found) in some.iter().zip(&matched) {
+            on(MatchedPair { indices, sides, found })?;
         }
         done += count;
     }
     monitor.report(Stage::Match, 1.0);
     Ok(left_out)
-}
-
-fn matched(
-    [a, b]: [&BurstSide; 2],
-    params: &MatchParams,
-    monitor: &Monitor,
-) -> Result<(MatchResult, Vec<Option<Measured>>)> {
-    let (Some(of_a), Some(of_b)) = (&a.pictures, &b.pictures) else {
-        let params = MatchParams { align: false, ..params.clone() };
-        let result = match_features(a.side(), b.side(), &params, monitor)?;
-        let measured = vec![None; result.matches.len()];
-        return Ok((result, measured));
-    };
-    let result = match_features(a.side(), b.side(), params, monitor)?;
-    let none = || vec![false; result.matches.len()];
-    let inlier = result.verification.as_ref().map_or_else(none, |verified| verified.inlier.clone());
-    let measured = measure_inliers(&result.matches, &inlier, [of_a, of_b], monitor)?;
-    Ok((result, measured))
 }
 
 /// Number of the first of `pairs` that are matched together, at least 1, and the bursts that they need.
@@ -207,8 +252,22 @@ mod tests {
     use super::*;
     use crate::matching::PairSelection;
 
-    fn side() -> BurstSide {
-        BurstSide { places: vec![[1.0, 2.0]; 3], descriptors: vec![[7; 128]; 3], blobs: Vec::new(), pictures: None }
+    struct Counted {
+        missing: Option<usize>,
+        loads: usize,
+    }
+
+    impl PairSource<Error> for Counted {
+        fn features(&mut self, index: usize) -> Result<Option<BurstSide>> {
+            self.loads += 1;
+            let (places, descriptors) = (vec![[1.0, 2.0]; 3], vec![[7; 128]; 3]);
+            let side = BurstSide { places, descriptors, blobs: Vec::new(), pictures: None };
+            Ok((Some(index) != self.missing).then_some(side))
+        }
+
+        fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams)> {
+            unreachable!("the pictures of burst {index} are not needed")
+        }
     }
 
     #[test]
@@ -217,34 +276,18 @@ mod tests {
             [(PairSelection::All, None), (PairSelection::All, Some(4)), (PairSelection::Sequential(1), Some(0))]
         {
             let pairs = selection.pairs(40);
-            let (mut loads, mut seen) = (0, Vec::new());
-            let mut load = |index| {
-                loads += 1;
-                Ok((Some(index) != missing).then(side))
-            };
+            let (mut source, mut seen) = (Counted { missing, loads: 0 }, Vec::new());
             let mut on = |pair: MatchedPair<'_>| {
                 seen.push(pair.indices);
                 Ok(())
             };
-            let params = MatchParams::default();
-            let left_out = match_pairs(&pairs, &params, &mut load, &mut on, &Monitor::default()).expect("matched");
+            let params = MatchParams { align: false, ..MatchParams::default() };
+            let left_out = match_pairs(&pairs, &params, &mut source, &mut on, &Monitor::default()).expect("matched");
             seen.sort_unstable();
             let is_there = |&&(a, b): &&(usize, usize)| Some(a) != missing && Some(b) != missing;
             assert_eq!(seen, pairs.iter().filter(is_there).copied().collect::<Vec<_>>());
             assert_eq!(left_out, pairs.len() - seen.len());
-            assert!(loads < 40 + pairs.len() / 3, "{loads} loads for {} pairs", pairs.len());
-        }
-    }
-
-    #[test]
-    fn few_bursts_are_needed_at_once() {
-        let mut pairs = PairSelection::All.pairs(50);
-        pairs.sort_by_key(|&(a, b)| (a / FIRST_AT_ONCE, b, a));
-        let mut rest = &pairs[..];
-        while !rest.is_empty() {
-            let (count, needed) = next_together(rest);
-            assert!(count > 0 && needed.len() <= BURSTS_AT_ONCE);
-            rest = &rest[count..];
+            assert!(source.loads < 40 + pairs.len() / 3, "{} loads for {} pairs", source.loads, pairs.len());
         }
     }
 }

@@ -84,8 +84,13 @@ pub const PLANTED_COLUMNS: &str = "seed,id,varied,u,v,radius,slope_u,slope_v,sig
 
 /// Whether the file at `path` has one of our headers, as many cells on every line, and a complete last one.
 pub(super) fn is_table(path: &Path) -> bool {
-    let others = [MATCH_COLUMNS, PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
-    let is_known = |header: &str| others.contains(&header) || feature_columns().any(|count| header_of(count) == header);
+    let others = [PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
+    // Those of matches of earlier versions end earlier.
+    let is_of_matches =
+        |header: &str| MATCH_COLUMNS.strip_prefix(header).is_some_and(|more| ["", MATCHES_SINCE].contains(&more));
+    let is_known = |header: &str| {
+        is_of_matches(header) || others.contains(&header) || feature_columns().any(|count| header_of(count) == header)
+    };
     // Commas outside of quotes.
     let commas = |line: &str| line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();
     first_line(path).is_some_and(|header| is_known(&header))
@@ -103,48 +108,67 @@ pub(super) fn first_line(path: &Path) -> Option<String> {
     line.strip_suffix('\n').map(str::to_owned)
 }
 
-/// Row of the table of matches.
+/// Row of the table of matches: all that is said of one, by every command and library.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchRow {
     /// Indices of the features in images A and B.
     pub features: [usize; 2],
-    /// (u, v) in A, pixels.
-    pub a: [f64; 2],
-    /// (u, v) in B, pixels.
-    pub b: [f64; 2],
+    /// (u, v) in A and in B as they were found, pixels.
+    pub places: [[f32; 2]; 2],
+    /// (u, v) in A and in B after the alignment, pixels; as found where nothing was measured.
+    pub aligned: [[f32; 2]; 2],
     /// Distance of the descriptors.
     pub distance: f32,
-    /// Ratio of the distances to the nearest and the second nearest.
-    pub ratio: f32,
-    /// Error in pixels and whether it is an inlier; `None` where no geometry was requested.
-    pub verified: Option<(f32, bool)>,
+    /// Ratio of the distances to the nearest and the second nearest of those compared; `None` without a second.
+    pub ratio: Option<f32>,
+    /// Of a predicted match the number of places that were compared, and its ratio among all of B; `None` for a sure one.
+    pub predicted: Option<(usize, Option<f32>)>,
+    /// Error from the geometry at the aligned places and at those found, pixels; `None` without a geometry, and where it
+    /// is not defined.
+    pub error_px: [Option<f32>; 2],
+    /// Whether it is an inlier; `None` where no geometry was requested.
+    pub inlier: Option<bool>,
     /// From the place in B to where A's place is seen there (u, v), pixels, and the correlation of the pictures of
-    /// both;
-    /// `None` where they were not compared or do not tell.
-    pub aligned: Option<([f64; 2], f64)>,
+    /// both; `None` where they were not compared or do not tell.
+    pub measured: Option<([f64; 2], f64)>,
+}
+
+impl MatchRow {
+    /// How it was found, as a word.
+    pub fn how(&self) -> &'static str {
+        if self.predicted.is_some() { "predicted" } else { "sure" }
+    }
+
+    /// Cells in the order of [`MATCH_COLUMNS`], empty where there is no value.
+    fn cells(&self) -> Vec<String> {
+        let Self { features: [a, b], places, aligned, predicted, error_px: [error_px, as_found], measured, .. } = self;
+        let known = |x: Option<f32>| x.filter(|x| x.is_finite()).map_or_else(String::new, |x| x.to_string());
+        let short = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.4}"));
+        let mut cells = vec![a.to_string(), b.to_string()];
+        cells.extend(places.as_flattened().iter().map(f32::to_string));
+        cells.extend([self.distance.to_string(), known(self.ratio), known(*error_px)]);
+        cells.push(self.inlier.map_or_else(String::new, |inlier| u8::from(inlier).to_string()));
+        cells.extend([0, 1].map(|k| short(measured.map(|(shift, _)| shift[k]))));
+        cells.extend([short(measured.map(|(_, correlation)| correlation)), self.how().to_owned()]);
+        cells.push(predicted.map_or_else(String::new, |(among, _)| among.to_string()));
+        cells.push(known(predicted.and_then(|(_, ratio_among_all)| ratio_among_all)));
+        cells.extend(aligned.as_flattened().iter().map(f32::to_string));
+        cells.push(known(*as_found));
+        cells
+    }
 }
 
 /// Header of tables of matches.
-pub const MATCH_COLUMNS: &str = "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation";
+pub const MATCH_COLUMNS: &str = "a,b,u_a,v_a,u_b,v_b,distance,ratio,error_px,inlier,shift_u_b,shift_v_b,correlation,\
+    how,among,ratio_among_all,aligned_u_a,aligned_v_a,aligned_u_b,aligned_v_b,error_found_px";
+/// Columns that those of earlier versions do not have.
+const MATCHES_SINCE: &str = ",how,among,ratio_among_all,aligned_u_a,aligned_v_a,aligned_u_b,aligned_v_b,error_found_px";
 
 /// Writes the matches as CSV.
 pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<()> {
     write_whole(path, |out| {
         writeln!(out, "{MATCH_COLUMNS}")?;
-        for MatchRow { features, a, b, distance, ratio, verified, aligned } in matches {
-            // As f32, since the positions are those of the feature files.
-            let [u_a, v_a, u_b, v_b] = [a[0], a[1], b[0], b[1]].map(|x| x as f32);
-            write!(out, "{},{},{u_a},{v_a},{u_b},{v_b},{distance},{ratio},", features[0], features[1])?;
-            match verified {
-                Some((error, inlier)) => write!(out, "{error},{}", u8::from(*inlier))?,
-                None => write!(out, "nan,nan")?,
-            }
-            match aligned {
-                Some(([u, v], correlation)) => writeln!(out, ",{u:.4},{v:.4},{correlation:.4}")?,
-                None => writeln!(out, ",nan,nan,nan")?,
-            }
-        }
-        Ok(())
+        matches.iter().try_for_each(|row| writeln!(out, "{}", row.cells().join(",")))
     })
 }
 
@@ -200,27 +224,6 @@ mod tests {
             let (found, message) = parse(text).expect_err(problem);
             assert!(found == line && message.contains(problem), "{found}: {message}");
         }
-    }
-
-    #[test]
-    fn every_cell_is_a_number() {
-        let (a, b, verified) = ([1.5, 2.25], [f64::from(0.1f32), 7.0], Some((0.25, true)));
-        let aligned = Some(([0.5, -0.125], 0.75));
-        let row = MatchRow { features: [3, 0], a, b, distance: 120.5, ratio: 0.5, verified, aligned };
-        let rows = [
-            row,
-            MatchRow { verified: Some((f32::INFINITY, false)), ..row },
-            MatchRow { verified: None, aligned: None, ..row },
-        ];
-        let home = tempfile::tempdir().expect("a folder");
-        let path = home.path().join("m.csv");
-        write_matches_csv(&path, &rows).expect("written");
-        let text = std::fs::read_to_string(&path).expect("a file");
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[0], MATCH_COLUMNS);
-        assert_eq!(lines[1], "3,0,1.5,2.25,0.1,7,120.5,0.5,0.25,1,0.5000,-0.1250,0.7500");
-        assert!(lines[2].contains(",inf,0,") && lines[3].ends_with(",nan,nan,nan,nan,nan"));
-        assert!(lines[1..].iter().all(|l| l.split(',').all(|cell| cell.parse::<f64>().is_ok())));
     }
 
     #[test]

@@ -41,9 +41,9 @@ pub struct Rivalry {
     pub feature: usize,
     /// Distance of the descriptors.
     pub distance: f32,
-    /// Ratio of that distance to the one of the next in this list; 0 for the last.
-    pub ratio: f32,
-    /// Distance from the place that the geometry expects, pixels; `None` where none is known.
+    /// Ratio of that distance to that of the next nearest of all of B; `None` for the last.
+    pub ratio: Option<f32>,
+    /// Distance, as both were found, from the place that the geometry expects, pixels; `None` where none is known.
     pub error_px: Option<f32>,
     /// Slope, px/frame.
     pub slope: Slope,
@@ -56,8 +56,9 @@ pub struct Rivalry {
 pub struct Unmatched {
     /// Step at which it was lost.
     pub lost: Lost,
-    /// Ratio that the ratio test compares, the larger of both directions with the mutual check; 0 without candidates.
-    pub ratio: f32,
+    /// Ratio that the ratio test compares, the larger of both directions with the mutual check; `None` where nothing
+    /// competes.
+    pub ratio: Option<f32>,
     /// Nearest features of B, nearest first.
     pub candidates: Vec<Rivalry>,
     /// The feature of A that B's nearest would choose instead, where the mutual check failed.
@@ -162,13 +163,13 @@ impl<'a> Losses<'a> {
             return Lost::MutualCheck;
         }
         // One that passes was matched by its descriptor, and its match gave way to another one along the geometry.
-        if self.ratio(index) <= pair.params.ratio { Lost::Motion } else { Lost::RatioTest }
+        if self.ratio(index).unwrap_or(0.0) <= pair.params.ratio { Lost::Motion } else { Lost::RatioTest }
     }
 
-    fn ratio(&self, index: usize) -> f32 {
-        let Some(nearest) = self.nearest.of_a.get(index) else { return 0.0 };
-        let back = self.nearest.of_b[nearest.index].ratio();
-        if self.pair.params.mutual { nearest.ratio().max(back) } else { nearest.ratio() }
+    fn ratio(&self, index: usize) -> Option<f32> {
+        let nearest = self.nearest.of_a.get(index)?;
+        let back = self.nearest.of_b[nearest.index].ratio().filter(|_| self.pair.params.mutual);
+        [nearest.ratio(), back].into_iter().flatten().reduce(f32::max)
     }
 
     /// The numbers of features of A lost at each step, in the order of [`Lost::ALL`].
@@ -199,7 +200,7 @@ impl<'a> Losses<'a> {
             let f = &pair.b.features[feature];
             let next = order.get(rank + 1).map(|(_, next)| *next);
             let apart = |first: &Feature| (f.u - first.u).hypot(f.v - first.v) / first.sigma.max(f.sigma);
-            let ratio = next.map_or(0.0, |next| if next > 0.0 { distance / next } else { 1.0 });
+            let ratio = next.map(|next| if next > 0.0 { distance / next } else { 1.0 });
             let error_px = model.map(|model| model.error_px(own, place(f)) as f32);
             let is_same_blob = first.is_some_and(|first| apart(&first) < SAME_BLOB_SIGMAS);
             Rivalry { feature, distance, ratio, error_px, slope: f.slope, is_same_blob }
@@ -282,15 +283,12 @@ fn sentence(
     let own_match = pair.result.matches.iter().find(|m| m.a == index);
     match lost {
         Lost::Not => {
-            let Some(predicted) = own_match.filter(|m| m.b != best.feature) else {
-                return format!("matched with {nearest} at distance {distance:.0}, ratio {:.2}", best.ratio);
-            };
-            format!(
-                "matched where its motion puts it with {} at distance {:.0}, ratio {:.2} there; {nearest} is nearer, at {distance:.0}",
-                rank_name(predicted.b),
-                predicted.distance,
-                predicted.ratio
-            )
+            let Some(m) = own_match else { return String::new() };
+            let at = format!("{} at distance {:.0}, ratio {}", rank_name(m.b), m.distance, m.ratio_words());
+            let by_motion = if m.predicted.is_some() { "where its motion puts it, " } else { "" };
+            let nearer =
+                if m.b == best.feature { String::new() } else { format!("; {nearest} is nearer, at {distance:.0}") };
+            format!("matched {by_motion}with {at}{nearer}")
         }
         Lost::NoKeypoint => "the other picture has no keypoint of its size where the geometry expects it".to_owned(),
         Lost::RatioTest => {
@@ -300,7 +298,8 @@ fn sentence(
             });
             format!(
                 "ratio test: the nearest is {nearest} at {distance:.0}, {:.2} times the distance{who}; at most {:.2} is allowed{where_it_is}",
-                best.ratio, pair.params.ratio
+                best.ratio.unwrap_or(0.0),
+                pair.params.ratio
             )
         }
         Lost::MutualCheck => format!(
@@ -311,7 +310,7 @@ fn sentence(
             Some(matched) => {
                 let error = pair.model().map_or_else(String::new, |model| {
                     let error = model.error_px(place(&pair.a.features[index]), place(&pair.b.features[matched.b]));
-                    format!(": {error:.1} px from the place it expects")
+                    format!(": {error:.1} px as found from the place it expects")
                 });
                 let why = pictures_of(pair, index).unwrap_or(error);
                 format!("geometry: its match, {}, does not fit{why}", rank_name(matched.b))

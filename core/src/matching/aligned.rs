@@ -7,7 +7,7 @@
 
 use super::align::{Chip, ChipSource, Link, Measured, PairFrame, Places, Solved, View, measure, pair, solve};
 use super::geometry::{PointPair, Verification, verify};
-use super::{Blob, Match, MatchParams, MatchResult, Refusal};
+use super::{Blob, Match, MatchParams, MatchResult, MatchSide, Refusal};
 use crate::burst::Burst;
 use crate::detector::DetectorParams;
 use crate::detector::stack::FrameTimes;
@@ -15,6 +15,8 @@ use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::Arc;
 
 /// Max error before the alignment, as a part of [`MatchParams::max_error_px`]: places are uncertain.
 const WIDE: f32 = 2.0;
@@ -25,6 +27,9 @@ pub const NARROW: f32 = 0.35;
 const FEWEST_KEPT: usize = 30;
 /// Least share of its inliers that a pair keeps: wrong pairs keep less.
 const LEAST_KEPT: f64 = 0.25;
+/// Largest distance by which a keypoint is moved, pixels. Of the matches of what would be moved farther half are right, and
+/// a fifth beyond 50 px; so many σ tell nothing: of those that move by more than 3 σ as many are right as of others.
+pub const MOST_MOVED_PX: f64 = 20.0;
 
 /// Parameters with which predicted matches are verified that are aligned afterwards.
 pub(super) fn before_alignment(params: &MatchParams) -> MatchParams {
@@ -38,6 +43,40 @@ pub struct Pictures {
     /// Chip of each place; none beyond the image.
     chips: Vec<Option<Chip>>,
     orientations: Vec<f32>,
+    seen: Seen,
+}
+
+/// Part of an image in which keypoints are moved: without what its mask hides at mid-burst.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
+    size: (usize, usize),
+    /// A bit for each pixel that is hidden, row by row; none where all are seen.
+    hidden: Arc<[u64]>,
+}
+
+impl Seen {
+    /// What is seen of an image whose plane at mid-burst is `middle`.
+    pub fn of(middle: &Plane) -> Self {
+        let (width, height) = middle.size();
+        let is_hidden = |pixel: &usize| middle.is_hidden_at(pixel % width, pixel / width);
+        let word = |first: usize| {
+            let pixels = (first..(first + 64).min(width * height)).filter(is_hidden);
+            pixels.fold(0, |word, pixel| word | 1 << (pixel - first))
+        };
+        let pixels = if middle.mask().is_some() { width * height } else { 0 };
+        Self { size: (width, height), hidden: (0..pixels).step_by(64).map(word).collect() }
+    }
+
+    /// Whether the place (u, v), pixels, lies in the image and is not hidden.
+    pub fn holds(&self, place: [f64; 2]) -> bool {
+        let [u, v] = place.map(f64::round);
+        let (width, height) = self.size;
+        if !(u >= 0.0 && v >= 0.0 && u < width as f64 && v < height as f64) {
+            return false;
+        }
+        let pixel = v as usize * width + u as usize;
+        self.hidden.get(pixel / 64).is_none_or(|word| (word >> (pixel % 64)) & 1 == 0)
+    }
 }
 
 /// Places of the features at `places`, of scales as in `blobs`.
@@ -58,7 +97,13 @@ impl Pictures {
             source.chip((u, v), blob.sigma, blob.slope)
         };
         let chips = of.first.par_iter().map(chip).collect();
-        Self { places: of, chips, orientations: blobs.iter().map(|blob| blob.orientation).collect() }
+        let seen = Seen::of(frames[frames.len() / 2]);
+        Self { places: of, chips, orientations: blobs.iter().map(|blob| blob.orientation).collect(), seen }
+    }
+
+    /// Part of the image in which its places are moved.
+    pub fn seen(&self) -> &Seen {
+        &self.seen
     }
 
     /// Chip of a feature; `None` beyond the image.
@@ -111,21 +156,25 @@ impl PairAlignment {
     }
 }
 
-/// Solves for the places of one pair's features, found at `places` with shapes `blobs`, from its `measured` matches,
-/// and verifies the inliers again there. Nothing is done to a pair without a geometry.
+/// Solves for the places of one pair's features from its `measured` matches, and verifies the inliers again there.
+/// Nothing is done to a pair without a geometry, and without an alignment in `params`.
 ///
 /// # Errors
 /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
-pub fn align_pair(
+pub(super) fn align_pair(
     result: &mut MatchResult,
-    sides: [(&[[f64; 2]], &[Blob]); 2],
+    sides: [MatchSide<'_>; 2],
     measured: &[Option<Measured>],
     params: &MatchParams,
     monitor: &Monitor,
 ) -> Result<()> {
-    let Some(verified) = result.verification.as_ref().filter(|v| v.model.is_some()) else { return Ok(()) };
+    let Some(verified) = result.verification.as_ref().filter(|v| v.model.is_some() && params.aligns()) else {
+        return Ok(());
+    };
     let mut alignment = Alignment::default();
-    sides.into_iter().for_each(|(places, blobs)| alignment.add_image(places.to_vec(), blobs));
+    for side in sides {
+        alignment.add_image(side.places.to_vec(), side.blobs, side.pictures.map(Pictures::seen).cloned());
+    }
     let mut link = |(m, measured): (&Match, &Option<Measured>)| {
         measured.map(|measured| alignment.add_match((0, 1), (m.a, m.b), measured))
     };
@@ -159,6 +208,8 @@ pub fn align_pair(
 pub struct Alignment {
     images: Vec<Image>,
     sigmas: Vec<f32>,
+    /// Image and first feature of each place.
+    first: Vec<(usize, usize)>,
     links: Vec<Link>,
 }
 
@@ -168,15 +219,25 @@ struct Image {
     /// Place of each feature, counted over all images.
     place_of: Vec<usize>,
     features: Vec<[f64; 2]>,
+    seen: Option<Seen>,
 }
 
 impl Alignment {
-    /// Adds an image with features at `places`.
-    pub fn add_image(&mut self, places: Vec<[f64; 2]>, blobs: &[Blob]) {
+    /// Adds an image with features at `places`, which stay in the part that is `seen`; anywhere without.
+    pub fn add_image(&mut self, places: Vec<[f64; 2]>, blobs: &[Blob], seen: Option<Seen>) {
         let (of, first) = (places_of(&places, blobs), self.sigmas.len());
         self.sigmas.extend(of.first.iter().map(|&feature| blobs[feature].sigma));
+        self.first.extend(of.first.iter().map(|&feature| (self.images.len(), feature)));
         let place_of = of.of_feature.into_iter().map(|place| first + place).collect();
-        self.images.push(Image { place_of, features: places });
+        self.images.push(Image { place_of, features: places, seen });
+    }
+
+    /// Whether `correction` leaves a place near, in its image, and in what is seen of it.
+    fn may_move(&self, place: usize, [du, dv]: [f64; 2]) -> bool {
+        let (image, feature) = self.first[place];
+        let Image { features, seen, .. } = &self.images[image];
+        let [u, v] = features[feature];
+        du.hypot(dv) <= MOST_MOVED_PX && seen.as_ref().is_none_or(|seen| seen.holds([u + du, v + dv]))
     }
 
     /// Adds a measured match of the features `a` and `b` of `images`. Returns its index.
@@ -191,12 +252,17 @@ impl Alignment {
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.
     pub fn solve(self, monitor: &Monitor) -> Result<AlignedImages, Cancelled> {
-        let Solved { corrections, residuals_px } = solve(&self.sigmas, &self.links, monitor)?;
-        let moved = |image: Image| {
-            let places = image.features.iter().zip(&image.place_of);
-            places.map(|(&[u, v], &place)| [u + corrections[place][0], v + corrections[place][1]]).collect()
-        };
-        Ok(AlignedImages { places: self.images.into_iter().map(moved).collect(), residuals_px })
+        let may_move = |place, correction| self.may_move(place, correction);
+        let Solved { corrections, residuals_px, refused } = solve(&self.sigmas, &self.links, may_move, monitor)?;
+        let place = |(&[u, v], &place): (&[f64; 2], &usize)| [u + corrections[place][0], v + corrections[place][1]];
+        let moved = |image: &Image| image.features.iter().zip(&image.place_of).map(place).collect();
+        let places = self.images.iter().map(moved).collect();
+        let mut moved_px: Vec<f64> = corrections.iter().map(|[u, v]| u.hypot(*v)).filter(|px| *px > 0.0).collect();
+        moved_px.sort_unstable_by(f64::total_cmp);
+        let share = moved_px.len() as f64 / corrections.len().max(1) as f64;
+        let (median_px, max_px) = (moved_px.get(moved_px.len() / 2).copied(), moved_px.last().copied());
+        let moved = Moved { share, median_px, max_px, refused };
+        Ok(AlignedImages { places, residuals_px, moved })
     }
 }
 
@@ -207,6 +273,22 @@ pub struct AlignedImages {
     pub places: Vec<Vec<[f64; 2]>>,
     /// Contradiction of each measured match with them, pixels.
     pub residuals_px: Vec<f64>,
+    /// Distances by which they were moved.
+    pub moved: Moved,
+}
+
+/// Distances by which keypoints were moved to where their matches agree; those of several orientations count once.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Moved {
+    /// Share of the keypoints that were moved, 0 … 1.
+    pub share: f64,
+    /// Median distance of those, pixels; `None` without any.
+    pub median_px: Option<f64>,
+    /// Largest distance, pixels.
+    pub max_px: Option<f64>,
+    /// Number of keypoints that stay as they were found, because their matches put them too far away or where nothing is
+    /// seen.
+    pub refused: usize,
 }
 
 impl AlignedImages {
@@ -227,7 +309,7 @@ impl AlignedImages {
         let kept: Vec<usize> = (0..inliers.len()).filter(|&index| agrees(&inliers[index].1)).collect();
         let point = |index: usize| {
             let m = inliers[index].0;
-            PointPair { a: self.places[images.0][m.a], b: self.places[images.1][m.b], rank: m.ratio }
+            PointPair { a: self.places[images.0][m.a], b: self.places[images.1][m.b], rank: m.rank() }
         };
         let points: Vec<PointPair> = kept.iter().map(|&index| point(index)).collect();
         let again = verify(&points, &MatchParams { max_error_px: limit, ..params.clone() }, monitor)?;
@@ -244,124 +326,5 @@ impl AlignedImages {
         kept.iter().zip(&of_kept.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
         let error_px = (0..inliers.len()).map(error_px).collect();
         Ok(Some(Verification { inlier, error_px, ..of_kept }))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::detector::Slope;
-    use crate::matching::MatchCounts;
-    use crate::matching::geometry::tests::places_in_space;
-    use crate::synth::random::Stream;
-
-    const SIGMA: f32 = 4.0;
-
-    fn blobs(count: usize) -> Vec<Blob> {
-        let slope = Slope::default();
-        vec![Blob { sigma: SIGMA, orientation: 0.0, slope, motion: slope, motion_sigma: 1.0 }; count]
-    }
-
-    /// Places of a scene in both images, and where blobs are found in B: some pixels beside them.
-    fn scene(count: usize) -> [Vec<[f64; 2]>; 3] {
-        let mut random = Stream::new(3, 0);
-        let seen = places_in_space(&mut random, count);
-        let [a, b] = [0, 1].map(|side| seen.iter().map(|views| views[side].0).collect::<Vec<_>>());
-        let beside = |place: &[f64; 2]| place.map(|x| x + random.within(-3.0, 3.0));
-        let found = b.iter().map(beside).collect();
-        [a, b, found]
-    }
-
-    fn measured(from: [f64; 2], to: [f64; 2]) -> Measured {
-        let shift_px = [to[0] - from[0], to[1] - from[1]];
-        Measured { shift_px, jacobian: [[1.0, 0.0], [0.0, 1.0]], correlation: 0.9 }
-    }
-
-    /// Matches of the i-th features, measured by `measure`, and their geometry after the alignment.
-    fn confirmed(
-        count: usize,
-        measure: impl Fn(usize) -> Option<Measured>,
-        [a, b]: [&[[f64; 2]]; 2],
-    ) -> (AlignedImages, Verification) {
-        let mut alignment = Alignment::default();
-        [a, b].into_iter().for_each(|places| alignment.add_image(places.to_vec(), &blobs(count)));
-        let found = |i| Match { a: i, b: i, distance: 1.0, ratio: 0.5 };
-        let mut link = |i| (found(i), measure(i).map(|measured| alignment.add_match((0, 1), (i, i), measured)));
-        let inliers: Vec<(Match, Option<usize>)> = (0..count).map(&mut link).collect();
-        let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
-        let params = MatchParams::default();
-        let verified = aligned.confirmed((0, 1), &inliers, &params, &Monitor::default()).expect("valid parameters");
-        (aligned, verified.expect("asked for"))
-    }
-
-    #[test]
-    fn places_that_the_pictures_correct_fit_the_geometry_exactly() {
-        let [a, b, found] = scene(80);
-        let (aligned, verified) = confirmed(80, |i| Some(measured(found[i], b[i])), [&a, &found]);
-        assert!(verified.model.is_some() && verified.inlier_count() == 80, "{}", verified.inlier_count());
-        // A prior that is weak beside the measurement leaves a hundredth of the correction.
-        let apart = |i: usize| {
-            let correction = |side: usize, before: [f64; 2], k: usize| aligned.places[side][i][k] - before[k];
-            [0, 1].map(|k| found[i][k] - b[i][k] + correction(1, found[i], k) - correction(0, a[i], k))
-        };
-        let largest = (0..80).flat_map(apart).map(f64::abs).fold(0.0, f64::max);
-        assert!(largest < 0.05, "{largest} px");
-        assert!(verified.error_px.iter().all(|error| *error < 0.5), "{:?}", verified.error_px);
-    }
-
-    #[test]
-    fn what_is_not_measured_stays_where_it_is_and_is_no_inlier() {
-        let [a, b, _] = scene(80);
-        let (aligned, verified) = confirmed(80, |i| (i < 60).then(|| measured(b[i], b[i])), [&a, &b]);
-        assert!(aligned.places[0][60..] == a[60..] && aligned.places[1][60..] == b[60..]);
-        assert!(verified.inlier[..60].iter().all(|inlier| *inlier) && !verified.inlier[60..].contains(&true));
-        assert!(verified.error_px[60..].iter().all(|error| *error < 0.5), "its error is known all the same");
-    }
-
-    #[test]
-    fn a_pair_that_keeps_few_matches_is_refused() {
-        let [a, b, _] = scene(200);
-        for (kept, is_believed) in [(29, false), (49, false), (60, true)] {
-            let (_, verified) = confirmed(200, |i| (i < kept).then(|| measured(b[i], b[i])), [&a, &b]);
-            assert_eq!(
-                (verified.model.is_some(), verified.inlier.contains(&true)),
-                (is_believed, is_believed),
-                "{kept}"
-            );
-        }
-    }
-
-    #[test]
-    fn places_that_contradict_their_other_matches_lose_them() {
-        // Three images; the third sees the first's places 5 px beside where the second one does.
-        let [a, b, _] = scene(60);
-        let mut alignment = Alignment::default();
-        [&a, &b, &b].into_iter().for_each(|places| alignment.add_image(places.clone(), &blobs(60)));
-        let found = |i| Match { a: i, b: i, distance: 1.0, ratio: 0.5 };
-        let mut pairs = [(0, 1), (0, 2), (1, 2)].map(|images| (images, Vec::new()));
-        for (images, matches) in &mut pairs {
-            for (i, &at) in b.iter().enumerate() {
-                let to = if *images == (0, 2) && i < 20 { [at[0] + 5.0, at[1]] } else { at };
-                let link = alignment.add_match(*images, (i, i), measured(at, to));
-                matches.push((found(i), Some(link)));
-            }
-        }
-        let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
-        let (images, matches) = &pairs[1];
-        let params = MatchParams::default();
-        let verified =
-            aligned.confirmed(*images, matches, &params, &Monitor::default()).expect("valid").expect("asked");
-        assert!(!verified.inlier[..20].contains(&true) && verified.inlier[20..].iter().all(|inlier| *inlier));
-    }
-
-    #[test]
-    fn a_pair_without_a_geometry_is_left_alone() {
-        let counts = MatchCounts::default();
-        let mut result =
-            MatchResult { matches: Vec::new(), verification: None, prediction: None, alignment: None, counts };
-        let before = result.clone();
-        let sides = [(&[][..], &[][..]); 2];
-        align_pair(&mut result, sides, &[], &MatchParams::default(), &Monitor::default()).expect("valid");
-        assert_eq!(result, before);
     }
 }

@@ -3,15 +3,16 @@
 //! A *putative match* pairs a feature of image A with the feature of image B whose descriptor is nearest to its own, if
 //! that is clearly nearer than the second nearest (the ratio test of Lowe, "Distinctive Image Features from
 //! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest. An *inlier* is a putative match that
-//! agrees with a geometry of the two views on which most others agree too. [`match_detections`] does it all:
-//! [`putative`] → [`geometry`] → where the motions are known, both again at the places that they predict
-//! ([`Prediction`]) → [`MatchCounts`].
+//! agrees with a geometry of the two views on which most others agree too. [`match_features`] does it all for whoever
+//! matches: [`putative`] → [`geometry`] → where the motions are known, both again at the places that they predict
+//! ([`Prediction`]) → where there are frames, the pictures of the inliers ([`aligned`]). [`match_pair`] aligns each pair
+//! by itself; a dataset for COLMAP is aligned as a whole.
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
-//! match, and precision the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
-//! Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017). The first two are means
-//! over the images, here A and B. Against many others, as in the paper's Table 1, an image's matches with all of them
-//! are added up, so that these shares may pass 1.
+//! match, and inlier ratio the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
+//! Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017, who call it precision). The
+//! first two are means over the images, here A and B. Against many others, as in the paper's Table 1, an image's matches
+//! with all of them are added up: each match counts for both of its images, and these shares may pass 1.
 
 pub mod align;
 pub mod aligned;
@@ -23,16 +24,18 @@ pub mod putative;
 #[cfg(test)]
 mod scenes;
 
-use aligned::before_alignment;
+use align::Measured;
 pub use aligned::{PairAlignment, Pictures};
+use aligned::{align_pair, before_alignment, measure_inliers};
 pub use camera::{Camera, CameraModel};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
 pub use params::{Geometry, MatchParams};
 pub use predicted::{Agreement, Expected, PREDICTED_RATIO, Prediction};
-pub use putative::{Match, match_descriptors};
+use putative::Neighbours;
+pub use putative::{Match, Predicted};
 
-use crate::detector::{Descriptor, Detection, Feature, Slope};
-use crate::error::Result;
+use crate::detector::{Descriptor, Feature, Slope};
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;
 use std::fmt;
@@ -63,6 +66,8 @@ pub struct MatchSide<'a> {
     pub descriptors: &'a [Descriptor],
     /// Shape and motion of each feature; empty where they are unknown, and no match is predicted.
     pub blobs: &'a [Blob],
+    /// Pictures of their places; needed where matches are aligned.
+    pub pictures: Option<&'a Pictures>,
 }
 
 /// Shape and motion of a feature, and the motion of its place.
@@ -88,36 +93,59 @@ impl From<&Feature> for Blob {
     }
 }
 
-/// Matches the features of two detections and verifies the matches. They are not aligned: that needs frames
-/// ([`crate::dataset::match_bursts`]).
-///
-/// # Errors
-/// Parameters that make no sense.
-pub fn match_detections(a: &Detection, b: &Detection, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
-    let place = |feature: &Feature| [feature.u, feature.v].map(f64::from);
-    let places = [a, b].map(|of| of.features.iter().map(place).collect::<Vec<_>>());
-    let blobs = [a, b].map(|of| of.features.iter().map(Blob::from).collect::<Vec<_>>());
-    let a = MatchSide { places: &places[0], descriptors: &a.descriptors, blobs: &blobs[0] };
-    let b = MatchSide { places: &places[1], descriptors: &b.descriptors, blobs: &blobs[1] };
-    match_features(a, b, &MatchParams { align: false, ..params.clone() }, monitor)
+/// Matches of a pair before its alignment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unaligned {
+    /// The matches, verified with the wider error of uncertain places where an alignment follows.
+    pub result: MatchResult,
+    /// For each match what the pictures say; `None` for what is no inlier, and without an alignment.
+    pub measured: Vec<Option<Measured>>,
 }
 
-/// Matches features given by places and descriptors alone, and verifies the matches.
+impl Unaligned {
+    /// The result after an alignment by the measurements of this pair alone, where `params` ask for it.
+    ///
+    /// # Errors
+    /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+    pub fn aligned(self, sides: [MatchSide<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
+        let Self { mut result, measured } = self;
+        align_pair(&mut result, sides, &measured, params, monitor)?;
+        Ok(result)
+    }
+}
+
+/// Matches the features of two images, verifies the matches, and aligns them where `params` ask for it: what all
+/// callers with one pair get, of whichever features.
+///
+/// # Errors
+/// As of [`match_features`].
+pub fn match_pair(sides: [MatchSide<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
+    match_features(sides, params, monitor)?.aligned(sides, params, monitor)
+}
+
+/// Matches the features of two images, verifies the matches, and measures the inliers where they are to be aligned.
+///
+/// # Errors
+/// Parameters that make no sense, an alignment of features without pictures, and cancellation.
 ///
 /// # Panics
 /// When the numbers of places and descriptors differ: a mistake of the caller.
-pub fn match_features(
-    a: MatchSide<'_>,
-    b: MatchSide<'_>,
-    params: &MatchParams,
-    monitor: &Monitor,
-) -> Result<MatchResult> {
+pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<Unaligned> {
     for side in [&a, &b] {
         assert_eq!(side.places.len(), side.descriptors.len(), "each feature has a place and a descriptor");
     }
-    let mut matches = match_descriptors(a.descriptors, b.descriptors, params, monitor)?;
+    let pictures = match (a.pictures, b.pictures) {
+        _ if !params.aligns() => None,
+        (Some(a), Some(b)) => Some([a, b]),
+        _ => {
+            let problem = "features without their frames have no pictures that could be compared";
+            return Err(Error::param(params::doc::ALIGN.name, problem, "give the frames, or false"));
+        }
+    };
+    let neighbours = Neighbours::new(a.descriptors, b.descriptors, params, monitor)?;
+    let mut matches = neighbours.matches(params);
     let verified = |matches: &[Match], params: &MatchParams| {
-        let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.ratio };
+        let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.rank() };
         verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
     };
     let mut verification = verified(&matches, params)?;
@@ -131,9 +159,13 @@ pub fn match_features(
         prediction = Prediction::of([a, b], &model, &inliers, &wide);
         match &prediction {
             Some(prediction) if prediction.is_believed() => {
-                let found = predicted::predicted_matches([a, b], (&model, &matches), prediction, &wide, monitor)?;
+                let mut found = predicted::predicted_matches([a, b], (&model, &matches), prediction, &wide, monitor)?;
                 let again = verified(&found, &wide)?;
                 if again.as_ref().is_some_and(|again| again.model.is_some()) {
+                    for m in &mut found {
+                        let ratio_among_all = neighbours.ratio_among_all(m);
+                        m.predicted = m.predicted.map(|predicted| Predicted { ratio_among_all, ..predicted });
+                    }
                     (matches, verification) = (found, again);
                 }
             }
@@ -146,10 +178,15 @@ pub fn match_features(
             None => {}
         }
     }
+    let measured = match (pictures, &verification) {
+        (Some(pictures), Some(verified)) => measure_inliers(&matches, &verified.inlier, pictures, monitor)?,
+        _ => vec![None; matches.len()],
+    };
     let (keypoints_a, keypoints_b, putative) = (a.places.len(), b.places.len(), matches.len());
     let inliers = verification.as_ref().map(Verification::inlier_count);
     let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused };
-    Ok(MatchResult { matches, verification, prediction, alignment: None, counts })
+    let result = MatchResult { matches, verification, prediction, alignment: None, counts };
+    Ok(Unaligned { result, measured })
 }
 
 /// Reason why the geometry of a pair, on which enough matches agreed, is not believed.
@@ -205,7 +242,7 @@ impl MatchCounts {
     }
 
     /// Inliers over putative matches; `None` where the geometry was not verified or there are no matches.
-    pub fn precision(&self) -> Option<f64> {
+    pub fn inlier_ratio(&self) -> Option<f64> {
         let inliers = self.inliers?;
         (self.putative > 0).then(|| inliers as f64 / self.putative as f64)
     }
@@ -230,7 +267,7 @@ pub struct ImageCounts {
     /// Inliers over keypoints, mean over the images.
     pub match_score: f64,
     /// Inliers over putative matches, of all pairs together; `None` without matches.
-    pub precision: Option<f64>,
+    pub inlier_ratio: Option<f64>,
     /// Number of pairs with inliers.
     pub verified_pairs: usize,
 }
@@ -269,7 +306,7 @@ impl ImageCounts {
             inliers_per_image: mean(&inliers),
             match_ratio: share(&putative),
             match_score: share(&inliers),
-            precision: (all_putative > 0).then(|| inliers.iter().sum::<usize>() as f64 / all_putative as f64),
+            inlier_ratio: (all_putative > 0).then(|| inliers.iter().sum::<usize>() as f64 / all_putative as f64),
             verified_pairs: pairs.iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count(),
         })
     }
@@ -330,11 +367,11 @@ mod tests {
         assert_eq!(counts.keypoints_per_image(), 150.0);
         assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
         assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
-        assert_eq!(counts.precision(), Some(0.75));
+        assert_eq!(counts.inlier_ratio(), Some(0.75));
         let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
-        assert_eq!((none.match_ratio(), none.match_score(), none.precision()), (0.0, Some(0.0), None));
+        assert_eq!((none.match_ratio(), none.match_score(), none.inlier_ratio()), (0.0, Some(0.0), None));
         let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None, refused: None };
-        assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.precision()), (1.0, None, None));
+        assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.inlier_ratio()), (1.0, None, None));
     }
 
     #[test]
@@ -346,9 +383,9 @@ mod tests {
         assert_eq!((all.keypoints_per_image, all.putative_per_image, all.inliers_per_image), (6.0, 20.0 / 3.0, 2.0));
         assert!((all.match_ratio - (1.0 + 0.5) / 3.0).abs() < 1e-12);
         assert!((all.match_score - (0.3 + 0.375) / 3.0).abs() < 1e-12);
-        assert_eq!((all.precision, all.verified_pairs), (Some(0.3), 1));
+        assert_eq!((all.inlier_ratio, all.verified_pairs), (Some(0.3), 1));
         assert_eq!(ImageCounts::of(&[], &[]), None);
-        assert_eq!(ImageCounts::of(&[5], &[]).expect("one image").precision, None);
+        assert_eq!(ImageCounts::of(&[5], &[]).expect("one image").inlier_ratio, None);
     }
 
     #[test]

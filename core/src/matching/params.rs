@@ -92,6 +92,11 @@ impl TextValue for Option<Camera> {
 }
 
 impl MatchParams {
+    /// Whether matches are aligned: those that are verified alone can be.
+    pub fn aligns(&self) -> bool {
+        self.align && self.geometry != Geometry::None
+    }
+
     /// Parameters for a `camera`, where it is known, with the `given` values, as typed on the command line; checked.
     /// With a camera and no geometry, matches are verified by the essential matrix.
     ///
@@ -159,12 +164,12 @@ pub mod doc {
         Param::<MatchParams>::new("WHICH", Stage::Matching, |p| Field::Word(&mut p.geometry));
 
         PREDICT: "predict", "Predict", "", "match";
-        "Whether matching is repeated at the places that the motions of the features and the geometry of the sure matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its geometry is refused: true or false.",
+        "Whether matching is repeated at the places that the motions of the features and the geometry of the sure matches predict, with a ratio of 0.9 among the features there; a pair whose motions contradict its geometry is refused, or with an alignment left to its pictures: true or false.",
         "Switch it off for the sure matches alone; without motions, as of single frames, nothing changes.",
         Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.predict)).used_if(verified);
 
         ALIGN: "align", "Align", "", "match";
-        "Whether inliers are measured by the pictures of their places, each keypoint is moved to where its matches agree, and what contradicts by more than a third of the max error is no inlier any more; a pair that keeps too few is refused: true or false.",
+        "Whether inliers are measured by the pictures of their places, each keypoint is moved to where its matches agree, by at most 20 px, and what contradicts by more than 0.35 times the max error is no inlier any more; a pair that keeps too few is refused: true or false.",
         "Switch it off for the sure or predicted matches at the places of the blobs.",
         Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.align)).used_if(verified);
 

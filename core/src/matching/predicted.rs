@@ -10,7 +10,7 @@
 
 use super::geometry::{Parallax, TwoViewModel};
 use super::params::MatchParams;
-use super::putative::{Nearest, distance_squared};
+use super::putative::{Nearest, Predicted, distance_squared};
 use super::{Match, MatchSide};
 use crate::detector::field::depth::{InverseDepth, inverse_depths};
 use crate::monitor::{Cancelled, Monitor};
@@ -301,10 +301,12 @@ pub(super) fn predicted_matches(
     let limit = params.ratio.max(PREDICTED_RATIO);
     let mut best: BTreeMap<[u64; 4], Match> = BTreeMap::new();
     let found = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.as_ref()?.matched(a, back));
-    for found in found.filter(|found| found.ratio <= limit && found.distance <= MOST_DISTANCE) {
+    for found in found.filter(|found| found.rank() <= limit && found.distance <= MOST_DISTANCE) {
         let ([au, av], [bu, bv]) = (a.places[found.a], b.places[found.b]);
+        let there: BTreeSet<_> = in_b[found.a].iter().map(|&j| b.places[j as usize].map(f64::to_bits)).collect();
+        let found = Match { predicted: Some(Predicted { among: there.len(), ratio_among_all: None }), ..found };
         let of_places = best.entry([au, av, bu, bv].map(f64::to_bits)).or_insert(found);
-        if found.ratio < of_places.ratio {
+        if found.rank() < of_places.rank() {
             *of_places = found;
         }
     }
@@ -389,7 +391,7 @@ pub(super) mod tests {
     use crate::detector::memory::on_threads;
     use crate::detector::{Descriptor, Slope};
     use crate::matching::geometry::tests::{camera, places_in_space};
-    use crate::matching::{Blob, Geometry, MatchResult, match_features};
+    use crate::matching::{Blob, Geometry, MatchResult, match_pair};
 
     /// Features of one image.
     #[derive(Clone, Default)]
@@ -401,7 +403,7 @@ pub(super) mod tests {
 
     impl Features {
         pub fn side(&self) -> MatchSide<'_> {
-            MatchSide { places: &self.places, descriptors: &self.descriptors, blobs: &self.blobs }
+            MatchSide { places: &self.places, descriptors: &self.descriptors, blobs: &self.blobs, pictures: None }
         }
     }
 
@@ -451,7 +453,7 @@ pub(super) mod tests {
     }
 
     fn matched([a, b]: &[Features; 2], params: &MatchParams) -> MatchResult {
-        match_features(a.side(), b.side(), params, &Monitor::default()).expect("valid parameters")
+        match_pair([a.side(), b.side()], params, &Monitor::default()).expect("valid parameters")
     }
 
     /// The right inliers, and all: the first `count` features of both images belong together.

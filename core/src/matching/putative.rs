@@ -27,25 +27,73 @@ pub struct Match {
     /// Euclidean distance of their descriptors, in the descriptors' own unit: 0 … 2885, and up to about 724 for those
     /// of the detector, which have a length of about 512.
     pub distance: f32,
-    /// Ratio of that distance to the one to the second nearest descriptor, 0 … 1; with the mutual check the larger of
-    /// the two images' ratios. It is 0 where there is no second descriptor, and 1 where both distances are 0.
-    pub ratio: f32,
+    /// Ratio of that distance to the one to the second nearest descriptor among those that were compared, 0 … 1; with
+    /// the mutual check the larger of the two images' ratios. `None` without a second, and 1 where both are 0.
+    pub ratio: Option<f32>,
+    /// How it was predicted by its motion; `None` for a sure match, of descriptors among all of both images.
+    pub predicted: Option<Predicted>,
 }
 
-/// Finds the putative matches of the descriptors of images A and B, in the order of A's: each with its nearest one in
-/// B, if its ratio is at most [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of
-/// equally near descriptors the first counts as the nearest.
-pub fn match_descriptors(
-    a: &[Descriptor],
-    b: &[Descriptor],
-    params: &MatchParams,
-    monitor: &Monitor,
-) -> Result<Vec<Match>> {
-    params.validate()?;
-    let (of_a, of_b) = search(a, b, params.mutual, monitor)?;
-    let back = params.mutual.then_some(|b: usize| Some(of_b[b]));
-    let candidates = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));
-    Ok(candidates.filter(|m| m.ratio <= params.ratio).collect())
+/// A match that was found where its motion puts it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Predicted {
+    /// Number of places in B that were compared.
+    pub among: usize,
+    /// Ratio of its distance to that of the nearest other descriptor in all of B, with the mutual check the larger of
+    /// both ways: above 1 where another one is nearer, and infinite where that one is equal. `None` without another.
+    pub ratio_among_all: Option<f32>,
+}
+
+impl Match {
+    /// Uncertainty by which the search for a geometry ranks it: its ratio, 0 where nothing competed.
+    pub fn rank(&self) -> f32 {
+        self.ratio.unwrap_or(0.0)
+    }
+
+    /// Its ratios with the digits `digits`, and among how many: "0.483 among 5; 0.84 among all".
+    pub fn ratio_words(&self) -> String {
+        let words = |ratio: Option<f32>| ratio.map_or_else(|| "no other".to_owned(), |ratio| format!("{ratio:.2}"));
+        match self.predicted {
+            None => words(self.ratio),
+            Some(Predicted { among, ratio_among_all }) => {
+                format!("{} among {among}; {} among all", words(self.ratio), words(ratio_among_all))
+            }
+        }
+    }
+}
+
+/// Nearest descriptors in B of A's, and with the mutual check those in A of B's.
+pub(super) struct Neighbours {
+    of_a: Vec<Nearest>,
+    of_b: Vec<Nearest>,
+}
+
+impl Neighbours {
+    pub fn new(a: &[Descriptor], b: &[Descriptor], params: &MatchParams, monitor: &Monitor) -> Result<Self> {
+        params.validate()?;
+        let (of_a, of_b) = search(a, b, params.mutual, monitor)?;
+        Ok(Self { of_a, of_b })
+    }
+
+    /// Putative matches in the order of A's descriptors: each with its nearest one in B, if its ratio is at most
+    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of equally near
+    /// descriptors the first counts as the nearest.
+    pub fn matches(&self, params: &MatchParams) -> Vec<Match> {
+        let back = params.mutual.then_some(|b: usize| Some(self.of_b[b]));
+        let candidates = self.of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));
+        candidates.filter(|m| m.rank() <= params.ratio).collect()
+    }
+
+    /// [`Predicted::ratio_among_all`] of a match.
+    pub fn ratio_among_all(&self, m: &Match) -> Option<f32> {
+        let to_others = |nearest: &Nearest, partner: usize| match nearest.second_distance_squared {
+            second if nearest.index == partner => Some(m.distance / f64::from(second?).sqrt() as f32),
+            _ => Some(m.distance / f64::from(nearest.distance_squared).sqrt() as f32),
+        };
+        let ways = [to_others(&self.of_a[m.a], m.b), self.of_b.get(m.b).and_then(|back| to_others(back, m.a))];
+        // Equal descriptors are as near as any other.
+        ways.into_iter().flatten().map(|ratio| if ratio.is_nan() { 1.0 } else { ratio }).reduce(f32::max)
+    }
 }
 
 /// |a − b|².
@@ -80,21 +128,19 @@ pub struct Nearest {
 impl Nearest {
     /// The match of feature `a` with its nearest one; `None` where that one's own nearest, given by `back`, is another.
     pub(super) fn matched(&self, a: usize, back: Option<impl Fn(usize) -> Option<Self>>) -> Option<Match> {
-        let mut ratio = self.ratio();
-        if let Some(back) = back {
-            ratio = ratio.max(back(self.index).filter(|back| back.index == a)?.ratio());
-        }
+        let back = match back {
+            Some(back) => back(self.index).filter(|back| back.index == a)?.ratio(),
+            None => None,
+        };
         let distance = f64::from(self.distance_squared).sqrt() as f32;
-        Some(Match { a, b: self.index, distance, ratio })
+        let ratio = [self.ratio(), back].into_iter().flatten().reduce(f32::max);
+        Some(Match { a, b: self.index, distance, ratio, predicted: None })
     }
 
-    /// Distance of the nearest over that of the second nearest, 0 … 1: 1 where both are 0, and 0 without a second.
-    pub fn ratio(&self) -> f32 {
-        match self.second_distance_squared {
-            None => 0.0,
-            Some(0) => 1.0,
-            Some(second) => (f64::from(self.distance_squared) / f64::from(second)).sqrt() as f32,
-        }
+    /// Distance of the nearest over that of the second nearest, 0 … 1: 1 where both are 0. `None` without a second.
+    pub fn ratio(&self) -> Option<f32> {
+        let ratio = |second| (f64::from(self.distance_squared) / f64::from(second)).sqrt() as f32;
+        self.second_distance_squared.map(|second| if second == 0 { 1.0 } else { ratio(second) })
     }
 }
 
@@ -347,7 +393,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn matches(a: &[Descriptor], b: &[Descriptor], params: &MatchParams) -> Vec<Match> {
-        match_descriptors(a, b, params, &Monitor::default()).expect("valid and not cancelled")
+        Neighbours::new(a, b, params, &Monitor::default()).expect("valid and not cancelled").matches(params)
     }
 
     fn nearest(queries: &[Descriptor], searched: &[Descriptor]) -> Vec<Nearest> {
@@ -372,9 +418,9 @@ mod tests {
         assert_eq!(pairs(&MatchParams::default()), [(0, 0)]);
         assert_eq!(pairs(&MatchParams { ratio: 1.0, ..MatchParams::default() }), [(0, 0), (1, 1)]);
         let found = matches(&a, &b, &one_way)[1];
-        assert_eq!((found.distance, found.ratio), (2.0, 2.0 / 91.0));
+        assert_eq!((found.distance, found.ratio), (2.0, Some(2.0 / 91.0)));
         // Among A's the nearest to b₀ is 1 away and the second 2.
-        assert_eq!(matches(&a, &b, &MatchParams::default())[0].ratio, 0.5);
+        assert_eq!(matches(&a, &b, &MatchParams::default())[0].ratio, Some(0.5));
     }
 
     #[test]
@@ -382,11 +428,11 @@ mod tests {
         let params = MatchParams { mutual: false, ..MatchParams::default() };
         assert_eq!(matches(&[at(5, 5)], &[at(5, 5), at(5, 5)], &params), []);
         let off = MatchParams { ratio: 1.0, ..params.clone() };
-        let twin = Match { a: 0, b: 0, distance: 0.0, ratio: 1.0 };
+        let twin = Match { a: 0, b: 0, distance: 0.0, ratio: Some(1.0), predicted: None };
         assert_eq!(matches(&[at(5, 5)], &[at(5, 5), at(5, 5)], &off), [twin]);
-        assert_eq!(matches(&[at(5, 5)], &[at(5, 9)], &params), [Match { a: 0, b: 0, distance: 4.0, ratio: 0.0 }]);
-        let refused = match_descriptors(&[], &[], &MatchParams { ratio: 0.0, ..params }, &Monitor::default());
-        assert!(refused.as_ref().is_err_and(|error| error.subject == "ratio"), "{refused:?}");
+        assert_eq!(matches(&[at(5, 5)], &[at(5, 9)], &params), [Match { distance: 4.0, ratio: None, ..twin }]);
+        let refused = Neighbours::new(&[], &[], &MatchParams { ratio: 0.0, ..params }, &Monitor::default());
+        assert!(refused.is_err_and(|error| error.subject == "ratio"));
     }
 
     fn descriptors(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Descriptor>> {

@@ -3,7 +3,7 @@
 
 use super::geometry::tests::camera;
 use super::predicted::tests::{Features, near};
-use super::{Blob, Geometry, MatchParams, MatchResult, match_features};
+use super::{Blob, Geometry, MatchParams, MatchResult, match_pair};
 use crate::detector::{Descriptor, Slope};
 use crate::monitor::Monitor;
 use crate::synth::random::Stream;
@@ -126,7 +126,7 @@ fn pair(kind: Kind, seed: u64) -> [Features; 2] {
 }
 
 fn matched([a, b]: &[Features; 2], params: &MatchParams) -> MatchResult {
-    match_features(a.side(), b.side(), params, &Monitor::default()).expect("valid parameters")
+    match_pair([a.side(), b.side()], params, &Monitor::default()).expect("valid parameters")
 }
 
 /// Whether a pair has a geometry, of whose inliers most are right: half, without the mover's.
@@ -143,9 +143,9 @@ fn pairs_of_every_kind_of_scene_are_believed_and_those_of_chance_are_not() {
         let of_seed = |seed: u64| {
             let geometry = if seed.is_multiple_of(2) { Geometry::Fundamental } else { Geometry::Essential };
             let camera = (geometry == Geometry::Essential).then(camera);
-            let params = MatchParams { geometry, camera, seed, ..MatchParams::default() };
+            let params = MatchParams { geometry, camera, seed, align: false, ..MatchParams::default() };
             let mut pair = pair(kind, seed);
-            let sure = matched(&pair, &MatchParams { predict: false, align: false, ..params.clone() });
+            let sure = matched(&pair, &MatchParams { predict: false, ..params.clone() });
             let predicted = matched(&pair, &params);
             let [of_sure, right] = [&sure, &predicted].map(|result| is_right(result, kind.count()));
             // Motions of other places.

@@ -2,7 +2,12 @@
 //! found to be shifted by them.
 
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
-use burstscope_core::matching::{Geometry, MatchParams, MatchResult};
+use burstscope_core::detector::Slope;
+use burstscope_core::matching::align::Measured;
+use burstscope_core::matching::aligned::{AlignedImages, Alignment, MOST_MOVED_PX, Seen};
+use burstscope_core::matching::{Blob, Geometry, Match, MatchParams, MatchResult, Verification};
+use burstscope_core::plane::Mask;
+use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{demo_burst, later_demo_burst};
 use burstscope_core::{Burst, Detection, DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use std::collections::BTreeSet;
@@ -67,4 +72,160 @@ fn a_burst_that_is_shifted_is_found_to_be_shifted() {
     let of = |part: f64| errors_px[(part * (errors_px.len() - 1) as f64) as usize];
     println!("{} inliers, {:.3} px in the median, {:.3} px of 95 in 100", found.len(), of(0.5), of(0.95));
     assert!(found.len() * 2 > result.matches.len() && of(0.5) < 0.02 && of(0.95) < 0.2);
+}
+
+/// Places of B in an image of 200×100, of which the left 50 columns are hidden, after the alignment with those of A, from
+/// which each is `shift` away; A's places are found twice, so that they stay.
+fn aligned_with(shifts: &[([f64; 2], [f64; 2], f32)]) -> (Vec<[f64; 2]>, usize, f64) {
+    let plane = Plane::zeros(200, 100).masked(Mask::new(Plane::from_fn(200, 100, |u, _| f32::from(u >= 50))));
+    let blobs: Vec<Blob> = shifts
+        .iter()
+        .map(|&(_, _, sigma)| {
+            let slope = Slope::default();
+            Blob { sigma, orientation: 0.0, slope, motion: slope, motion_sigma: 1.0 }
+        })
+        .collect();
+    let mut alignment = Alignment::default();
+    let found: Vec<[f64; 2]> = shifts.iter().map(|(place, ..)| *place).collect();
+    let truth: Vec<[f64; 2]> = shifts.iter().map(|([u, v], [du, dv], _)| [u + du, v + dv]).collect();
+    alignment.add_image(found, &blobs, Some(Seen::of(&plane)));
+    // Forty images that agree on where it is leave their own places.
+    for _ in 0..40 {
+        alignment.add_image(truth.clone(), &blobs, None);
+    }
+    let jacobian = [[1.0, 0.0], [0.0, 1.0]];
+    for (k, (_, shift, _)) in shifts.iter().enumerate() {
+        for image in 1..=40 {
+            let shift_px = shift.map(|x| -x);
+            alignment.add_match((0, image), (k, k), Measured { shift_px, jacobian, correlation: 1.0 });
+            let next = 1 + image % 40;
+            alignment.add_match((image, next), (k, k), Measured { shift_px: [0.0; 2], jacobian, correlation: 1.0 });
+        }
+    }
+    let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
+    (aligned.places[0].clone(), aligned.moved.refused, aligned.moved.max_px.unwrap_or(0.0))
+}
+
+#[test]
+fn no_keypoint_is_moved_far_or_out_of_what_is_seen() {
+    let shifts = [
+        ([100.0, 50.0], [2.0, 1.0], 2.0),
+        ([110.0, 50.0], [7.0, 0.0], 2.0),
+        // Less than a scale, but more than any is moved.
+        ([120.0, 50.0], [25.0, 0.0], 30.0),
+        ([130.0, 50.0], [12.0, 12.0], 30.0),
+        // Out of the picture, and under its mask.
+        ([197.0, 50.0], [5.0, 0.0], 6.0),
+        ([140.0, 98.0], [0.0, 4.0], 6.0),
+        ([53.0, 50.0], [-6.0, 0.0], 6.0),
+        ([60.0, 50.0], [-6.0, 0.0], 6.0),
+    ];
+    let (places, refused, max_px) = aligned_with(&shifts);
+    let moves = [true, true, false, true, false, false, false, true];
+    for ((place, (found, shift, _)), moves) in places.iter().zip(shifts).zip(moves) {
+        let moved = [place[0] - found[0], place[1] - found[1]];
+        if moves {
+            assert!((moved[0] - shift[0]).hypot(moved[1] - shift[1]) < 0.3, "{found:?} is moved by {moved:?}");
+        } else {
+            assert_eq!(*place, found, "it stays to the bit");
+        }
+    }
+    assert_eq!(refused, moves.iter().filter(|moves| !**moves).count());
+    assert!(max_px > 16.0 && max_px <= MOST_MOVED_PX, "{max_px}");
+}
+
+fn blobs(count: usize) -> Vec<Blob> {
+    let slope = Slope::default();
+    vec![Blob { sigma: 4.0, orientation: 0.0, slope, motion: slope, motion_sigma: 1.0 }; count]
+}
+
+/// Places of `count` things in space in both images, and where blobs are found in B: some pixels beside them.
+fn scene(count: usize) -> [Vec<[f64; 2]>; 3] {
+    let mut random = Stream::new(3, 0);
+    let seen = |_| {
+        let (u, v, near) = (random.within(0.0, 640.0), random.within(0.0, 480.0), 1.0 / random.within(3.0, 9.0));
+        // Away from one place, the farther the nearer they are.
+        ([u, v], [u + near * (u - 900.0), v + near * (v - 300.0)])
+    };
+    let (a, b): (Vec<[f64; 2]>, Vec<[f64; 2]>) = (0..count).map(seen).unzip();
+    let mut random = Stream::new(4, 0);
+    let found = b.iter().map(|place| place.map(|x| x + random.within(-3.0, 3.0))).collect();
+    [a, b, found]
+}
+
+fn measured(from: [f64; 2], to: [f64; 2]) -> Measured {
+    let shift_px = [to[0] - from[0], to[1] - from[1]];
+    Measured { shift_px, jacobian: [[1.0, 0.0], [0.0, 1.0]], correlation: 0.9 }
+}
+
+/// Matches of the i-th features, measured by `measure`, and their geometry after the alignment.
+fn confirmed_of(
+    count: usize,
+    measure: impl Fn(usize) -> Option<Measured>,
+    [a, b]: [&[[f64; 2]]; 2],
+) -> (AlignedImages, Verification) {
+    let mut alignment = Alignment::default();
+    [a, b].into_iter().for_each(|places| alignment.add_image(places.to_vec(), &blobs(count), None));
+    let found = |i| Match { a: i, b: i, distance: 1.0, ratio: Some(0.5), predicted: None };
+    let mut link = |i| (found(i), measure(i).map(|measured| alignment.add_match((0, 1), (i, i), measured)));
+    let inliers: Vec<(Match, Option<usize>)> = (0..count).map(&mut link).collect();
+    let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
+    let params = MatchParams::default();
+    let verified = aligned.confirmed((0, 1), &inliers, &params, &Monitor::default()).expect("valid parameters");
+    (aligned, verified.expect("asked for"))
+}
+
+#[test]
+fn places_that_the_pictures_correct_fit_the_geometry_exactly() {
+    let [a, b, found] = scene(80);
+    let (aligned, verified) = confirmed_of(80, |i| Some(measured(found[i], b[i])), [&a, &found]);
+    assert!(verified.model.is_some() && verified.inlier_count() == 80, "{}", verified.inlier_count());
+    // A prior that is weak beside the measurement leaves a hundredth of the correction.
+    let apart = |i: usize| {
+        let correction = |side: usize, before: [f64; 2], k: usize| aligned.places[side][i][k] - before[k];
+        [0, 1].map(|k| found[i][k] - b[i][k] + correction(1, found[i], k) - correction(0, a[i], k))
+    };
+    let largest = (0..80).flat_map(apart).map(f64::abs).fold(0.0, f64::max);
+    assert!(largest < 0.05, "{largest} px");
+    assert!(verified.error_px.iter().all(|error| *error < 0.5), "{:?}", verified.error_px);
+}
+
+#[test]
+fn what_is_not_measured_stays_where_it_is_and_is_no_inlier() {
+    let [a, b, _] = scene(80);
+    let (aligned, verified) = confirmed_of(80, |i| (i < 60).then(|| measured(b[i], b[i])), [&a, &b]);
+    assert!(aligned.places[0][60..] == a[60..] && aligned.places[1][60..] == b[60..]);
+    assert!(verified.inlier[..60].iter().all(|inlier| *inlier) && !verified.inlier[60..].contains(&true));
+    assert!(verified.error_px[60..].iter().all(|error| *error < 0.5), "its error is known all the same");
+}
+
+#[test]
+fn a_pair_that_keeps_few_matches_is_refused() {
+    let [a, b, _] = scene(200);
+    for (kept, is_believed) in [(29, false), (49, false), (60, true)] {
+        let (_, verified) = confirmed_of(200, |i| (i < kept).then(|| measured(b[i], b[i])), [&a, &b]);
+        assert_eq!((verified.model.is_some(), verified.inlier.contains(&true)), (is_believed, is_believed), "{kept}");
+    }
+}
+
+#[test]
+fn places_that_contradict_their_other_matches_lose_them() {
+    // Three images; the third sees the first's places 5 px beside where the second one does.
+    let [a, b, _] = scene(60);
+    let mut alignment = Alignment::default();
+    [&a, &b, &b].into_iter().for_each(|places| alignment.add_image(places.clone(), &blobs(60), None));
+    let found = |i| Match { a: i, b: i, distance: 1.0, ratio: Some(0.5), predicted: None };
+    let mut pairs = [(0, 1), (0, 2), (1, 2)].map(|images| (images, Vec::new()));
+    for (images, matches) in &mut pairs {
+        for (i, &at) in b.iter().enumerate() {
+            let to = if *images == (0, 2) && i < 20 { [at[0] + 5.0, at[1]] } else { at };
+            let link = alignment.add_match(*images, (i, i), measured(at, to));
+            matches.push((found(i), Some(link)));
+        }
+    }
+    let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
+    let (images, matches) = &pairs[1];
+    let params = MatchParams::default();
+    let verified = aligned.confirmed(*images, matches, &params, &Monitor::default()).expect("valid").expect("asked");
+    assert!(!verified.inlier[..20].contains(&true) && verified.inlier[20..].iter().all(|inlier| *inlier));
 }

@@ -11,6 +11,7 @@ mod inspect;
 mod laws;
 mod masks;
 mod noise_model;
+mod pictures_of_places;
 mod rejudged;
 mod slopes;
 mod stays;

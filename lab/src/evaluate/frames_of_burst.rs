@@ -9,12 +9,13 @@
 
 use crate::synth::{FeatureTruth, Truth, TruthKind};
 use burstscope_core::burst::{Burst, Offset};
+use burstscope_core::dataset::{DetectedBurst, match_bursts};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::slopes::resolve;
 use burstscope_core::detector::{Detection, DetectorParams, Feature, FrameRange, SearchParams, SlopeGrid};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::score::{Ranking, judge_by_discs};
-use burstscope_core::matching::{MatchCounts, MatchParams, match_detections};
+use burstscope_core::matching::{MatchCounts, MatchParams};
 use burstscope_core::monitor::{Monitor, Stage};
 use serde::Serialize;
 use std::f64::consts::SQRT_2;
@@ -91,10 +92,12 @@ impl<'a> Searched<'a> {
         self.frames.start + (self.frames.len() - count) / 2
     }
 
-    fn middle(&self, count: usize, monitor: &Monitor) -> Result<Detection> {
+    /// The middle frames, with the parameters that name them.
+    fn middle(&self, count: usize, monitor: &Monitor) -> Result<(Detection, DetectorParams)> {
         let start = self.first_of(count);
         let frames = Some(FrameRange { start, end: start + count });
-        detect(self.burst, &DetectorParams { frames, ..self.params.clone() }, monitor)
+        let params = DetectorParams { frames, ..self.params.clone() };
+        Ok((detect(self.burst, &params, monitor)?, params))
     }
 
     /// Mid-burst of `count` frames from `first` on, from that of the whole burst.
@@ -147,7 +150,7 @@ impl BurstFramesStudy {
         let frames_of = |count: usize| count * (1 + usize::from(of_second(count).is_some()));
         let total = first.frames.len() + counts.iter().map(|&count| frames_of(count)).sum::<usize>();
         let mut done = first.frames.len();
-        let all = first.middle(first.frames.len(), &monitor.part(0.0, done as f32 / total as f32).silent())?;
+        let (all, _) = first.middle(first.frames.len(), &monitor.part(0.0, done as f32 / total as f32).silent())?;
         let mut report = BurstFramesReport {
             burst: burst.name.clone(),
             second: second.as_ref().map(|second| second.burst.name.clone()),
@@ -159,12 +162,14 @@ impl BurstFramesStudy {
         };
         for count in counts {
             monitor.report(Stage::Evaluate, done as f32 / total as f32);
-            let found = first.middle(count, &silent)?;
+            let (found, params) = first.middle(count, &silent)?;
             let matches = match of_second(count) {
                 None => None,
                 Some(second) => {
-                    let other = second.middle(count, &silent)?;
-                    Some(match_detections(&found, &other, &self.matching, &silent)?.counts)
+                    let (other, of_other) = second.middle(count, &silent)?;
+                    let a = DetectedBurst { burst: first.burst, params: &params, detection: &found };
+                    let b = DetectedBurst { burst: second.burst, params: &of_other, detection: &other };
+                    Some(match_bursts([a, b], &self.matching, &silent)?.counts)
                 }
             };
             report.rows.push(row(&first, count, (&found, &all), truth, matches));

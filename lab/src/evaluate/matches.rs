@@ -1,25 +1,26 @@
 //! Matching between the bursts of a dataset: the columns of the paper's Table 1 that need no reconstruction.
 //!
 //! Every method finds the features of every burst, with the same parameters and a noise gate of the same rate of false
-//! features; the features of chosen pairs of bursts are matched and verified geometrically. As in the paper, an image's
-//! matches with all others are added up, so that ratios to its keypoints may exceed 1.
+//! features; the features of chosen pairs of bursts are matched, verified and aligned as everywhere. As in the paper, an
+//! image's matches with all others are added up: each counts for both of its images, and ratios may exceed 1.
 //!
 //! # The gold standard
 //! Where sharp images of the same views are given, SIFT on them is a row of its own, and there is a further column for
-//! all rows: the number of putative matches on the geometry that the *sharp* images' matches agree on. Inliers are
+//! all rows: the number of putative matches, at the places where they were found, on the geometry that the *sharp*
+//! images' matches agree on. Inliers are
 //! counted against a geometry that was found with the same matches, which favours a method with few matches: some
 //! always agree on some geometry. This column does not.
 
 use super::methods::{BurstMethod, Searches};
 use burstscope_core::burst::Burst;
-use burstscope_core::detector::{Descriptor, Detection, SlopeGrid};
+use burstscope_core::dataset::{BurstSide, MatchedPair, PairSource, match_pairs};
+use burstscope_core::detect::{Searched, search};
+use burstscope_core::detector::{DetectorParams, SearchParams, SlopeGrid};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::matching::{
-    Blob, Geometry, ImageCounts, MatchCounts, MatchParams, MatchResult, MatchSide, PairSelection, TwoViewModel,
-    match_features,
+    Geometry, ImageCounts, Match, MatchCounts, MatchParams, MatchResult, PairSelection, TwoViewModel,
 };
 use burstscope_core::monitor::{Monitor, Stage};
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Kind of pictures of a view.
@@ -46,24 +47,31 @@ pub struct MatchStudy {
     pub pairs: PairSelection,
 }
 
-/// Features with only the data that matching needs.
-struct Features {
-    places: Vec<[f64; 2]>,
-    descriptors: Vec<Descriptor>,
-    blobs: Vec<Blob>,
+/// What one method found in all bursts.
+#[derive(Default)]
+struct FoundByMethod {
+    sides: Vec<BurstSide>,
+    params: Vec<DetectorParams>,
+    slopes: Vec<Option<SlopeGrid>>,
 }
 
-impl From<Detection> for Features {
-    fn from(detection: Detection) -> Self {
-        let places = detection.features.iter().map(|f| [f64::from(f.u), f64::from(f.v)]).collect();
-        let blobs = detection.features.iter().map(Blob::from).collect();
-        Self { places, blobs, descriptors: detection.descriptors }
+/// A method's features, and its bursts, opened again where their pictures are needed.
+struct Source<'a, F> {
+    study: &'a MatchStudy,
+    method: BurstMethod,
+    found: &'a FoundByMethod,
+    open: &'a mut F,
+    monitor: &'a Monitor,
+}
+
+impl<E: From<Error>, F: FnMut(usize, Shot) -> Result<Burst, E>> PairSource<E> for Source<'_, F> {
+    fn features(&mut self, index: usize) -> Result<Option<BurstSide>, E> {
+        Ok(Some(self.found.sides[index].clone()))
     }
-}
 
-impl Features {
-    fn side(&self) -> MatchSide<'_> {
-        MatchSide { places: &self.places, descriptors: &self.descriptors, blobs: &self.blobs }
+    fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams), E> {
+        let (burst, _) = self.study.input(self.method, index, self.open, self.monitor)?;
+        Ok((burst, self.found.params[index].clone()))
     }
 }
 
@@ -102,87 +110,84 @@ impl MatchStudy {
     ) -> Result<MatchReport, E> {
         self.check(names.len())?;
         let pairs = self.pairs.pairs(names.len());
-        // The sharp images are searched even if their row is not requested, because all rows are judged by their
-        // geometry.
-        let mut methods = self.methods.clone();
-        if self.has_gold && !methods.contains(&BurstMethod::Gold) {
-            methods.push(BurstMethod::Gold);
-        }
+        // The sharp images are searched even if their row is not requested, and first, because all rows are judged by
+        // their geometry.
+        let others = self.methods.iter().copied().filter(|method| *method != BurstMethod::Gold);
+        let methods: Vec<BurstMethod> = self.has_gold.then_some(BurstMethod::Gold).into_iter().chain(others).collect();
         let steps = (names.len() + 1) * methods.len();
         let mut done = 0;
         let mut step = || {
             done += 1;
             monitor.report(Stage::Evaluate, done as f32 / steps as f32);
         };
-        let mut features: Vec<Vec<Features>> = methods.iter().map(|_| Vec::with_capacity(names.len())).collect();
-        let mut slopes: Vec<Vec<Option<SlopeGrid>>> = methods.iter().map(|_| Vec::with_capacity(names.len())).collect();
-        let (mut frames, mut size) = (0, (0, 0));
-        for k in 0..names.len() {
-            let burst = open(k, Shot::Burst)?;
-            if k == 0 {
-                (frames, size) = (burst.len(), burst.size());
-            }
-            for ((method, features), slopes) in methods.iter().zip(&mut features).zip(&mut slopes) {
-                let found = match method {
-                    BurstMethod::Gold => {
-                        let sharp = open(k, Shot::Gold)?;
-                        let mut searches = self.searches.clone();
-                        if sharp.len() != burst.len() {
-                            // The requested frames are those of bursts; a sharp image may be the only one.
-                            searches.detector.frames = None;
-                        }
-                        searches.search(*method, &sharp, &monitor.silent())?
-                    }
-                    method => self.searches.search(*method, &burst, &monitor.silent())?,
-                };
-                slopes.push(found.finding.map(|finding| finding.grid));
-                features.push(found.detection.into());
+        let silent = monitor.silent();
+        let first = open(0, Shot::Burst)?;
+        let (frames, size) = (first.len(), first.size());
+        let mut judges: Vec<Option<TwoViewModel>> = vec![None; pairs.len()];
+        let mut rows: Vec<MatchRow> = Vec::with_capacity(methods.len());
+        for &method in &methods {
+            let mut found = FoundByMethod::default();
+            for k in 0..names.len() {
+                let (burst, params) = self.input(method, k, &mut open, &silent)?;
+                let Searched { detection, params, finding, .. } = search(&burst, &params, &silent)?;
+                found.sides.push(BurstSide::from(&detection));
+                found.params.push(params);
+                found.slopes.push(finding.map(|finding| finding.grid));
                 step();
             }
-        }
-        let mut results = Vec::with_capacity(methods.len());
-        for features in &features {
-            let of_pair = |&(a, b): &(usize, usize)| {
-                match_features(features[a].side(), features[b].side(), &self.matching, &monitor.silent())
+            let mut counted = vec![None; pairs.len()];
+            let mut models = Vec::new();
+            let mut on = |pair: MatchedPair<'_>| {
+                let result = pair.aligned(&self.matching, &silent)?;
+                let index = pairs.binary_search(&pair.indices).expect("it is one of the pairs, which are in order");
+                let model = result.verification.as_ref().and_then(|verified| verified.model.clone());
+                let judge = if method == BurstMethod::Gold { model.as_ref() } else { judges[index].as_ref() };
+                let on_gold_geometry = judge.map(|judge| self.agreeing(&result, pair.sides, judge));
+                counted[index] = Some(PairCounts { counts: result.counts, on_gold_geometry });
+                models.push((index, model));
+                Ok(())
             };
-            let found: Result<Vec<MatchResult>> = pairs.par_iter().map(of_pair).collect();
-            results.push(found?);
+            let mut source = Source { study: self, method, found: &found, open: &mut open, monitor: &silent };
+            match_pairs(&pairs, &self.matching, &mut source, &mut on, &silent)?;
+            if method == BurstMethod::Gold {
+                models.into_iter().for_each(|(index, model)| judges[index] = model);
+            }
             step();
+            let keypoints: Vec<usize> = found.sides.iter().map(|side| side.places.len()).collect();
+            let by_pair = counted.into_iter().flatten().collect();
+            rows.push(row(method, &keypoints, found.slopes.into_iter().collect(), &pairs, by_pair));
         }
-        let gold = methods.iter().position(|m| *m == BurstMethod::Gold);
-        let judges: Vec<Option<&TwoViewModel>> = (0..pairs.len())
-            .map(|p| gold.and_then(|g| results[g][p].verification.as_ref()).and_then(|v| v.model.as_ref()))
-            .collect();
-        let rows = methods.iter().enumerate().filter(|(_, method)| self.methods.contains(method));
-        let rows = rows.map(|(m, &method)| {
-            let by_pair = (0..pairs.len()).map(|p| {
-                let (a, b) = pairs[p];
-                let sides = [&features[m][a], &features[m][b]];
-                PairCounts {
-                    counts: results[m][p].counts,
-                    on_gold_geometry: judges[p].map(|judge| self.agreeing(&results[m][p], sides, judge)),
-                }
-            });
-            let keypoints: Vec<usize> = features[m].iter().map(|f| f.places.len()).collect();
-            let slopes_found = slopes[m].iter().copied().collect();
-            row(method, &keypoints, slopes_found, &pairs, by_pair.collect())
-        });
-        Ok(MatchReport {
-            methods: rows.collect(),
-            bursts: names.to_vec(),
-            frames,
-            size,
-            pairs: pairs.clone(),
-            searches: self.searches.clone(),
-            matching: self.matching.clone(),
-        })
+        let place = |row: &MatchRow| self.methods.iter().position(|method| *method == row.method);
+        rows.retain(|row| place(row).is_some());
+        rows.sort_by_key(place);
+        let (bursts, searches, matching) = (names.to_vec(), self.searches.clone(), self.matching.clone());
+        Ok(MatchReport { methods: rows, bursts, frames, size, pairs, searches, matching })
     }
 
-    /// The number of putative matches within the error limit of `judge`.
-    fn agreeing(&self, result: &MatchResult, sides: [&Features; 2], judge: &TwoViewModel) -> usize {
+    /// The burst that `method` searches of the view `k`, and the parameters with which it is searched.
+    fn input<E: From<Error>>(
+        &self,
+        method: BurstMethod,
+        k: usize,
+        open: &mut impl FnMut(usize, Shot) -> Result<Burst, E>,
+        monitor: &Monitor,
+    ) -> Result<(Burst, SearchParams), E> {
+        let burst = open(k, Shot::Burst)?;
+        if method != BurstMethod::Gold {
+            return Ok(self.searches.input(method, &burst, monitor)?);
+        }
+        let (sharp, mut params) = (open(k, Shot::Gold)?, self.searches.params(method));
+        if sharp.len() != burst.len() {
+            // The requested frames are those of bursts; a sharp image may be the only one.
+            params.detector.frames = None;
+        }
+        Ok((sharp, params))
+    }
+
+    /// The number of putative matches within the error limit of `judge`, as they were found.
+    fn agreeing(&self, result: &MatchResult, [a, b]: [&BurstSide; 2], judge: &TwoViewModel) -> usize {
         let max = f64::from(self.matching.max_error_px);
-        let agrees =
-            |m: &&burstscope_core::matching::Match| judge.error_px(sides[0].places[m.a], sides[1].places[m.b]) <= max;
+        let agrees = |m: &&Match| judge.error_px(a.places[m.a], b.places[m.b]) <= max;
         result.matches.iter().filter(agrees).count()
     }
 }
@@ -252,30 +257,5 @@ fn row(
         on_gold_geometry_per_image: judged.then(|| on_gold as f64 / keypoints.len() as f64),
         slopes_found,
         by_pair,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_images_matches_with_all_others_are_added_up() {
-        let pair = |keypoints_a, keypoints_b, putative, inliers, on_gold| PairCounts {
-            counts: MatchCounts { keypoints_a, keypoints_b, putative, inliers: Some(inliers), refused: None },
-            on_gold_geometry: on_gold,
-        };
-        // Three images of 10, 20 and 0 features.
-        let by_pair = vec![pair(10, 20, 8, 6, Some(5)), pair(10, 0, 0, 0, None), pair(20, 0, 0, 0, Some(0))];
-        let row = row(BurstMethod::Gold, &[10, 20, 0], None, &[(0, 1), (0, 2), (1, 2)], by_pair);
-        let counts = &row.counts;
-        assert_eq!(
-            (counts.keypoints_per_image, counts.putative_per_image, counts.inliers_per_image),
-            (10.0, 16.0 / 3.0, 4.0)
-        );
-        assert!((counts.match_ratio - (0.8 + 0.4) / 3.0).abs() < 1e-12);
-        assert!((counts.match_score - (0.6 + 0.3) / 3.0).abs() < 1e-12);
-        assert_eq!((counts.precision, counts.verified_pairs), (Some(0.75), 1));
-        assert_eq!(row.on_gold_geometry_per_image, Some(10.0 / 3.0));
     }
 }

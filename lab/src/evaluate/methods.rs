@@ -3,7 +3,7 @@
 
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
-use burstscope_core::detect::{Searched, detect, search};
+use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
 use burstscope_core::error::Result;
 use burstscope_core::monitor::Monitor;
@@ -149,9 +149,16 @@ impl Searches {
     /// # Errors
     /// Parameters that make no sense, or cancellation.
     pub fn search(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<Searched> {
+        let (burst, params) = self.input(method, burst, monitor)?;
+        search(&burst, &params, monitor)
+    }
+
+    /// The burst that `method` searches in place of `burst`, and the parameters of that search; errors as of
+    /// [`Self::search`].
+    pub fn input(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<(Burst, SearchParams)> {
         let params = self.params(method);
         if method != BurstMethod::SiftMean {
-            return search(burst, &params, monitor);
+            return Ok((burst.clone(), params));
         }
         let params = params.detector;
         // SIFT uses one frame; the mean is of all frames that the burst search would use.
@@ -159,9 +166,7 @@ impl Searches {
         let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
         let positions = burst.positions.part(all.clone());
         let used = Burst { frames: burst.frames[all].to_vec(), positions, ..burst.clone() };
-        let params = DetectorParams { frames: None, ..params };
-        let detection = detect(&plain_mean(&used, monitor)?, &params, monitor)?;
-        Ok(Searched { detection, params, finding: None, slopes_secs: 0.0 })
+        Ok((plain_mean(&used, monitor)?, DetectorParams { frames: None, ..params }.into()))
     }
 }
 

@@ -9,11 +9,12 @@ use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::statistics::quantile;
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use burstscope_core::burst::Burst;
+use burstscope_core::dataset::{DetectedBurst, match_bursts};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, FrameRange, Method};
 use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Anchor, Sheet};
-use burstscope_core::matching::{Geometry, MatchParams, match_detections};
+use burstscope_core::matching::{Geometry, MatchParams};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::display::Display;
@@ -107,7 +108,8 @@ impl ApparentMotion {
         };
         let mut chains: Vec<Vec<usize>> = (0..found[0].features.len()).map(|index| vec![index]).collect();
         for t in 1..burst.len() {
-            let linked = match_detections(&found[t - 1], &found[t], &self.matching, monitor)?;
+            let of = |t: usize| DetectedBurst { burst, params: &self.detector, detection: &found[t] };
+            let linked = match_bursts([of(t - 1), of(t)], &self.matching, monitor)?;
             let mut next = vec![None; found[t - 1].features.len()];
             for m in &linked.matches {
                 let (from, to) = (place(t - 1, m.a), place(t, m.b));

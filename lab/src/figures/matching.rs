@@ -5,11 +5,12 @@ use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::curves::lettered;
 use burstscope_core::burst::Burst;
+use burstscope_core::dataset::{DetectedBurst, match_bursts};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
 use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Anchor, Sheet};
-use burstscope_core::matching::{MatchParams, match_detections};
+use burstscope_core::matching::MatchParams;
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::display::Display;
@@ -98,7 +99,8 @@ impl MatchingInTheDark {
     ) -> Result<(Matched, Detection)> {
         let a = detect(&bursts[0], params, monitor)?;
         let b = detect(&bursts[1], params, monitor)?;
-        let result = match_detections(&a, &b, &self.matching, monitor)?;
+        let of = |index: usize, detection| DetectedBurst { burst: &bursts[index], params, detection };
+        let result = match_bursts([of(0, &a), of(1, &b)], &self.matching, monitor)?;
         let place = |detection: &Detection, index: usize| {
             let feature = &detection.features[index];
             [f64::from(feature.u), f64::from(feature.v)]

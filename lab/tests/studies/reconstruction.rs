@@ -5,9 +5,10 @@
 //! another is known, and right matches can be counted, not only those that agree with one another.
 
 use burstscope_core::Monitor;
+use burstscope_core::dataset::BurstSide;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
-use burstscope_core::matching::{Camera, CameraModel, Geometry, MatchParams, match_detections};
+use burstscope_core::matching::{Camera, CameraModel, Geometry, MatchParams, match_pair};
 use burstscope_lab::synth::trajectory::world::nearest_point;
 use burstscope_lab::synth::{Light, Motion, Trajectory, TrajectoryParams};
 
@@ -56,11 +57,17 @@ fn matched_again(way: &Trajectory, detector: &DetectorParams, predict: bool) -> 
         height: way.lens.height,
         params: way.lens.colmap_params().to_vec(),
     };
-    let matching =
-        MatchParams { geometry: Geometry::Essential, camera: Some(camera), predict, ..MatchParams::default() };
+    let matching = MatchParams {
+        geometry: Geometry::Essential,
+        camera: Some(camera),
+        predict,
+        align: false,
+        ..MatchParams::default()
+    };
     let mut sum = Matched::default();
     for (index, pair) in found.windows(2).enumerate() {
-        let result = match_detections(&pair[0], &pair[1], &matching, &monitor).expect("matched");
+        let sides = [BurstSide::from(&pair[0]), BurstSide::from(&pair[1])];
+        let result = match_pair(sides.each_ref().map(BurstSide::side), &matching, &monitor).expect("matched");
         sum.inliers += result.counts.inliers.unwrap_or(0);
         sum.right += result
             .matches

@@ -115,17 +115,17 @@ fn reconstruction_ui(ui: &mut Ui, model: &Model) {
     let of_matches = |decimals: usize, number: fn(&ImageCounts) -> f64| {
         matched.as_ref().map(|counts| format!("{:.decimals$}", number(counts)))
     };
-    let precision = matched.as_ref().and_then(|m| m.precision).map(|p| format!("{p:.3}"));
+    let inlier_ratio = matched.as_ref().and_then(|m| m.inlier_ratio).map(|p| format!("{p:.3}"));
     let points = |text: fn(&ModelSummary) -> String| summary.as_ref().map(text);
-    let by_descriptors = "Matches of a burst with all others by descriptors alone";
-    let inliers = "Matches of a burst with all others that a common geometry explains";
+    let by_descriptors = "Matches of a burst with all others by descriptors alone; each counts for both of its bursts";
+    let inliers = "Matches of a burst with all others that a geometry explains; each counts for both of its bursts";
     let matches = [
         ("Keypoints an image", "Features of a burst", of_matches(1, |m| m.keypoints_per_image)),
         ("Putative an image", by_descriptors, of_matches(1, |m| m.putative_per_image)),
         ("Inliers an image", inliers, of_matches(1, |m| m.inliers_per_image)),
         ("Putative a keypoint", "Putative matches with all others over keypoints", of_matches(3, |m| m.match_ratio)),
         ("Inliers a keypoint", "Inliers with all others over keypoints", of_matches(3, |m| m.match_score)),
-        ("Inlier ratio", "Inliers over putative matches", precision),
+        ("Inlier ratio", "Inliers over putative matches", inlier_ratio),
     ];
     let seen = "Points that an image sees, mean over the registered images";
     let distance = "Mean distance of a point's projections from its keypoints";

@@ -131,7 +131,7 @@ pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
         counts.putative,
         counts.match_ratio(),
         share(counts.match_score()),
-        share(counts.precision())
+        share(counts.inlier_ratio())
     )
 }
 

@@ -231,7 +231,7 @@ fn cells(model: &Model, method: MethodId) -> [String; COLUMNS.len()] {
         or_dash(counts.and_then(|c| c.inliers).map(|n| n.to_string())),
         or_dash(counts.map(|c| share(c.match_ratio()))),
         or_dash(counts.and_then(|c| c.match_score()).map(share)),
-        or_dash(counts.and_then(|c| c.precision()).map(share)),
+        or_dash(counts.and_then(|c| c.inlier_ratio()).map(share)),
         or_dash(found(Side::A).map(|f| match in_time(f.elapsed) {
             time if time.is_empty() => "kept".to_owned(),
             time => time.trim_start_matches(" in ").to_owned(),

@@ -3,9 +3,9 @@
 use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
 use crate::burst::{BurstFiles, Entries, OpenOptions};
 use crate::dataset::{
-    BurstEvent, BurstSide, CameraChoice, DatasetSource, FeatureStore, MatchedPair, detect_all, match_pairs,
+    BurstEvent, CameraChoice, DatasetSource, FeatureStore, KeptBursts, MatchedPair, detect_all, match_pairs,
 };
-use crate::detector::{SearchParams, open_burst};
+use crate::detector::SearchParams;
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Stage};
 use crate::requests::error::JobError;
@@ -104,23 +104,13 @@ fn match_all(
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
 ) -> Result<DatasetAnswer, JobError> {
-    let store = keeping.store()?;
     // Features are read when a pair needs them, so that few bursts are in memory.
-    let mut load = |index: usize| {
-        let kept = bursts.get(index).and_then(|source| Some((source, store.kept(source, monitor).ok()?)));
-        let Some((source, features)) = kept else { return Ok(None) };
-        let side = BurstSide::from(features);
-        if !matching.align {
-            return Ok(Some(side));
-        }
-        let burst = open_burst(&source.paths, &keeping.open, &monitor.silent())?;
-        side.with_pictures(&burst, &keeping.params.detector, &monitor.silent()).map(Some)
-    };
+    let mut kept = KeptBursts { store: &keeping.store()?, bursts, monitor };
     let mut on = |matched: MatchedPair<'_>| {
         let aligned = matched.aligned(matching, &monitor.silent())?;
         tell(DatasetEvent::Matched { pair: matched.indices, counts: aligned.counts });
         Ok(())
     };
-    let left_out = match_pairs(pairs, matching, &mut load, &mut on, monitor)?;
+    let left_out = match_pairs::<JobError>(pairs, matching, &mut kept, &mut on, monitor)?;
     Ok(DatasetAnswer::Matched { left_out })
 }

@@ -14,8 +14,6 @@ mod lucas_kanade;
 pub mod pair;
 mod search;
 pub mod solve;
-#[cfg(test)]
-mod tests;
 
 pub use chip::{Chip, ChipSource};
 pub use pair::{Measured, PairFrame, View, measure};

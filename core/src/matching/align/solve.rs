@@ -3,7 +3,8 @@
 //! A match says where A's place lies in B, so that a place with several matches is told several times where it is. The
 //! corrections c make the weighted sum of |c_b − J·c_a − e|²/s² over the matches least, besides a weak prior of
 //! [`PRIOR`] σ on each correction. A match that contradicts the others loses its weight (Geman and McClure's function,
-//! by iteratively reweighted least squares).
+//! by iteratively reweighted least squares). A place that would be moved farther than it may be stays where it is, and
+//! the others are solved for without its matches.
 
 use super::pair::Measured;
 use crate::monitor::{Cancelled, Monitor};
@@ -21,6 +22,8 @@ const ROUNDS: usize = 8;
 /// the one before ended.
 const STEPS: usize = 100;
 const REMAINDER: f64 = 1e-3;
+/// Solutions in which places are refused, each without the matches of those before.
+const PASSES: usize = 4;
 /// Least change of scale that is believed.
 const LEAST_SCALE: f64 = 0.3;
 
@@ -68,30 +71,51 @@ pub struct Solved {
     pub corrections: Vec<[f64; 2]>,
     /// What each link contradicts, pixels, the mean of those of A and B.
     pub residuals_px: Vec<f64>,
+    /// Number of places that stay because they would be moved too far.
+    pub refused: usize,
 }
 
-/// Solves for the corrections of places of scales `sigmas`, pixels, from their `links`. The same bits for any number of
-/// threads.
+/// Solves for the corrections of places of scales `sigmas`, pixels, from their `links`; `may_move` tells whether a place
+/// may be corrected so. The same bits for any number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
 ///
 /// # Panics
 /// When a link names a place that does not exist: a mistake of the caller.
-pub fn solve(sigmas: &[f32], links: &[Link], monitor: &Monitor) -> Result<Solved, Cancelled> {
-    let terms: Vec<Term> = links.iter().map(Term::of).collect();
+pub fn solve(
+    sigmas: &[f32],
+    links: &[Link],
+    may_move: impl Fn(usize, [f64; 2]) -> bool,
+    monitor: &Monitor,
+) -> Result<Solved, Cancelled> {
+    let mut terms: Vec<Term> = links.iter().map(Term::of).collect();
     let prior: Vec<f64> = sigmas.iter().map(|sigma| (PRIOR * f64::from(*sigma)).powi(-2)).collect();
     let mut corrections = vec![[0.0; 2]; sigmas.len()];
-    let mut weights: Vec<f64> = terms.iter().map(|term| term.confidence).collect();
-    for _ in 0..ROUNDS {
-        let system = System::new(&terms, &weights, &prior);
-        system.solve(&mut corrections, monitor)?;
-        let robust =
-            |term: &Term| term.confidence / (1.0 + (term.residual(&corrections) / (2.0 * NOISE_PX)).powi(2)).powi(2);
-        weights = terms.iter().map(robust).collect();
+    let mut is_refused = vec![false; sigmas.len()];
+    for _ in 0..PASSES {
+        let mut weights: Vec<f64> = terms.iter().map(|term| term.confidence).collect();
+        for _ in 0..ROUNDS {
+            let system = System::new(&terms, &weights, &prior);
+            system.solve(&mut corrections, monitor)?;
+            let robust = |term: &Term| {
+                term.confidence / (1.0 + (term.residual(&corrections) / (2.0 * NOISE_PX)).powi(2)).powi(2)
+            };
+            weights = terms.iter().map(robust).collect();
+        }
+        let mut is_done = true;
+        for (place, correction) in corrections.iter_mut().enumerate() {
+            if *correction != [0.0; 2] && !may_move(place, *correction) {
+                (*correction, is_refused[place], is_done) = ([0.0; 2], true, false);
+            }
+        }
+        if is_done {
+            break;
+        }
+        terms.iter_mut().filter(|term| is_refused[term.a] || is_refused[term.b]).for_each(|term| term.confidence = 0.0);
     }
     let residuals_px = terms.iter().map(|term| term.residual(&corrections)).collect();
-    Ok(Solved { corrections, residuals_px })
+    Ok(Solved { corrections, residuals_px, refused: is_refused.iter().filter(|refused| **refused).count() })
 }
 
 /// A link in the units of the solution.
@@ -234,7 +258,7 @@ mod tests {
     }
 
     fn solved(sigmas: &[f32], links: &[Link]) -> Solved {
-        solve(sigmas, links, &Monitor::default()).expect("not cancelled")
+        solve(sigmas, links, |_, _| true, &Monitor::default()).expect("not cancelled")
     }
 
     #[test]
@@ -337,6 +361,6 @@ mod tests {
 
     #[test]
     fn cancelling_leaves_no_result() {
-        assert_eq!(solve(&[1.0; 2], &[link(0, 1, [1.0; 2], 1.0)], &Monitor::cancelled()), Err(Cancelled));
+        assert_eq!(solve(&[1.0; 2], &[link(0, 1, [1.0; 2], 1.0)], |_, _| true, &Monitor::cancelled()), Err(Cancelled));
     }
 }

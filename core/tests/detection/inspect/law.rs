@@ -2,6 +2,7 @@
 //! the comparison of a detection with another one, with the truth, and with that of another picture.
 
 use super::probing::{cache, slopes_of};
+use burstscope_core::dataset::BurstSide;
 use burstscope_core::detector::feature::Keypoint;
 use burstscope_core::detector::{
     CoarseStart, DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample,
@@ -12,7 +13,7 @@ use burstscope_core::inspect::telling::fate;
 use burstscope_core::inspect::truth::{AgainstTruth, against_truth, read_truth, truth_of};
 use burstscope_core::inspect::unmatched::{ComparedPair, Losses, Lost};
 use burstscope_core::inspect::{Fate, Outcome, ProbeCache};
-use burstscope_core::matching::{Geometry, MatchParams, Prediction, match_detections};
+use burstscope_core::matching::{Geometry, MatchParams, Prediction, match_pair};
 use burstscope_core::plane::statistics::Region;
 use burstscope_core::synth::examples::{Example, disc_place};
 use burstscope_core::{Burst, Monitor, detect};
@@ -311,8 +312,10 @@ fn every_feature_was_lost_somewhere_or_not_at_all() {
         (Geometry::None, true),
     ];
     for (geometry, predict) in cases {
-        let matching = MatchParams { geometry, predict, ..MatchParams::default() };
-        let result = match_detections(a.detection(), b.detection(), &matching, &Monitor::default()).expect("matched");
+        let matching = MatchParams { geometry, predict, align: false, ..MatchParams::default() };
+        let sides = [a.detection(), b.detection()].map(BurstSide::from);
+        let sides = sides.each_ref().map(BurstSide::side);
+        let result = match_pair(sides, &matching, &Monitor::default()).expect("matched");
         let is_predicted = result.prediction.as_ref().is_some_and(Prediction::is_believed);
         assert_eq!(is_predicted, predict && geometry != Geometry::None);
         let pair =

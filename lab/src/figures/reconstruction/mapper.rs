@@ -264,7 +264,8 @@ pub(super) struct Matched {
     /// Inliers over features.
     pub match_score: f64,
     /// Inliers over putative matches, if there are any.
-    pub precision: Option<f64>,
+    #[serde(alias = "precision")]
+    pub inlier_ratio: Option<f64>,
     /// Time for the features of all bursts and their matches, seconds.
     pub seconds: f64,
 }

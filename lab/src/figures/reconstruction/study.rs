@@ -160,7 +160,7 @@ impl Study {
             inliers: counts.inliers_per_image,
             match_ratio: counts.match_ratio,
             match_score: counts.match_score,
-            precision: counts.precision,
+            inlier_ratio: counts.inlier_ratio,
             seconds,
         })
     }

@@ -11,6 +11,7 @@ use crate::figures::drawing::{Cell, Table};
 use crate::synth::{Light, Motion};
 use burstscope_core::export::sheet::{Anchor, Area, Sheet};
 use burstscope_core::export::{Plot, Series, SeriesPoint};
+use burstscope_core::matching::MatchParams;
 
 /// Minimum number of images with a pose of a reconstruction that converged.
 const MIN_REGISTERED: usize = 3;
@@ -104,10 +105,13 @@ pub(super) fn matching(study: &Study, runs: &[Run], missing: Option<&str>) -> Ma
         (["inliers", "/image"], "inliers_per_image", 1, &matched(|m| Some(m.inliers))),
         (["match", "ratio"], "match_ratio", 3, &matched(|m| Some(m.match_ratio))),
         (["match", "score"], "match_score", 3, &matched(|m| Some(m.match_score))),
-        (["precision", ""], "precision", 3, &matched(|m| m.precision)),
+        (["inlier", "ratio"], "inlier_ratio", 3, &matched(|m| m.inlier_ratio)),
         (["3D points", "/image"], "points_per_image", 1, &|g| of_model(g, |m, _| m.points_per_image)),
     ];
-    made("Matching and reconstruction of dark bursts", &columns, &groups(runs), notes(study, runs, missing))
+    let MatchParams { predict, align, .. } = study.matching;
+    let how = format!("Matched by --predict {predict} --align {align}; each match counts for both of its images.");
+    let notes = std::iter::once(how).chain(notes(study, runs, missing)).collect();
+    made("Matching and reconstruction of dark bursts", &columns, &groups(runs), notes)
 }
 
 /// Table 2.
@@ -284,7 +288,7 @@ mod tests {
             inliers: 8.0 * k,
             match_ratio: 0.1,
             match_score: 0.08,
-            precision: (seed > 1).then_some(0.8),
+            inlier_ratio: (seed > 1).then_some(0.8),
             seconds: k,
         };
         Run { motion, seed, method, bursts: 8, matched, reconstructed, true_centres: Vec::new() }
@@ -312,7 +316,7 @@ mod tests {
         let table = matching(&study, &runs, Some("no COLMAP"));
         let lines: Vec<&str> = table.csv.lines().collect();
         assert_eq!(lines[1], "1D,gold standard,,,100,10,8,0.1,0.08,,");
-        // One of two converged; six of eight images and none of eight; precision where there is one.
+        // One of two converged; six of eight images and none of eight; an inlier ratio where there is one.
         assert_eq!(lines[2], "1D,BuFF 1D,0.5,37.5,150,15,12,0.1,0.08,0.8,50");
         assert!(table.notes.iter().any(|note| note == "no COLMAP"));
         assert!(

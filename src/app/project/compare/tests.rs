@@ -23,9 +23,7 @@ fn do_all(model: &mut Model) -> Vec<(MethodId, Side)> {
                 model.compare.take_found(method, side, found);
             }
             CompareRequest::Match(request) => {
-                let monitor = crate::monitor::Monitor::default();
-                let result = crate::matching::match_detections(&request.a, &request.b, &request.params, &monitor);
-                let matched = crate::requests::Matched { request, result: Arc::new(result.expect("valid")) };
+                let matched = request.matched(&crate::monitor::Monitor::default()).expect("valid");
                 model.compare.take_matches(method, Matches::new(matched, Duration::ZERO));
             }
         }

@@ -22,11 +22,12 @@ pub enum PairColumn {
     Inliers,
     Ratio,
     Score,
-    Precision,
+    #[serde(alias = "precision")]
+    InlierRatio,
 }
 
 impl PairColumn {
-    pub const ALL: [Self; 6] = [Self::Pair, Self::Putative, Self::Inliers, Self::Ratio, Self::Score, Self::Precision];
+    pub const ALL: [Self; 6] = [Self::Pair, Self::Putative, Self::Inliers, Self::Ratio, Self::Score, Self::InlierRatio];
 
     pub fn heading(self) -> &'static str {
         match self {
@@ -35,7 +36,7 @@ impl PairColumn {
             Self::Inliers => "inliers",
             Self::Ratio => "ratio",
             Self::Score => "score",
-            Self::Precision => "precision",
+            Self::InlierRatio => "inlier ratio",
         }
     }
 
@@ -46,7 +47,7 @@ impl PairColumn {
             Self::Inliers => "Matches that a common geometry explains",
             Self::Ratio => "Match ratio: putative matches over keypoints, mean of both bursts",
             Self::Score => "Match score: inliers over keypoints, mean of both bursts",
-            Self::Precision => "Precision: inliers over putative matches",
+            Self::InlierRatio => "Inlier ratio: inliers over putative matches",
         }
     }
 
@@ -58,7 +59,7 @@ impl PairColumn {
             Self::Inliers => counts.inliers.map(|n| n as f64),
             Self::Ratio => Some(counts.match_ratio()),
             Self::Score => counts.match_score(),
-            Self::Precision => counts.precision(),
+            Self::InlierRatio => counts.inlier_ratio(),
         }
     }
 

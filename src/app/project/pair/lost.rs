@@ -128,7 +128,7 @@ impl Model {
         let matches = self.pair.matches.as_ref()?;
         let params = &matches.request.params;
         let changed = match why.unmatched.lost {
-            Lost::RatioTest => MatchParams { ratio: (100.0 * why.unmatched.ratio).ceil() / 100.0, ..params.clone() },
+            Lost::RatioTest => MatchParams { ratio: (100.0 * why.unmatched.ratio?).ceil() / 100.0, ..params.clone() },
             Lost::MutualCheck => MatchParams { mutual: false, ..params.clone() },
             Lost::Geometry => {
                 let error = matches.rows().find(|row| row.found.a == why.feature)?.error_px?;

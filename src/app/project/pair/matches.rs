@@ -30,6 +30,7 @@ pub struct MatchRow<'a> {
     pub inlier: Option<bool>,
     /// Pixels; `None` where there is no geometry, infinite where the distance is undefined.
     pub error_px: Option<f32>,
+    pub error_found_px: Option<f32>,
     pub aligned: Option<Aligned>,
 }
 
@@ -105,7 +106,9 @@ impl Matches {
         let error_px = verified.filter(|v| v.model.is_some()).and_then(|v| v.error_px.get(index).copied());
         let measured = self.result.alignment.as_ref().and_then(|alignment| alignment.measured[index]);
         let aligned = measured.map(|(measured, residual_px)| Aligned::of(&measured, residual_px, a, b));
-        Some(MatchRow { index, found, a, b, inlier, error_px, aligned })
+        let place = |f: &Feature| [f.u, f.v].map(f64::from);
+        let error_found_px = self.model().map(|model| model.error_px(place(a), place(b)) as f32);
+        Some(MatchRow { index, found, a, b, inlier, error_px, error_found_px, aligned })
     }
 
     /// Largest error of an inlier, pixels.
@@ -120,12 +123,15 @@ impl Matches {
         let error = row.error_px.filter(|_| row.inlier == Some(false))?;
         let limit = self.max_error_px();
         let residual = row.aligned.map_or(0.0, |aligned| aligned.residual_px as f32);
+        let why = format!(": {NARROW} × the max error of {} px", self.request.params.max_error_px);
+        let passed = |what: &str, px: f32, why| format!("{what} {px:.2} px, at most {limit:.2} px is allowed{why}");
         Some(match &self.result.alignment {
-            _ if error > limit => format!("Error {error:.2} px, at most {limit:.2} px is allowed"),
+            None if error > limit => passed("Error", error, ""),
+            Some(_) if error > limit => passed("Error aligned", error, &why),
             Some(alignment) if !alignment.was_inlier[row.index] => {
                 "Too far from the geometry before the alignment".into()
             }
-            _ if residual > limit => format!("Contradiction {residual:.2} px, at most {limit:.2} px is allowed"),
+            _ if residual > limit => passed("Contradiction", residual, &why),
             _ => "The picture of its place is not found in B".into(),
         })
     }
@@ -157,6 +163,21 @@ impl Matches {
 impl MatchRow<'_> {
     fn error_or_infinity(&self) -> f32 {
         self.error_px.unwrap_or(f32::INFINITY)
+    }
+
+    /// Its error after the alignment and as found: "0.15 px aligned, 2.62 px as found".
+    pub fn error_words(&self) -> String {
+        let px = |error: Option<f32>| error.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3)));
+        match self.aligned {
+            Some(_) => format!("{} aligned, {} as found", px(self.error_px), px(self.error_found_px)),
+            None => px(self.error_px),
+        }
+    }
+
+    /// Whether it was predicted, with its ratios: "predicted by its motion (0.48 among 5; 0.84 among all)".
+    pub fn how_words(&self) -> String {
+        let how = if self.found.predicted.is_some() { "predicted by its motion" } else { "sure" };
+        format!("{how} ({})", self.found.ratio_words())
     }
 
     fn inlier_rank(&self) -> f32 {
@@ -203,7 +224,9 @@ impl MatchColumn {
     fn record(self) -> (&'static str, &'static str, fn(&MatchRow<'_>) -> f32, Form) {
         let (px, slope) = (Form::Fixed(2), Form::Signed(2));
         match self {
-            Self::Number => ("#", "Number, in the order of A's features", |row| row.index as f32 + 1.0, Form::Whole),
+            Self::Number => {
+                ("#", "Number, in the order of A's features, from 0, as in files", |row| row.index as f32, Form::Whole)
+            }
             Self::UA => ("u A", "Column in A at mid-burst; the first pixel's centre is 0", |row| row.a.u, px),
             Self::VA => ("v A", "Row in A at mid-burst; the first pixel's centre is 0", |row| row.a.v, px),
             Self::UB => ("u B", "Column in B at mid-burst; the first pixel's centre is 0", |row| row.b.u, px),
@@ -214,7 +237,9 @@ impl MatchColumn {
             Self::SlopeB => ("Slope B", "Apparent motion in B to the right, px/frame", |row| row.b.slope.u, slope),
             Self::Motion => ("Motions", "Difference of the motions in A and B, px/frame", |row| row.motion_apart(), px),
             Self::Distance => ("Distance", "Distance of the descriptors", |row| row.found.distance, Form::Fixed(1)),
-            Self::Ratio => ("Ratio", "Distance over that to the second nearest", |row| row.found.ratio, Form::Fixed(3)),
+            Self::Ratio => {
+                ("Ratio", "Distance over that to the second nearest compared", |row| row.found.rank(), Form::Fixed(3))
+            }
             Self::Error => {
                 ("Error", "Distance from the geometry, pixels", |row| row.error_or_infinity(), Form::Digits(3))
             }
@@ -240,6 +265,7 @@ impl MatchColumn {
         match (self, self.record().3) {
             (Self::Inlier, _) => row.inlier.map_or("–", |inlier| if inlier { "yes" } else { "no" }).to_owned(),
             (Self::Error, _) if row.error_px.is_none() => "–".to_owned(),
+            (Self::Ratio, _) if row.found.ratio.is_none() => "–".to_owned(),
             (_, Form::Fixed(decimals)) => fixed(x, decimals),
             (_, Form::Signed(decimals)) => signed(x, decimals),
             (_, Form::Digits(digits)) => number(x, digits),

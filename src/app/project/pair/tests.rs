@@ -5,7 +5,7 @@ use crate::app::project::pair::*;
 use crate::app::project::tests::{detected, feature, open};
 use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, FrameRange};
-use crate::matching::{MatchParams, match_detections};
+use crate::matching::MatchParams;
 use crate::monitor::Monitor;
 use crate::requests::{Detected, Matched};
 use std::sync::Arc;
@@ -38,8 +38,7 @@ pub(in crate::app::project) fn pair() -> Model {
 
 fn matched(model: &Model) -> Matches {
     let request = model.wanted_matches().expect("both sides have features");
-    let result = match_detections(&request.a, &request.b, &request.params, &Monitor::default()).expect("valid");
-    Matches::new(Matched { request, result: Arc::new(result) }, Duration::ZERO)
+    Matches::new(request.matched(&Monitor::default()).expect("valid"), Duration::ZERO)
 }
 
 #[test]

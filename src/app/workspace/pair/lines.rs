@@ -179,12 +179,12 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
         Some(false) => "  outlier",
         None => "",
     };
-    let error = row.error_px.map_or_else(String::new, |e| format!("  error {} px", crate::app::canvas::number(e, 3)));
+    let error = row.error_px.map_or_else(String::new, |_| format!("\nerror {}", row.error_words()));
     let text = format!(
-        "Match {}{verdict}\ndistance {:.1}  ratio {:.3}{error}\nslopes ({}) and ({}) px/frame{}",
+        "Match {}{verdict}\n{}  distance {:.1}{error}\nslopes ({}) and ({}) px/frame{}",
         row.index,
+        row.how_words(),
         row.found.distance,
-        row.found.ratio,
         signed_slope(row.a.slope, 2),
         signed_slope(row.b.slope, 2),
         passed_limit.map_or_else(String::new, |limit| format!("\n{limit}"))

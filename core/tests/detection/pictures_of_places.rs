@@ -1,14 +1,14 @@
-//! Alignment on pictures with known truth.
+//! The pictures of places, laid over one another, with known truth.
 
-use super::pair::FIT_RADIUS;
-use super::*;
-use crate::burst::Positions;
-use crate::detector::memory::on_threads;
-use crate::detector::params::Slope;
-use crate::detector::stack::FrameTimes;
-use crate::monitor::Monitor;
-use crate::plane::Plane;
-use crate::synth::random::Stream;
+use burstscope_core::burst::Positions;
+use burstscope_core::detector::Slope;
+use burstscope_core::detector::stack::FrameTimes;
+use burstscope_core::matching::align::pair::FIT_RADIUS;
+use burstscope_core::matching::align::{Chip, ChipSource, Measured, PairFrame, View, measure};
+use burstscope_core::monitor::Cancelled;
+use burstscope_core::plane::sample::bilinear;
+use burstscope_core::synth::random::Stream;
+use burstscope_core::{Monitor, Plane};
 
 const SIZE: (usize, usize) = (360, 300);
 const FRAMES: usize = 6;
@@ -32,12 +32,14 @@ impl Warp {
         Self { matrix: [[scale * cos, -scale * sin], [scale * sin, scale * cos]], shift }
     }
 
-    fn grid(&self) -> grid::Affine {
-        grid::Affine { matrix: self.matrix, shift: self.shift }
+    fn apply(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|i| self.matrix[i][0] * x + self.matrix[i][1] * y + self.shift[i])
     }
 
-    fn apply(&self, at: [f32; 2]) -> [f32; 2] {
-        self.grid().apply(at[0], at[1])
+    /// The place that is mapped to `at`.
+    fn undone(&self, at: [f32; 2]) -> [f32; 2] {
+        let ([[a, b], [c, d]], [x, y]) = (self.matrix, [at[0] - self.shift[0], at[1] - self.shift[1]]);
+        [d * x - b * y, a * y - c * x].map(|x| x / (a * d - b * c))
     }
 }
 
@@ -54,18 +56,17 @@ fn texture(at: [f32; 2]) -> f32 {
 
 /// Frames of the texture seen through `warp`, moving by `slope`, with noise.
 fn frames(warp: Warp, slope: Slope, noise: f64, seed: u64) -> Vec<Plane> {
-    let back = warp.grid().inverse().expect("a map that can be undone");
     // The texture is costly: it is computed once and read between its pixels.
     let margin = 20;
     let still = Plane::from_fn(SIZE.0 + 2 * margin, SIZE.1 + 2 * margin, |u, v| {
-        texture(back.apply(u as f32 - margin as f32, v as f32 - margin as f32))
+        texture(warp.undone([u as f32 - margin as f32, v as f32 - margin as f32]))
     });
     let frame = |t: usize| {
         let time = t as f32 - 0.5 * (FRAMES as f32 - 1.0);
         let mut random = Stream::new(seed, t as u64);
         Plane::from_fn(SIZE.0, SIZE.1, |u, v| {
             let at = [u as f32 + margin as f32 - time * slope.u, v as f32 + margin as f32 - time * slope.v];
-            let value = crate::plane::sample::bilinear(&still, at[0], at[1]).expect("within the margin");
+            let value = bilinear(&still, at[0], at[1]).expect("within the margin");
             value + (noise * random.normal()) as f32
         })
     };
@@ -219,9 +220,14 @@ fn b_to_a_is_a_to_b_reversed() {
 #[test]
 fn measurements_are_the_same_on_any_number_of_threads() {
     let scene = Scene::new(similar(), NOISE, as_detected);
-    assert_eq!(on_threads(1, || scene.measured()), on_threads(5, || scene.measured()));
-    let cancelled = measure(&scene.views(0, 1), PairFrame::of(&[]), FIT_RADIUS, &Monitor::cancelled());
-    assert_eq!(cancelled, Err(crate::monitor::Cancelled));
+    let on_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| scene.measured())
+    };
+    assert_eq!(on_threads(1), on_threads(5));
+    let monitor = Monitor::default();
+    monitor.cancel();
+    assert_eq!(measure(&scene.views(0, 1), PairFrame::of(&[]), FIT_RADIUS, &monitor), Err(Cancelled));
 }
 
 #[test]
