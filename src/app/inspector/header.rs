@@ -54,9 +54,9 @@ pub fn header_ui(
                 buttons_ui(ui, model, id, width, queue);
                 if many && width >= ONE_LINE {
                     links_ui(ui, model, id, true, queue);
+                    // Numbers beside them do not touch them.
+                    ui.add_space(4.0);
                 }
-                // The spacing of what is drawn holds after it.
-                ui.add_space(5.0);
                 ui.spacing_mut().item_spacing.x = 6.0;
                 if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
                     let has_range = many || width >= ROOM_FOR_ALL;
