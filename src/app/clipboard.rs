@@ -80,8 +80,11 @@ fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<Strin
         .arguments()
         .ok_or("this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts")?;
     // Built-in bursts are opened without calibration.
-    let calibration =
-        if matches!(source, BurstSource::Paths(_)) { model.calibration.clone() } else { OpenOptions::default() };
+    let calibration = if matches!(source, BurstSource::Paths(_)) {
+        model.calibration_of(side).clone()
+    } else {
+        OpenOptions::default()
+    };
     Ok(detect_line(&inputs, &model.asked_of(side), &calibration))
 }
 

@@ -32,7 +32,8 @@ impl BurstscopeApp {
                 Some(OfCase::Session(session)) => self.restore(session),
                 Some(OfCase::Search(actions, why)) => {
                     why.into_iter().for_each(|why| self.model.messages.error(Purpose::RestoreSession.title(), why));
-                    self.stage(actions.into_iter().chain([Action::Open(Side::A, source)]));
+                    // What is set after it is asked for is for it.
+                    self.stage([Action::Open(Side::A, source)].into_iter().chain(actions));
                 }
                 None => self.stage([Action::Open(Side::A, source)]),
             },
@@ -50,7 +51,7 @@ impl BurstscopeApp {
     }
 
     fn restore(&mut self, session: Box<Session>) {
-        let opening = self.model.slots.a.opening.ask(&self.engine, session.opening());
+        let opening = self.model.open_with(Side::A, session.opening(), None, &self.engine);
         self.restoring.wait(Side::A, Some(opening), session);
     }
 

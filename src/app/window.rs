@@ -176,7 +176,9 @@ impl BurstscopeApp {
         self.model.refresh_listed_matches();
         self.forget_closed_panes();
         self.model.ask(&self.engine, ctx.input(|i| i.pointer.any_down()));
-        self.thumbnails.request(&self.engine, &self.model.calibration);
+        if let Some(dataset) = &self.model.datasets.open {
+            self.thumbnails.request(&self.engine, &dataset.open);
+        }
         self.keep_session(&ctx);
         if self.model.panels.hall != in_hall {
             ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!in_hall));
@@ -338,7 +340,7 @@ impl BurstscopeApp {
             self.workspace_ui(ui, queue);
             if let Some(rect_ui) = self.widgets.get(self.model.focus()).and_then(|widgets| widgets.rect_ui) {
                 let Self { model, lessons, .. } = self;
-                start_lesson = panel::first_start::card_ui(ui.ctx(), model, lessons, rect_ui, queue);
+                start_lesson = panel::welcome::card_ui(ui.ctx(), model, lessons, rect_ui, queue);
             }
         }
         self.drop_hint_ui(ui);
@@ -359,6 +361,9 @@ impl BurstscopeApp {
                     self.recovery.iter_mut().for_each(|recovery| recovery.wait_for(waits_for));
                 }
             }
+        }
+        if let Some(own) = &self.model.left_behind {
+            Panel::top("left behind").frame(bar).show(ui, |ui| panel::status::left_behind_ui(ui, own, queue));
         }
         if self.overlays.offers_cut(&self.model) {
             let (frames, length) = (self.model.frame_count(), self.settings.burst_length);

@@ -278,7 +278,7 @@ fn histogram(slopes: &[SlopeCount], rate: Option<&str>) -> String {
     let min = counts.get(SLOPES_SHOWN - 1).copied().unwrap_or(1);
     let shown: Vec<&SlopeCount> = slopes.iter().filter(|s| s.features >= min).take(SLOPES_SHOWN).collect();
     let rate = rate.map_or(String::new(), |rate| format!("; {rate}"));
-    let mut text = format!("  by slope (px/frame{rate})\n");
+    let mut text = format!("  by slope, of the surroundings where features move with these (px/frame{rate})\n");
     for SlopeCount { u, v, features } in &shown {
         let bar = "#".repeat((features * BAR_WIDTH).div_ceil(max));
         let (u, v) = (unsigned_zero(*u, 2), unsigned_zero(*v, 2));

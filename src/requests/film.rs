@@ -5,7 +5,7 @@ use super::map::SlopeColours;
 use super::open::OpenBurst;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, memory};
+use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, SlopeGrid, memory};
 use crate::error::{Error, ErrorKind};
 use crate::export::film::write_film;
 use crate::export::{
@@ -21,6 +21,7 @@ use crate::plane::sample::bilinear;
 use crate::plane::statistics::{Region, percentiles_until};
 use image::RgbaImage;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::io;
 use std::ops::Range;
 use std::path::Path;
@@ -339,8 +340,10 @@ impl Film {
         let positions = burst.positions.part(self.params.used_frames(burst.len()));
         let mark = |feature: &&Feature| FigureMark::of(feature, &positions, colours.colour(feature.motion().0));
         let marks = drawn.iter().map(mark).chain(place);
-        let legend =
-            self.detection.as_ref().map(|found| slope_legend(found, MAX_LEGEND_ENTRIES, |s| colours.colour(s)));
+        // One for all pictures, so that they have one size.
+        let legend = self.detection.as_ref().map(|found| {
+            slope_legend(&found.slopes, &found.features, (MAX_LEGEND_ENTRIES, colours.wheel()), |s| colours.colour(s))
+        });
         let [low, high] = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
         FigurePanel {
             size,
@@ -444,23 +447,30 @@ impl Film {
     }
 }
 
-/// Slopes of the grid that have features, at most `most` of them, each with its colour.
-pub fn slope_legend(detection: &Detection, most: usize, colour: impl Fn(Slope) -> [u8; 3]) -> Vec<LegendEntry> {
-    let mut used: Vec<usize> = detection.features.iter().map(|feature| feature.slope_index).collect();
-    used.sort_unstable();
-    used.dedup();
+/// Slopes of `grid` by which the `drawn` features move, each with its colour, at most `most` of them. Where there are
+/// more than a few and the colours are those of directions, the wheel of these, whose rim is a length in px/frame.
+pub fn slope_legend<'a>(
+    grid: &SlopeGrid,
+    drawn: impl IntoIterator<Item = &'a Feature>,
+    (most, wheel): (usize, Option<f32>),
+    colour: impl Fn(Slope) -> [u8; 3],
+) -> Vec<LegendEntry> {
+    const FEW: usize = 6;
+    let used: BTreeSet<usize> = drawn.into_iter().map(|feature| grid.nearest(feature.motion().0)).collect();
+    if let Some(rim) = wheel.filter(|_| used.len() > FEW) {
+        return vec![LegendEntry::wheel(format!("slope up to {} px/frame", number(rim, 2)))];
+    }
     let every = used.len().div_ceil(most).max(1);
-    let entry = |index: &usize| {
-        let slope = detection.slopes.slope(*index);
+    let entry = |index: usize| {
+        let slope = grid.slope(index);
         LegendEntry::square(colour(slope), format!("{} px/frame", slope_text(slope)))
     };
-    used.iter().step_by(every).map(entry).collect()
+    used.into_iter().step_by(every).map(entry).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::SlopeGrid;
     use crate::export::FigureShape;
     use crate::requests::BurstSource;
     use std::sync::atomic::{AtomicUsize, Ordering};

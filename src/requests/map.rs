@@ -71,6 +71,11 @@ impl SlopeColours {
         Self { line: line_of(grid, features), max_px_per_frame, table: BRIGHT.map.lut() }
     }
 
+    /// Length of the motions on the rim of the wheel of colours, pixels per frame; `None` for colours along a line.
+    pub fn wheel(&self) -> Option<f32> {
+        self.line.is_none().then_some(self.max_px_per_frame)
+    }
+
     pub fn colour(&self, slope: Slope) -> Rgb {
         let Some((degrees, axis)) = self.line else {
             return direction_colour(slope.v.atan2(slope.u), (slope.magnitude() / self.max_px_per_frame).min(1.0));

@@ -5,6 +5,7 @@
 #[allow(dead_code)] // other tests use more of them
 #[path = "../../core/tests/files/opening/crafted.rs"]
 mod crafted;
+mod cut;
 #[cfg(feature = "raw")]
 #[allow(dead_code)]
 #[path = "../../core/tests/files/opening/dng.rs"]
@@ -16,6 +17,7 @@ mod pictures;
 mod structure;
 mod support;
 
+mod begun;
 mod calibrating;
 mod canvas;
 mod closing;
@@ -51,3 +53,4 @@ mod slopes;
 mod steady;
 mod steps_back;
 mod trajectories;
+mod whole;

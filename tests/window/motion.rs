@@ -115,9 +115,12 @@ fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
         let feature = features[index];
         window.app_mut().model.selected = Some(index);
         window.settle();
-        assert!(window.shows(&motion_text(feature.slope, feature.slope_sigma, 2)), "{feature:?}");
-        assert!(window.shows(&motion_text(feature.field, feature.field_sigma, 2)), "{feature:?}");
-        assert!(window.shows(moves.words()), "{feature:?}");
+        // The unit and the word stand in the names of the rows.
+        let motions = [(feature.slope, feature.slope_sigma), (feature.field, feature.field_sigma)];
+        for text in motions.map(|(motion, sigma)| motion_text(motion, sigma, 2)) {
+            assert!(window.shows(text.trim_end_matches(" px/frame")), "{feature:?}");
+        }
+        assert!(window.shows(moves.words().trim_start_matches("moves ")), "{feature:?}");
     }
     let judged = window.app().model.judged().expect("judged for the table");
     // What moves as its place does has that motion, also where only some of the frames respond.

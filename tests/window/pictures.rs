@@ -8,7 +8,7 @@
 //! `UPDATE_SNAPSHOTS=1` accepts texts and flat pictures that differ. `UPDATE_SNAPSHOTS=force` writes all texts and
 //! pictures anew, those of the documents too.
 
-use crate::structure;
+use crate::{cut, structure};
 use egui_kittest::Harness;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::imageops::thumbnail;
@@ -34,6 +34,7 @@ const MAX_PIXELS: usize = 8;
 #[track_caller]
 pub fn compare<State>(harness: &mut Harness<'_, State>, name: &str) {
     let image = harness.render().expect("it can be drawn");
+    cut::assert_none_cut_off(harness, name);
     let shown = structure::structure_of(&harness.root(), harness.ctx.content_rect(), &image);
     let stored = Stored::new(name);
     let told = stored.differences(&shown, &image);

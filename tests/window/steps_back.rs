@@ -29,7 +29,7 @@ pub fn copied(window: &mut Window, act: impl FnOnce(&mut Window)) -> Vec<String>
     texts
 }
 
-fn second_click_at(window: &mut Window, pos: Pos2) {
+pub fn second_click_at(window: &mut Window, pos: Pos2) {
     window.harness.hover_at(pos);
     window.harness.run_steps(1);
     for pressed in [true, false] {

@@ -109,6 +109,14 @@ impl OpenOptions {
         *self == Self { limits: self.limits, ..Self::default() }
     }
 
+    /// These options with those of `other` that hold for one burst alone: its mask, part, times, views, and where in its
+    /// file it lies. The rest is of the camera and its files.
+    #[must_use]
+    pub fn with_burst_of(self, other: &Self) -> Self {
+        let Self { mask, take, times, views, axis, array, topic, .. } = other.clone();
+        Self { mask, take, times, views, axis, array, topic, ..self }
+    }
+
     /// Options that are not the default, by their names on a command line, with their values as text; `None` for those
     /// that are only named.
     pub fn given(&self) -> Vec<(String, Option<String>)> {

@@ -18,8 +18,8 @@ pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> 
     match action {
         Action::Point(pointed) => model.point_at(pointed),
         Action::Stage(staged) => return model.take_staged(staged, engine).into_iter().collect(),
-        Action::Do(ActionId::Undo) => model.undo(),
-        Action::Do(ActionId::Redo) => model.redo(),
+        Action::Do(ActionId::Undo) => model.undo(engine),
+        Action::Do(ActionId::Redo) => model.redo(engine),
         action => {
             return model.as_step(|model| {
                 let effects = applied(action, model, engine);
@@ -39,7 +39,10 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::Open(side, source) => {
             model.open(side, source, engine);
         }
-        A::OpenDataset(source) => model.look_at_dataset(source, None, engine),
+        A::OpenDataset(source) => {
+            let options = model.options_of_new_dataset();
+            model.look_at_dataset(source, None, options, engine);
+        }
         A::UseFeatureFolder(folder) => model.use_feature_folder(folder, engine),
         A::OpenGold(side, source) => model.open_gold(side, source, engine),
         A::OpenFeatures(side, path) => {
@@ -50,6 +53,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::OpenBurstAt(place) => model.open_burst_at(place, engine),
         A::CutOpenBurst(length) => model.cut_open_burst(length, engine),
         A::Calibrate(options) => return vec![model.calibrate(options, engine)],
+        A::TakeLeftBehind(uses) => model.take_left_behind(uses, engine),
         A::DetectAllAnyway => model.detect_all(engine),
         A::SetPoseStudy(study) => model.set_pose_study(study, engine),
         A::OpenCamera(label) => model.look_at_camera(&label, engine),

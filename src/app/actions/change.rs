@@ -174,9 +174,9 @@ mod tests {
         model.close_step(false);
         assert_eq!(model.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5));
         assert!(!model.slopes.is_auto());
-        model.undo();
+        model.undo(&engine);
         assert!((model.params.clone(), model.slopes) == found && !model.history.can_undo());
-        model.redo();
+        model.redo(&engine);
         assert!(model.params.slopes.is_plane() && !model.slopes.is_auto());
     }
 }

@@ -54,6 +54,8 @@ pub enum Action {
     /// The open burst as a dataset of bursts of this many frames.
     CutOpenBurst(usize),
     Calibrate(OpenOptions),
+    /// Uses what was set for the burst before, or drops it for good.
+    TakeLeftBehind(bool),
     /// Also where features of other parameters are replaced.
     DetectAllAnyway,
 

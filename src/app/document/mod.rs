@@ -36,7 +36,10 @@ use serde::{Deserialize, Serialize};
 #[serde(default = "Document::of_new_window", deny_unknown_fields)]
 pub struct Document {
     pub workspace: Workspace,
+    /// Options with which A is opened, and B too unless it has its own.
     pub calibration: OpenOptions,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calibration_of_b: Option<OpenOptions>,
     /// They may be invalid while they are edited. If slopes are to be found, their grid is the one found last.
     pub params: DetectorParams,
     #[serde(with = "WrittenSlopes")]
@@ -98,7 +101,8 @@ impl Document {
     pub fn with_absolute_paths(mut self) -> Self {
         let [compared_a, compared_b] = [&mut self.comparisons.a.file, &mut self.comparisons.b.file];
         let Trajectories { estimate, truth, .. } = &mut self.trajectories;
-        self.calibration.paths_mut().for_each(action::make_absolute);
+        let calibrations = [&mut self.calibration].into_iter().chain(&mut self.calibration_of_b);
+        calibrations.flat_map(OpenOptions::paths_mut).for_each(action::make_absolute);
         for path in [compared_a, compared_b, estimate, truth] {
             path.iter_mut().filter(|path| !is_built_in(path)).for_each(action::make_absolute);
         }

@@ -25,7 +25,7 @@ use crate::app::project::look::RangeClass;
 use crate::app::project::pair::{MatchRow, Matches};
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use crate::detector::{Detection, Feature};
+use crate::detector::Feature;
 use crate::export::{
     self, ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel,
     FigureWidth, LegendEntry, MatchKind, lay_out, motion_over, write_drawing_svg,
@@ -34,6 +34,7 @@ use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::requests::{Picture, slope_legend, titled};
 use egui::{DragValue, Ui};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -175,8 +176,9 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
     };
     let step = shown.image_from_picture_scale;
     let layer = FeatureLayer::of(model, id);
+    let drawn = layer.as_ref().map_or_else(Vec::new, |layer| drawn_in(layer, choice.features));
     let legend = match &layer {
-        Some(layer) if choice.legend => legend(&layer.scale(model), &layer.detection),
+        Some(layer) if choice.legend && !drawn.is_empty() => legend(&layer.scale(model), layer, &drawn),
         _ => Vec::new(),
     };
     Some(FigurePanel {
@@ -184,7 +186,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
         rgba: Arc::new(rgba.into_raw()),
         origin_image: [(region.columns.start as f32 - 0.5) * step, (region.rows.start as f32 - 0.5) * step],
         image_px_per_px: step,
-        marks: layer.map(|layer| marks(model, &layer, choice.features)).unwrap_or_default(),
+        marks: layer.map(|layer| marks(model, &layer, &drawn)).unwrap_or_default(),
         title: choice.titles.then(|| title_of(model, id, picture)),
         legend,
         bar: (choice.colour_bar && picture.motion.is_none()).then(|| colour_bar(&display, model.range_class(id))),
@@ -217,11 +219,17 @@ fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
     (seen.size().min_elem() >= SQUEEZED).then_some(visible)
 }
 
-fn marks(model: &Model, layer: &FeatureLayer, amount: FigureAmount) -> Vec<FigureMark> {
+/// Features that the figure shows, in the order in which they are drawn.
+fn drawn_in(layer: &FeatureLayer, amount: FigureAmount) -> Vec<usize> {
+    let mut order: Vec<usize> = amount.of((0..layer.placed().len()).filter(|&i| layer.shown[i]).collect());
+    order.sort_by_key(|&i| (layer.selected == Some(i), !layer.is_faint(i)));
+    order
+}
+
+fn marks(model: &Model, layer: &FeatureLayer, drawn: &[usize]) -> Vec<FigureMark> {
     let scale = layer.scale(model);
     let positions = &layer.detection.positions;
-    let selected = |i: usize| layer.selected == Some(i);
-    let mark = |i: usize| {
+    let mark = |&i: &usize| {
         let (placed, own) = (&layer.placed()[i], &layer.detection.features[i]);
         let faint = layer.is_faint(i);
         let mark = FigureMark::of(placed, positions, rgb(scale.colour(i, placed)));
@@ -231,13 +239,11 @@ fn marks(model: &Model, layer: &FeatureLayer, amount: FigureAmount) -> Vec<Figur
             motion: (layer.motions && !faint).then(|| motion_over(own, positions)),
             motion_sigma: if layer.stale { 0.0 } else { mark.motion_sigma },
             opacity: if faint || layer.stale { 0.35 } else { mark.opacity },
-            weight: if selected(i) { 2.0 } else { 1.0 },
+            weight: if layer.selected == Some(i) { 2.0 } else { 1.0 },
             ..mark
         }
     };
-    let mut order: Vec<usize> = amount.of((0..layer.placed().len()).filter(|&i| layer.shown[i]).collect());
-    order.sort_by_key(|&i| (selected(i), !layer.is_faint(i)));
-    order.into_iter().map(mark).collect()
+    drawn.iter().map(mark).collect()
 }
 
 fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
@@ -245,25 +251,40 @@ fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
     ColourBar::of(display, number(display.min, 3), format!("{} of {of}", number(display.max, 3)))
 }
 
-/// Of the slopes of the grid that have features (at most 12), or of five steps through the range.
-fn legend(scale: &ColourScale, detection: &Detection) -> Vec<LegendEntry> {
-    let Some(sample) = detection.features.first().copied() else { return Vec::new() };
-    let entry = |feature: Feature, label: String| LegendEntry::square(rgb(scale.colour(0, &feature)), label);
-    if scale.by == ColourBy::SlopeDirection {
-        return slope_legend(detection, 12, |slope| rgb(scale.of_slope(slope)));
-    }
-    if scale.by == ColourBy::Limit {
-        return [(false, "inside the searched slopes"), (true, "at their limit")]
-            .map(|(at_slope_limit, label)| entry(Feature { at_slope_limit, ..sample }, label.to_owned()))
-            .to_vec();
+/// Meanings of the colours of the `drawn` features: their slopes (at most 12), or the wheel of directions; the words and
+/// numbers that they have; or five steps through the range.
+fn legend(scale: &ColourScale, layer: &FeatureLayer, drawn: &[usize]) -> Vec<LegendEntry> {
+    let features = || drawn.iter().map(|&i| (i, &layer.detection.features[i]));
+    let grid = &layer.detection.slopes;
+    let wheel = scale.has_wheel().then_some(scale.max);
+    match scale.by {
+        ColourBy::SlopeDirection => {
+            let moving = features().map(|(_, feature)| feature);
+            return slope_legend(grid, moving, (12, wheel), |slope| rgb(scale.of_slope(slope)));
+        }
+        ColourBy::Limit | ColourBy::Layer | ColourBy::Moves => {
+            let of = |(i, f): (usize, &Feature)| {
+                let (order, word) = match scale.by {
+                    ColourBy::Limit if f.at_slope_limit => (1, "at their limit".to_owned()),
+                    ColourBy::Limit => (0, "inside the searched slopes".to_owned()),
+                    ColourBy::Layer if f.layer <= 0 => (0, "in no layer".to_owned()),
+                    ColourBy::Layer => (f.layer, format!("layer {}", f.layer)),
+                    _ => (f.moves as i32, f.moves.words().to_owned()),
+                };
+                (order, LegendEntry::square(rgb(scale.colour(i, f)), word))
+            };
+            return features().map(of).collect::<BTreeMap<i32, LegendEntry>>().into_values().collect();
+        }
+        _ => {}
     }
     let step = |step: usize| {
         let x = scale.min + (scale.max - scale.min) * step as f32 / 4.0;
         let label = format!("{} {}", canvas::number(x, 3), scale.by.unit());
         LegendEntry::square(rgb(scale.along(x)), label.trim_end().to_owned())
     };
+    let has_grey = features().any(|(i, feature)| scale.colour(i, feature) == scale.unknown());
     let grey = LegendEntry::square(rgb(scale.unknown()), "not known".to_owned());
-    (0..5).map(step).chain(scale.has_unknown().then_some(grey)).collect()
+    (0..5).map(step).chain(has_grey.then_some(grey)).collect()
 }
 
 fn rgb(colour: egui::Color32) -> [u8; 3] {

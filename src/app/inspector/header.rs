@@ -1,11 +1,13 @@
 //! Header above a pane's picture: number, description, links, and the drawn buttons that split and close the pane.
 
 use super::menu::pane_menu_ui;
+use super::pane_ui::filter_of;
 use super::widgets::{PaneWidgets, long_description, short_description};
-use crate::app::actions::Queue;
+use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
+use crate::app::panel::widgets::named;
 use crate::app::project::Model;
 use crate::app::project::look::FeaturesShown;
 use crate::app::project::panes::Change;
@@ -52,11 +54,16 @@ pub fn header_ui(
                 buttons_ui(ui, model, id, width, queue);
                 if many && width >= ONE_LINE {
                     links_ui(ui, model, id, true, queue);
+                    // Numbers beside them do not touch them.
+                    ui.add_space(4.0);
                 }
                 ui.spacing_mut().item_spacing.x = 6.0;
                 if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
                     let has_range = many || width >= ROOM_FOR_ALL;
                     numbers_ui(ui, model, id, has_range);
+                }
+                if !many || width >= ONE_LINE {
+                    filter_chip_ui(ui, model, id, width, queue);
                 }
                 if !is_slice && (!many || width >= ONE_LINE) {
                     drawn_ui(ui, model, id, widgets, !many && width >= ROOM_FOR_FEATURES, queue);
@@ -75,6 +82,7 @@ pub fn header_ui(
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
                 links_ui(ui, model, id, false, queue);
+                filter_chip_ui(ui, model, id, width, queue);
                 if !is_slice {
                     drawn_ui(ui, model, id, widgets, false, queue);
                 }
@@ -117,6 +125,25 @@ fn drawn_ui(ui: &mut Ui, model: &Model, id: PaneId, widgets: &mut PaneWidgets, h
         let mut look = model.look.clone();
         features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL.into_iter().rev(), model, id);
         queue.set(&model.look, look, Action::SetLook);
+    }
+}
+
+/// Draws what the features are filtered by, as long as they are; a click shows all.
+fn filter_chip_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mut Queue) {
+    let Some(filter) = filter_of(model, id).filter(|filter| !filter.is_open()) else { return };
+    let words = filter.words();
+    let short = match &words[..] {
+        _ if width < ROOM_FOR_NUMBERS_ALONE => String::new(),
+        [only] => format!(": {only}"),
+        [first, rest @ ..] => format!(": {first} and {} more", rest.len()),
+        [] => String::new(),
+    };
+    let text = RichText::new(format!("Filter{short} ✖")).small().color(style::warning(ui));
+    let chip = ui.add(Button::new(text).min_size(vec2(16.0, 16.0)));
+    named(&chip, egui::Role::Button, "Show all features again");
+    let count = format!("{} of {} features pass", model.listed.len(), model.features().len());
+    if chip.on_hover_text(format!("Filter: {}. {count}; a click shows all", words.join(", "))).clicked() {
+        queue.push(ActionId::ClearFilter);
     }
 }
 

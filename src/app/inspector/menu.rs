@@ -18,12 +18,28 @@ use crate::app::words::explained;
 use crate::inspect::probe::Wanted;
 use crate::requests::ProbeQuestion;
 use crate::teach::glossary::glossary;
-use egui::{Button, RichText, Ui};
+use egui::{Button, RichText, ScrollArea, Ui};
 
+/// Draws the menu of a pane's header.
 pub(super) fn pane_menu_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
+    whole_menu_ui(ui, |ui| {
+        content_ui(ui, model, id, queue);
+        ui.separator();
+        view_ui(ui, model, id, queue);
+    });
+}
+
+/// Draws a menu, of which the rest can be scrolled to where the window is lower.
+fn whole_menu_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
     ui.set_min_width(190.0);
-    content_ui(ui, model, id, queue);
-    ui.separator();
+    let room = ui.ctx().content_rect().height() - 2.0 * MENU_MARGIN;
+    ScrollArea::vertical().max_height(room).show(ui, add_contents);
+}
+
+/// Space above and below the largest menu, points.
+const MENU_MARGIN: f32 = 12.0;
+
+fn view_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     over_ui(ui, model, id, queue);
     links_ui(ui, model, id, queue);
     ui.separator();
@@ -172,39 +188,41 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets:
     }
     let place = widgets.get(id).map(|widget| widget.menu).unwrap_or_default();
     response.context_menu(|ui| {
-        ui.set_min_width(190.0);
-        if let Some(index) = place.feature {
-            feature_menu_ui(ui, model, index, queue);
-            ui.separator();
-        }
-        if let Some(matches) = &model.pair.matches
-            && let Some(row) = place.matched.and_then(|index| matches.row(index))
-        {
-            if match_menu_ui(ui, &row) {
-                queue.push(Action::SelectMatch(Some(row.index)));
-                queue.push(ActionId::GoToFeature);
+        whole_menu_ui(ui, |ui| {
+            if let Some(index) = place.feature {
+                feature_menu_ui(ui, model, index, queue);
+                ui.separator();
+            }
+            if let Some(matches) = &model.pair.matches
+                && let Some(row) = place.matched.and_then(|index| matches.row(index))
+            {
+                if match_menu_ui(ui, &row) {
+                    queue.push(Action::SelectMatch(Some(row.index)));
+                    queue.push(ActionId::GoToFeature);
+                }
+                ui.separator();
+            }
+            if let Some((side, place)) = place.mid_burst
+                && ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help).clicked()
+            {
+                queue.push(Action::Probe(side, ProbeQuestion::At { place, wanted: Wanted::Best }));
+            }
+            if let Some(readout) = &place.readout {
+                let value = format!("Copy value {}", number(readout.value, 4));
+                copy_ui(ui, &value, || clipboard::value_text(readout));
+                let at = format!("Copy place ({})", clipboard::place_text(readout));
+                copy_ui(ui, &at, || clipboard::place_text(readout));
+            }
+            if ui.button("Copy picture").on_hover_text("As it is shown, in its range and colours").clicked()
+                && let Some(image) = clipboard::picture_of(model, drawn.shown)
+            {
+                ui.ctx().copy_image(image);
+                queue.push(Action::Note("Copied the picture".to_owned()));
             }
             ui.separator();
-        }
-        if let Some((side, place)) = place.mid_burst
-            && ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help).clicked()
-        {
-            queue.push(Action::Probe(side, ProbeQuestion::At { place, wanted: Wanted::Best }));
-        }
-        if let Some(readout) = &place.readout {
-            let value = format!("Copy value {}", number(readout.value, 4));
-            copy_ui(ui, &value, || clipboard::value_text(readout));
-            let at = format!("Copy place ({})", clipboard::place_text(readout));
-            copy_ui(ui, &at, || clipboard::place_text(readout));
-        }
-        if ui.button("Copy picture").on_hover_text("As it is shown, in its range and colours").clicked()
-            && let Some(image) = clipboard::picture_of(model, drawn.shown)
-        {
-            ui.ctx().copy_image(image);
-            queue.push(Action::Note("Copied the picture".to_owned()));
-        }
-        ui.separator();
-        pane_menu_ui(ui, model, id, queue);
+            ui.menu_button("Show", |ui| whole_menu_ui(ui, |ui| content_ui(ui, model, id, queue)));
+            view_ui(ui, model, id, queue);
+        })
     });
 }
 

@@ -138,7 +138,7 @@ pub(super) fn over_names_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn, q
 }
 
 /// The filter that holds for pane `id`: where A is inspected.
-fn filter_of(model: &Model, id: PaneId) -> Option<&Filter> {
+pub(super) fn filter_of(model: &Model, id: PaneId) -> Option<&Filter> {
     let is_inspected = model.workspace == Workspace::Inspect;
     let pane = model.panes.get(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
     pane.map(|_| &model.filter)

@@ -326,7 +326,7 @@ mod tests {
         let (bench, actions) = harness.state_mut();
         assert!(actions.iter().all(|pushed| *pushed <= 1) && actions.iter().sum::<usize>() >= 3, "{actions:?}");
         assert!(bench.model.cursor().slope.u > before.u);
-        bench.model.undo();
+        bench.model.undo(&bench.engine);
         assert_eq!(bench.model.cursor().slope, before);
         assert!(!bench.model.history.can_undo());
     }

@@ -5,7 +5,6 @@ pub mod bottom;
 pub mod cursor;
 pub mod display;
 pub mod features;
-pub mod first_start;
 pub mod glossary;
 pub mod lab;
 pub mod legend;

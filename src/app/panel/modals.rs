@@ -175,7 +175,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             .on_hover_text("Pixels at or above the full scale are in no mean and give no features");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            let tip = "Open the present bursts again with these options, and use them for all later bursts";
+            let tip = "Open the present bursts again with these options. Mask, part, times and views are theirs; the rest is used for later bursts too";
             if ui.button("Apply").on_hover_text(tip).clicked() {
                 choice = Some(CalibrationChoice::Apply(options.clone()));
                 close = true;

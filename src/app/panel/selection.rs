@@ -81,7 +81,8 @@ fn verdict_ui(ui: &mut Ui, feature: &Feature, judged: &Judged) {
 }
 
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: &[MotionLayer]) {
-    egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(ui, |ui| {
+    let grid = egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0);
+    grid.show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
         row("Number", "By |D|·√SNR, the strongest first, from 0 as in files", index.to_string());
         row(
@@ -95,28 +96,30 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: 
             "From +u towards +v, clockwise on screen",
             format!("{}°", fixed(f.orientation.to_degrees(), 1)),
         );
+        let motion = |slope, sigma| without_unit(&motion_text(slope, sigma, 2));
         row(
-            "Slope (u, v)",
-            "Its own motion, refined between the grid's slopes, ± the standard deviation along its least certain direction",
-            motion_text(f.slope, f.slope_sigma, 2),
+            "Slope, px/frame",
+            "(u, v) of its own motion, refined between the grid's slopes, ± the standard deviation along its least certain direction",
+            motion(f.slope, f.slope_sigma),
         );
         row(
-            "Field (u, v)",
-            "Motion of its place, from the field of motion, ± the standard deviation along the least certain direction",
-            f.known_field().map_or_else(|| "unknown".to_owned(), |field| motion_text(field, f.field_sigma, 2)),
+            "Field, px/frame",
+            "(u, v) of the motion of its place, from the field of motion, ± the standard deviation along the least certain direction",
+            f.known_field().map_or_else(|| "unknown".to_owned(), |field| motion(field, f.field_sigma)),
         );
-        row("Moves", Quantity::Moves.record().help, f.moves.words().to_owned());
+        let moves = f.moves.words();
+        row("Moves", Quantity::Moves.record().help, moves.strip_prefix("moves ").unwrap_or(moves).to_owned());
         let layer = usize::try_from(f.layer - 1).ok().and_then(|index| layers.get(index));
-        let layer = layer.map_or_else(|| "none".to_owned(), |layer| layer_text(f.layer, layer));
-        row("Layer", Quantity::Layer.record().help, layer);
+        let layer = layer.map_or_else(|| "none".to_owned(), |layer| without_unit(&layer_text(f.layer, layer)));
+        row("Layer, px/frame", Quantity::Layer.record().help, layer);
         if let Some(depth) = known.depth_m {
             row("Depth", "Depth that its motion means by the set-up, ± the standard deviation", depth_text(depth));
         }
-        row("Speed", "Length of the slope", format!("{:.3} px/frame", f.slope.magnitude()));
+        row("Speed, px/frame", "Length of the slope", format!("{:.3}", f.slope.magnitude()));
         row(
             "Response",
-            "Interpolated DoG value; bright blobs are negative",
-            format!("{} of full scale", signed_number(f.response, 4)),
+            "Interpolated DoG value, as a fraction of full scale; bright blobs are negative",
+            signed_number(f.response, 4),
         );
         row("SNR", "|response| over the noise of the DoG at its scale", format!("{:.1}", f.snr));
         if let Some(judged) = known.judged {
@@ -127,17 +130,18 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: 
             );
         }
         row("Octave, level", "Where in the scale space it was found", format!("{}, {}", f.octave, f.level));
-        row(
-            "Slope index",
-            "Index of the slope of the grid at which it was found, from 0",
-            format!("{}", f.slope_index),
-        );
+        row("Slope index", "Index of the slope of the grid at which it was found, from 0", f.slope_index.to_string());
         row(
             "At slope limit",
             "Whether its slope is at the end of the searched range; its true motion may then lie beyond",
             if f.at_slope_limit { "yes" } else { "no" }.to_owned(),
         );
     });
+}
+
+/// A motion without the unit, which the name of its row has.
+fn without_unit(motion: &str) -> String {
+    motion.replace(" px/frame", "")
 }
 
 fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &Feature) {

@@ -2,9 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
-use crate::app::panel::widgets::{confirm_ui, named, progress_text, with_whole_numbers};
+use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width, with_whole_numbers};
 use crate::app::project::Model;
 use crate::app::project::messages::Messages;
+use crate::app::project::own::Own;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::recovery::{Offer, RecoveryChoice};
@@ -13,17 +14,25 @@ use crate::inspect::words::counted;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
 use std::time::Duration;
 
+/// Points by which the room of a value grows.
+const READOUT_STEP: f32 = 80.0;
+/// Points that the name of the burst and a note keep beside a value.
+const READOUT_REST: f32 = 300.0;
+
 /// Draws the status bar. Returns whether the path is to be typed for which a dialog returned none.
 pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) -> bool {
     let mut types_path = false;
     ui.horizontal(|ui| {
         let hint = if model.slots.a.burst.is_some() { "Point at the picture to read values" } else { "" };
         let text = readout.unwrap_or(hint);
-        let width = if model.panes.are_many() { 460.0 } else { 330.0 };
+        let text = RichText::new(text);
+        let text = if readout.is_some() { text.monospace() } else { text.weak() };
+        // A long value takes more room in whole steps, so that nothing beside it moves with each of its digits.
+        let least = if model.panes.are_many() { 460.0 } else { 330.0 };
+        let steps = ((text_width(ui, text.clone()) - least) / READOUT_STEP).ceil().max(0.0);
+        let width = (least + READOUT_STEP * steps).min(ui.available_width() - READOUT_REST).max(least);
         ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
             ui.set_min_width(width);
-            let text = RichText::new(text);
-            let text = if readout.is_some() { text.monospace() } else { text.weak() };
             let label = ui.add(Label::new(text).truncate());
             if let Some(readout) = readout {
                 label.on_hover_text(readout);
@@ -31,7 +40,7 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
         });
         ui.separator();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.label(RichText::new(burst_text(model)).weak());
+            ui.add(Label::new(RichText::new(burst_text(model)).weak()).truncate());
             warnings_ui(ui, &warnings(model));
             let opening =
                 [("Opening…", model.slots.a.opening.running()), ("Opening B…", model.slots.b.opening.running())];
@@ -126,6 +135,20 @@ pub fn messages_ui(ctx: &egui::Context, messages: &Messages, below: f32, queue: 
                 });
                 ui.add(egui::Label::new(&message.text).wrap());
             });
+        }
+    });
+}
+
+/// Draws what was set for the burst before, and offers it to the open one.
+pub fn left_behind_ui(ui: &mut Ui, own: &Own, queue: &mut Queue) {
+    let (sentence, use_it) = own.offer();
+    ui.horizontal_wrapped(|ui| {
+        ui.label(sentence);
+        let choices = [(use_it, "Set this burst as the one before was", true), ("Dismiss", "Leave it as it is", false)];
+        for (words, tip, uses) in choices {
+            if ui.button(words).on_hover_text(tip).clicked() {
+                queue.push(Action::TakeLeftBehind(uses));
+            }
         }
     });
 }

@@ -7,7 +7,7 @@ use crate::app::document::{Action, Pointed};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::project::Model;
-use crate::app::project::filter::{Filter, Interval, Order};
+use crate::app::project::filter::{Filter, Interval, Order, at_slope};
 use crate::app::project::side::Side;
 use crate::app::view::{layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
@@ -42,7 +42,14 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let judged = judged.as_ref().and_then(|judged| judged.get(index));
         quantity_text(quantity, index, feature, model.set_up.known(feature, judged))
     };
-    let columns: Vec<Quantity> = shown_quantities(model.set_up.reads_depths).collect();
+    let mut columns: Vec<Quantity> = shown_quantities(model.set_up.reads_depths).collect();
+    if model.filter.near_slope.is_some() {
+        // What decides on it stands together.
+        let decides = |column: &Quantity| matches!(column, Quantity::FieldU | Quantity::FieldV | Quantity::Moves);
+        let (of_place, others): (Vec<_>, Vec<_>) = columns.into_iter().partition(decides);
+        let after = others.iter().position(|column| *column == Quantity::SlopeV).map_or(0, |place| place + 1);
+        columns = [&others[..after], &of_place, &others[after..]].concat();
+    }
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
         let Some(feature) = model.features().get(index) else { return };
@@ -253,15 +260,22 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     });
     let mut near = filter.near_slope.is_some();
-    let tip = "Show only features that move by the shown slope, as This slope does over the picture";
-    if ui.checkbox(&mut near, "At this slope").on_hover_text(tip).changed() {
+    if ui.checkbox(&mut near, "At this slope").on_hover_text(AT_SLOPE_HELP).changed() {
         filter.near_slope = near.then(|| model.near_slope());
+    }
+    if let Some(found) = model.slots.a.found.as_ref().filter(|_| near) {
+        let [all, own] = at_slope(&found.detection, model.cursor().slope);
+        ui.weak(format!("{own} by their own slope")).on_hover_text(format!(
+            "{all} move with what is sharp here; {own} of all features also by their own slope"
+        ));
     }
     queue.set(&model.filter, filter, Action::SetFilter);
     if !model.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     }
 }
+
+const AT_SLOPE_HELP: &str = "Show only features that move by the shown slope, as This slope does over the picture: with their surroundings (Field u, v) where they move with these, else by their own slope (Slope u, v)";
 
 fn ranges_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
     let features: &[Feature] = model.features();
@@ -368,7 +382,8 @@ fn range_ui(ui: &mut Ui, label: &str, unit: &str, (low, high): (f32, f32), inter
 fn near_slope_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
     let mut near = filter.near_slope.is_some();
     ui.horizontal(|ui| {
-        if ui.checkbox(&mut near, "Only near the shown slope, within").changed() {
+        let switch = ui.checkbox(&mut near, "Only what moves by the shown slope, within");
+        if switch.on_hover_text(AT_SLOPE_HELP).changed() {
             filter.near_slope = near.then(|| model.near_slope());
         }
         let mut limit = filter.near_slope.unwrap_or_else(|| model.near_slope());

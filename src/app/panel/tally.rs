@@ -50,7 +50,8 @@ pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to see what each test rejects"));
         return;
     };
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    // The counts do not fit into a narrow window.
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
         selected_ui(ui, model, queue);
         let tally = &found.detection.tally;

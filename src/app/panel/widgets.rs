@@ -44,7 +44,6 @@ pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
     ui.centered_and_justified(|ui| ui.weak(text.into()));
 }
 
-/// Draws a bar, as wide as the space without a `width`.
 /// Draws a bar of progress, `width` points wide or as there is room, with as much of `text` as it holds; its parts are
 /// two spaces apart.
 pub fn progress_ui(ui: &mut Ui, running: &Running, width: Option<f32>, text: &str) {
@@ -110,8 +109,11 @@ pub fn confirm_ui(ctx: &Context, id: &str, heading: &str, verb: &str, texts: imp
     answer.or_else(|| modal.should_close().then_some(false))
 }
 
-/// Shows a tooltip at the pointer, over whatever is drawn there.
+/// Shows a tooltip at the pointer, over whatever is drawn there but an open menu.
 pub fn tip_ui(ui: &Ui, id: &str, add_contents: impl FnOnce(&mut Ui)) {
+    if egui::Popup::is_any_open(ui.ctx()) {
+        return;
+    }
     let (id, anchor) = (Id::unique(id), egui::PopupAnchor::Pointer);
     egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(14.0).show(add_contents);
 }
@@ -325,11 +327,11 @@ pub fn dot_ui(ui: &mut Ui, colour: Color32) {
     ui.painter().circle_filled(rect.center(), 4.0, colour);
 }
 
+/// Draws a row of a grid of two columns. A long value takes further lines, so that it widens neither grid nor panel.
 pub fn number_row_ui(ui: &mut Ui, name: &str, help: &str, value: &str) {
-    let response = ui.label(RichText::new(name).weak());
-    response.on_hover_text(help);
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        ui.add(egui::Label::new(RichText::new(value).monospace()).selectable(true));
+    ui.label(RichText::new(name).weak()).on_hover_text(help);
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.add(Label::new(RichText::new(value).monospace()).selectable(true).wrap());
     });
     ui.end_row();
 }

@@ -2,11 +2,12 @@
 
 use crate::app::project::set_up::SetUpState;
 use crate::app::project::{Model, filter};
-use crate::app::view::quantity_value;
-use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
+use crate::app::view::{number, quantity_value};
+use crate::detector::{Detection, Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::spectrum::is_at_slope;
 use crate::inspect::verdict::{Judged, Verdict};
+use crate::inspect::words::counted;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -64,9 +65,40 @@ pub fn moves_by(grid: &SlopeGrid, feature: &Feature, slope: Slope, limit: f32) -
     (motion.u - slope.u).hypot(motion.v - slope.v) <= limit
 }
 
+/// Numbers of features at `slope`: by the motion that they share with their surroundings or have alone, which is what is
+/// counted, drawn and filtered; and by their own slope, whatever is around them.
+pub fn at_slope(detection: &Detection, slope: Slope) -> [usize; 2] {
+    let own = |feature: &Feature| Feature { slope: feature.slope, ..Feature::default() };
+    let count = |is_at: &dyn Fn(&Feature) -> bool| detection.features.iter().filter(|feature| is_at(feature)).count();
+    let grid = &detection.slopes;
+    [count(&|f| is_at_slope(grid, f, slope)), count(&|f| is_at_slope(grid, &own(f), slope))]
+}
+
 impl Filter {
     pub fn is_open(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// Its conditions, each in a few words.
+    pub fn words(&self) -> Vec<String> {
+        let range = |name: &str, interval: Option<Interval>| {
+            interval.map(|Interval { min, max }| format!("{name} {} … {}", number(min, 3), number(max, 3)))
+        };
+        let hidden = self.hidden_layers.len();
+        let layers = (hidden > 0).then(|| format!("{} hidden", counted(hidden, "layer")));
+        let words = [
+            self.verdict.map(|verdict| verdict.word().to_owned()),
+            self.moves.map(|moves| moves.words().to_owned()),
+            self.near_slope.map(|_| "at this slope".to_owned()),
+            self.solo_layer.map(|number| format!("layer {number} alone")).or(layers),
+            range("slope u", self.slope_u),
+            range("slope v", self.slope_v),
+            range("σ", self.sigma),
+            range("|response|", self.response),
+            range("coherence", self.coherence),
+            self.hide_slope_limit.then(|| "not at the limit".to_owned()),
+        ];
+        words.into_iter().flatten().collect()
     }
 
     pub fn needs_verdicts(&self) -> bool {

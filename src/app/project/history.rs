@@ -1,32 +1,36 @@
-//! Undo and redo of the user's settings: the parameters of the detector and of matching, and the slopes of cursors.
+//! Undo and redo of the user's settings: the parameters of the detector and of matching, the calibration of the open
+//! burst, and the slopes of cursors.
 //! Automatic changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag,
 //! typing, playing through the slopes) is one step.
 
 use crate::app::document::Document;
 use crate::app::pane::{Pane, PaneId};
 use crate::app::project::Model;
+use crate::burst::OpenOptions;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SearchParams, Slope, SlopeGrid};
+use crate::engine::Engine;
 use crate::matching::MatchParams;
 
 const MAX_STEPS: usize = 200;
 
 impl Document {
     /// Parameters as the user set them: slopes that were found are not among them.
-    fn given(&self) -> (SearchParams, &MatchParams) {
+    fn given(&self) -> (SearchParams, &MatchParams, &OpenOptions) {
         let mut search = self.search();
         if self.slopes.is_auto() {
             search.detector.slopes = SlopeGrid::default();
         }
-        (search, &self.matching)
+        (search, &self.matching, &self.calibration)
     }
 
     fn slopes_on_show(&self) -> Vec<(PaneId, Slope)> {
         self.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect()
     }
 
-    /// Takes the settings that undo covers. Slopes that were found are no step, but a step back returns to them.
-    fn take_settings(&mut self, from: Self) {
+    /// Takes the settings that undo covers but the calibration, with which the burst has to be opened again; returns that.
+    /// Slopes that were found are no step, but a step back returns to them.
+    fn take_settings(&mut self, from: Self) -> OpenOptions {
         let is_found_still = from.slopes.is_auto() && self.slopes.is_auto();
         let slopes = if is_found_still { self.params.slopes } else { from.params.slopes };
         for (id, pane) in from.panes.iter() {
@@ -34,6 +38,7 @@ impl Document {
         }
         self.params = DetectorParams { slopes, ..from.params };
         (self.slopes, self.matching) = (from.slopes, from.matching);
+        from.calibration
     }
 
     fn changed_from(&self, before: &Self) -> String {
@@ -43,6 +48,11 @@ impl Document {
         let others = [
             (self.slopes != before.slopes, doc::SLOPES.label),
             (now.1 != was.1, "Matching"),
+            (now.2.times != was.2.times, "Times"),
+            (
+                OpenOptions { times: None, ..now.2.clone() } != OpenOptions { times: None, ..was.2.clone() },
+                "Calibration",
+            ),
             (self.slopes_on_show() != before.slopes_on_show(), "Slope on show"),
         ];
         names.extend(others.into_iter().filter(|(differ, _)| *differ).map(|(_, name)| name));
@@ -93,18 +103,18 @@ impl History {
         !self.future.is_empty()
     }
 
-    pub fn undo(&mut self, document: &mut Document) {
-        if let Some(before) = self.past.pop() {
-            self.future.push(document.clone());
-            document.take_settings(before);
-        }
+    /// Takes a step back; returns the calibration before it.
+    pub fn undo(&mut self, document: &mut Document) -> Option<OpenOptions> {
+        let before = self.past.pop()?;
+        self.future.push(document.clone());
+        Some(document.take_settings(before))
     }
 
-    pub fn redo(&mut self, document: &mut Document) {
-        if let Some(after) = self.future.pop() {
-            self.past.push(document.clone());
-            document.take_settings(after);
-        }
+    /// Takes a step again; returns the calibration after it.
+    pub fn redo(&mut self, document: &mut Document) -> Option<OpenOptions> {
+        let after = self.future.pop()?;
+        self.past.push(document.clone());
+        Some(document.take_settings(after))
     }
 
     pub fn swap_sides(&mut self) {
@@ -118,22 +128,32 @@ impl History {
 }
 
 impl Model {
-    pub fn undo(&mut self) {
-        self.step("Undone", History::undo);
+    pub fn undo(&mut self, engine: &Engine) {
+        self.step("Undone", History::undo, engine);
     }
 
-    pub fn redo(&mut self) {
-        self.step("Redone", History::redo);
+    pub fn redo(&mut self, engine: &Engine) {
+        self.step("Redone", History::redo, engine);
     }
 
     /// Takes a step. The note about it replaces one about the settings that are no longer set.
-    fn step(&mut self, what: &str, step: impl FnOnce(&mut History, &mut Document)) {
+    fn step(
+        &mut self,
+        what: &str,
+        step: impl FnOnce(&mut History, &mut Document) -> Option<OpenOptions>,
+        engine: &Engine,
+    ) {
         let before = self.document.clone();
-        step(&mut self.project.history, &mut self.project.document);
+        let calibration = step(&mut self.project.history, &mut self.project.document);
         self.check_params();
-        let changed = self.changed_from(&before);
+        let calibration = calibration.unwrap_or_else(|| before.calibration.clone());
+        let changed = Document { calibration: calibration.clone(), ..self.document.clone() }.changed_from(&before);
         if !changed.is_empty() {
             self.messages.note(format!("{what}: {changed}"));
+        }
+        if calibration != before.calibration {
+            self.slots.a.stepped_to = Some(calibration.clone());
+            self.calibrate(calibration, engine);
         }
     }
 

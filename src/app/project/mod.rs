@@ -19,6 +19,7 @@ pub mod look;
 pub mod measure;
 pub mod messages;
 pub mod method;
+pub mod own;
 pub mod pair;
 pub mod panels;
 pub mod panes;
@@ -92,6 +93,8 @@ pub struct Project {
     pub coherence: CoherenceState,
     pub probed: ProbeResults,
     pub poses: TrajectoryResults,
+    /// What was set for another burst than the open one, until the user decides on it.
+    pub left_behind: Option<own::Own>,
     play: panes::Play,
     listed_for: Option<filter::ListedFor>,
 }

@@ -4,6 +4,8 @@
 use crate::app::pane::PaneId;
 use crate::app::project::comparison::ComparisonResults;
 use crate::app::project::cursor::{Cursor, ViewKind};
+use crate::app::project::filter::at_slope;
+use crate::app::project::own::Own;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Effect, Model, Project};
@@ -16,7 +18,7 @@ use crate::detector::{
 use crate::engine::{Ended, Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes, judgement, slope_with_most_features};
-use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, JobId, OpenBurst, OpenRequest};
+use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, OpenBurst, OpenRequest};
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -31,6 +33,12 @@ pub struct Slot {
     pub found: Option<FoundFeatures>,
     pub comparison: ComparisonResults,
     pub opening: Wanted<OpenRequest>,
+    /// What is left behind once the burst that is being opened is open.
+    pub leaves: Option<Own>,
+    /// Source that could not be opened while nothing was open.
+    pub refused: Option<BurstSource>,
+    /// Options that a step back or forward opens the burst with.
+    pub stepped_to: Option<OpenOptions>,
     pub detecting: Wanted<DetectRequest>,
 }
 
@@ -51,11 +59,6 @@ impl Side {
 }
 
 impl Model {
-    pub(in crate::app) fn open(&mut self, side: Side, source: BurstSource, engine: &Engine) -> JobId {
-        let options = self.calibration.clone();
-        self.slots[side].opening.ask(engine, OpenRequest { source, options })
-    }
-
     /// Takes a burst that was opened, or says why it was not. With `is_restoring` a session goes on with it.
     #[must_use]
     pub(in crate::app) fn take_opening(
@@ -65,9 +68,10 @@ impl Model {
         is_restoring: bool,
         engine: &Engine,
     ) -> Vec<Effect> {
+        let OpenRequest { source, options } = ended.request;
         let error = match ended.result {
             Ok(burst) => {
-                let recent = self.take_opened(side, burst, engine);
+                let recent = self.take_opened(side, burst, options, engine);
                 if side == Side::B && !is_restoring {
                     self.workspace = Workspace::Pair;
                 }
@@ -75,9 +79,12 @@ impl Model {
             }
             Err(error) => error,
         };
-        match (error, side, ended.request.source) {
+        let slot = &mut self.slots[side];
+        (slot.leaves, slot.stepped_to) = (None, None);
+        slot.refused = slot.burst.is_none().then(|| source.clone());
+        match (error, side, source) {
             (JobError::Several(_), Side::A, BurstSource::Paths(paths)) if !is_restoring => {
-                self.look_at_dataset(DatasetSource::of_bursts(paths), None, engine);
+                self.look_at_dataset(DatasetSource::of_bursts(paths), None, options, engine);
             }
             (JobError::Several(bursts), Side::B, _) if !is_restoring => return vec![Effect::Choose(Side::B, bursts)],
             (JobError::NoShape(_, shapes), side, source) if !is_restoring => {
@@ -97,7 +104,13 @@ impl Model {
     }
 
     /// It goes to the recent list, unless it is one of the open dataset, which gives it its name.
-    fn take_opened(&mut self, side: Side, mut burst: OpenBurst, engine: &Engine) -> Option<Effect> {
+    fn take_opened(
+        &mut self,
+        side: Side,
+        mut burst: OpenBurst,
+        options: OpenOptions,
+        engine: &Engine,
+    ) -> Option<Effect> {
         let dataset = self.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
         let recent = match dataset {
             Some(dataset) => {
@@ -107,41 +120,60 @@ impl Model {
             None => Some(Effect::Recent(burst.source.clone())),
         };
         self.messages.resolved(side.opening());
+        let before = self.burst_of(side).map(|open| open.source.clone());
+        let is_again = before.as_ref() == Some(&burst.source);
+        if !is_again {
+            self.left_behind = None;
+        }
+        self.leave_behind(side);
+        self.slots[side].refused = None;
         match side {
             Side::A => {
-                self.messages.note(format!("Opened {}", burst.describe()));
-                for note in burst.burst.notes() {
-                    self.messages.note(note.for_window());
+                // A step back or forward has said what it changed.
+                if self.slots.a.stepped_to.as_ref() != Some(&options) {
+                    self.messages.note(format!("Opened {}", burst.describe()));
+                    burst.burst.notes().iter().for_each(|note| self.messages.note(note.for_window()));
                 }
-                let before = self.slots.a.burst.as_ref().map(|open| open.source.clone());
                 self.take_burst(burst);
                 self.start_probe(before.as_ref());
-                self.history.clear();
                 self.measure.clear();
+                self.take_calibration(options, is_again, engine);
             }
             Side::B => {
                 self.messages.note(format!("Opened as B: {}", burst.describe()));
                 self.take_second_burst(burst);
+                self.calibration_of_b = Some(options).filter(|options| *options != self.calibration);
             }
         }
         self.forget_closed_trails(engine);
         recent
     }
 
+    /// Takes the options with which A was opened. Of the burst that was open before they are a step to undo, unless a
+    /// step led to them.
+    fn take_calibration(&mut self, options: OpenOptions, is_again: bool, engine: &Engine) {
+        let is_step = is_again && self.slots.a.stepped_to.take().as_ref() != Some(&options);
+        let before = self.document.clone();
+        let was = std::mem::replace(&mut self.calibration, options);
+        let is_changed = was != self.calibration;
+        if is_changed && self.burst_of(Side::B).is_some() {
+            // B stays as it was opened.
+            self.calibration_of_b.get_or_insert(was);
+        }
+        if !is_again {
+            self.history.clear();
+        } else if is_step {
+            self.project.history.take(before, &self.project.document);
+            self.close_step(false);
+        }
+        if is_again && is_changed {
+            self.look_at_dataset_again(engine);
+        }
+    }
+
     pub(in crate::app) fn forget_closed_trails(&self, engine: &Engine) {
         let open = Side::BOTH.into_iter().filter_map(|side| Some(self.burst_of(side)?.id));
         engine.keep_trails_of(&open.collect::<Vec<_>>());
-    }
-
-    pub(in crate::app) fn calibrate(&mut self, options: OpenOptions, engine: &Engine) -> Effect {
-        self.calibration = options;
-        for side in Side::BOTH {
-            if let Some(source) = self.burst_of(side).map(|open| open.source.clone()) {
-                self.open(side, source, engine);
-            }
-        }
-        self.look_at_dataset_again(engine);
-        Effect::ForgetThumbnails
     }
 
     /// `press` asks for a detection.
@@ -477,9 +509,11 @@ impl Model {
         let grid = found.detection.slopes;
         if let Some((index, count)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
             let slope = grid.slope(index);
+            let [_, own] = at_slope(&found.detection, slope);
             self.lead(id, |pane| pane.cursor.slope = slope);
             let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
-            self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame"));
+            let by_own = if own == count { String::new() } else { format!(", {own} by their own slope") };
+            self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame{by_own}"));
         }
     }
 
@@ -491,7 +525,8 @@ impl Model {
         for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
             files.extend(BurstSource::Paths(burst.paths.clone()).files());
         }
-        let calibration = self.calibration.paths().into_iter();
+        let calibrations = Side::BOTH.map(|side| self.calibration_of(side));
+        let calibration = calibrations.into_iter().flat_map(OpenOptions::paths);
         files.extend(calibration.flat_map(|path| BurstSource::Paths(vec![path]).files()));
         files.extend(self.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
         let trajectories = [&self.trajectories.estimate, &self.trajectories.truth];

@@ -2,6 +2,7 @@
 
 use super::comparison::ComparisonResults;
 use super::datasets::DatasetChoice;
+use super::own::Own;
 use super::pair::SavedMatch;
 use super::probe::ProbeResults;
 use super::side::{Side, Sides};
@@ -9,8 +10,9 @@ use super::workspace::Workspace;
 use super::{Effect, Model, Project, SavedSelection};
 use crate::app::document::Document;
 use crate::app::pane::Preset;
+use crate::burst::OpenOptions;
 use crate::engine::Engine;
-use crate::requests::BurstSource;
+use crate::requests::{BurstSource, OpenRequest};
 
 /// Changes that a session or a lesson asks for, of values that are not written.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +21,8 @@ pub enum Staged {
     BeginLesson,
     /// Shows the project that was put aside; a burst that is being opened is opened in it, if it `keeps_opening`.
     EndLesson { keeps_opening: bool },
+    /// Opens the second burst of a session, with the options of the document.
+    Reopen(Side, BurstSource),
     /// Opens the bursts of a lesson's step unless they are open, and the cameras that it speaks of.
     Open { bursts: Sides<Option<BurstSource>>, cameras: bool },
     /// Shows the document of a lesson's step as if nothing had been done before.
@@ -49,7 +53,7 @@ pub enum Reselect {
 #[derive(Debug)]
 pub struct UserProject {
     project: Project,
-    opening: Option<BurstSource>,
+    opening: Option<(OpenRequest, Option<Own>)>,
 }
 
 impl Model {
@@ -66,6 +70,10 @@ impl Model {
         match staged {
             Staged::BeginLesson => return Some(self.begin_lesson()),
             Staged::EndLesson { keeps_opening } => return self.end_lesson(keeps_opening, engine),
+            Staged::Reopen(side, source) => {
+                let options = self.calibration_of(side).clone();
+                self.open_with(side, OpenRequest { source, options }, None, engine);
+            }
             Staged::Open { bursts, cameras } => self.open_for_step(bursts, cameras, engine),
             Staged::Begin { document, layout, probe } => self.begin_with(*document, layout, probe),
             Staged::SelectFirst if self.workspace == Workspace::Pair => {
@@ -80,7 +88,8 @@ impl Model {
     }
 
     fn begin_lesson(&mut self) -> Effect {
-        let opening = self.slots.a.opening.pending().map(|request| request.source.clone());
+        let slot = &mut self.slots.a;
+        let opening = slot.opening.pending().map(|request| (request.clone(), slot.leaves.take()));
         self.slots.a.opening.forget();
         let of_lesson =
             Project { document: Document { figure: self.figure, ..Document::default() }, ..Project::default() };
@@ -98,8 +107,8 @@ impl Model {
         }
         if keeps_opening {
             self.slots.a.opening = of_lesson.slots.a.opening;
-        } else if let Some(source) = opening {
-            self.open(Side::A, source, engine);
+        } else if let Some((request, leaves)) = opening {
+            self.open_with(Side::A, request, leaves, engine);
         }
         Some(Effect::ForgetWidgets)
     }
@@ -129,7 +138,8 @@ impl Model {
                 (Side::A, Some(burst)) => self.take_burst(burst),
                 (Side::B, Some(burst)) => self.take_second_burst(burst),
                 (side, None) => {
-                    self.open(side, source, engine);
+                    let options = OpenOptions::default();
+                    self.open_with(side, OpenRequest { source, options }, None, engine);
                 }
             }
         }
@@ -185,7 +195,7 @@ impl Model {
         self.read_trajectories(engine);
         match self.document.dataset.clone() {
             Some(DatasetChoice { source, folder, .. }) => {
-                self.look_at_dataset(source, folder, engine);
+                self.look_at_dataset(source, folder, self.calibration.clone(), engine);
                 None
             }
             None => Some(self.close_dataset()),

@@ -64,7 +64,8 @@ impl Session {
             self.document.workspace = Workspace::Inspect;
         }
         let document = &mut self.document;
-        (document.calibration, document.gold, document.dataset, document.trajectories) = Default::default();
+        (document.calibration, document.calibration_of_b) = Default::default();
+        (document.gold, document.dataset, document.trajectories) = Default::default();
         if self.document.probe.side == Side::B {
             self.document.probe = Probe::default();
         }

@@ -68,7 +68,7 @@ impl Session {
         actions.extend(detects.then(|| ActionId::Detect.into()));
         actions.extend(self.document.gold.a.clone().filter(|_| is_open).map(|gold| Action::OpenGold(Side::A, gold)));
         match self.second.clone() {
-            Some(source) => actions.push(Action::Open(Side::B, source)),
+            Some(source) => actions.push(Staged::Reopen(Side::B, source).into()),
             None => {
                 actions.push(ActionId::CloseB.into());
                 actions.extend(self.after_second(&document));

@@ -5,6 +5,7 @@ use super::{
     FigureWidth, LegendEntry, LegendMark, POINTS_PER_MM, fan, pictures,
 };
 use crate::export::figure::links::{FigureMatches, lines_of};
+use crate::plane::display::direction_colour;
 
 /// Gap between panels, in heights of letters.
 const GAP: f32 = 0.8;
@@ -294,29 +295,66 @@ impl Style {
         let font = self.font;
         let (mut left, mut row, mut width) = (0f32, 0usize, 0f32);
         for entry in entries {
-            // Two dashes of a line are seen.
-            let swatch = if entry.mark == LegendMark::Square { 0.9 * font } else { 1.75 * font };
+            let swatch = match entry.mark {
+                LegendMark::Square => 0.9 * font,
+                // Two dashes are seen.
+                LegendMark::Line | LegendMark::Dashes => 1.75 * font,
+                LegendMark::Wheel => WHEEL_HEIGHT * font,
+            };
             let needed = swatch + 1.4 * font + self.text_width(&entry.label); // with the gaps
             if left > 0.0 && left + needed > room {
                 (left, row) = (0.0, row + 1);
             }
             let (x, baseline) = (corner[0] + left, corner[1] + font * (1.35 + 1.5 * row as f32));
-            let rect = FigureRect { min: [x, baseline - 0.8 * font], size: [swatch; 2] };
-            out.push(match entry.mark {
-                LegendMark::Square => FigureShape::Fill { rect, color: entry.color },
+            let min = [x, baseline - 0.8 * font];
+            let mut label = baseline;
+            match entry.mark {
+                LegendMark::Square => {
+                    let rect = FigureRect { min, size: [swatch; 2] };
+                    out.push(FigureShape::Fill { rect, color: entry.color });
+                }
+                LegendMark::Wheel => {
+                    out.extend(wheel(min.map(|corner| corner + 0.5 * swatch), 0.5 * swatch));
+                    label = min[1] + 0.5 * swatch + 0.35 * font;
+                    row += WHEEL_ROWS - 1;
+                }
                 mark => {
                     let points = [x, x + swatch].map(|x| [x, baseline - 0.35 * font]).to_vec();
                     let width = (0.12 * font).max(self.stroke);
                     let stroke = FigureStroke { width, color: entry.color, opacity: 1.0 };
-                    FigureShape::Line { points, stroke, dashed: mark == LegendMark::Dashes, class: "legend" }
+                    let dashed = mark == LegendMark::Dashes;
+                    out.push(FigureShape::Line { points, stroke, dashed, class: "legend" });
                 }
-            });
-            out.push(self.text([x + swatch + 0.3 * font, baseline], &entry.label));
+            }
+            out.push(self.text([x + swatch + 0.3 * font, label], &entry.label));
             left += needed;
             width = width.max(left);
         }
         (width, if entries.is_empty() { 0.0 } else { font * (0.3 + 1.5 * (row + 1) as f32) })
     }
+}
+
+/// Diameter of a wheel of colours, heights of letters, and the lines of a legend that it takes.
+const WHEEL_HEIGHT: f32 = 4.0;
+const WHEEL_ROWS: usize = 3;
+
+/// The colours of motions by direction and length, around `centre`. Each disc lies on the larger one before it, and each
+/// sector reaches below its neighbour, so that no gap is seen between them.
+fn wheel(centre: [f32; 2], radius: f32) -> Vec<FigureShape> {
+    const RINGS: u8 = 5;
+    const SECTORS: u8 = 36;
+    let sector_of = |ring: u8, sector: u8| {
+        let fraction = f32::from(ring) / f32::from(RINGS);
+        let angle = |sector: f32| std::f32::consts::TAU * sector / f32::from(SECTORS);
+        let at = |sector: f32| {
+            let (sin, cos) = angle(sector).sin_cos();
+            [centre[0] + fraction * radius * cos, centre[1] + fraction * radius * sin]
+        };
+        let points = vec![centre, at(f32::from(sector) - 0.5), at(f32::from(sector)), at(f32::from(sector) + 1.0)];
+        let color = direction_colour(angle(f32::from(sector)), fraction);
+        FigureShape::Fan { points, color, opacity: 1.0 }
+    };
+    (1..=RINGS).rev().flat_map(|ring| (0..SECTORS).map(move |sector| sector_of(ring, sector))).collect()
 }
 
 /// A line that is not dashed.

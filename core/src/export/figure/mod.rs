@@ -39,6 +39,8 @@ pub enum LegendMark {
     Line,
     /// A dashed line.
     Dashes,
+    /// The colours of all directions, those of the longest motions on the rim. It has no colour of its own.
+    Wheel,
 }
 
 /// Meaning of a colour of the figure.
@@ -56,6 +58,11 @@ impl LegendEntry {
     /// An entry with a square.
     pub fn square(color: Colour, label: String) -> Self {
         Self { mark: LegendMark::Square, color, label }
+    }
+
+    /// An entry with the wheel of the colours of motions, whose `label` says how long those on the rim are.
+    pub fn wheel(label: String) -> Self {
+        Self { mark: LegendMark::Wheel, color: [0; 3], label }
     }
 }
 

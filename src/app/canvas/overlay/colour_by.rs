@@ -222,7 +222,7 @@ impl ColourScale {
     fn words_ui(&self, ui: &mut Ui) -> Response {
         let words = Moves::ALL.map(|moves| {
             let colour = self.along(f32::from(moves as u8));
-            Label::new(RichText::new(format!("● {}", moves.words())).small().color(colour)).selectable(false)
+            Label::new(RichText::new(moves.words()).small().color(colour)).selectable(false)
         });
         ui.vertical(|ui| words.into_iter().for_each(|word| drop(ui.add(word)))).response
     }

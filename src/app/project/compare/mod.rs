@@ -11,6 +11,7 @@ use crate::app::project::part::{Part, Pass};
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
 use crate::app::project::{Effect, Model, Project};
+use crate::burst::OpenOptions;
 use crate::detector::{Detection, DetectorParams};
 use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{
@@ -138,7 +139,7 @@ impl Part for Methods {
 
 impl Model {
     pub(in crate::app) fn open_gold(&mut self, side: Side, source: BurstSource, engine: &Engine) {
-        let options = self.calibration.clone();
+        let options = self.calibration_of(side).clone().with_burst_of(&OpenOptions::default());
         self.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
     }
 

@@ -53,6 +53,10 @@ impl Dataset {
         self.bursts.iter().position(|b| b.paths == *paths)
     }
 
+    pub fn has(&self, source: &BurstSource) -> bool {
+        matches!(source, BurstSource::Paths(paths) if self.bursts.iter().any(|burst| burst.paths == *paths))
+    }
+
     /// By its picture's name, with or without folders before it, or its own name.
     pub fn place_of_camera(&self, label: &str) -> Option<usize> {
         let file = label.rsplit(['/', '\\']).next().unwrap_or(label);

@@ -6,6 +6,7 @@ use crate::app::project::Model;
 use crate::app::project::effect::Effect;
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
+use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::engine::{Ended, Engine};
 use crate::error::Error;
@@ -28,20 +29,27 @@ impl Datasets {
 impl Model {
     /// Opens a dataset in the background; the open one stays until then. Without a folder the features are kept beside
     /// the bursts. A single long sequence is first offered for cutting.
-    pub(in crate::app) fn look_at_dataset(&mut self, source: DatasetSource, folder: Option<PathBuf>, engine: &Engine) {
-        let (params, open) = (self.asked(), self.calibration.clone());
+    pub(in crate::app) fn look_at_dataset(
+        &mut self,
+        source: DatasetSource,
+        folder: Option<PathBuf>,
+        open: OpenOptions,
+        engine: &Engine,
+    ) {
+        let params = self.asked();
         self.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);
     }
 
     pub(in crate::app) fn look_at_dataset_again(&mut self, engine: &Engine) {
         if let Some(dataset) = &self.datasets.open {
-            self.look_at_dataset(dataset.source.clone(), dataset.folder.clone(), engine);
+            let options = self.calibration.clone();
+            self.look_at_dataset(dataset.source.clone(), dataset.folder.clone(), options, engine);
         }
     }
 
     pub(in crate::app) fn use_feature_folder(&mut self, folder: PathBuf, engine: &Engine) {
         if let Some(dataset) = &self.datasets.open {
-            self.look_at_dataset(dataset.source.clone(), Some(folder), engine);
+            self.look_at_dataset(dataset.source.clone(), Some(folder), dataset.open.clone(), engine);
         }
     }
 
@@ -73,7 +81,8 @@ impl Model {
 
     pub(in crate::app) fn cut_open_burst(&mut self, length: usize, engine: &Engine) {
         if let Some(Effect::Cut { paths, .. }) = self.cut_of_open_burst() {
-            self.look_at_dataset(DatasetSource { paths, burst_length: Some(length), burst_step: None }, None, engine);
+            let source = DatasetSource { paths, burst_length: Some(length), burst_step: None };
+            self.look_at_dataset(source, None, self.calibration.clone(), engine);
         }
     }
 
@@ -128,7 +137,7 @@ impl Model {
             out,
             kept: dataset.folder.clone(),
             params: self.asked(),
-            open: self.calibration.clone(),
+            open: dataset.open.clone(),
             matching: self.matching.clone(),
             pairs: self.pairs.selection(),
         };

@@ -120,6 +120,8 @@ impl Model {
 
     pub fn swap_sides(&mut self) {
         self.slots.swap();
+        let document = &mut self.document;
+        document.calibration_of_b.iter_mut().for_each(|of_b| std::mem::swap(of_b, &mut document.calibration));
         self.comparisons.swap();
         self.forget_requests();
         // What is probed stays with its burst, and so do the steps to undo.
@@ -250,6 +252,7 @@ impl Model {
 
     pub(in crate::app) fn close_second(&mut self, engine: &Engine) {
         self.slots.b = Slot::default();
+        self.calibration_of_b = None;
         self.comparisons.b = Comparison::default();
         self.clear_probe_of(Side::B);
         self.panes.close_side(Side::B);

@@ -1,0 +1,226 @@
+//! What is set for one burst ends with it: its mask, times, frames used, slopes and filter do nothing to the next one,
+//! to which a line offers them. Sessions, and the same burst opened again, keep theirs.
+
+use crate::support::{Start, Window};
+use burstscope::app::project::side::Side;
+use burstscope::burst::TimesChoice;
+use burstscope::detector::{FrameRange, SearchParams, SlopeChoice};
+use burstscope::inspect::verdict::Verdict;
+use burstscope::requests::BurstSource;
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use image::GrayImage;
+use std::path::{Path, PathBuf};
+
+/// Writes bursts of four frames and a mask that hides the left eight columns, all of one size.
+fn bursts(home: &Path) -> (PathBuf, PathBuf, PathBuf) {
+    for (burst, shift) in [("slider", 0u32), ("cube", 3)] {
+        std::fs::create_dir(home.join(burst)).unwrap();
+        for t in 0..4 {
+            let value = |u: u32, v: u32| image::Luma([(40 + (u * 7 + v * 5 + 3 * t + shift) % 60) as u8]);
+            GrayImage::from_fn(96, 64, value).save(home.join(burst).join(format!("{t}.png"))).unwrap();
+        }
+    }
+    let mask = home.join("mask.png");
+    GrayImage::from_fn(96, 64, |u, _| image::Luma([if u < 8 { 0 } else { 255 }])).save(&mask).unwrap();
+    (home.join("slider"), home.join("cube"), mask)
+}
+
+/// Start on a burst whose slopes are found.
+fn start(path: &Path) -> Start {
+    let mut start = Start::of(path);
+    start.startup.params = SearchParams::default();
+    start
+}
+
+fn open(window: &mut Window, path: &Path) {
+    window.dialogs.will_choose(path);
+    window.click("Open…");
+    window.settle();
+}
+
+fn set_mask(window: &mut Window, mask: &Path) {
+    window.run_action("calibration");
+    window.dialogs.will_choose(mask);
+    window.click("Choose mask…");
+    window.settle();
+    window.click("Apply");
+    window.settle();
+}
+
+fn is_masked(window: &Window) -> bool {
+    window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].weight_at(3, 30) == 0.0
+}
+
+#[test]
+fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
+    let home = tempfile::tempdir().unwrap();
+    let (slider, cube, mask) = bursts(home.path());
+    let mut window = start(&slider).open();
+    set_mask(&mut window, &mask);
+    assert!(is_masked(&window));
+    let model = &mut window.app_mut().model;
+    model.params.frames = Some(FrameRange { start: 1, end: 3 });
+    model.slopes = SlopeChoice::Given;
+    model.filter.verdict = Some(Verdict::Ghost);
+    let search = model.search();
+    // The same burst again keeps all.
+    open(&mut window, &slider);
+    assert!(is_masked(&window) && window.app().model.search() == search && !window.app().model.filter.is_open());
+    assert!(!window.shows("not used here"));
+    open(&mut window, &cube);
+    let model = &window.app().model;
+    assert!(!is_masked(&window), "the mask of another burst");
+    assert_eq!((model.calibration.mask.clone(), model.params.frames, model.slopes), (None, None, SlopeChoice::AUTO));
+    assert!(model.filter.is_open());
+    assert!(window.shows("The mask, frames used, slopes and filter of slider are not used here."));
+    window.click("Use them");
+    window.settle();
+    let model = &window.app().model;
+    assert!(
+        is_masked(&window) && model.search().slopes == search.slopes && model.params.frames == search.detector.frames
+    );
+    assert!(!model.filter.is_open() && !window.shows("not used here"));
+    // Back again without it, and for good.
+    open(&mut window, &slider);
+    assert!(!is_masked(&window));
+    assert!(window.shows("of cube are not used here."));
+    window.click("Dismiss");
+    window.settle();
+    assert!(!window.shows("not used here"));
+}
+
+#[test]
+fn every_way_to_another_burst_drops_the_mask() {
+    let home = tempfile::tempdir().unwrap();
+    let (slider, cube, mask) = bursts(home.path());
+    type Way = fn(&mut Window, &Path);
+    let ways: [(&str, Way); 5] = [
+        ("dropped", |window, cube| window.drop_file(cube.to_owned())),
+        ("dialog", |window, cube| {
+            window.dialogs.will_choose(cube);
+            window.click("Open…");
+        }),
+        ("recent", |window, cube| {
+            open(window, cube);
+            window.dialogs.will_choose(cube.with_file_name("slider"));
+            window.click("Open…");
+            window.settle();
+            set_mask(window, &cube.with_file_name("mask.png"));
+            window.click("File");
+            window.click("Open recent");
+            window.click("cube");
+        }),
+        ("palette", |window, _| window.run_action("open demo burst")),
+        ("example", |window, _| window.run_action("example: low contrast")),
+    ];
+    for (name, way) in ways {
+        let mut window = start(&slider).open();
+        set_mask(&mut window, &mask);
+        way(&mut window, &cube);
+        window.settle();
+        let model = &window.app().model;
+        assert!(model.messages.errors().is_empty(), "{name}: {:?}", model.messages.errors());
+        assert_eq!(model.calibration.mask, None, "{name}");
+        assert!(window.shows("The mask of slider is not used here."), "{name}");
+    }
+}
+
+#[test]
+fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
+    let home = tempfile::tempdir().unwrap();
+    let (slider, cube, mask) = bursts(home.path());
+    let mut window = start(&slider).open();
+    set_mask(&mut window, &mask);
+    window.dialogs.will_choose(&cube);
+    window.run_action("open b: folder");
+    window.settle();
+    let hides = |window: &Window| {
+        let weight = |side: Side| {
+            let open = window.app().model.burst_of(side).expect("both are open");
+            open.burst.frames[0].weight_at(3, 30)
+        };
+        Side::BOTH.map(|side| weight(side) == 0.0)
+    };
+    assert_eq!(hides(&window), [true, false]);
+    assert!(window.shows("The mask of slider is not used in B."));
+    let file = home.path().join("two.burstscope.toml");
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    let mut other = Start::without_auto_detect().open();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    assert_eq!(hides(&other), [true, false]);
+    assert!(!other.shows("not used"));
+    window.click("Use it");
+    window.settle();
+    assert_eq!(hides(&window), [true, true]);
+}
+
+#[test]
+fn a_refused_calibration_changes_nothing_and_other_bursts_still_open() {
+    let home = tempfile::tempdir().unwrap();
+    let (slider, cube, _) = bursts(home.path());
+    let mut window = start(&slider).open();
+    window.run_action("calibration");
+    // The frames do not say when they were taken.
+    window.harness.get_by_role_and_label(Role::RadioButton, "Files").click();
+    window.harness.run_steps(2);
+    window.click("Apply");
+    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.settle();
+    assert_eq!(window.app().model.calibration.times, None);
+    open(&mut window, &cube);
+    let model = &window.app().model;
+    assert_eq!((model.frame_count(), model.messages.errors()), (4, &[][..]), "it opens");
+    let open = model.slots.a.burst.as_ref().unwrap();
+    assert_eq!(open.source, BurstSource::Paths(vec![cube]));
+}
+
+#[test]
+fn a_step_back_takes_times_back_and_says_so() {
+    let home = tempfile::tempdir().unwrap();
+    let (slider, ..) = bursts(home.path());
+    let mut window = start(&slider).open();
+    let names = |window: &Window| window.app().model.calibration.times.clone();
+    window.run_action("calibration");
+    // The views have such a choice as well, below.
+    window.harness.query_all_by_role_and_label(Role::RadioButton, "Names").next().unwrap().click();
+    window.harness.run_steps(2);
+    window.click("Apply");
+    window.settle();
+    assert_eq!(names(&window), Some(TimesChoice::Names));
+    window.ctrl(Key::Z);
+    window.settle();
+    assert_eq!(names(&window), None);
+    assert_eq!(window.app().model.messages.last_note(), Some("Undone: Times"));
+    window.run_action("redo");
+    window.settle();
+    assert_eq!(names(&window), Some(TimesChoice::Names));
+    window.ctrl(Key::Z);
+    window.settle();
+    assert_eq!(names(&window), None, "a step that was made again is taken back again");
+}
+
+#[test]
+fn a_filter_is_seen_above_the_picture_until_it_is_gone() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    let chip = "Show all features again";
+    let has_chip = |window: &Window| window.harness.query_by_role_and_label(Role::Button, chip).is_some();
+    assert!(!has_chip(&window));
+    window.app_mut().model.filter.verdict = Some(Verdict::Ghost);
+    window.settle();
+    // Also where no table is open, and in each of several panes.
+    window.run_action("table and tally");
+    window.settle();
+    assert!(has_chip(&window));
+    window.key(Key::S);
+    window.settle();
+    assert_eq!(window.harness.query_all_by_role_and_label(Role::Button, chip).count(), 2);
+    window.harness.query_all_by_role_and_label(Role::Button, chip).next().unwrap().click();
+    window.settle();
+    assert!(window.app().model.filter.is_open() && !has_chip(&window));
+}

@@ -1,0 +1,219 @@
+//! Nothing is cut off on the screens of the window, whatever its size, scale and theme.
+
+use crate::cut::cut_off;
+use crate::steps_back::second_click_at;
+use crate::support::{Start, Window, given};
+use burstscope::app::project::BottomTab;
+use burstscope::detector::Slope;
+use burstscope::inspect::verdict::Verdict;
+use burstscope::requests::BurstSource;
+use egui::{Key, ThemePreference, pos2, vec2};
+
+const SIZES: [[f32; 2]; 3] = [[960.0, 640.0], [1280.0, 800.0], [1920.0, 1080.0]];
+
+/// Asserts that nothing of this screen is cut off at any size, scale and theme.
+#[track_caller]
+fn assert_whole(window: &mut Window, screen: &str) {
+    let mut told = Vec::new();
+    for theme in [ThemePreference::Dark, ThemePreference::Light] {
+        window.app_mut().model.theme = theme;
+        for [width, height] in SIZES {
+            for scale in [1.0, 2.0] {
+                let viewports = &mut window.harness.set_size(vec2(width, height)).input_mut().viewports;
+                viewports.values_mut().for_each(|viewport| viewport.native_pixels_per_point = Some(scale));
+                // Sizes measured in one pass are used in the next.
+                window.harness.run_steps(4);
+                let lines = cut_off(&window.harness);
+                told.extend(lines.into_iter().map(|line| format!("{width}×{height} at {scale}, {theme:?}: {line}")));
+            }
+        }
+    }
+    assert!(told.is_empty(), "{screen}: cut off:\n{}", told.join("\n"));
+}
+
+fn open() -> Window {
+    let start = Start::automatic();
+    Start { size: SIZES[1], ..start }.open()
+}
+
+#[test]
+fn a_selected_feature_tells_all_its_numbers() {
+    let mut window = open();
+    window.key(Key::Home);
+    window.settle();
+    for size in SIZES {
+        window.harness.set_size(size.into());
+        window.harness.run_steps(4);
+        let index = window.app().model.selected.expect("the strongest");
+        let feature = window.app().model.features()[index];
+        for value in [format!("{:.1}", feature.snr), format!("{}, {}", feature.octave, feature.level)] {
+            assert!(window.shows(&value), "{value} at {size:?}");
+        }
+        assert!(window.shows("At slope limit") && window.shows("Slope index"), "{size:?}");
+    }
+    assert_whole(&mut window, "a selected feature");
+}
+
+#[test]
+fn tables_and_tabs_are_whole() {
+    let mut window = open();
+    for tab in [BottomTab::Table, BottomTab::Tally, BottomTab::Noise, BottomTab::Slopes] {
+        window.app_mut().model.bottom_tab = tab;
+        window.settle();
+        assert_whole(&mut window, &format!("{tab:?}"));
+    }
+    let model = &mut window.app_mut().model;
+    model.bottom_tab = BottomTab::Table;
+    (model.filter.verdict, model.filter.near_slope) = (Some(Verdict::Ghost), Some(model.near_slope()));
+    window.settle();
+    assert_whole(&mut window, "a filter");
+}
+
+#[test]
+fn a_probe_is_whole() {
+    let mut window = open();
+    let at = window.app().ui_from_image(pos2(257.4, 150.5)).expect("drawn");
+    window.shift_click_at(at);
+    window.settle();
+    assert_whole(&mut window, "a probe");
+}
+
+#[test]
+fn a_match_is_whole() {
+    let startup = burstscope::app::Startup { second: Some(BurstSource::DemoLater), ..given() };
+    let mut window = Start { size: SIZES[1], startup, ..Start::default() }.open();
+    window.key(Key::Home);
+    window.settle();
+    assert_whole(&mut window, "a match");
+}
+
+#[test]
+fn dialogs_and_lessons_are_whole() {
+    let mut window = open();
+    for action in ["calibration", "export figure", "export film", "lessons", "keyboard shortcuts"] {
+        window.run_action(action);
+        window.settle();
+        assert_whole(&mut window, action);
+        window.key(Key::Escape);
+    }
+    let lesson = burstscope::teach::built_in()[0].clone();
+    window.app_mut().start_lesson(lesson);
+    window.settle();
+    assert_whole(&mut window, "a lesson");
+}
+
+#[test]
+fn the_menu_of_a_feature_is_whole_and_no_tip_lies_over_it() {
+    for size in SIZES {
+        let mut window = Start { size, ..Start::automatic() }.open();
+        let feature = {
+            let model = &window.app().model;
+            let index = model.listed[0];
+            model.features()[index]
+        };
+        window.app_mut().model.focused_mut().cursor.slope = feature.motion().0;
+        window.settle();
+        let at = window.app().ui_from_image(pos2(feature.u, feature.v)).expect("drawn");
+        window.harness.hover_at(at);
+        window.harness.run_steps(4);
+        assert!(window.shows("response "), "the tip of the feature");
+        second_click_at(&mut window, at);
+        assert!(window.shows("Why this feature?") && window.shows("Split down"));
+        assert!(!window.shows("response "), "the tip is gone");
+        assert_eq!(cut_off(&window.harness), Vec::<String>::new(), "{size:?}");
+    }
+}
+
+#[test]
+fn the_value_under_the_pointer_is_whole() {
+    for size in SIZES {
+        let mut window = Start { size, ..Start::without_auto_detect() }.open();
+        window.key(Key::Num3);
+        window.settle();
+        window.slide("Octave", 1.0);
+        window.settle();
+        let at = window.app().ui_from_image(pos2(322.1, 166.6)).expect("drawn");
+        window.harness.hover_at(at);
+        window.harness.run_steps(4);
+        let shown: Vec<(String, bool)> = readouts(&window);
+        assert!(shown.len() == 1 && !shown[0].1, "{shown:?} at {size:?}");
+    }
+}
+
+/// Texts of values under the pointer, and whether they are cut short.
+fn readouts(window: &Window) -> Vec<(String, bool)> {
+    let mut all = Vec::new();
+    for clipped in &window.harness.output().shapes {
+        if let egui::Shape::Text(text) = &clipped.shape
+            && text.galley.text().contains("(pixel ")
+        {
+            all.push((text.galley.text().to_owned(), text.galley.elided));
+        }
+    }
+    all
+}
+
+#[test]
+fn the_slope_of_features_is_said_with_their_own() {
+    let mut window = open();
+    let note = window.app().model.messages.last_note().expect("a note").to_owned();
+    assert!(note.contains(" by their own slope"), "{note}");
+    let model = &window.app().model;
+    let found = model.slots.a.found.as_ref().unwrap();
+    let slope: Slope = model.cursor().slope;
+    let [all, own] = burstscope::app::project::filter::at_slope(&found.detection, slope);
+    assert!(note.contains(&format!("({all})")) && note.contains(&format!("{own} by")), "{note} {all} {own}");
+    window.app_mut().model.bottom_tab = BottomTab::Table;
+    window.app_mut().model.filter.near_slope = Some(window.app().model.near_slope());
+    window.settle();
+    assert_eq!(window.app().model.listed.len(), all);
+    assert!(window.shows(&format!("{own} by their own slope")));
+    // The columns that decide stand beside one another.
+    use egui_kittest::kittest::Queryable;
+    let left = |name: &str| window.harness.get_by_role_and_label(egui::accesskit::Role::Button, name).rect().left();
+    let columns =
+        ["Slope u", "Slope v", "Field u", "Field v", "Moves", "SNR"].map(|name| left(&format!("Sort by {name}")));
+    assert!(columns.is_sorted(), "{columns:?}");
+}
+
+/// Texts of the figure of what the window shows.
+fn figure_texts(window: &mut Window, folder: &std::path::Path) -> String {
+    let path = folder.join("figure.svg");
+    let _ = std::fs::remove_file(&path);
+    window.dialogs.will_choose(&path);
+    window.run_action("figure as before");
+    window.settle();
+    std::fs::read_to_string(&path).expect("it is written")
+}
+
+#[test]
+fn the_legend_of_a_figure_names_what_is_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open();
+    window.app_mut().model.figure.legend = true;
+    window.app_mut().model.figure.format = burstscope::export::FigureFormat::Svg;
+    // Of one slope of a plane all features that are drawn move by it, or by few.
+    let model = &window.app().model;
+    let (slope, grid) = (model.cursor().slope, model.slots.a.found.as_ref().unwrap().detection.slopes);
+    assert!(grid.is_plane());
+    let here = format!("{} px/frame", burstscope::inspect::words::slope_text(grid.slope(grid.nearest(slope))));
+    let others: Vec<String> = grid
+        .slopes()
+        .map(|slope| format!(">{} px/frame<", burstscope::inspect::words::slope_text(slope)))
+        .filter(|text| !text.contains(&here))
+        .collect();
+    let text = figure_texts(&mut window, folder.path());
+    assert!(text.contains(&format!(">{here}<")), "{here}");
+    assert_eq!(others.iter().filter(|other| text.contains(*other)).count(), 0, "no other slope is drawn");
+    // Of many slopes it is the wheel, as in the window.
+    window.app_mut().model.look.overlay = burstscope::app::project::look::FeaturesShown::All;
+    window.settle();
+    let text = figure_texts(&mut window, folder.path());
+    assert!(text.contains("slope up to ") && !others.iter().any(|other| text.contains(other)));
+    // Words are said as such, and only those that are there.
+    window.app_mut().model.colour_by = burstscope::app::view::ColourBy::Moves;
+    window.app_mut().model.filter.moves = Some(burstscope::detector::Moves::ByItself);
+    window.settle();
+    let text = figure_texts(&mut window, folder.path());
+    assert!(text.contains(">moves by itself<") && !text.contains(">ghost<"), "{text}");
+}
