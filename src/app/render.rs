@@ -12,7 +12,6 @@ use crate::detector::{Slope, SlopeGrid};
 use crate::error::{Error, ErrorKind};
 use crate::export::{OutputRules, Picture, write_png};
 use crate::monitor::Monitor;
-use crate::requests::BurstSource;
 use std::cell::RefCell;
 use std::path::Path;
 use std::time::Duration;
@@ -142,8 +141,8 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
 /// Error of the file whose shape the window would ask for.
 fn no_shape(options: &RenderOptions) -> Error {
     let Startup { source, second, calibration, .. } = &options.startup;
-    let of_source = |source: &BurstSource| source.info(calibration, &options.monitor).err();
-    let error = [source, second].into_iter().flatten().find_map(of_source);
+    let mut sources = [source, second].into_iter().flatten();
+    let error = sources.find_map(|source| source.info(calibration, &options.monitor).err());
     error.unwrap_or_else(|| {
         Error::new(
             ErrorKind::NoShape,

@@ -84,8 +84,7 @@ pub fn run(mut startup: Startup) -> anyhow::Result<()> {
 /// File of the settings where the usual one is no regular file, which the toolkit would wait for.
 fn other_settings() -> Option<PathBuf> {
     let folder = eframe::storage_dir(APP_ID)?;
-    let is_other = std::fs::metadata(folder.join("app.ron")).is_ok_and(|found| !found.is_file());
-    is_other.then(|| folder.join("settings.ron"))
+    std::fs::metadata(folder.join("app.ron")).is_ok_and(|found| !found.is_file()).then(|| folder.join("settings.ron"))
 }
 
 fn draw_until_closed(

@@ -109,17 +109,14 @@ pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) 
     }
 }
 
-/// Refuses numbers that no file of parameters, sessions or cases could keep; those in texts are refused where these are
-/// read.
+/// Refuses numbers that no file could keep; those in texts are refused where these are read.
 fn kept_integers(matches: &ArgMatches) -> Result<(), clap::Error> {
     for id in matches.ids().map(clap::Id::as_str) {
         let wide = matches.try_get_many::<u64>(id).ok().flatten().into_iter().flatten().copied();
         let sized = matches.try_get_many::<usize>(id).ok().flatten().into_iter().flatten().map(|number| *number as u64);
         if let Some(number) = wide.chain(sized).find(|number| *number > MAX_INTEGER) {
-            let problem = format!(
-                "--{}: {number} is more than {MAX_INTEGER}, the largest number there is here",
-                id.replace('_', "-")
-            );
+            let name = id.replace('_', "-");
+            let problem = format!("--{name}: {number} is more than {MAX_INTEGER}, the largest number there is here");
             return Err(Cli::command().error(clap::error::ErrorKind::ValueValidation, problem));
         }
     }

@@ -82,14 +82,10 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
 fn steps_of(path: &Path) -> Result<Steps, Failure> {
     let read = read_text(path, MAX_SESSION_BYTES).map_err(|error| error.to_string());
     // A list may come from a stranger, and would choose the folder.
-    let writes = |action: &Action| match action {
-        Action::Do(ActionId::DetectAll) => Some("detect_all"),
-        Action::DetectAllAnyway => Some("detect_all_anyway"),
-        _ => None,
-    };
-    let harmless = |steps: Steps| match steps.iter().flatten().find_map(writes) {
-        Some(name) => Err(format!("'{name}' writes files, and a list writes nothing but the picture; take it out")),
-        None => Ok(steps),
+    let writes = |action: &Action| matches!(action, Action::Do(ActionId::DetectAll) | Action::DetectAllAnyway);
+    let harmless = |steps: Steps| match steps.iter().flatten().any(writes) {
+        true => Err("'detect_all' writes files, and a list writes nothing but the picture; take it out".to_owned()),
+        false => Ok(steps),
     };
     read.and_then(|text| read_steps(&text).and_then(harmless))
         .map_err(|error| Failure::usage(format!("--play: {error}: {}", path.display())))

@@ -135,12 +135,8 @@ impl Segment {
         let count = of_topic().fold(0u64, |sum, (_, channel)| sum.saturating_add(channel.count));
         limits.check_burst(&self.path, count, 1, 1)?;
         let mut messages = Vec::new();
-        let ids: Vec<u32> = of_topic()
-            .map(|(id, channel)| {
-                messages.extend(&channel.found);
-                *id
-            })
-            .collect();
+        of_topic().for_each(|(_, channel)| messages.extend(&channel.found));
+        let ids: Vec<u32> = of_topic().map(|(id, _)| *id).collect();
         self.listed(&ids, &mut messages).map_err(|e| self.failure(&e))?;
         messages.sort_by_key(|message| message.recorded_ns);
         Ok(messages)
