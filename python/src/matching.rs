@@ -19,7 +19,6 @@ use burstscope::{Burst, Plane};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use serde::de::DeserializeOwned;
 use std::path::PathBuf;
 
 /// Name of a geometry and its 3×3 matrix.
@@ -203,26 +202,22 @@ pub(crate) fn export_colmap(
     given: Given,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    fn word<T: DeserializeOwned>(name: &str, word: String) -> PyResult<T> {
-        serde_json::from_value(word.into()).map_err(|error| PyValueError::new_err(format!("{name}: {error}")))
-    }
+    let wrong = |name: &str, error: serde_json::Error| PyValueError::new_err(format!("{name}: {error}"));
     let matching = match_params(camera.as_deref(), &given)?;
     let (pairs, images, model) = words;
     let pairs = pairs.parse().map_err(|error| PyValueError::new_err(format!("pairs: {error}")))?;
-    let guessed = CameraChoice::Guessed(word("camera_model", model)?);
+    let guessed = CameraChoice::Guessed(serde_json::from_value(model.into()).map_err(|e| wrong("camera_model", e))?);
     let camera = matching.camera.clone().map_or(guessed, CameraChoice::Known);
-    let images = word("images", images)?;
+    let images = serde_json::from_value(images.into()).map_err(|error| wrong("images", error))?;
     let features = FeatureJob { detector: SearchParams::default(), open: OpenOptions::default(), images };
     let job = ColmapJob { features, matching, pairs, camera };
     let found: Vec<(Burst, Searched)> =
         found.iter().map(|(burst, detection)| (burst.burst.clone(), detection.searched.clone())).collect();
     run(py, progress, |monitor| {
-        let of = |(burst, searched): &'_ (Burst, Searched)| DetectedBurst {
-            burst,
-            params: &searched.params,
-            detection: &searched.detection,
-        };
-        let bursts: Vec<DetectedBurst<'_>> = found.iter().map(of).collect();
+        let bursts: Vec<DetectedBurst<'_>> = found
+            .iter()
+            .map(|(burst, searched)| DetectedBurst { burst, params: &searched.params, detection: &searched.detection })
+            .collect();
         let report = export_detections(&out, &bursts, &job, monitor)?;
         serde_json::to_string(&report).map_err(|error| burstscope::cli::Failure::Failed(error.into()))
     })

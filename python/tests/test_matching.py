@@ -95,7 +95,7 @@ def test_tables_have_the_columns_and_values_of_the_file(
         if name == "how":
             assert list(table[name]) == list(frame[name])
         else:
-            ours = frame[name].to_numpy(np.float64)
+            ours = frame[name].to_numpy(np.float64, copy=True)
             ours[np.isinf(ours)] = np.nan
             np.testing.assert_allclose(ours, table[name].to_numpy(np.float64), rtol=1e-6, atol=1e-4, err_msg=name)
 

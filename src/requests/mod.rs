@@ -21,9 +21,6 @@ mod source;
 mod study;
 mod trail;
 
-#[cfg(test)]
-mod tests;
-
 pub use coherence::{CoherenceRequest, Coherences};
 pub use comparison::{ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
 pub use dataset::{

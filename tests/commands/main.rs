@@ -31,6 +31,7 @@ mod real;
 mod reconstructing;
 mod recovering;
 mod remaking;
+mod requests;
 mod samples;
 mod support;
 mod teaching;

@@ -35,8 +35,8 @@ impl Burst {
     /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
     /// [`OpenOptions::full_scale`] says otherwise. Float files are taken as they are if their values lie in [0, 1]
     /// (values up to 2 are taken for noise around that), otherwise they are divided by the burst's largest value (before
-    /// the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the value that became
-    /// 1. Colour becomes luma with the weights of Rec. 709 on the stored values
+    /// the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the file's value that
+    /// became 1. Colour becomes luma with the weights of Rec. 709 on the stored values
     /// ([`super::LUMA_WEIGHTS`]), or on linear ones with [`OpenOptions::linearise`]; alpha is ignored. A photograph is
     /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
     /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1. NaN is masked.

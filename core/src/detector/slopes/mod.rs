@@ -22,7 +22,7 @@ pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
 use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
-use crate::burst::{Burst, Offset, OpenOptions, Positions, TimesChoice};
+use crate::burst::{Burst, OpenOptions, Positions, TimesChoice};
 use crate::detector::scale_space::ScaleSpace;
 use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -105,17 +105,7 @@ pub fn find_slopes(
     let is_told = is_even && (event::MIN_FRAMES..=event::MAX_FRAMES).contains(&frames.len());
     let blocks = seen.blocks.first().filter(|_| is_told);
     let blocks = blocks.map(|blocks| Blocks::of(blocks, (&lags, shared), levels.start, &fourier));
-    // An event makes the way of the picture straight, where that is known.
-    let is_straight_with = |event: &Event| {
-        let is_straight = |path: &Path| {
-            let times = event.times(kept.len());
-            let middle = times.iter().sum::<f64>() / times.len() as f64;
-            let at: Vec<Offset> = times.iter().map(|time| Offset::from(time - middle)).collect();
-            peak::distance_from_a_line(&path.way, &at) <= path.limit(false)
-        };
-        path.as_ref().is_none_or(is_straight)
-    };
-    let event = blocks.and_then(|blocks| blocks.event()).filter(is_straight_with);
+    let event = blocks.and_then(|blocks| blocks.event());
     let uniform = (event.is_some() || is_even && !copies.is_empty())
         .then(|| UniformTimes::of(event.as_ref().unwrap_or(&Event::Nothing), &kept));
     let order = event.and_then(|event| event.warning_of(&kept));

@@ -133,7 +133,7 @@ impl<'a> Judging<'a> {
 
     /// The first fault, with the changes that mend it and those after it.
     fn advice(&self) -> Option<SlopeAdvice> {
-        self.order().or_else(|| self.frames()).or_else(|| self.fault_of_slopes().map(|fault| self.tried(fault)))
+        self.order().or_else(|| self.frames()).or_else(|| self.fault_of_slopes())
     }
 
     /// The first fault of direction, range and step. The slopes found have none but that the field shows more.
@@ -155,22 +155,6 @@ impl<'a> Judging<'a> {
             .or_else(|| self.range_of_field())
             .or_else(|| self.step())
             .or_else(|| self.cost())
-    }
-
-    /// Advice whose changes leave no fault of the slopes, or less of the same; otherwise the same with the slopes that
-    /// the frames show, if these are so, or without changes.
-    fn tried(&self, advice: SlopeAdvice) -> SlopeAdvice {
-        let mends = |changes: &Vec<ParamChange>| {
-            let Ok(params) = ParamChange::all_applied(changes, self.params) else { return false };
-            let fault = Judging { grid: params.used_slopes(), params: &params, ..*self }.fault_of_slopes();
-            fault.is_none_or(|fault| fault.subject == advice.subject && fault.number < advice.number)
-        };
-        // Where nothing is clear there is nothing to try them with.
-        if self.evidence.is_empty() || mends(&advice.changes) {
-            return advice;
-        }
-        let to_found = self.finding.map(|finding| self.changes_to(finding.grid));
-        SlopeAdvice { changes: to_found.filter(mends).unwrap_or_default(), ..advice }
     }
 
     /// The part of the evidence that satisfies `holds`.

@@ -1,12 +1,12 @@
 //! Tests of requests without an answer: cancelled at once, or failed with a helpful message.
 
 use super::{answer, detected, empty, open, params, source};
-use crate::burst::OpenOptions;
-use crate::detector::{Detection, DetectorParams, Slope};
-use crate::inspect::ProbeCache;
-use crate::matching::MatchParams;
-use crate::monitor::{Monitor, Progress};
-use crate::requests::{
+use burstscope::burst::OpenOptions;
+use burstscope::detector::{Detection, DetectorParams, Slope};
+use burstscope::inspect::ProbeCache;
+use burstscope::matching::MatchParams;
+use burstscope::monitor::{Monitor, Progress};
+use burstscope::requests::{
     BurstId, CoherenceRequest, CompareRequest, ComparisonRequest, DetectRequest, DetectionSource, ExplainQuestion,
     ExplainRequest, JobError, MatchRequest, NothingKept, OpenBurst, OpenRequest, PictureKind, PictureRequest,
     PosesRequest, ProbeQuestion, ProbeRequest, ReferenceSource, Request, Traced, TrailStore, Work,

@@ -2,11 +2,11 @@
 //! differ. And of the answer to a difference of two.
 
 use super::{answer, detected, empty, open, params, source};
-use crate::detector::{DetectorParams, FrameRange, Method, NoiseGate, Rules, Slope};
-use crate::inspect::ProbeCache;
-use crate::matching::MatchParams;
-use crate::monitor::Monitor;
-use crate::requests::{
+use burstscope::detector::{DetectorParams, FrameRange, Method, NoiseGate, Rules, Slope};
+use burstscope::inspect::ProbeCache;
+use burstscope::matching::MatchParams;
+use burstscope::monitor::Monitor;
+use burstscope::requests::{
     ComparisonRequest, MatchRequest, NothingKept, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest,
     ReferenceSource, Traced, TrailStore, ViewKind,
 };

@@ -4,12 +4,12 @@ mod datasets;
 mod ending;
 mod sameness;
 
-use super::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, OpenBurst};
-use crate::burst::{Burst, OpenOptions};
-use crate::detector::{DetectorParams, SlopeGrid};
-use crate::monitor::Monitor;
-use crate::requests::{Request, Work};
-use crate::synth::ChartParams;
+use burstscope::burst::{Burst, OpenOptions};
+use burstscope::detector::{DetectorParams, SlopeGrid};
+use burstscope::monitor::Monitor;
+use burstscope::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, OpenBurst};
+use burstscope::requests::{Request, Work};
+use burstscope::synth::ChartParams;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -30,7 +30,7 @@ fn open() -> OpenBurst {
 }
 
 fn empty(size: (usize, usize), frames: usize) -> OpenBurst {
-    let planes = (0..frames).map(|_| crate::plane::Plane::zeros(size.0, size.1)).collect();
+    let planes = (0..frames).map(|_| burstscope::plane::Plane::zeros(size.0, size.1)).collect();
     OpenBurst::new(Burst::from_planes("empty", planes), BurstSource::Demo)
 }
 
@@ -50,6 +50,6 @@ fn answer<R: Request>(request: R) -> Result<R::Answer, JobError> {
 
 fn write_chart(folder: &Path, seed: u64) {
     let monitor = Monitor::default();
-    let (burst, truth) = crate::synth::synth_chart(&chart(seed), &monitor).expect("valid parameters");
-    crate::synth::write_burst(folder, &burst, &truth, &monitor).expect("written");
+    let (burst, truth) = burstscope::synth::synth_chart(&chart(seed), &monitor).expect("valid parameters");
+    burstscope::synth::write_burst(folder, &burst, &truth, &monitor).expect("written");
 }

@@ -1,13 +1,13 @@
 //! Tests of work on a dataset: the events before the answer, and the finished results.
 
 use super::{params, write_chart};
-use crate::dataset::DatasetSource;
-use crate::detector::{DetectorParams, SearchParams};
-use crate::monitor::Monitor;
-use crate::requests::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset};
-use crate::requests::{Request, Work};
+use burstscope::dataset::DatasetSource;
+use burstscope::detector::{DetectorParams, SearchParams};
+use burstscope::monitor::Monitor;
+use burstscope::requests::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset};
+use burstscope::requests::{Request, Work};
 #[cfg(feature = "colmap")]
-use crate::{matching::PairSelection, requests::ColmapRequest};
+use burstscope::{matching::PairSelection, requests::ColmapRequest};
 use std::path::Path;
 use std::sync::Mutex;
 
