@@ -5,7 +5,6 @@ use crate::steps_back::second_click_at;
 use crate::support::{Start, Window, given};
 use burstscope::app::project::BottomTab;
 use burstscope::detector::Slope;
-use burstscope::inspect::verdict::Verdict;
 use burstscope::requests::BurstSource;
 use egui::{Key, ThemePreference, pos2, vec2};
 
@@ -57,16 +56,11 @@ fn a_selected_feature_tells_all_its_numbers() {
 #[test]
 fn tables_and_tabs_are_whole() {
     let mut window = open();
-    for tab in [BottomTab::Table, BottomTab::Tally, BottomTab::Noise, BottomTab::Slopes] {
+    for tab in [BottomTab::Table, BottomTab::Tally] {
         window.app_mut().model.bottom_tab = tab;
         window.settle();
         assert_whole(&mut window, &format!("{tab:?}"));
     }
-    let model = &mut window.app_mut().model;
-    model.bottom_tab = BottomTab::Table;
-    (model.filter.verdict, model.filter.near_slope) = (Some(Verdict::Ghost), Some(model.near_slope()));
-    window.settle();
-    assert_whole(&mut window, "a filter");
 }
 
 #[test]

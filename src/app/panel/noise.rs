@@ -60,7 +60,7 @@ pub fn noise_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn show_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel, queue: &mut Queue) {
     let curve = &noise.transfer;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let text = format!("σ² = a·I + b:  a = {}, b = {}", number(curve.slope), number(curve.dark));
         ui.label(text).on_hover_text(
             "Variance of a frame's noise at intensity I, both as fractions of full scale: a is the shot noise per unit \
