@@ -71,7 +71,7 @@ fn step(harness: &mut Harness<'_, BurstscopeApp>, number: usize) {
             }
         }
         _ => {
-            let way = if number / 20 % 2 == 0 { 1.0 } else { -1.0 };
+            let way = if (number / 20).is_multiple_of(2) { 1.0 } else { -1.0 };
             let (unit, modifiers, phase) = (MouseWheelUnit::Point, Modifiers::NONE, TouchPhase::Move);
             let delta = vec2(0.0, way * (20.0 + 20.0 * turn));
             harness.event(Event::MouseWheel { unit, delta, modifiers, phase, source: MouseWheelSource::Wheel });

@@ -222,7 +222,7 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets:
             ui.separator();
             ui.menu_button("Show", |ui| whole_menu_ui(ui, |ui| content_ui(ui, model, id, queue)));
             view_ui(ui, model, id, queue);
-        })
+        });
     });
 }
 

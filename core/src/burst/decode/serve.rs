@@ -255,7 +255,7 @@ mod tests {
             assert_eq!(modes(), before);
             let parent = rustix::process::getppid();
             let limits = rustix::process::getrlimit(rustix::process::Resource::Core);
-            let limit = |process| rustix::process::prlimit(process, rustix::process::Resource::Core, limits.clone());
+            let limit = |process| rustix::process::prlimit(process, rustix::process::Resource::Core, limits);
             assert_denied(limit(parent).map_err(io::Error::from));
             limit(None).expect("its own may be set");
             assert_denied(rustix::process::setpriority_process(parent, 19).map_err(io::Error::from));

@@ -1,5 +1,4 @@
-//! Planes: values between pixels, masks, and colours.
+//! Planes: values between pixels, and colours.
 
 mod display;
-mod mask;
 mod sample;

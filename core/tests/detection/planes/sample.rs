@@ -2,6 +2,7 @@
 
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::sample::*;
+use burstscope_core::plane::statistics::Region;
 use proptest::prelude::*;
 
 fn ramp() -> Plane {

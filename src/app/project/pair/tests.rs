@@ -7,7 +7,7 @@ use crate::app::project::workspace::Workspace;
 use crate::detector::{Detection, FrameRange};
 use crate::matching::MatchParams;
 use crate::monitor::Monitor;
-use crate::requests::{Detected, Matched};
+use crate::requests::Detected;
 use std::sync::Arc;
 use std::time::Duration;
 
