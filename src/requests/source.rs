@@ -23,6 +23,22 @@ pub enum BurstSource {
 }
 
 impl BurstSource {
+    /// The same with absolute paths, so that it can be opened from any folder.
+    #[must_use]
+    pub fn absolute(&self) -> Self {
+        let mut source = self.clone();
+        let mut inner = &mut source;
+        while let Self::DarkCopy { of, .. } | Self::Planted { of, .. } = inner {
+            inner = of;
+        }
+        if let Self::Paths(paths) = inner {
+            for path in paths {
+                *path = std::path::absolute(&*path).unwrap_or_else(|_| path.clone());
+            }
+        }
+        source
+    }
+
     pub fn built_in() -> Vec<Self> {
         [Self::Demo, Self::DemoLater].into_iter().chain(Example::ALL.map(Self::Example)).collect()
     }

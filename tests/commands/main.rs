@@ -17,6 +17,7 @@ mod inspecting;
 mod interrupting;
 #[cfg(feature = "colmap")]
 mod killed;
+mod lesson_texts;
 mod lessons_and_sessions;
 mod making;
 #[cfg(unix)]

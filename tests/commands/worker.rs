@@ -228,7 +228,8 @@ fn large_tiles_are_unpacked_in_a_process() {
     assert!(burst.size() == (8192, 4096) && burst.frames[0].data().iter().all(|value| *value == 0.0));
     let packed = crafted::gzip_of_zeros(8192 * 4096 + 1);
     std::fs::write(&path, crafted::tile_fits(&sides, &[], &packed)).expect("written");
-    assert!(open(&path).expect_err("too much").to_string().contains("unpacks to more than its pixels"));
+    let words = open(&path).expect_err("too much").to_string();
+    assert!(words.contains("unpacks to") && words.contains("its pixels"), "{words}");
 }
 
 #[test]

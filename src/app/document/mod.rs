@@ -3,7 +3,7 @@
 pub mod action;
 pub mod journal;
 
-pub use action::{Action, Pointed, Queue, absolute};
+pub use action::{Action, Pointed, Queue};
 pub use journal::{Journal, Playback, Steps};
 
 use crate::app::pane::Panes;
@@ -107,7 +107,7 @@ impl Document {
             path.iter_mut().filter(|path| !is_built_in(path)).for_each(action::make_absolute);
         }
         for side in Side::BOTH {
-            self.gold[side] = self.gold[side].as_ref().map(absolute);
+            self.gold[side] = self.gold[side].as_ref().map(BurstSource::absolute);
         }
         if let Some(DatasetChoice { source, folder, .. }) = &mut self.dataset {
             source.paths.iter_mut().chain(folder).for_each(action::make_absolute);

@@ -33,7 +33,7 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Q
 fn whole_menu_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
     ui.set_min_width(190.0);
     let room = ui.ctx().content_rect().height() - 2.0 * MENU_MARGIN;
-    ScrollArea::vertical().max_height(room).show(ui, add_contents);
+    ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, add_contents);
 }
 
 /// Space above and below the largest menu, points.

@@ -65,13 +65,14 @@ pub fn moves_by(grid: &SlopeGrid, feature: &Feature, slope: Slope, limit: f32) -
     (motion.u - slope.u).hypot(motion.v - slope.v) <= limit
 }
 
-/// Numbers of features at `slope`: by the motion that they share with their surroundings or have alone, which is what is
-/// counted, drawn and filtered; and by their own slope, whatever is around them.
+/// Numbers of features at `slope` by the motion that they share with their surroundings or have alone, which is what is
+/// counted, drawn and filtered; and of those that are there by their own slope too.
 pub fn at_slope(detection: &Detection, slope: Slope) -> [usize; 2] {
     let own = |feature: &Feature| Feature { slope: feature.slope, ..Feature::default() };
     let count = |is_at: &dyn Fn(&Feature) -> bool| detection.features.iter().filter(|feature| is_at(feature)).count();
     let grid = &detection.slopes;
-    [count(&|f| is_at_slope(grid, f, slope)), count(&|f| is_at_slope(grid, &own(f), slope))]
+    let is_at = |f: &Feature| is_at_slope(grid, f, slope);
+    [count(&is_at), count(&|f| is_at(f) && is_at_slope(grid, &own(f), slope))]
 }
 
 impl Filter {

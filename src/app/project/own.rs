@@ -3,7 +3,6 @@
 
 use super::side::Side;
 use super::{Effect, Model};
-use crate::app::document::absolute;
 use crate::app::project::filter::Filter;
 use crate::burst::OpenOptions;
 use crate::detector::{FrameRange, SlopeChoice, SlopeGrid};
@@ -62,7 +61,7 @@ impl Own {
 fn origin(source: &BurstSource) -> BurstSource {
     match source {
         BurstSource::DarkCopy { of, .. } | BurstSource::Planted { of, .. } => origin(of),
-        source => absolute(source),
+        source => source.absolute(),
     }
 }
 

@@ -5,7 +5,7 @@ mod restoring;
 
 pub use restoring::{OfCase, Restoring, of_case};
 
-use super::document::{Document, Steps, absolute};
+use super::document::{Document, Steps};
 use crate::app::pane::Panes;
 use crate::app::project::comparison::{Comparison, Reference};
 use crate::app::project::pair::{SavedMatch, Side};
@@ -44,7 +44,7 @@ pub struct Session {
 
 impl Session {
     pub fn of(project: &Project) -> Option<Self> {
-        let burst = absolute(&project.slots.a.burst.as_ref()?.source);
+        let burst = project.slots.a.burst.as_ref()?.source.absolute();
         Some(Self {
             version: VERSION,
             did: Steps::new(),
@@ -52,7 +52,7 @@ impl Session {
             document: sound(project),
             detected: project.slots.a.found.is_some(),
             selection: project.saved_selection(),
-            second: project.slots.b.burst.as_ref().map(|open| absolute(&open.source)),
+            second: project.slots.b.burst.as_ref().map(|open| open.source.absolute()),
             selected_match: project.saved_match(),
         })
     }

@@ -197,6 +197,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                             let mut on = model.methods.shows(method);
                             let tip = if usable { method.help() } else { "Open a sharp image of A's view first" };
                             let boxed = egui::Checkbox::new(&mut on, method.label());
+                            ui.spacing_mut().interact_size.y = ROW_HEIGHT;
                             let response = ui.add_enabled(usable, boxed);
                             if response.on_hover_text(tip).on_disabled_hover_text(tip).changed() {
                                 look.show(method, on);

@@ -10,10 +10,9 @@ use super::{Header, RawFrame, Reading};
 use crate::burst::options::OpenOptions;
 use crate::burst::times::Times;
 use crate::error::{Error, ErrorKind, Result};
-use crate::files::shell_path;
+use crate::files::{self, shell_path};
 use crate::monitor::Monitor;
 use std::ffi::OsString;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -57,7 +56,7 @@ fn run<T>(
 ) -> Result<T> {
     monitor.check()?;
     let mut start = Vec::new();
-    let opened = File::open(path).and_then(|file| file.take(32).read_to_end(&mut start));
+    let opened = files::open(path).and_then(|file| file.take(32).read_to_end(&mut start));
     opened.map_err(|e| Error::from_io(path, &e))?;
     let container = container(&start).ok_or_else(|| Error::corrupt(path, KIND, "its first bytes have changed"))?;
     let mut command = Command::new(ffmpeg(path)?);

@@ -82,8 +82,9 @@ fn a_full_scale_of_ones_own() {
 fn no_option_makes_values_that_are_not_finite() {
     let folder = folder();
     let (path, bias) = (folder.path().join("a.npy"), folder.path().join("bias.npy"));
-    write_npy(&path, &Array3::from_shape_vec((1, 1, 2), vec![-1e38f32, -3e38]).expect("two values")).expect("written");
-    write_npy(&bias, &Array2::from_elem((1, 2), 3e38f32)).expect("written");
+    write_npy(&path, &Array3::from_shape_vec((1, 1, 3), vec![-1e38f32, -3e38, 1e38]).expect("values"))
+        .expect("written");
+    write_npy(&bias, &Array2::from_elem((1, 3), 3e38f32)).expect("written");
     let located = |options: OpenOptions, column: usize| {
         let error = open(&path, &options).expect_err("beyond the range of 32-bit float");
         assert!(error.problem.contains(&format!("at pixel ({column}, 0)")), "{error}");
