@@ -45,8 +45,11 @@ pub fn cut_off<State>(harness: &Harness<'_, State>) -> Vec<String> {
     };
     let mut told = BTreeSet::new();
     for Named { widget, role, text } in &named {
-        // Drawings have no letters of their own, and are clipped on purpose.
-        let is_drawing = matches!(role, Role::Image | Role::Canvas | Role::ScrollBar | Role::TextRun | Role::Unknown);
+        // Drawings have no letters of their own, and are clipped on purpose; a cell's letters are looked at by themselves.
+        let is_drawing = matches!(
+            role,
+            Role::Image | Role::Canvas | Role::GenericContainer | Role::ScrollBar | Role::TextRun | Role::Unknown
+        );
         let is_there = widget.visible && widget.rect.is_finite() && widget.rect.width() > 0.0;
         if is_drawing || !is_there || text.is_empty() && !egui::accessibility::is_input(*role) {
             continue;

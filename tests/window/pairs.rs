@@ -303,7 +303,10 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     assert_eq!(csv.lines().count(), counts.putative + 1);
     // A match has one number in the table, the panel, the tip's text and the file, and one ratio and error in each.
     let matches = window.app().model.pair.matches.as_ref().unwrap();
-    let chosen = matches.rows().find(|row| row.found.predicted.is_some() && row.aligned.is_some()).unwrap();
+    let chosen = matches
+        .rows()
+        .find(|row| row.found.predicted.is_some() && row.aligned.is_some() && row.inlier == Some(true))
+        .unwrap();
     let cells: Vec<&str> = csv.lines().nth(1 + chosen.index).unwrap().split(',').collect();
     assert_eq!(cells[..2], [chosen.found.a.to_string(), chosen.found.b.to_string()]);
     assert_eq!(MatchColumn::Number.text(&chosen), chosen.index.to_string());
