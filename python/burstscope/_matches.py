@@ -203,7 +203,7 @@ class Matches(Made):
         """
         none = np.full(len(self), np.nan, np.float32)
         as_found = self._raw.error_px(True)
-        columns = {
+        columns: dict[tuple[str, ...], Any] = {
             ("a", "b"): self.pairs,
             ("u_a", "v_a"): self.xy_a,
             ("u_b", "v_b"): self.xy_b,

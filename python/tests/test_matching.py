@@ -50,7 +50,9 @@ def _sampson(a: NDArray[np.float32], b: NDArray[np.float32], matrix: NDArray[np.
     """Distances of places from epipolar geometry, pixels."""
     a, b = (np.column_stack([side.astype(np.float64), np.ones(len(side))]) for side in (a, b))
     to_b, to_a = a @ matrix.T, b @ matrix
-    return np.abs((b * to_b).sum(1)) / np.sqrt((to_b[:, :2] ** 2).sum(1) + (to_a[:, :2] ** 2).sum(1))
+    lengths = np.sqrt((to_b[:, :2] ** 2).sum(1) + (to_a[:, :2] ** 2).sum(1))
+    distances: NDArray[np.float64] = np.abs((b * to_b).sum(1)) / lengths
+    return distances
 
 
 def test_errors_and_geometry_are_those_of_the_aligned_places(street: tuple[bs.Detection, bs.Detection]) -> None:

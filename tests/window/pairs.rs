@@ -331,6 +331,8 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     // The explanation below says the same of it.
     let ratios = window.app().model.pair.matches.as_ref().unwrap().row(index).unwrap().found.ratio_words();
     assert!(window.shows(&format!("ratio {ratios}")), "{ratios}");
+    window.app_mut().model.selected_match = None;
+    window.settle();
     // 181 mm at 300 pixels an inch.
     assert_eq!(image::open(folder.path().join("m.png")).unwrap().width(), 2138);
     let svg = folder.path().join("m.svg");

@@ -209,7 +209,7 @@ pub struct Alignment {
     images: Vec<Image>,
     sigmas: Vec<f32>,
     /// Image and first feature of each place.
-    first: Vec<(usize, usize)>,
+    first: Vec<[u32; 2]>,
     links: Vec<Link>,
 }
 
@@ -217,7 +217,7 @@ pub struct Alignment {
 #[derive(Debug, Clone)]
 struct Image {
     /// Place of each feature, counted over all images.
-    place_of: Vec<usize>,
+    place_of: Vec<u32>,
     features: Vec<[f64; 2]>,
     seen: Option<Seen>,
 }
@@ -227,14 +227,16 @@ impl Alignment {
     pub fn add_image(&mut self, places: Vec<[f64; 2]>, blobs: &[Blob], seen: Option<Seen>) {
         let (of, first) = (places_of(&places, blobs), self.sigmas.len());
         self.sigmas.extend(of.first.iter().map(|&feature| blobs[feature].sigma));
-        self.first.extend(of.first.iter().map(|&feature| (self.images.len(), feature)));
-        let place_of = of.of_feature.into_iter().map(|place| first + place).collect();
+        // Of all images of a dataset at once, so as little as may be.
+        self.first.reserve_exact(of.first.len());
+        self.first.extend(of.first.iter().map(|&feature| [self.images.len() as u32, feature as u32]));
+        let place_of = of.of_feature.into_iter().map(|place| (first + place) as u32).collect();
         self.images.push(Image { place_of, features: places, seen });
     }
 
     /// Whether `correction` leaves a place near, in its image, and in what is seen of it.
     fn may_move(&self, place: usize, [du, dv]: [f64; 2]) -> bool {
-        let (image, feature) = self.first[place];
+        let [image, feature] = self.first[place].map(|number| number as usize);
         let Image { features, seen, .. } = &self.images[image];
         let [u, v] = features[feature];
         du.hypot(dv) <= MOST_MOVED_PX && seen.as_ref().is_none_or(|seen| seen.holds([u + du, v + dv]))
@@ -242,7 +244,7 @@ impl Alignment {
 
     /// Adds a measured match of the features `a` and `b` of `images`. Returns its index.
     pub fn add_match(&mut self, images: (usize, usize), (a, b): (usize, usize), measured: Measured) -> usize {
-        let place = |image: usize, feature: usize| self.images[image].place_of[feature];
+        let place = |image: usize, feature: usize| self.images[image].place_of[feature] as usize;
         self.links.push(Link { a: place(images.0, a), b: place(images.1, b), measured });
         self.links.len() - 1
     }
@@ -254,9 +256,12 @@ impl Alignment {
     pub fn solve(self, monitor: &Monitor) -> Result<AlignedImages, Cancelled> {
         let may_move = |place, correction| self.may_move(place, correction);
         let Solved { corrections, residuals_px, refused } = solve(&self.sigmas, &self.links, may_move, monitor)?;
-        let place = |(&[u, v], &place): (&[f64; 2], &usize)| [u + corrections[place][0], v + corrections[place][1]];
-        let moved = |image: &Image| image.features.iter().zip(&image.place_of).map(place).collect();
-        let places = self.images.iter().map(moved).collect();
+        let place = |([u, v], place): ([f64; 2], u32)| {
+            let [du, dv] = corrections[place as usize];
+            [u + du, v + dv]
+        };
+        let moved = |image: Image| image.features.into_iter().zip(image.place_of).map(place).collect();
+        let places = self.images.into_iter().map(moved).collect();
         let mut moved_px: Vec<f64> = corrections.iter().map(|[u, v]| u.hypot(*v)).filter(|px| *px > 0.0).collect();
         moved_px.sort_unstable_by(f64::total_cmp);
         let share = moved_px.len() as f64 / corrections.len().max(1) as f64;
