@@ -146,13 +146,7 @@ fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
     assert_eq!(hides(&window), [true, false]);
     assert!(window.shows("The mask of slider is not used in B."));
     let file = home.path().join("two.burstscope.toml");
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
-    let mut other = Start::without_auto_detect().open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    let other = window.kept_and_opened_in_another(&file);
     assert_eq!(hides(&other), [true, false]);
     assert!(!other.shows("not used"));
     window.click("Use it");

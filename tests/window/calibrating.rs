@@ -70,13 +70,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
         assert!((value(&window, u, v) - 900.0).abs() < 4.0, "({u}, {v}): {}", value(&window, u, v));
     }
     let file = home.path().join("night.burstscope.toml");
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
-    let mut other = Start::without_auto_detect().open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    let mut other = window.kept_and_opened_in_another(&file);
     assert!((value(&other, 90, 1) - 900.0).abs() < 4.0);
     let kept = other.app().model.calibration.clone();
     assert!(kept.bias.is_some_and(|path| path.ends_with("bias.png")) && kept.flat.is_some() && kept.mask.is_some());

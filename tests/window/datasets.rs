@@ -272,13 +272,7 @@ fn a_session_brings_the_dataset_back() {
     click_burst(&mut window, "Burst frame_007");
     window.settle();
     click_burst(&mut window, "Use frame_012 as B");
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
-    let mut other = Start::without_auto_detect().open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    let other = window.kept_and_opened_in_another(&file);
     assert_eq!((chosen(&other), dataset(&other).bursts.len()), ([None, Some(2)], 3));
     assert_eq!(dataset(&other).place_of(other.app().model.slots.a.burst.as_ref()), Some(1));
 }

@@ -61,14 +61,7 @@ fn a_session_brings_everything_back() {
     window.run_action("motion vectors");
     window.settle();
     let (view, scrub) = (window.app().model.focused().view, *window.app().model.cursor());
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
-
-    let mut other = Start::without_auto_detect().open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    let other = window.kept_and_opened_in_another(&file);
     let model = &other.app().model;
     assert_eq!(model.size(), (128, 96));
     assert_eq!(*model.cursor(), scrub);

@@ -203,6 +203,18 @@ impl Window {
         self.harness.run_steps(2);
     }
 
+    /// Saves the session as `file`, and opens it in another window.
+    pub fn kept_and_opened_in_another(&mut self, file: &Path) -> Self {
+        self.dialogs.will_choose(file);
+        self.run_action("save session");
+        self.settle();
+        let mut other = Start::without_auto_detect().open();
+        other.dialogs.will_choose(file);
+        other.run_action("open session");
+        other.settle();
+        other
+    }
+
     /// Drops a file or folder on the window.
     pub fn drop_file(&mut self, path: PathBuf) {
         #[derive(Debug)]

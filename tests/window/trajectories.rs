@@ -174,13 +174,7 @@ fn a_session_brings_the_trajectories_back() {
     let (mut window, report) = open_both(home.path());
     window.app_mut().model.trajectories.projection = Projection::Yz;
     let file = home.path().join("walk.burstscope.toml");
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
-    let mut other = Start::without_auto_detect().open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    let other = window.kept_and_opened_in_another(&file);
     let model = &other.app().model;
     assert_eq!((model.workspace, model.trajectories.projection), (Workspace::Trajectories, Projection::Yz));
     assert_eq!(model.poses.report().map(|r| r.absolute), Some(report.absolute));

@@ -16,10 +16,10 @@ use crate::export::{
 };
 use crate::files::serialize_path;
 use crate::matching::align::Measured;
-use crate::matching::aligned::{Alignment, Moved, Seen};
+use crate::matching::aligned::{Alignment, Inlier, Moved, Seen};
 use crate::matching::{
-    Blob, Camera, CameraModel, Geometry, Match, MatchCounts, MatchParams, PairSelection, Pictures, Refusal,
-    TwoViewModel, Unaligned, Verification,
+    Blob, Camera, CameraModel, Geometry, MatchCounts, MatchParams, PairSelection, Pictures, Refusal, TwoViewModel,
+    Unaligned, Verification,
 };
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
@@ -222,7 +222,7 @@ fn add_burst(
 /// A verified pair that waits for the solution: indices of its images, and its inliers with their measurements.
 struct Waiting {
     images: (usize, usize),
-    inliers: Vec<(Match, Option<Measured>)>,
+    inliers: Vec<(Inlier, Option<Measured>)>,
 }
 
 /// Features of the database's images, and frames of their bursts.
@@ -271,12 +271,12 @@ fn match_all(
         database.add_matches(a, b, &result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect::<Vec<_>>())?;
         let Some(verified) = &result.verification else { return Ok(()) };
         let agreed = result.matches.iter().zip(measured).zip(&verified.inlier).filter(|(_, inlier)| **inlier);
-        let inliers: Vec<(Match, Option<Measured>)> = agreed.map(|((m, measured), _)| (*m, *measured)).collect();
+        let inliers: Vec<(Inlier, Option<Measured>)> = agreed.map(|((m, measured), _)| (m.into(), *measured)).collect();
         if matching.aligns() && verified.model.is_some() {
             waiting.push(Waiting { images, inliers });
             return Ok(());
         }
-        let agreed: Vec<Match> = inliers.iter().map(|(m, _)| *m).collect();
+        let agreed: Vec<Inlier> = inliers.iter().map(|(m, _)| *m).collect();
         let places = [&sides[0].places[..], &sides[1].places];
         database.add_geometry(a, b, &database_geometry(places, &agreed, verified.model.as_ref()))
     };
@@ -303,9 +303,9 @@ fn align_all(
         let (keypoints, _) = database.features(id)?;
         alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs, seen);
     }
-    let mut linked: Vec<Vec<(Match, Option<usize>)>> = Vec::with_capacity(waiting.len());
+    let mut linked: Vec<Vec<(Inlier, Option<usize>)>> = Vec::with_capacity(waiting.len());
     for Waiting { images, inliers } in waiting {
-        let mut link = |m: &Match, measured| alignment.add_match(*images, (m.a, m.b), measured);
+        let mut link = |m: &Inlier, measured| alignment.add_match(*images, (m.a as usize, m.b as usize), measured);
         linked.push(inliers.iter().map(|(m, measured)| (*m, measured.map(|measured| link(m, measured)))).collect());
     }
     let aligned = alignment.solve(monitor)?;
@@ -320,7 +320,7 @@ fn align_all(
     }
     for (Waiting { images, inliers }, verified) in waiting.iter().zip(confirmed) {
         let Some(Verification { model, inlier, .. }) = verified else { continue };
-        let agreed: Vec<Match> =
+        let agreed: Vec<Inlier> =
             inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m).collect();
         let pair = [ids[images.0], ids[images.1]];
         if let Ok(index) = report.pairs.binary_search_by_key(&pair, |report| report.ids) {
@@ -370,12 +370,10 @@ fn model_id(model: CameraModel) -> u32 {
 }
 
 /// Geometry of a pair whose `inliers` agree on `model` at `places`, the features' places in both images.
-fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Match], model: Option<&TwoViewModel>) -> DatabaseGeometry {
+fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Inlier], model: Option<&TwoViewModel>) -> DatabaseGeometry {
     let Some(model) = model else { return DatabaseGeometry::default() };
-    let none = DatabaseGeometry {
-        inliers: inliers.iter().map(|m| [m.a as u32, m.b as u32]).collect(),
-        ..DatabaseGeometry::default()
-    };
+    let none =
+        DatabaseGeometry { inliers: inliers.iter().map(|m| [m.a, m.b]).collect(), ..DatabaseGeometry::default() };
     match model {
         TwoViewModel::Fundamental { fundamental } => {
             DatabaseGeometry { kind: GeometryKind::Uncalibrated, fundamental: Some(*fundamental), ..none }
@@ -384,7 +382,8 @@ fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Match], model: Option<
             DatabaseGeometry { kind: GeometryKind::PlanarOrPanoramic, homography: Some(*forward), ..none }
         }
         TwoViewModel::Essential { essential, .. } => {
-            let places: Vec<([f64; 2], [f64; 2])> = inliers.iter().map(|m| (a[m.a], b[m.b])).collect();
+            let places: Vec<([f64; 2], [f64; 2])> =
+                inliers.iter().map(|m| (a[m.a as usize], b[m.b as usize])).collect();
             let pose = model.relative_pose(&places).map(|(pose, _)| {
                 let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(pose.rotation));
                 Isometry3::from_parts(Translation3::from(pose.translation), rotation)

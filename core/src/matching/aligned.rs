@@ -55,7 +55,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// What is seen of an image whose plane at mid-burst is `middle`.
+    /// Seen part of an image whose plane at mid-burst is `middle`.
     pub fn of(middle: &Plane) -> Self {
         let (width, height) = middle.size();
         let is_hidden = |pixel: &usize| middle.is_hidden_at(pixel % width, pixel / width);
@@ -181,8 +181,8 @@ pub(super) fn align_pair(
     let links: Vec<Option<usize>> = result.matches.iter().zip(measured).map(&mut link).collect();
     let aligned = alignment.solve(monitor)?;
     let inliers: Vec<usize> = (0..links.len()).filter(|&index| verified.inlier[index]).collect();
-    let linked: Vec<(Match, Option<usize>)> =
-        inliers.iter().map(|&index| (result.matches[index], links[index])).collect();
+    let linked: Vec<(Inlier, Option<usize>)> =
+        inliers.iter().map(|&index| (Inlier::from(&result.matches[index]), links[index])).collect();
     let Some(confirmed) = aligned.confirmed((0, 1), &linked, params, monitor)? else { return Ok(()) };
     let residual =
         |(measured, link): (&Option<Measured>, Option<usize>)| Some(((*measured)?, aligned.residuals_px[link?]));
@@ -201,6 +201,23 @@ pub(super) fn align_pair(
     let was_inlier = result.verification.replace(verification).map_or_else(Vec::new, |before| before.inlier);
     result.alignment = Some(PairAlignment { was_inlier, places: [a, b], measured });
     Ok(())
+}
+
+/// Inlier of a pair that waits for the solution. A dataset holds those of all pairs, so there is no more to it.
+#[derive(Debug, Clone, Copy)]
+pub struct Inlier {
+    /// Index of the feature in image A.
+    pub a: u32,
+    /// Index of the feature in image B.
+    pub b: u32,
+    /// Rank of its match, [`Match::rank`].
+    pub rank: f32,
+}
+
+impl From<&Match> for Inlier {
+    fn from(m: &Match) -> Self {
+        Self { a: m.a as u32, b: m.b as u32, rank: m.rank() }
+    }
 }
 
 /// Images and their measured matches, before the solution.
@@ -305,7 +322,7 @@ impl AlignedImages {
     pub fn confirmed(
         &self,
         images: (usize, usize),
-        inliers: &[(Match, Option<usize>)],
+        inliers: &[(Inlier, Option<usize>)],
         params: &MatchParams,
         monitor: &Monitor,
     ) -> Result<Option<Verification>> {
@@ -313,8 +330,8 @@ impl AlignedImages {
         let agrees = |link: &Option<usize>| link.is_some_and(|link| self.residuals_px[link] <= f64::from(limit));
         let kept: Vec<usize> = (0..inliers.len()).filter(|&index| agrees(&inliers[index].1)).collect();
         let point = |index: usize| {
-            let m = inliers[index].0;
-            PointPair { a: self.places[images.0][m.a], b: self.places[images.1][m.b], rank: m.rank() }
+            let Inlier { a, b, rank } = inliers[index].0;
+            PointPair { a: self.places[images.0][a as usize], b: self.places[images.1][b as usize], rank }
         };
         let points: Vec<PointPair> = kept.iter().map(|&index| point(index)).collect();
         let again = verify(&points, &MatchParams { max_error_px: limit, ..params.clone() }, monitor)?;

@@ -4,8 +4,8 @@
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
 use burstscope_core::detector::Slope;
 use burstscope_core::matching::align::Measured;
-use burstscope_core::matching::aligned::{AlignedImages, Alignment, MOST_MOVED_PX, Seen};
-use burstscope_core::matching::{Blob, Geometry, Match, MatchParams, MatchResult, Verification};
+use burstscope_core::matching::aligned::{AlignedImages, Alignment, Inlier, MOST_MOVED_PX, Seen};
+use burstscope_core::matching::{Blob, Geometry, MatchParams, MatchResult, Verification};
 use burstscope_core::plane::Mask;
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{demo_burst, later_demo_burst};
@@ -168,9 +168,9 @@ fn confirmed_of(
 ) -> (AlignedImages, Verification) {
     let mut alignment = Alignment::default();
     [a, b].into_iter().for_each(|places| alignment.add_image(places.to_vec(), &blobs(count), None));
-    let found = |i| Match { a: i, b: i, distance: 1.0, ratio: Some(0.5), predicted: None };
+    let found = |i: usize| Inlier { a: i as u32, b: i as u32, rank: 0.5 };
     let mut link = |i| (found(i), measure(i).map(|measured| alignment.add_match((0, 1), (i, i), measured)));
-    let inliers: Vec<(Match, Option<usize>)> = (0..count).map(&mut link).collect();
+    let inliers: Vec<(Inlier, Option<usize>)> = (0..count).map(&mut link).collect();
     let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
     let params = MatchParams::default();
     let verified = aligned.confirmed((0, 1), &inliers, &params, &Monitor::default()).expect("valid parameters");
@@ -216,7 +216,7 @@ fn places_that_contradict_their_other_matches_lose_them() {
     let [a, b, _] = scene(60);
     let mut alignment = Alignment::default();
     [&a, &b, &b].into_iter().for_each(|places| alignment.add_image(places.clone(), &blobs(60), None));
-    let found = |i| Match { a: i, b: i, distance: 1.0, ratio: Some(0.5), predicted: None };
+    let found = |i: usize| Inlier { a: i as u32, b: i as u32, rank: 0.5 };
     let mut pairs = [(0, 1), (0, 2), (1, 2)].map(|images| (images, Vec::new()));
     for (images, matches) in &mut pairs {
         for (i, &at) in b.iter().enumerate() {

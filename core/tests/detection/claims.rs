@@ -1,5 +1,5 @@
-//! What is said of bursts from their frames alone: nothing false of noise, still, flickering and orderly ones, and of
-//! several motions, while what did happen is told.
+//! Claims about bursts from their frames alone: none that is false of noise, of still, flickering and orderly bursts and
+//! of several motions, while real events are reported.
 //!
 //! More bursts: `CLAIMS=20 cargo test -p burstscope-core --test detection claims -- --nocapture` takes 20 times as many.
 
@@ -25,7 +25,7 @@ fn seeds(count: u64) -> Range<u64> {
     0..count * times
 }
 
-/// What happened to the times of frames, in half frame intervals: each frame shows where things are then.
+/// Times of frames after an event, in half frame intervals: each frame shows where things are then.
 fn times(happened: &str, frames: usize, stream: &mut Stream) -> Vec<i32> {
     let mut times: Vec<i32> = (0..frames as i32).map(|t| 2 * t).collect();
     match happened {

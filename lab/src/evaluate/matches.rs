@@ -47,7 +47,7 @@ pub struct MatchStudy {
     pub pairs: PairSelection,
 }
 
-/// What one method found in all bursts.
+/// Features and matches of one method in all bursts.
 #[derive(Default)]
 struct FoundByMethod {
     sides: Vec<BurstSide>,

@@ -78,7 +78,7 @@ impl Model {
         origin(a) == origin(b) || in_dataset(a) && in_dataset(b)
     }
 
-    /// Burst for which the settings of a side are: that which is open there, or is being opened, or could not be.
+    /// Burst whose settings a side has: the open one, the one that is being opened, or the one that could not be.
     fn settings_are_of(&self, side: Side) -> Option<&BurstSource> {
         let slot = &self.slots[side];
         let open = slot.burst.as_ref().map(|open| &open.source);

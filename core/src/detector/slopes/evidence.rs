@@ -242,7 +242,7 @@ pub(super) fn is_significant(evidence: &SlopeEvidence) -> bool {
     evidence.significance >= least_significance(evidence)
 }
 
-/// Significance from which on a window of the size of that of `evidence` counts.
+/// Lowest significance at which a window as large as that of `evidence` counts.
 pub(super) fn least_significance(evidence: &SlopeEvidence) -> f32 {
     LARGE_SIGNIFICANCE + SMALL_SIGNIFICANCE / side_in_smallest(evidence)
 }

@@ -403,7 +403,7 @@ pub struct SlopeFinding {
     pub moved_px: f32,
     /// Largest distance of the picture's path from a uniform motion, pixels; `None` where frames are too noisy.
     pub deviation_px: Option<f32>,
-    /// The same of the middle 0, 1, 2, … frames alone; empty where it is not known.
+    /// Deviation of the middle 0, 1, 2, … frames alone, pixels; empty where it is not known.
     #[serde(skip)]
     pub deviation_of_middle: Vec<f32>,
     /// Irregularities of the motion: frames out of order, missing, late or copied, a picture that turns or grows.

@@ -55,7 +55,7 @@ struct Block {
     pairs: Vec<(Vec<f32>, f64)>,
     /// Slope for even times, level pixels per frame.
     slope: [f64; 2],
-    /// Significance from which on it shows anything.
+    /// Lowest significance at which it counts as evidence.
     least: f64,
 }
 

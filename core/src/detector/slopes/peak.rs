@@ -298,7 +298,7 @@ impl Path {
     }
 }
 
-/// Overlap of two frames from which on their correlation shows whether the shifts between them add up.
+/// Smallest overlap of two frames, 0 … 1, at which their correlation shows whether the shifts between them add up.
 const MIN_SEEN: f32 = 0.2;
 
 /// Path of the picture as a whole, level pixels; `None` where single pairs of frames are too noisy to measure it, or

@@ -44,7 +44,7 @@ const FEATURES_BEYOND: usize = 3;
 const STRAIGHT_PX: f32 = 1.4;
 /// Part of the motion seen that slopes hold at least where they fit.
 const FITS: f32 = 0.8;
-/// Number of frames from which on that they move evenly says anything.
+/// Smallest number of frames of which an even motion is reported.
 const FEWEST: usize = 3;
 
 /// Judgement of the slopes of a search.

@@ -1,4 +1,4 @@
-//! What the interface offers beside files: arrays in memory, positions, statements about files, and descriptions.
+//! Parts of the interface beside files: arrays in memory, positions, statements about files, and descriptions.
 
 mod arrays {
     use burstscope_core::Monitor;
@@ -149,42 +149,6 @@ mod positions {
         assert_eq!(text(Some(0.04)), Some("1 px/frame is 25.0 px/s".to_owned()));
         assert_eq!(text(Some(60.0)), Some("1 px/frame is 60.0 px/h".to_owned()));
         assert_eq!(text(None), None);
-    }
-}
-
-mod layout {
-    use burstscope_core::burst::{AxisChoice, Dump, TimesChoice, ViewGrid, ViewsChoice};
-
-    #[test]
-    fn texts_are_read_and_written_and_nonsense_is_refused() {
-        for text in ["1600x1200:u16le", "3x2:mono12packed+16", "640x480:f32be"] {
-            assert_eq!(text.parse::<Dump>().map(|dump| dump.to_string()), Ok(text.to_owned()));
-        }
-        let bad = "1600x1200 0x2:u8 3x2:u12 3x2:u8+ -3x2:u8 3x2:u8+-1 3:u8 99999999999999999999x2:u8";
-        for bad in bad.split(' ').chain([""]) {
-            assert!(bad.parse::<Dump>().is_err(), "{bad}");
-        }
-        for text in ["T", "Z,C=1", "T,C=0,Z=12", "last"] {
-            assert_eq!(text.parse::<AxisChoice>().map(|axis| axis.to_string()), Ok(text.to_owned()));
-        }
-        for text in ["even", "names", "header", "found", "logs/rgb.txt"] {
-            assert_eq!(text.parse::<TimesChoice>().map(|times| times.to_string()), Ok(text.to_owned()));
-        }
-        assert_eq!(("exif".parse(), "".parse::<TimesChoice>().is_err()), (Ok(TimesChoice::Header), true));
-        for bad in ["", "X", "T,", "T,C", "T,C=x", "T,last=1"] {
-            assert!(bad.parse::<AxisChoice>().is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn views_are_read_and_written_and_nonsense_is_refused() {
-        for text in ["names", "9x9", "1x27", "14x14:eslf", "3x5:tiled"] {
-            assert_eq!(text.parse::<ViewsChoice>().map(|views| views.to_string()), Ok(text.to_owned()));
-        }
-        for bad in ["", "9", "0x9", "9x", "x9", "9x9:", "9x9:grid", "-1x3", "99999x2", "9x9x9", "names:tiled", "9X9"] {
-            assert!(bad.parse::<ViewsChoice>().is_err(), "{bad}");
-        }
-        assert_eq!("3x5".parse(), ViewGrid::new(3, 5).ok_or_else(String::new));
     }
 }
 
