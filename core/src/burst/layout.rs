@@ -69,7 +69,6 @@ const USUAL_SIZES: &str = "1600x1200 640x480 1280x960 1920x1080 1280x1024 1440x1
     2048x2048 256x256 2064x1544 3840x2160 4000x3000 1936x1096 3096x2080 346x260";
 
 impl Dump {
-    /// Bytes of a frame.
     pub(super) fn frame_bytes(&self) -> u64 {
         self.number.bytes((self.size.0 as u64).saturating_mul(self.size.1 as u64))
     }

@@ -24,7 +24,6 @@ pub const RECORDS_FOLDER: &str = "records";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MadeFrom {
     version: String,
-    /// Revision of the detector, [`REVISION`].
     detector_revision: u32,
     settings: Value,
 }

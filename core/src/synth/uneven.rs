@@ -109,7 +109,6 @@ pub struct Taken {
 }
 
 impl Taken {
-    /// All of `frames` frames.
     pub(super) fn even(frames: usize) -> Self {
         Self::all(&Positions::even(frames))
     }

@@ -16,7 +16,6 @@ pub(super) fn basis() -> Block {
     })
 }
 
-/// The transposed block.
 pub(super) fn transposed(block: &Block) -> Block {
     std::array::from_fn(|k| std::array::from_fn(|x| block[x][k]))
 }

@@ -35,7 +35,6 @@ const DTYPES: [(&str, Number); 12] = [
     ("f8", Number::F64),
 ];
 
-/// Header of an array.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ArrayHeader {
     descr: String,

@@ -155,7 +155,6 @@ impl Plain {
         Ok(Self { places: self.places.part(range), views: None, ..self })
     }
 
-    /// Bytes of a frame.
     pub(super) fn frame_bytes(&self) -> u64 {
         self.number.bytes(self.samples() as u64)
     }
