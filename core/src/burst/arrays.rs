@@ -1,11 +1,11 @@
 //! Bursts of arrays in memory, calibrated as files of the same type are.
 
 use super::Burst;
-use super::decode::{FileScale, RawFrame, frame_of_plane};
 use super::layout::ViewsChoice;
 use super::masks::Masks;
 use super::open::{Measured, RawBurst, calibrated};
 use super::options::OpenOptions;
+use super::reading::{FileScale, RawFrame, frame_of_plane};
 use super::views::placed;
 use crate::error::{Error, Result};
 use crate::monitor::{Monitor, Stage};

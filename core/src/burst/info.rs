@@ -1,10 +1,11 @@
 //! Description of a burst by what its files declare, before any pixel is read: what the command `info` prints.
 
 use super::Burst;
-use super::decode::{self, Header};
+use super::formats;
 use super::layout::{TimesChoice, ViewsChoice};
 use super::options::{Limits, OpenOptions};
 use super::positions::Positions;
+use super::reading::Declared;
 use super::source::only_burst;
 use super::stamps::{Timing, of_headers};
 use super::times::{Times, time_text};
@@ -67,8 +68,9 @@ impl Info {
         let (mut files, options) = source.taken_files(options)?;
         let options = &options;
         let first = files.first().ok_or_else(Error::nothing_given)?;
-        let (header, decoded) = decode::header(first, options, monitor)?;
-        let Header { kind, width, height, frames, samples, is_colour, mosaic, times, views, taken } = header;
+        let declared = formats::declared(first, options, monitor)?;
+        let Declared { kind, width, height, frames, samples, is_colour, mosaic, times, views, taken, first: decoded } =
+            declared;
         let is_mosaic = decoded.is_none() && options.mosaic.or(mosaic).is_some();
         let binning = if is_mosaic { 2 } else { decoded.map_or(1, |frame| frame.binning) };
         // The frame of a raw file is binned already.

@@ -108,6 +108,14 @@ pub enum Mosaic {
 }
 
 impl Mosaic {
+    /// The mosaic of what begins `u` columns and `v` rows further on.
+    pub(super) fn shifted(self, u: usize, v: usize) -> Self {
+        let of = |mosaic: Self| (0..4).map(move |k| mosaic.colour_at(k % 2, k / 2));
+        let shifted: Vec<usize> = (0..4).map(|k| self.colour_at(k % 2 + u, k / 2 + v)).collect();
+        let all = [Self::Rggb, Self::Grbg, Self::Gbrg, Self::Bggr];
+        all.into_iter().find(|mosaic| of(*mosaic).eq(shifted.iter().copied())).unwrap_or(self)
+    }
+
     /// Colour of a pixel: 0 red, 1 green, 2 blue.
     pub(super) fn colour_at(self, u: usize, v: usize) -> usize {
         let square = match self {

@@ -4,8 +4,8 @@
 //! each file of frames has a mask of its own, under the name that COLMAP gives it (`NAME.EXT.png`) or under its own
 //! name, in a folder named as the frames' or directly.
 
-use super::decode::{FileScale, RawFrame};
 use super::options::OpenOptions;
+use super::reading::{FileScale, RawFrame};
 use crate::error::{Error, ErrorKind, Result};
 use crate::plane::{Mask, Plane};
 use std::path::{Path, PathBuf};

@@ -5,8 +5,8 @@
 //! one of them, and [`Burst::from_arrays`] makes one of arrays in memory.
 
 mod arrays;
-mod decode;
 mod error;
+mod formats;
 mod info;
 mod layout;
 mod masks;
@@ -15,18 +15,21 @@ mod number;
 mod open;
 mod options;
 mod positions;
+mod reading;
 mod source;
 mod stamps;
 mod times;
 mod views;
 
 pub use arrays::{ArrayFrame, Arrays};
-pub use decode::{DecodeWorker, LUMA_WEIGHTS, LikelyShape, likely_shapes, serve_decoding};
+pub use formats::{LikelyShape, likely_shapes, serve_decoding};
 pub use info::Info;
 pub use layout::{Axis, AxisChoice, Dump, FrameRange, Mosaic, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
 pub use positions::{Offset, Positions};
+pub use reading::confined::DecodeWorker;
+pub use reading::pixels::LUMA_WEIGHTS;
 pub use source::{
     BurstFiles, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,

@@ -1,8 +1,8 @@
 //! Notes to the user on how a burst's values were interpreted, and on settings that may suit it better.
 
 use super::Burst;
-use super::decode::{FileScale, RawFrame};
 use super::options::{Encoding, OpenOptions};
+use super::reading::{FileScale, RawFrame};
 use rayon::prelude::*;
 
 /// A note on a burst's values, and the option that changes them.

@@ -5,12 +5,13 @@
 //! another kind, their values are converted to the frames' unit, or refused where the unit cannot be told.
 
 use super::Burst;
-use super::decode::{self, Expected, FileScale, RawFrame, Reading, Ticker, in_order};
+use super::formats;
 use super::layout::ViewsChoice;
 use super::masks::{Masks, told};
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
 use super::positions::Positions;
+use super::reading::{Declared, Expected, FileScale, RawFrame, Reading, Ticker, in_order};
 use super::source::only_burst;
 use super::stamps::Timing;
 use super::views::{placed, views_of};
@@ -153,22 +154,23 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     let count = files.len();
     let timing = if count > 1 { placed(&mut files, (count, None), options, monitor)? } else { Timing::even(1) };
     let first = files.first().ok_or_else(Error::nothing_given)?;
-    let (header, decoded) = decode::header(first, options, monitor)?;
+    let Declared { width, height, frames, views, taken, first: decoded, .. } =
+        formats::declared(first, options, monitor)?;
     if count == 1 {
-        let ticker = Ticker::new(monitor, header.frames);
+        let ticker = Ticker::new(monitor, frames);
         let mut frames = match decoded {
             Some(frame) => {
                 ticker.tick();
                 options.taken(first, vec![frame], (1, 1))?
             }
-            None => decode::stack(Reading::new(first, options, &ticker))?,
+            None => formats::stack(Reading::new(first, options, &ticker))?,
         };
         if let Some((grid, tiling)) = options.views.and_then(ViewsChoice::picture) {
             let [picture] = &frames[..] else { return Err(Error::views_of_stack(first, frames.len())) };
             limits.check_burst(first, grid.count() as u64, 1, 1)?;
             frames = views_of(first, picture, grid, tiling)?;
         }
-        let Timing { positions, said } = placed(&mut [first.clone()], (frames.len(), header.views), options, monitor)?;
+        let Timing { positions, said } = placed(&mut [first.clone()], (frames.len(), views), options, monitor)?;
         let name = file_name(first);
         let columns = positions.rows_and_columns().map_or(frames.len(), |(_, columns)| columns);
         let frame_names = match frames.len() {
@@ -179,10 +181,10 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
         let page = |t: usize| PathBuf::from(format!("{} (frame {t})", first.display()));
         check_samples(&frames, options, page)?;
         let origins = (0..frames.len()).map(|t| (first.clone(), t)).collect();
-        let taken = header.taken.into_iter().chain(said).collect();
+        let taken = taken.into_iter().chain(said).collect();
         return Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions });
     }
-    let size = (header.width, header.height);
+    let size = (width, height);
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
     let ticker = Ticker::new(monitor, files.len());
     let expected = Expected { first, size };
@@ -192,14 +194,14 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
         let ready = if i == 0 { decoded.lock().unwrap_or_else(PoisonError::into_inner).take() } else { None };
         let ticker_of_file = &Ticker::new(&silent, 1);
         let reading = Reading { path: &files[i], expected: Some(expected), options, ticker: ticker_of_file };
-        let frame = ready.map_or_else(|| decode::frame(reading), Ok)?;
+        let frame = ready.map_or_else(|| formats::frame(reading), Ok)?;
         ticker.tick();
         Ok(frame)
     })?;
     check_samples(&frames, options, |t| files[t].clone())?;
     let frame_names = files.iter().map(|f| file_name(f)).collect();
     let origins = files.into_iter().map(|f| (f, 0)).collect();
-    let taken = header.taken.into_iter().chain(timing.said).collect();
+    let taken = taken.into_iter().chain(timing.said).collect();
     Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions: timing.positions })
 }
 

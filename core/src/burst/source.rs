@@ -7,7 +7,7 @@
 //! Films, archives and files without header are taken in a folder that holds no pictures.
 //! [`cut_sequence`] makes a burst of every N frames of a long recording; each lists its own files and is opened alone.
 
-use super::decode::{self, Rank};
+use super::formats::{self, Rank};
 use super::options::OpenOptions;
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::path_text;
@@ -53,7 +53,7 @@ pub fn files_at(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
 
 /// Extensions (lower case, without a dot) of files that are taken for pictures in a folder.
 pub fn supported_extensions() -> Vec<&'static str> {
-    decode::extensions().collect()
+    formats::extensions().collect()
 }
 
 /// Bursts that `inputs` name, in natural order (folders and stacks named one by one keep their order). Reads folders
@@ -129,7 +129,7 @@ pub fn find_entries(inputs: &[PathBuf], options: &OpenOptions) -> Result<Entries
 fn entries_of_folder(folder: &Path, look_into_subfolders: bool, options: &OpenOptions) -> Result<Entries> {
     let (mut pictures, subfolders) = list(folder)?;
     // Archives and logs lie beside folders of pictures; in a dataset they are none of its bursts.
-    let is_other = pictures.first().and_then(|path| decode::rank(path)) == Some(Rank::Other);
+    let is_other = pictures.first().and_then(|path| formats::rank(path)) == Some(Rank::Other);
     if is_other && !look_into_subfolders && options.raw.is_none() {
         pictures.clear();
     }
@@ -168,7 +168,7 @@ fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<Bur
         return Ok(files.into_iter().map(stack_source).collect());
     }
     if let Some(path) = files.iter().find(|f| is_stack(f, options)) {
-        return Err(Error::stack_among_frames(path, decode::frame_count(path, options).unwrap_or(2)));
+        return Err(Error::stack_among_frames(path, formats::frame_count(path, options).unwrap_or(2)));
     }
     let parent = files[0].parent().unwrap_or(Path::new(""));
     let together = files.iter().all(|f| f.parent().unwrap_or(Path::new("")) == parent);
@@ -179,13 +179,13 @@ fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<Bur
 /// Whether each file is a burst: one at least holds several frames, and none a single one. One that cannot be read is a
 /// burst too, whose opening gives the error, so that the others are not lost.
 fn are_stacks(files: &[PathBuf], options: &OpenOptions) -> bool {
-    let is_single = |file: &PathBuf| decode::frame_count(file, options).is_ok_and(|frames| frames < 2);
+    let is_single = |file: &PathBuf| formats::frame_count(file, options).is_ok_and(|frames| frames < 2);
     !files.iter().any(is_single) && files.iter().any(|file| is_stack(file, options))
 }
 
 /// Whether the file holds more than one frame. False for a file that cannot be read: opening it gives the error.
 pub(super) fn is_stack(path: &Path, options: &OpenOptions) -> bool {
-    decode::frame_count(path, options).is_ok_and(|frames| frames > 1)
+    formats::frame_count(path, options).is_ok_and(|frames| frames > 1)
 }
 
 fn stack_source(path: PathBuf) -> BurstFiles {
@@ -217,7 +217,7 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
         // Follows links. A broken link with a picture's extension counts as a picture, so that opening names it.
         match std::fs::metadata(&path) {
             Ok(metadata) if metadata.is_dir() => subfolders.push(path),
-            _ => found.extend(decode::rank(&path).map(|rank| (rank, path))),
+            _ => found.extend(formats::rank(&path).map(|rank| (rank, path))),
         }
     }
     let first = found.iter().map(|(rank, _)| *rank).min();

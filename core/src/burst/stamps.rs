@@ -4,7 +4,7 @@
 //! A stamp is a number or a date. Its unit stands in the heading of its column (`timestamp [ns]`, `time_s`), or is
 //! guessed: from the size of a number that counts from 1970, and else from the distance of the frames.
 
-use super::decode;
+use super::formats;
 use super::layout::TimesChoice;
 use super::options::OpenOptions;
 use super::positions::Positions;
@@ -507,12 +507,12 @@ fn rows_of(list: &List, names: &[String], frames: usize) -> Result<Vec<usize>, (
 /// Times that the files of frames hold; those before the first that holds none.
 pub(super) fn of_headers(files: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Times> {
     if let [file] = files {
-        return decode::times(file, options, monitor);
+        return formats::times(file, options, monitor);
     }
     let mut all = Times { seconds: Vec::with_capacity(files.len()), is_absolute: true };
     for file in files {
         monitor.check()?;
-        let times = decode::times(file, options, monitor)?;
+        let times = formats::times(file, options, monitor)?;
         let Some(time) = times.seconds.first().filter(|_| times.is_absolute) else { break };
         all.seconds.push(*time);
     }

@@ -5,10 +5,10 @@
 //! a thing of disparity d is displaced by d to the right from a view to that of the next column, and by d downwards
 //! from a view to that of the next row.
 
-use super::decode::RawFrame;
 use super::layout::{MAX_SIDE, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use super::options::OpenOptions;
 use super::positions::Positions;
+use super::reading::RawFrame;
 use super::stamps::{Timing, base_name, stem};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
@@ -197,7 +197,7 @@ pub(super) fn views_of(path: &Path, frame: &RawFrame, grid: ViewGrid, tiling: Ti
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::burst::decode::FileScale;
+    use crate::burst::reading::FileScale;
     use proptest::prelude::*;
 
     fn placed_as(names: &[&str], options: &OpenOptions) -> Result<(Timing, Vec<String>), String> {

@@ -1,0 +1,294 @@
+//! Films, decoded by the `ffmpeg` of this machine: it writes them as Y4M to a pipe, with all bits of their luma.
+//!
+//! The program is started without a shell, may read this file alone and no address of a network, and is killed when the
+//! work is cancelled. Its words are an error, also where it ends well. Memory holds the frames and a block of the pipe.
+
+use super::y4m::Film as Stream;
+use super::{Format, Input, Rank, Record, Start};
+use crate::burst::options::OpenOptions;
+use crate::burst::reading::confined::Running;
+use crate::burst::reading::{Declared, RawFrame, Reading};
+use crate::burst::times::Times;
+use crate::error::{Error, ErrorKind, Result};
+use crate::files::{self, shell_path};
+use crate::monitor::Monitor;
+use std::ffi::OsString;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const KIND: &str = "film";
+
+pub(super) struct Film;
+
+impl Format for Film {
+    fn record(&self) -> Record {
+        let extensions = &["mp4", "mkv", "avi", "mov", "webm", "mpg", "gif"];
+        let opens = "films of any kind that the `ffmpeg` of the machine decodes, GIF among them";
+        Record { name: KIND, rank: Rank::Other, extensions, opens, options: &[] }
+    }
+
+    fn begins(&self, start: &Start<'_>) -> bool {
+        container(start.bytes).is_some()
+    }
+
+    fn count(&self, _input: Input, _reading: Reading<'_>) -> Result<usize> {
+        Ok(2)
+    }
+
+    fn declared(&self, _input: Input, reading: Reading<'_>) -> Result<Declared> {
+        declared(reading)
+    }
+
+    fn times(&self, _input: Input, reading: Reading<'_>) -> Result<Times> {
+        Ok(declared(reading)?.times)
+    }
+
+    fn frames(&self, _input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+        frames(reading)
+    }
+
+    fn only(&self, _input: Input, reading: Reading<'_>) -> Result<RawFrame> {
+        Err(Error::stack_among_frames(reading.path, 2))
+    }
+}
+
+/// Name that `ffmpeg` has for the container of a video that begins with `start`: MP4 and QuickTime (but not HEIF, which
+/// is a picture in the same container), Matroska and WebM, AVI, MPEG, Flash, Windows Media, GIF.
+fn container(start: &[u8]) -> Option<&'static str> {
+    let at = |place: usize, magic: &[u8]| start.get(place..).is_some_and(|rest| rest.starts_with(magic));
+    let is_picture = [&b"hei"[..], b"hev", b"mif1", b"msf1", b"avi"].iter().any(|brand| at(8, brand));
+    let magics: [(usize, &[u8], &str); 10] = [
+        (4, b"moov", "mov"),
+        (4, b"mdat", "mov"),
+        (4, b"wide", "mov"),
+        (8, b"AVI ", "avi"),
+        (0, b"\x1a\x45\xdf\xa3", "matroska"),
+        (0, b"\0\0\x01\xba", "mpeg"),
+        (0, b"\0\0\x01\xb3", "mpegvideo"),
+        (0, b"FLV\x01", "flv"),
+        (0, b"\x30\x26\xb2\x75\x8e\x66\xcf\x11", "asf"),
+        (0, b"GIF8", "gif"),
+    ];
+    if at(4, b"ftyp") && !is_picture {
+        return Some("mov");
+    }
+    let found = magics.into_iter().find(|(place, magic, _)| at(*place, magic)).map(|(.., name)| name);
+    found.filter(|name| *name != "avi" || at(0, b"RIFF"))
+}
+
+/// Formats of pixels that Y4M holds: frames in these keep their bits, others (GIF, RGB) are converted to the nearest.
+const PIXELS: &str = "format=gray|gray9le|gray10le|gray12le|gray16le|yuv411p|yuv420p|yuv422p|yuv444p|yuvj420p|yuvj422p|\
+    yuvj444p|yuv420p9le|yuv422p9le|yuv444p9le|yuv420p10le|yuv422p10le|yuv444p10le|yuv420p12le|yuv422p12le|yuv444p12le|\
+    yuv420p14le|yuv422p14le|yuv444p14le|yuv420p16le|yuv422p16le|yuv444p16le";
+/// Arguments that decode each frame once; before version 5.1 `ffmpeg` knows the first by another name.
+const FRAMES: [&str; 9] = ["-fps_mode", "passthrough", "-vf", PIXELS, "-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
+/// Arguments that list the frames with their times, without decoding them.
+const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
+
+/// The `ffmpeg` that is found first in `PATH`; the error says the command that keeps the bits.
+fn ffmpeg(path: &Path) -> Result<PathBuf> {
+    let name = format!("ffmpeg{}", std::env::consts::EXE_SUFFIX);
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let found = std::env::split_paths(&folders).filter(|folder| folder.is_absolute()).map(|folder| folder.join(&name));
+    found.into_iter().find(|program| program.is_file()).ok_or_else(|| missing(path))
+}
+
+fn missing(path: &Path) -> Error {
+    let remedy = format!(
+        "ffmpeg decodes it and is not in PATH: install it, or convert the film elsewhere, with all its bits: \
+         ffmpeg -i {} -fps_mode passthrough -vf '{PIXELS}' -strict -1 {}",
+        shell_path(path),
+        shell_path(&path.with_extension("y4m"))
+    );
+    Error::new(ErrorKind::Unsupported, "this is a film", remedy)
+}
+
+/// Runs `ffmpeg` as [`run_once`] does, and again with the names of options that old versions know.
+fn run<T>(
+    path: &Path,
+    (arguments, most): (&[&str], usize),
+    options: &OpenOptions,
+    monitor: &Monitor,
+    read: impl Fn(&mut dyn BufRead) -> Result<T>,
+) -> Result<T> {
+    let answer = run_once(path, (arguments, most), options, monitor, &read);
+    if !answer.as_ref().is_err_and(|error| error.problem.contains("fps_mode")) {
+        return answer;
+    }
+    let arguments: Vec<&str> =
+        arguments.iter().map(|word| if *word == "-fps_mode" { "-vsync" } else { *word }).collect();
+    run_once(path, (&arguments, most), options, monitor, &read)
+}
+
+/// Runs `ffmpeg` over at most `most` frames of the film `path` and reads what it writes, to its end. The container is
+/// named, so that no pattern in the name of the file stands for others.
+fn run_once<T>(
+    path: &Path,
+    (arguments, most): (&[&str], usize),
+    options: &OpenOptions,
+    monitor: &Monitor,
+    read: impl FnOnce(&mut dyn BufRead) -> Result<T>,
+) -> Result<T> {
+    monitor.check()?;
+    let mut start = Vec::new();
+    let opened = files::open(path).and_then(|file| file.take(32).read_to_end(&mut start));
+    opened.map_err(|e| Error::from_io(path, &e))?;
+    let container = container(&start).ok_or_else(|| Error::corrupt(path, KIND, "its first bytes have changed"))?;
+    let mut command = Command::new(ffmpeg(path)?);
+    let mut input = OsString::from("file:");
+    input.push(path);
+    command.args(["-nostdin", "-v", "error", "-protocol_whitelist", "file"]);
+    if !options.accept_damaged {
+        command.arg("-xerror");
+    }
+    command.args(["-format_whitelist", container, "-f", container, "-i"]).arg(input);
+    command.args(["-map", "0:v:0"]);
+    if most < usize::MAX {
+        command.args(["-frames:v", &most.to_string()]);
+    }
+    command.args(arguments);
+    let mut running = Running::spawn(command, path)?;
+    let (stdin, stdout, stderr) = running.pipes();
+    drop(stdin);
+    let (answer, words) = std::thread::scope(|scope| {
+        let words = scope.spawn(move || last_words(stderr));
+        let mut reader = BufReader::with_capacity(1 << 16, stdout);
+        let answer = running.watched(path, monitor, None, || {
+            let answer = read(&mut reader)?;
+            io::copy(&mut reader, &mut io::sink()).map_err(|e| Error::from_read(path, KIND, &e))?;
+            Ok::<_, Error>(answer)
+        });
+        if !matches!(answer, Ok(Ok(_))) {
+            running.kill();
+        }
+        (answer, words.join().unwrap_or_default())
+    });
+    monitor.check()?;
+    let ended_well = running.ends_well();
+    match answer? {
+        // A limit, or a value that is not finite, is not the program's failure.
+        Err(error) if words.is_empty() || error.kind != ErrorKind::Damaged => Err(error),
+        // It goes on after damage, and ends well.
+        Ok(answer) if ended_well && (words.is_empty() || options.accept_damaged) => Ok(answer),
+        Ok(_) if ended_well => {
+            Err(said(path, &words, "--accept-damaged takes the frames that it decodes all the same"))
+        }
+        _ => Err(said(path, &words, "try ffmpeg on it by itself; what is damaged, copy again")),
+    }
+}
+
+/// Error with the words of `ffmpeg`, which are no verdict on the file.
+fn said(path: &Path, words: &str, remedy: &str) -> Error {
+    let words = if words.is_empty() { "nothing" } else { words };
+    Error::new(ErrorKind::Damaged, format!("ffmpeg does not decode this film, and says: {words}"), remedy).about(path)
+}
+
+/// The first line that is written to `stderr`; the others are read too, so that their writer never waits.
+fn last_words(stderr: impl Read) -> String {
+    const MAX_WORDS_BYTES: u64 = 2000;
+    let mut stderr = stderr;
+    let mut words = Vec::new();
+    let _ = (&mut stderr).take(MAX_WORDS_BYTES).read_to_end(&mut words);
+    let _ = io::copy(&mut stderr, &mut io::sink());
+    String::from_utf8_lossy(&words).lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
+}
+
+/// Size, number of frames and times, without decoding more than the first.
+fn declared(reading: Reading<'_>) -> Result<Declared> {
+    let Reading { path, options, ticker, .. } = reading;
+    let monitor = ticker.monitor();
+    let whole = &options.of_whole();
+    let mut times = run(path, (&LIST, usize::MAX), options, monitor, |reader| times(path, reader, whole))?;
+    let film = run(path, (&FRAMES, 1), options, monitor, |mut reader| Stream::read(path, &mut reader))?;
+    let (width, height) = (film.size.0 as u64, film.size.1 as u64);
+    options.limits.check_frame(path, width, height)?;
+    times.seconds = options.taken(path, times.seconds, film.size)?;
+    options.limits.check_burst(path, times.seconds.len() as u64, width, height)?;
+    let plain = film.plain(vec![0; times.seconds.len()]);
+    Ok(Declared { kind: KIND, times, ..plain.declared() })
+}
+
+/// Times of the frames of a list: lines of words, and of a stream's number, two times, a duration, a length and a
+/// checksum for each frame.
+fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<Times> {
+    let (mut unit_s, mut seconds) = (1.0, Vec::new());
+    for line in reader.take(1 << 26).lines() {
+        let line = line.map_err(|e| Error::from_read(path, KIND, &e))?;
+        if let Some(unit) = line.strip_prefix("#tb 0:") {
+            let parts =
+                unit.trim().split_once('/').and_then(|(a, b)| Some((a.parse::<f64>().ok()?, b.parse::<f64>().ok()?)));
+            unit_s = parts.filter(|(_, b)| *b > 0.0).map_or(1.0, |(a, b)| a / b);
+        } else if !line.starts_with('#') {
+            // What an edit list cuts off is decoded for the rest, and not shown.
+            const DISCARDED: u32 = 4;
+            let flags = line.rsplit_once("F=0x").and_then(|(_, flags)| u32::from_str_radix(flags.trim(), 16).ok());
+            if flags.is_some_and(|flags| flags & DISCARDED > 0) {
+                continue;
+            }
+            let shown = line.split(',').nth(2).and_then(|field| field.trim().parse::<f64>().ok());
+            seconds.push(shown.ok_or_else(|| Error::corrupt(path, KIND, "a frame has no time"))? * unit_s);
+            options.limits.check_burst(path, seconds.len() as u64, 1, 1)?;
+        }
+    }
+    // Packets come in the order of decoding.
+    seconds.sort_by(f64::total_cmp);
+    let first = *seconds.first().ok_or_else(|| Error::corrupt(path, KIND, "ffmpeg finds no frame in it"))?;
+    seconds.iter_mut().for_each(|time| *time -= first);
+    Ok(Times { seconds, is_absolute: false })
+}
+
+fn frames(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+    let Reading { path, options, ticker, .. } = reading;
+    let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
+    run(path, (&FRAMES, range.end), options, ticker.monitor(), |mut reader| {
+        let film = Stream::read(path, &mut reader)?;
+        let (width, height) = (film.size.0 as u64, film.size.1 as u64);
+        options.limits.check_frame(path, width, height)?;
+        let plain = film.plain(vec![0]);
+        let (mut frames, mut count) = (Vec::new(), 0);
+        while count < range.end && Stream::next_frame(path, &mut reader)? {
+            let mut rest = film.rest_bytes();
+            if count < range.start {
+                rest += plain.frame_bytes();
+            } else {
+                options.limits.check_burst(path, frames.len() as u64 + 1, width, height)?;
+                frames.push(plain.read(reading, frames.len(), &mut reader)?);
+            }
+            count += 1;
+            let skipped = io::copy(&mut (&mut reader).take(rest), &mut io::sink());
+            if skipped.map_err(|e| Error::from_read(path, KIND, &e))? < rest {
+                return Err(Error::corrupt(path, KIND, "its last frame is not whole"));
+            }
+        }
+        if frames.is_empty() {
+            return Err(Error::corrupt(path, KIND, "ffmpeg finds no frame in it"));
+        }
+        Ok(frames)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_ffmpeg_the_error_says_the_command() {
+        let words = missing(Path::new("it's.mp4")).to_string();
+        assert!(words.contains(r"-i 'it'\''s.mp4'") && words.ends_with(r"-strict -1 'it'\''s.y4m'"), "{words}");
+    }
+
+    #[test]
+    fn lists_of_frames_are_in_the_order_of_their_times() {
+        let list = "#software: Lavf\n#tb 0: 1/25\n#media_type 0: video\n0, 0, 2, 1, 90, 0x1\n0, 1, 4, 1, 90, 0x2\n0, 2, 3, 1, 9, 0x3\n";
+        let read = |text: &str| times(Path::new("a.mp4"), &mut text.as_bytes(), &OpenOptions::default());
+        let seconds = read(list).expect("times").seconds;
+        assert!(
+            seconds.iter().zip([0.0, 0.04, 0.08]).all(|(found, expected)| (found - expected).abs() < 1e-12),
+            "{seconds:?}"
+        );
+        for bad in ["", "#tb 0: 1/25\n", "0, 1\n", "words\n"] {
+            assert!(read(bad).expect_err(bad).to_string().contains("a.mp4"));
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! FITS images: two axes, or three of which the last is that of the frames, of any type, scaled by BSCALE and BZERO;
+//! as numbers, or compressed in tiles that lie in the rows of a table (`fpack`). Of several images in a file the first
+//! is taken, or the one whose EXTNAME or number is named.
+//!
+//! Rows are in the file's order, as astropy reads them; many programs show the first one at the bottom. Format: the
+//! FITS standard 4.0, <https://fits.gsfc.nasa.gov/fits_standard.html>; tiles are section 10 of it.
+
+use super::{Input, Numbers, Rank, Record, Start};
+use crate::burst::layout::{Axis, Mosaic};
+use crate::burst::number::{Number, Scaling};
+use crate::burst::options::OpenOptions;
+use crate::burst::reading::plain::{Places, Plain};
+use crate::burst::reading::tiles::Tiles;
+use crate::burst::times::{Times, seconds_of};
+use crate::error::{Error, ErrorKind, Result};
+use fitsio_pure::header::{Card, parse_card};
+use fitsio_pure::value::Value;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+const KIND: &str = "FITS";
+/// First bytes of every file.
+const MAGIC: &[u8] = b"SIMPLE  =";
+const BLOCK_BYTES: u64 = 2880;
+const CARD_BYTES: usize = 80;
+/// Largest number of cards of a header, and of headers of a file.
+const MAX_CARDS: usize = 1 << 14;
+const MAX_UNITS: usize = 1 << 12;
+/// Largest number of axes of the standard.
+const MAX_AXES: u64 = 999;
+/// Values of CTYPE3 of axes that are no time begin with these.
+const NOT_TIME: [&str; 12] =
+    ["FREQ", "WAVE", "AWAV", "VELO", "VRAD", "VOPT", "ZOPT", "ENER", "LAMB", "STOKES", "FELO", "BETA"];
+
+pub(super) struct Fits;
+
+impl Numbers for Fits {
+    fn record(&self) -> Record {
+        let opens = "images of two or three axes of any type, also compressed in tiles (`fpack`)";
+        let extensions = &["fits", "fit", "fts", "fz"];
+        Record { name: KIND, rank: Rank::Film, extensions, opens, options: &["array", "axis"] }
+    }
+
+    fn begins(&self, start: &Start<'_>) -> bool {
+        start.bytes.starts_with(MAGIC)
+    }
+
+    fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {
+        plain(path, input.file, input.length, options)
+    }
+}
+
+/// Header of an image, or of another unit of a file.
+struct Unit {
+    cards: Vec<Card>,
+    /// Place of the data.
+    data: u64,
+    /// Axes of the data, and of the image: those of the data, unless these are a table of tiles.
+    own_axes: Vec<u64>,
+    axes: Vec<u64>,
+    is_tiled: bool,
+    /// Bytes of the data, without padding.
+    bytes: u64,
+}
+
+impl Unit {
+    /// Reads the header at the reader's place.
+    fn read(path: &Path, reader: &mut (impl Read + Seek)) -> Result<Self> {
+        let fail = |e: io::Error| Error::from_read(path, KIND, &e);
+        let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
+        let mut cards = Vec::new();
+        let mut card = [0; CARD_BYTES];
+        for count in 0.. {
+            reader.read_exact(&mut card).map_err(fail)?;
+            if count >= MAX_CARDS {
+                return Err(corrupt(format!("a header has no END within {MAX_CARDS} lines")));
+            }
+            if card.starts_with(b"END     ") {
+                break;
+            }
+            // Some programs write comments that are no ASCII.
+            card.iter_mut().filter(|byte| !byte.is_ascii()).for_each(|byte| *byte = b'?');
+            cards.extend(parse_card(&card));
+        }
+        let data = reader.stream_position().map_err(fail)?.next_multiple_of(BLOCK_BYTES);
+        let unit = Self { cards, data, own_axes: Vec::new(), axes: Vec::new(), is_tiled: false, bytes: 0 };
+        let positive = |name: &str| {
+            let number = unit.whole(path, name)?;
+            Ok::<Option<u64>, Error>(number.and_then(|number| number.try_into().ok()))
+        };
+        let axes_of = |prefix: &str| {
+            let (count, own) = (format!("{prefix}NAXIS"), |axis| format!("{prefix}NAXIS{axis}"));
+            let wrong = || corrupt(format!("{count}, the number of axes, is missing or not 0 to {MAX_AXES}"));
+            let length = |axis| {
+                let wrong = || corrupt(format!("{}, the length of an axis, is missing or negative", own(axis)));
+                positive(&own(axis))?.ok_or_else(wrong)
+            };
+            let count = positive(&count)?.filter(|count| *count <= MAX_AXES).ok_or_else(wrong)?;
+            (1..=count).map(length).collect::<Result<Vec<u64>>>()
+        };
+        let axes = axes_of("")?;
+        let bits = unit.whole(path, "BITPIX")?.ok_or_else(|| corrupt("BITPIX is missing".to_owned()))?.unsigned_abs();
+        let values =
+            if axes.is_empty() { 0 } else { axes.iter().fold(1u64, |product, length| product.saturating_mul(*length)) };
+        let (pcount, gcount) = (positive("PCOUNT")?.unwrap_or(0), positive("GCOUNT")?.unwrap_or(1));
+        let bytes = values.saturating_add(pcount).saturating_mul(gcount).saturating_mul(bits / 8);
+        let is_tiled = unit.text("XTENSION") == Some("BINTABLE") && unit.value("ZIMAGE") == Some(&Value::Logical(true));
+        let image = if is_tiled { axes_of("Z")? } else { axes.clone() };
+        Ok(Self { own_axes: axes, axes: image, is_tiled, bytes, ..unit })
+    }
+
+    /// Value of a keyword; one without a value, or with one that cannot be read, is undefined.
+    fn value(&self, name: &str) -> Option<&Value> {
+        let card = self.cards.iter().find(|card| card.keyword_str() == name)?;
+        Some(card.value.as_ref().unwrap_or(&Value::Undefined))
+    }
+
+    fn text(&self, name: &str) -> Option<&str> {
+        match self.value(name) {
+            Some(Value::String(text)) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// A whole number; an error names the keyword.
+    fn whole(&self, path: &Path, name: &str) -> Result<Option<i64>> {
+        match self.value(name) {
+            None => Ok(None),
+            Some(Value::Integer(number)) => Ok(Some(*number)),
+            Some(_) => Err(Error::corrupt(path, KIND, format!("{name} is no whole number"))),
+        }
+    }
+
+    /// A number, or a text that is one; an error names the keyword.
+    fn number(&self, path: &Path, name: &str) -> Result<Option<f64>> {
+        let number = match self.value(name) {
+            None => return Ok(None),
+            Some(Value::Integer(number)) => Some(*number as f64),
+            Some(Value::Float(number)) => Some(*number),
+            Some(Value::String(text)) => text.trim().parse().ok(),
+            Some(_) => None,
+        };
+        let wrong = || Error::corrupt(path, KIND, format!("{name} is no number"));
+        number.filter(|number| number.is_finite()).map(Some).ok_or_else(wrong)
+    }
+
+    fn is_image(&self) -> bool {
+        let is_kind = self.is_tiled || self.text("XTENSION").is_none_or(|kind| kind == "IMAGE");
+        is_kind && self.axes.len() >= 2 && self.bytes > 0 && !self.axes.contains(&0)
+    }
+
+    fn name(&self) -> &str {
+        self.text("EXTNAME").unwrap_or("without a name")
+    }
+
+    fn plain(&self, path: &Path, length: u64, options: &OpenOptions) -> Result<Plain> {
+        let refused = |problem: String, remedy: &str| Error::new(ErrorKind::Unsupported, problem, remedy).about(path);
+        let number = match self.whole(path, if self.is_tiled { "ZBITPIX" } else { "BITPIX" })? {
+            Some(8) => Number::U8,
+            Some(16) => Number::I16,
+            Some(32) => Number::I32,
+            Some(64) => Number::I64,
+            Some(-32) => Number::F32,
+            Some(-64) => Number::F64,
+            bits => {
+                let bits = bits.map_or("missing".to_owned(), |bits| bits.to_string());
+                let reason = format!("BITPIX is {bits}, and 8, 16, 32, 64, -32 and -64 are possible");
+                return Err(Error::corrupt(path, KIND, reason));
+            }
+        };
+        let frames = self.axes.get(2).copied().unwrap_or(1);
+        if self.axes.iter().skip(3).any(|length| *length != 1) {
+            let problem = format!("this image has the axes {:?}", self.axes);
+            return Err(refused(problem, "save columns, rows and frames alone"));
+        }
+        let mut taken = Vec::new();
+        let axis = self.text("CTYPE3").unwrap_or_default().trim();
+        let chosen = options.axis.as_ref().map(|axis| axis.along);
+        let is_named = axis.to_uppercase().starts_with("RGB") || axis.eq_ignore_ascii_case("COLOR");
+        let are_colours = frames == 3 && (chosen == Some(Axis::C) || chosen.is_none() && is_named);
+        if frames == 3 && chosen.is_none() && !are_colours && !axis.to_uppercase().starts_with("TIME") {
+            let problem = "the three pictures of this image may be its colours, or three frames";
+            return Err(refused(
+                problem.to_owned(),
+                "--axis C takes them for red, green and blue, --axis last for frames",
+            ));
+        }
+        if are_colours {
+            taken.push("its three pictures are taken for red, green and blue, whose luma is used".to_owned());
+        } else if frames > 1 {
+            if options.axis.is_none() && NOT_TIME.iter().any(|start| axis.starts_with(start)) {
+                let problem = format!("the {frames} pictures of this image differ in {axis} (CTYPE3), not in time");
+                return Err(refused(problem, "--axis last takes them for frames"));
+            }
+            taken.push(format!("the third axis, of {frames} pictures, is taken for that of the frames"));
+        }
+        let factor = self.number(path, "BSCALE")?.unwrap_or(1.0);
+        let offset = self.number(path, "BZERO")?.unwrap_or(0.0);
+        let blank = match self.number(path, "BLANK")? {
+            None if self.is_tiled => self.number(path, "ZBLANK")?,
+            given => given,
+        };
+        let blank = blank.filter(|_| !number.is_float()).map(|blank| blank as i64);
+        let is_plain = (factor, offset, blank) == (1.0, 0.0, None);
+        let white = match (number, factor, offset) {
+            // Unsigned numbers are stored as signed ones, and bytes with a sign as those without.
+            (Number::I16, 1.0, 32768.0) => Some(65535.0),
+            (Number::U8, 1.0, -128.0) => Some(127.0),
+            (_, 1.0, 0.0) => number.range(),
+            _ => None,
+        };
+        let step = number.bytes(self.axes[0].saturating_mul(self.axes[1]));
+        let shape = (frames, self.axes[1], self.axes[0]);
+        let (places, tiles) = if self.is_tiled {
+            let place = (self.data, length);
+            let tiles = Tiles::of(path, &self.cards, &self.own_axes, shape, place, &options.limits)?;
+            (Places::Even { first: 0, step: 1, count: frames }, Some(tiles))
+        } else {
+            (Plain::places_in(path, KIND, shape, (self.data, step, length), &options.limits)?, None)
+        };
+        let scaling = (!is_plain).then_some(Scaling { factor, offset, blank });
+        let size = (self.axes[0] as usize, self.axes[1] as usize);
+        let (times, mosaic, plain) = (self.times(frames), self.mosaic(), Plain::new(KIND, size, places, number));
+        if let (Some(_), 1) = (mosaic, plain.places.len()) {
+            taken.push("the mosaic of colours is what BAYERPAT says; squares of 2×2 pixels become one".to_owned());
+        }
+        let plain = Plain { big_endian: true, white, scaling, times, taken, tiles, mosaic, ..plain };
+        if !are_colours {
+            return Ok(plain);
+        }
+        // Three planes of a picture: its frame begins with the first.
+        let first = plain.places.at(0);
+        let step = if plain.tiles.is_some() { 1 } else { step };
+        let places = Places::Even { first, step: 3 * step, count: 1 };
+        Ok(Plain { places, planes: step, ..plain })
+    }
+
+    /// Mosaic of colours at the corner of the frames as they are read.
+    fn mosaic(&self) -> Option<Mosaic> {
+        let pattern = self.text("BAYERPAT").or_else(|| self.text("COLORTYP"))?.trim().to_uppercase();
+        let named = [("RGGB", Mosaic::Rggb), ("GRBG", Mosaic::Grbg), ("GBRG", Mosaic::Gbrg), ("BGGR", Mosaic::Bggr)];
+        let mut mosaic = named.into_iter().find(|(name, _)| *name == pattern)?.1;
+        let offset = |name: &str| match self.value(name) {
+            Some(Value::Integer(number)) => number.rem_euclid(2) == 1,
+            Some(Value::Float(number)) => (*number as i64).rem_euclid(2) == 1,
+            _ => false,
+        };
+        // A pattern is that of the upper left corner; where the last row of the file is the upper one, rows change places.
+        let is_upside_down = self.text("ROWORDER").is_some_and(|order| order.trim().eq_ignore_ascii_case("BOTTOM-UP"));
+        let is_even = self.axes[1].is_multiple_of(2);
+        if offset("XBAYROFF") {
+            mosaic = mosaic.shifted(1, 0);
+        }
+        if offset("YBAYROFF") != (is_upside_down && is_even) {
+            mosaic = mosaic.shifted(0, 1);
+        }
+        Some(mosaic)
+    }
+
+    /// The middle of the exposure of a single frame.
+    fn times(&self, frames: u64) -> Times {
+        if frames != 1 {
+            return Times::default();
+        }
+        // Only times need these: what is no number leaves the frames as they are.
+        let number = |name: &str| self.number(Path::new(""), name).ok().flatten();
+        let date = |name: &str| {
+            let date = self.text(name)?;
+            match self.text("TIME-OBS").filter(|_| !date.contains('T')) {
+                Some(time) => seconds_of(&format!("{date}T{time}")),
+                None => seconds_of(date),
+            }
+        };
+        // Days count from midnight of 17 November 1858.
+        let day = |name: &str| number(name).map(|days| (days - 40_587.0) * 86_400.0);
+        let exposure_s = ["EXPTIME", "EXPOSURE", "XPOSURE"].into_iter().find_map(number).unwrap_or(0.0);
+        let start = ["DATE-OBS", "DATE-BEG"].into_iter().find_map(date);
+        let start = start.or_else(|| ["MJD-OBS", "MJD-BEG"].into_iter().find_map(day));
+        let middle = date("DATE-AVG").or_else(|| day("MJD-AVG"));
+        let seconds = middle.or(start.map(|start| start + exposure_s / 2.0));
+        Times { seconds: seconds.into_iter().collect(), is_absolute: true }
+    }
+}
+
+/// The image that the options name, or the first one.
+fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
+    let fail = |e: io::Error| Error::from_read(path, KIND, &e);
+    let mut reader = BufReader::with_capacity(BLOCK_BYTES as usize, file);
+    let (mut images, mut at) = (Vec::new(), 0u64);
+    for _ in 0..MAX_UNITS {
+        reader.seek(SeekFrom::Start(at)).map_err(fail)?;
+        let unit = Unit::read(path, &mut reader)?;
+        at = unit.data.saturating_add(unit.bytes).checked_next_multiple_of(BLOCK_BYTES).unwrap_or(u64::MAX);
+        if unit.is_image() {
+            images.push(unit);
+        }
+        // What is behind the last unit is nobody's, and so is a part of a block.
+        if at.saturating_add(BLOCK_BYTES) > length {
+            break;
+        }
+    }
+    if images.is_empty() {
+        let (problem, remedy) = ("this FITS file has no image", "name one with an image of two or three axes");
+        return Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path));
+    }
+    let number = match &options.array {
+        None => 0,
+        Some(name) => {
+            let named = images.iter().position(|unit| unit.text("EXTNAME") == Some(name));
+            let numbered = || name.parse::<usize>().ok().filter(|number| *number < images.len());
+            named.or_else(numbered).ok_or_else(|| {
+                let names: Vec<&str> = images.iter().map(Unit::name).collect();
+                let remedy = format!("say with --array its name, or its number from 0 on: {}", names.join(", "));
+                Error::new(ErrorKind::Unsupported, format!("this file has no image '{name}'"), remedy).about(path)
+            })?
+        }
+    };
+    let mut plain = images[number].plain(path, length, options)?;
+    if images.len() > 1 {
+        let (name, all) = (images[number].name(), images.len());
+        plain.taken.push(format!("of {all} images number {number} ({name}) is taken; --array takes another"));
+    }
+    Ok(plain)
+}

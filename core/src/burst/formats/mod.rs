@@ -1,0 +1,353 @@
+//! Formats of files, each in a file or folder of its own, and one list of them: [`ALL`].
+//!
+//! A format says by which first bytes and extensions its files are known, what a file declares before any pixel is read
+//! ([`Declared`]), and how frames are read; what formats share lies in [`reading`](super::reading). The kind of a file
+//! is told by its first bytes, not by its name. Before a decoder runs, the sizes that the file declares are checked.
+//! A new format is a file here and a line of the list, from which messages, dialogs and the guide's table are made.
+
+#[cfg(feature = "bags")]
+mod bag;
+mod dump;
+mod film;
+mod fits;
+mod npy;
+mod others;
+mod picture;
+#[cfg(feature = "raw")]
+mod raw;
+mod ser;
+mod tiff;
+mod y4m;
+
+pub use dump::{LikelyShape, likely_shapes};
+
+use super::options::{Limits, OpenOptions};
+use super::reading::confined::{self, wire::Part};
+use super::reading::plain::Plain;
+use super::reading::{Declared, RawFrame, Reading, Ticker, exif, mosaic};
+use super::times::Times;
+use crate::error::{Error, Result, one_line};
+use crate::files;
+use crate::monitor::Monitor;
+use crate::plane::memory;
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// All formats, in the order in which they are asked for a file; a list of extensions has this order too.
+static ALL: &[&dyn Format] = &[
+    &picture::PNG,
+    &tiff::Tiff,
+    &npy::Npy,
+    &picture::JPEG,
+    &picture::PNM,
+    &picture::WEBP,
+    &picture::BMP,
+    &fits::Fits,
+    &ser::Ser,
+    &y4m::Y4m,
+    &npy::Npz,
+    #[cfg(feature = "bags")]
+    &bag::Bag,
+    #[cfg(feature = "raw")]
+    &raw::Raw,
+    &film::Film,
+    &dump::Dump,
+];
+
+/// Formats of files of one folder of which those of the first rank that is there are frames: beside pictures lie films
+/// of them, results and lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Rank {
+    Picture,
+    Film,
+    Other,
+}
+
+/// What is told of a format.
+pub(super) struct Record {
+    /// Its name in messages, unique.
+    pub name: &'static str,
+    pub rank: Rank,
+    /// Extensions of its files, lower case.
+    pub extensions: &'static [&'static str],
+    /// Files that are opened, in words for the guide.
+    pub opens: &'static str,
+    /// Options that act on its files alone, by their names on a command line.
+    pub options: &'static [&'static str],
+}
+
+/// Beginning of a file, by which its format is told.
+pub(super) struct Start<'a> {
+    pub path: &'a Path,
+    /// The first bytes, at most 32.
+    pub bytes: &'a [u8],
+    pub length: u64,
+    file: &'a File,
+}
+
+/// A file that is open at its start, not empty, and of a known format.
+pub(super) struct Input {
+    pub file: File,
+    pub length: u64,
+}
+
+/// A format of files. Decoders may panic on damage: whoever calls takes that for damage.
+pub(super) trait Format: Sync {
+    fn record(&self) -> Record;
+
+    /// Whether files that begin so are of this format.
+    fn begins(&self, start: &Start<'_>) -> bool;
+
+    /// Whether the options say that this file is of the format, whatever it begins with.
+    fn is_asked_for(&self, _start: &Start<'_>, _options: &OpenOptions) -> bool {
+        false
+    }
+
+    /// Whether a file of this name belongs to the format, whose extension does not say it.
+    fn has_name(&self, _path: &Path) -> bool {
+        false
+    }
+
+    /// Checks the lengths that the first `pages` pages of a file declare against its own, before a decoder trusts them.
+    fn check(&self, _input: &Input, _path: &Path, _pages: usize) -> Result<()> {
+        Ok(())
+    }
+
+    /// Number of frames, or 2 for any larger number: reads as little as possible.
+    fn count(&self, _input: Input, _reading: Reading<'_>) -> Result<usize> {
+        Ok(1)
+    }
+
+    /// What the file says before any pixel is read, with the limits checked.
+    fn declared(&self, input: Input, reading: Reading<'_>) -> Result<Declared>;
+
+    /// Times that the file gives for its frames; by default those of photographs. Decodes nothing.
+    fn times(&self, _input: Input, reading: Reading<'_>) -> Result<Times> {
+        Ok(exif::times(reading.path))
+    }
+
+    /// The frames that are to be taken.
+    fn frames(&self, input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+        alone(reading, self.only(input, reading)?)
+    }
+
+    /// The frame of a file that has one; of the expected size.
+    fn only(&self, input: Input, reading: Reading<'_>) -> Result<RawFrame>;
+
+    /// Page `page` of the file, which is frame `frame` of its burst: for a process that decodes one of them.
+    fn page(&self, input: Input, reading: Reading<'_>, _page: usize, _frame: usize) -> Result<RawFrame> {
+        self.only(input, reading)
+    }
+}
+
+/// A format whose pixels lie in the file as plain numbers.
+pub(super) trait Numbers: Sync {
+    fn record(&self) -> Record;
+
+    /// Whether files that begin so are of this format.
+    fn begins(&self, start: &Start<'_>) -> bool;
+
+    fn is_asked_for(&self, _start: &Start<'_>, _options: &OpenOptions) -> bool {
+        false
+    }
+
+    /// All frames of the file; `options` have limits for a whole file, of which a part may be taken.
+    fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain>;
+}
+
+impl<N: Numbers> Format for N {
+    fn record(&self) -> Record {
+        Numbers::record(self)
+    }
+
+    fn begins(&self, start: &Start<'_>) -> bool {
+        Numbers::begins(self, start)
+    }
+
+    fn is_asked_for(&self, start: &Start<'_>, options: &OpenOptions) -> bool {
+        Numbers::is_asked_for(self, start, options)
+    }
+
+    fn count(&self, input: Input, reading: Reading<'_>) -> Result<usize> {
+        Ok(part_of(self, input, reading)?.places.len())
+    }
+
+    fn declared(&self, input: Input, reading: Reading<'_>) -> Result<Declared> {
+        Ok(part_of(self, input, reading)?.declared())
+    }
+
+    fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
+        Ok(part_of(self, input, reading)?.times)
+    }
+
+    fn frames(&self, input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+        part_of(self, input, reading)?.stack(reading)
+    }
+
+    fn only(&self, input: Input, reading: Reading<'_>) -> Result<RawFrame> {
+        part_of(self, input, reading)?.only(reading)
+    }
+
+    fn page(&self, input: Input, reading: Reading<'_>, page: usize, _frame: usize) -> Result<RawFrame> {
+        part_of(self, input, reading)?.page(reading, page)
+    }
+}
+
+/// The frames that are to be taken.
+fn part_of(format: &impl Numbers, input: Input, reading: Reading<'_>) -> Result<Plain> {
+    let Reading { path, options, .. } = reading;
+    format.plain(input, path, &options.of_whole())?.part(path, options)
+}
+
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    path.extension().is_some_and(|own| extensions.contains(&&*own.to_string_lossy().to_lowercase()))
+}
+
+/// Format whose extension the file has.
+fn named(path: &Path) -> Option<&'static dyn Format> {
+    ALL.iter().copied().find(|format| has_extension(path, format.record().extensions))
+}
+
+/// Extensions (lower case) of all files that this program can open.
+pub(super) fn extensions() -> impl Iterator<Item = &'static str> {
+    ALL.iter().flat_map(|format| format.record().extensions.iter().copied())
+}
+
+/// Rank of a file in its folder, by its name; `None` for files that cannot be opened.
+pub(super) fn rank(path: &Path) -> Option<Rank> {
+    if ALL.iter().any(|format| format.has_name(path)) {
+        return Some(Rank::Film);
+    }
+    named(path).map(|format| format.record().rank)
+}
+
+/// The format of the file at `path`, and the file.
+fn found(path: &Path, options: &OpenOptions) -> Result<(&'static dyn Format, Input)> {
+    let read_error = |e: std::io::Error| Error::from_io(path, &e);
+    let metadata = std::fs::metadata(path).map_err(read_error)?;
+    if !metadata.is_file() {
+        return Err(Error::not_a_file(path));
+    }
+    let length = metadata.len();
+    if length == 0 {
+        return Err(Error::damaged(path, "this file is empty (0 bytes)"));
+    }
+    let mut file = files::open(path).map_err(read_error)?;
+    let mut bytes = Vec::with_capacity(32);
+    (&mut file).take(32).read_to_end(&mut bytes).map_err(read_error)?;
+    let start = Start { path, bytes: &bytes, length, file: &file };
+    let asked = ALL.iter().find(|format| format.is_asked_for(&start, options));
+    let format = asked.or_else(|| ALL.iter().find(|format| format.begins(&start)));
+    let format = *format.ok_or_else(|| others::unknown(&start, &options.limits))?;
+    file.seek(SeekFrom::Start(0)).map_err(read_error)?;
+    Ok((format, Input { file, length }))
+}
+
+/// Does `work` with the format of the file that is read, and the file. A panic in a decoder, and memory that the system
+/// refuses it, become errors about the file.
+fn with_format<T>(
+    reading: Reading<'_>,
+    pages: usize,
+    work: impl FnOnce(&dyn Format, Input) -> Result<T>,
+) -> Result<(T, &'static str)> {
+    let path = reading.path;
+    let (format, input) = found(path, reading.options)?;
+    let name = format.record().name;
+    let decode = || format.check(&input, path, pages).and_then(|()| work(format, input));
+    let decode = || memory::refusable(decode).unwrap_or_else(|refused| Err(refused.about(path)));
+    let decoded = std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode))
+        .unwrap_or_else(|_| Err(Error::corrupt(path, name, "its decoder failed unexpectedly")));
+    // Names in a file may hold anything.
+    let decoded = decoded.map_err(|e| Error { problem: one_line(&e.problem), remedy: one_line(&e.remedy), ..e })?;
+    Ok((decoded, name))
+}
+
+/// Number of frames in the file, for a TIFF and a film at most 2; reads as little as possible.
+pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
+    if let Some(grid) = options.views.and_then(|views| views.picture()) {
+        return Ok(grid.0.count());
+    }
+    // A thumbnail may lie between two pages.
+    const PAGES: usize = 3;
+    let limits = Limits { max_frames: usize::MAX, ..Limits::default() };
+    let whole = &OpenOptions { limits, take: None, ..options.clone() };
+    let quiet = Monitor::default();
+    let ticker = Ticker::new(&quiet, 1);
+    let reading = Reading::new(path, whole, &ticker);
+    Ok(with_format(reading, PAGES, |format, input| format.count(input, reading))?.0)
+}
+
+/// What the file declares, checked against the limits.
+pub(super) fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Declared> {
+    let ticker = Ticker::new(monitor, 1);
+    let reading = Reading::new(path, options, &ticker);
+    let (mut found, _) = with_format(reading, usize::MAX, |format, input| format.declared(input, reading))?;
+    found.taken.iter_mut().for_each(|taken| *taken = one_line(taken));
+    if let Some(frame) = &mut found.first {
+        frame.misnamed = misnamed(path, found.kind);
+    }
+    Ok(found)
+}
+
+/// Name of the format of a file, where its extension names another.
+fn misnamed(path: &Path, format: &'static str) -> Option<&'static str> {
+    let named = named(path)?.record();
+    (named.name != format && named.name != dump::NAME).then_some(format)
+}
+
+/// Times that the file gives for its frames. Decodes nothing.
+pub(super) fn times(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Times> {
+    let ticker = Ticker::new(monitor, 1);
+    let reading = Reading::new(path, options, &ticker);
+    Ok(with_format(reading, usize::MAX, |format, input| format.times(input, reading))?.0)
+}
+
+/// The frame of a file that has one, with its mosaic binned.
+pub(super) fn frame(reading: Reading<'_>) -> Result<RawFrame> {
+    let (frame, name) = with_format(reading, usize::MAX, |format, input| format.only(input, reading))?;
+    finished(reading, name, frame)
+}
+
+/// The frames of a file that are to be taken, with their mosaic binned.
+pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+    let (frames, name) = with_format(reading, usize::MAX, |format, input| format.frames(input, reading))?;
+    frames.into_par_iter().map(|frame| finished(reading, name, frame)).collect()
+}
+
+fn finished(reading: Reading<'_>, name: &'static str, frame: RawFrame) -> Result<RawFrame> {
+    let frame = RawFrame { misnamed: misnamed(reading.path, name), ..frame };
+    mosaic::applied(reading.path, frame, reading.options)
+}
+
+/// The frame of a file that has one, where it is to be taken.
+fn alone(reading: Reading<'_>, frame: RawFrame) -> Result<Vec<RawFrame>> {
+    reading.ticker.tick();
+    reading.options.taken(reading.path, vec![frame], (1, 1))
+}
+
+/// The main function of a program started as a [`DecodeWorker`](super::DecodeWorker): decodes the file `path` as the
+/// request on standard input says, and writes it to standard output. Returns the exit code.
+pub fn serve_decoding(path: &Path) -> u8 {
+    confined::serve::serve_decoding(path, |reading, part| match part {
+        // Mosaics are binned where the frame was asked for.
+        Part::Only => Ok(with_format(reading, usize::MAX, |format, input| format.only(input, reading))?.0),
+        Part::Page { page, frame } => {
+            Ok(with_format(reading, usize::MAX, |format, input| format.page(input, reading, page, frame))?.0)
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn names_and_extensions_are_of_one_format_each() {
+        let names: HashSet<&str> = ALL.iter().map(|format| format.record().name).collect();
+        let extensions: HashSet<&str> = extensions().collect();
+        assert_eq!((names.len(), extensions.len()), (ALL.len(), super::extensions().count()));
+    }
+}

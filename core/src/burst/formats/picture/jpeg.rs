@@ -1,0 +1,184 @@
+//! Decoding of JPEGs that takes no damaged data.
+//!
+//! The picture library fills in missing data without an error. So a JPEG is decoded by the same decoder in its strict
+//! mode, and its end marker must be there. After it cameras put films and second pictures.
+
+use crate::burst::reading::too_few_bytes;
+use crate::plane::memory;
+use std::borrow::Cow;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions};
+
+/// Largest number of pixels of a byte of a JPEG: a block of 8×8 takes a bit or more.
+const PIXELS_A_BYTE: u64 = 8 * 64;
+
+/// Samples of a whole JPEG; in its own colours, or `as_rgb` unless it is grey. The error is its damage, in words.
+pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool) -> Result<Vec<u8>, String> {
+    if !has_end(bytes) {
+        return Err("its end marker is missing: it is cut off".to_owned());
+    }
+    // The caller has checked the size against its limits.
+    let options = DecoderOptions::default().set_strict_mode(true).set_max_width(usize::MAX).set_max_height(usize::MAX);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    let words = |error: zune_jpeg::errors::DecodeErrors| error.to_string().trim_matches('"').to_owned();
+    decoder.decode_headers().map_err(words)?;
+    let (width, height) = decoder.dimensions().unwrap_or_default();
+    if let Some(reason) = too_few_bytes(bytes.len() as u64, width as u64, height as u64, PIXELS_A_BYTE) {
+        return Err(reason);
+    }
+    let own = decoder.input_colorspace().unwrap_or(ColorSpace::Luma);
+    let colours = if as_rgb && own != ColorSpace::Luma { ColorSpace::RGB } else { own };
+    decoder.set_options(options.jpeg_set_out_colorspace(colours));
+    let mut samples = memory::zeroed(decoder.output_buffer_size().unwrap_or_default());
+    decoder.decode_into(&mut samples).map_err(words)?;
+    Ok(samples)
+}
+
+/// The tables of Huffman codes that the standard gives as examples (K.3 to K.6), which frames of films (Motion JPEG)
+/// leave out: of each its class and number, the numbers of codes of each length, and the values.
+const USUAL_TABLES: [(u8, [u8; 16], &[u8]); 4] = [
+    (0x00, [0, 1, 5, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]),
+    (0x01, [0, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]),
+    (
+        0x10,
+        [0, 2, 1, 3, 3, 2, 4, 3, 5, 5, 4, 4, 0, 0, 1, 0x7d],
+        b"\x01\x02\x03\x00\x04\x11\x05\x12\x21\x31\x41\x06\x13\x51\x61\x07\x22\x71\x14\x32\x81\x91\xa1\x08\x23\x42\xb1\
+          \xc1\x15\x52\xd1\xf0\x24\x33\x62\x72\x82\x09\x0a\x16\x17\x18\x19\x1a\x25\x26\x27\x28\x29\x2a\x34\x35\
+          \x36\x37\x38\x39\x3a\x43\x44\x45\x46\x47\x48\x49\x4a\x53\x54\x55\x56\x57\x58\x59\x5a\x63\x64\x65\x66\
+          \x67\x68\x69\x6a\x73\x74\x75\x76\x77\x78\x79\x7a\x83\x84\x85\x86\x87\x88\x89\x8a\x92\x93\x94\x95\x96\
+          \x97\x98\x99\x9a\xa2\xa3\xa4\xa5\xa6\xa7\xa8\xa9\xaa\xb2\xb3\xb4\xb5\xb6\xb7\xb8\xb9\xba\xc2\xc3\xc4\
+          \xc5\xc6\xc7\xc8\xc9\xca\xd2\xd3\xd4\xd5\xd6\xd7\xd8\xd9\xda\xe1\xe2\xe3\xe4\xe5\xe6\xe7\xe8\xe9\xea\
+          \xf1\xf2\xf3\xf4\xf5\xf6\xf7\xf8\xf9\xfa",
+    ),
+    (
+        0x11,
+        [0, 2, 1, 2, 4, 4, 3, 4, 7, 5, 4, 4, 0, 1, 2, 0x77],
+        b"\x00\x01\x02\x03\x11\x04\x05\x21\x31\x06\x12\x41\x51\x07\x61\x71\x13\x22\x32\x81\x08\x14\x42\x91\xa1\xb1\xc1\
+          \x09\x23\x33\x52\xf0\x15\x62\x72\xd1\x0a\x16\x24\x34\xe1\x25\xf1\x17\x18\x19\x1a\x26\x27\x28\x29\x2a\
+          \x35\x36\x37\x38\x39\x3a\x43\x44\x45\x46\x47\x48\x49\x4a\x53\x54\x55\x56\x57\x58\x59\x5a\x63\x64\x65\
+          \x66\x67\x68\x69\x6a\x73\x74\x75\x76\x77\x78\x79\x7a\x82\x83\x84\x85\x86\x87\x88\x89\x8a\x92\x93\x94\
+          \x95\x96\x97\x98\x99\x9a\xa2\xa3\xa4\xa5\xa6\xa7\xa8\xa9\xaa\xb2\xb3\xb4\xb5\xb6\xb7\xb8\xb9\xba\xc2\
+          \xc3\xc4\xc5\xc6\xc7\xc8\xc9\xca\xd2\xd3\xd4\xd5\xd6\xd7\xd8\xd9\xda\xe2\xe3\xe4\xe5\xe6\xe7\xe8\xe9\
+          \xea\xf2\xf3\xf4\xf5\xf6\xf7\xf8\xf9\xfa",
+    ),
+];
+
+/// A JPEG as decoders take it: without other bytes between its segments, and with the tables that it leaves out. The
+/// error is the reason why no decoder here reads it, with what would.
+pub(in crate::burst::formats) fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+    const START_OF_SCAN: u8 = 0xda;
+    let mut clean = bytes.get(..2).unwrap_or(bytes).to_vec();
+    let (mut at, mut has_tables) = (2, false);
+    loop {
+        let next = bytes
+            .get(at..)
+            .and_then(|rest| rest.windows(2).position(|two| two[0] == 0xff && !matches!(two[1], 0 | 0xff)));
+        // What has no picture data is damaged, which the decoder tells.
+        let Some(start) = next.map(|skipped| at + skipped) else { return Ok(Cow::Borrowed(bytes)) };
+        let marker = bytes[start + 1];
+        let length = bytes.get(start + 2..start + 4).map(|two| usize::from(u16::from_be_bytes([two[0], two[1]])));
+        let is_alone = matches!(marker, 0x01 | 0xd0..=0xd8);
+        let end = if is_alone { start + 2 } else { start + 2 + length.unwrap_or(0) };
+        let Some(segment) = bytes.get(start..end) else { return Ok(Cow::Borrowed(bytes)) };
+        match marker {
+            0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf => {
+                return Err(
+                    "its pixels are coded without loss, in layers or arithmetically; convert it to PNG".to_owned()
+                );
+            }
+            0xc0..=0xc2 if segment.get(4).is_some_and(|bits| *bits != 8) => {
+                return Err(format!("its samples have {} bits; convert it to a 16-bit PNG", segment[4]));
+            }
+            0xc0..=0xc2 if segment.get(5..7) == Some(&[0, 0]) => {
+                return Err("it tells its number of rows behind its pixels (DNL); convert it to PNG".to_owned());
+            }
+            0xc4 => has_tables = true,
+            START_OF_SCAN if clean.len() == start && has_tables => return Ok(Cow::Borrowed(bytes)),
+            START_OF_SCAN => {
+                if !has_tables {
+                    for (number, counts, values) in USUAL_TABLES {
+                        let length = (2 + 1 + counts.len() + values.len()) as u16;
+                        clean.extend([0xff, 0xc4]);
+                        clean.extend(length.to_be_bytes());
+                        clean.push(number);
+                        clean.extend(counts);
+                        clean.extend(values);
+                    }
+                }
+                clean.extend(&bytes[start..]);
+                return Ok(Cow::Owned(clean));
+            }
+            _ => {}
+        }
+        clean.extend(segment);
+        at = end;
+    }
+}
+
+/// Number of pictures that a JPEG announces (CIPA DC-007, multi-picture format): 1 where it says nothing.
+pub(super) fn pictures(bytes: &[u8]) -> usize {
+    const HEAD: usize = 1 << 18;
+    let head = &bytes[..bytes.len().min(HEAD)];
+    let find = || {
+        let at = head.windows(4).position(|four| four == b"MPF\0")? + 4;
+        let tiff = head.get(at..)?;
+        let is_big = tiff.starts_with(b"MM");
+        let number = |at: usize, count: usize| {
+            let bytes = tiff.get(at..at + count)?;
+            let push = |number: usize, byte: &u8| number << 8 | usize::from(*byte);
+            Some(if is_big { bytes.iter().fold(0, push) } else { bytes.iter().rev().fold(0, push) })
+        };
+        let directory = number(4, 4)?;
+        let entries = number(directory, 2)?.min(64);
+        let entry = |k: usize| directory.saturating_add(2 + 12 * k);
+        (0..entries).find(|k| number(entry(*k), 2) == Some(0xb001)).and_then(|k| number(entry(k) + 8, 4))
+    };
+    find().unwrap_or(1)
+}
+
+/// Whether an end marker follows the headers, in which a thumbnail may have its own.
+fn has_end(bytes: &[u8]) -> bool {
+    const START_OF_SCAN: u8 = 0xda;
+    const WITHOUT_SEGMENT: [u8; 10] = [0x01, 0xd0, 0xd1, 0xd2, 0xd3, 0xd4, 0xd5, 0xd6, 0xd7, 0xd8];
+    let mut rest = bytes;
+    loop {
+        // Other bytes between segments, and fill bytes, are skipped, as the decoder does.
+        let marker = rest.windows(2).position(|two| two[0] == 0xff && !matches!(two[1], 0 | 0xff));
+        let Some(at) = marker else { return false };
+        let marker = rest[at + 1];
+        rest = &rest[at + 2..];
+        if marker == START_OF_SCAN {
+            return rest.windows(2).any(|two| two == [0xff, 0xd9]);
+        }
+        if !WITHOUT_SEGMENT.contains(&marker) {
+            let length = rest.first_chunk::<2>().map(|length| usize::from(u16::from_be_bytes(*length)));
+            let Some(after) = length.and_then(|length| rest.get(length..)) else { return false };
+            rest = after;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Colour pictures of 45×37: progressive and not, halved colours, restart markers, a scan for each component.
+    const SAMPLES: [&[u8]; 4] = [
+        include_bytes!("samples/progressive.jpg"),
+        include_bytes!("samples/restarts.jpg"),
+        include_bytes!("samples/progressive_restarts.jpg"),
+        include_bytes!("samples/one_scan_each.jpg"),
+    ];
+
+    #[test]
+    fn pictures_are_refused_wherever_they_are_cut_and_what_follows_them_is_nobodys() {
+        for bytes in SAMPLES {
+            let whole = samples(bytes, true).expect("whole");
+            assert_eq!(whole, image::load_from_memory(bytes).expect("whole").into_rgb8().into_raw());
+            assert_eq!(samples(&[bytes, bytes, b"film"].concat(), true), Ok(whole));
+            for cut in 2..bytes.len() {
+                assert!(samples(&bytes[..cut], true).is_err(), "cut at {cut} of {}", bytes.len());
+            }
+        }
+    }
+}

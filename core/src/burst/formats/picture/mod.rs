@@ -1,0 +1,492 @@
+//! PNG, JPEG, PNM, WebP and BMP. Of an animation, the first picture is taken.
+
+mod animation;
+pub(super) mod jpeg;
+
+use super::{Format, Input, Rank, Record, Start, alone};
+use crate::burst::options::{Encoding, Limits};
+use crate::burst::reading::confined::wire::Part;
+use crate::burst::reading::confined::{self, Budget};
+use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, turned, turned_size};
+use crate::burst::reading::{
+    Declared, FileScale, RawFrame, Reading, corrupt, exif, frame_of_plane, read_at, too_few_bytes,
+};
+use crate::burst::times::Times;
+use crate::error::{Error, Result};
+use crate::files::read_bytes;
+use crate::plane::{Plane, memory};
+use image::error::{DecodingError, ImageFormatHint, LimitError, LimitErrorKind};
+use image::metadata::Orientation;
+use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
+use png::{BitDepth, DecodeOptions, Decoder, Reader, Transformations};
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// Memory that a decoder may take beyond the pixels, bytes.
+const BESIDES_BYTES: u64 = 1 << 26;
+/// Largest number of pixels of a byte of a file: of one bit each, in deflated data of the largest ratio, about.
+const PIXELS_A_BYTE: u64 = 8 * 1040;
+
+/// A format of single pictures.
+pub(super) struct Picture {
+    format: ImageFormat,
+    extensions: &'static [&'static str],
+    opens: &'static str,
+}
+
+impl Picture {
+    /// Seconds for which each frame of an animation is shown.
+    fn delays_s(&self, input: &Input, path: &Path) -> Result<Vec<f64>> {
+        let mut reader = BufReader::with_capacity(64, &input.file);
+        let found = animation::delays_s(&mut reader, self.format, input.length);
+        let found = found.and_then(|delays| (&input.file).rewind().map(|()| delays));
+        found.map_err(|e| Error::from_read(path, name(self.format), &e))
+    }
+
+    const fn new(format: ImageFormat, extensions: &'static [&'static str], opens: &'static str) -> Self {
+        Self { format, extensions, opens }
+    }
+}
+
+const BITS: &str = "grey or colours of 8 and 16 bits";
+pub(super) static PNG: Picture = Picture::new(ImageFormat::Png, &["png"], BITS);
+pub(super) static JPEG: Picture = Picture::new(ImageFormat::Jpeg, &["jpg", "jpeg"], "grey or colours of 8 bits");
+pub(super) static PNM: Picture = Picture::new(ImageFormat::Pnm, &["pgm", "ppm", "pnm", "pbm", "pam"], BITS);
+pub(super) static WEBP: Picture = Picture::new(ImageFormat::WebP, &["webp"], "colours of 8 bits");
+pub(super) static BMP: Picture = Picture::new(ImageFormat::Bmp, &["bmp"], "grey or colours of 8 bits");
+
+impl Format for Picture {
+    fn record(&self) -> Record {
+        let Self { format, extensions, opens } = *self;
+        Record { name: name(format), rank: Rank::Picture, extensions, opens, options: &["mosaic", "linearise"] }
+    }
+
+    fn begins(&self, start: &Start<'_>) -> bool {
+        image::guess_format(start.bytes).is_ok_and(|format| format == self.format)
+    }
+
+    fn check(&self, input: &Input, path: &Path, _pages: usize) -> Result<()> {
+        if self.format != ImageFormat::WebP {
+            return Ok(());
+        }
+        let mut reader = BufReader::with_capacity(512, &input.file);
+        let checked = check_webp(&mut reader, input.length).and_then(|()| (&input.file).rewind());
+        checked.map_err(|e| Error::from_read(path, name(self.format), &e))
+    }
+
+    fn count(&self, input: Input, reading: Reading<'_>) -> Result<usize> {
+        Ok(self.delays_s(&input, reading.path)?.len().max(1))
+    }
+
+    fn declared(&self, input: Input, reading: Reading<'_>) -> Result<Declared> {
+        let Reading { path, options, .. } = reading;
+        let delays = self.delays_s(&input, path)?;
+        let declared = declared(path, input.file, self.format, &options.limits)?;
+        if delays.is_empty() {
+            return Ok(declared);
+        }
+        let (width, height) = (declared.width, declared.height);
+        let mut times = animation::times(&delays);
+        let frames = options.taken_of(path, delays.len(), (width, height))?;
+        options.limits.check_burst(path, frames.len() as u64, width as u64, height as u64)?;
+        if !times.seconds.is_empty() {
+            times.seconds = times.seconds[frames.clone()].to_vec();
+        }
+        let taken = vec!["the frames of the animation are taken as they are shown".to_owned()];
+        Ok(Declared { frames: frames.len(), times, taken, ..declared })
+    }
+
+    fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
+        let times = animation::times(&self.delays_s(&input, reading.path)?);
+        Ok(if times.seconds.is_empty() { exif::times(reading.path) } else { times })
+    }
+
+    fn frames(&self, input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+        let Reading { path, options, .. } = reading;
+        if self.delays_s(&input, path)?.is_empty() {
+            return alone(reading, self.only(input, reading)?);
+        }
+        let file = input.file.try_clone().map_err(|e| Error::from_io(path, &e))?;
+        let is_colour = declared(path, file, self.format, &options.limits)?.is_colour;
+        (&input.file).rewind().map_err(|e| Error::from_io(path, &e))?;
+        animation::frames(reading, BufReader::with_capacity(1 << 16, input.file), (self.format, is_colour))
+    }
+
+    fn only(&self, input: Input, reading: Reading<'_>) -> Result<RawFrame> {
+        match self.delays_s(&input, reading.path)?.len() {
+            0 | 1 => {}
+            frames => return Err(Error::stack_among_frames(reading.path, frames)),
+        }
+        only(reading, input, self.format)
+    }
+}
+
+fn declared(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Result<Declared> {
+    let bytes = jpeg_bytes(path, format, limits)?;
+    declared_of(path, BufReader::with_capacity(1 << 16, file), &bytes, format, limits)
+}
+
+/// Declarations of the picture that `reader` gives; `bytes` are all of it, of a JPEG.
+pub(super) fn declared_of(
+    path: &Path,
+    reader: impl BufRead + Seek,
+    bytes: &[u8],
+    format: ImageFormat,
+    limits: &Limits,
+) -> Result<Declared> {
+    let bytes = &*normalised(path, bytes, format)?;
+    let mut reader = reader;
+    let full = full_scale(path, &mut reader, format)?;
+    let mut decoder = decoder(path, reader, bytes, format, limits)?;
+    let (width, height) = decoder.dimensions();
+    limits.check_frame(path, width.into(), height.into())?;
+    let color = decoder.color_type();
+    let (width, height) = turned_size((width as usize, height as usize), orientation(&mut decoder));
+    let (samples, is_colour) = samples_of(color);
+    let samples = full.map_or(samples, |full| FileScale::Range(full).samples());
+    let mut declared = Declared::new(name(format), (width, height), 1, samples, is_colour);
+    if format == ImageFormat::Jpeg && jpeg::pictures(bytes) > 1 {
+        declared.taken.push(format!("of {} pictures in the file (MPF) the first is taken", jpeg::pictures(bytes)));
+    }
+    Ok(declared)
+}
+
+fn only(reading: Reading<'_>, input: Input, format: ImageFormat) -> Result<RawFrame> {
+    let bytes = &jpeg_bytes(reading.path, format, &reading.options.limits)?;
+    if format == ImageFormat::Pnm {
+        check_end_of_text(reading.path, &input.file)?;
+    }
+    let reader = BufReader::with_capacity(1 << 16, input.file);
+    decoded(reading, Source { reader, bytes, length: input.length, format, part: Part::Only })
+}
+
+/// A picture, and where it lies in its file.
+pub(super) struct Source<'a, R> {
+    pub reader: R,
+    /// All bytes of a JPEG.
+    pub bytes: &'a [u8],
+    /// Number of its bytes.
+    pub length: u64,
+    pub format: ImageFormat,
+    pub part: Part,
+}
+
+pub(super) fn decoded(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Result<RawFrame> {
+    let Reading { path, options, .. } = reading;
+    let Source { reader, bytes, length, format, part } = source;
+    let limits = &options.limits;
+    let bytes = &*normalised(path, bytes, format)?;
+    let mut reader = reader;
+    let full = full_scale(path, &mut reader, format)?;
+    let mut decoder = decoder(path, reader, bytes, format, limits)?;
+    let (width, height) = decoder.dimensions();
+    limits.check_frame(path, width.into(), height.into())?;
+    // Of WebP a few bytes can be a large picture of one colour.
+    let is_too_short = too_few_bytes(length, width.into(), height.into(), PIXELS_A_BYTE);
+    if let Some(reason) = is_too_short.filter(|_| format != ImageFormat::WebP) {
+        return Err(Error::corrupt(path, name(format), reason));
+    }
+    let size = (width as usize, height as usize);
+    let orientation = orientation(&mut decoder);
+    reading.check(turned_size(size, orientation))?;
+    let color = decoder.color_type();
+    let pixels = u64::from(width) * u64::from(height);
+    let taken = pixels * bytes_per_pixel(format, color);
+    if confined::takes(taken) {
+        drop(decoder);
+        let budget = Budget::new(length, pixels, 2 * taken);
+        return confined::decode(reading, name(format), part, budget);
+    }
+    memory::check_room(taken);
+    let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(bytes, true)) {
+        None => (None, None),
+        Some(Ok(samples)) => (Some(samples), None),
+        Some(Err(reason)) if options.accept_damaged => (None, Some(reason)),
+        Some(Err(reason)) => return Err(Error::corrupt(path, name(format), reason)),
+    };
+    let channels = usize::from(color.channel_count());
+    let values = size.0 * size.1 * channels;
+    let failure = |e: ImageError| failure(path, format, e);
+    let ranged = |values, largest, is_byte: bool| {
+        // 8-bit colour pictures are sRGB-encoded; JPEG and WebP hold nothing else.
+        let is_photograph = is_byte && (channels > 2 || matches!(format, ImageFormat::Jpeg | ImageFormat::WebP));
+        let encoding = if is_photograph && !options.linearise { Encoding::Srgb } else { Encoding::Linear };
+        let plane = turned(Plane::from_vec(size.0, size.1, values), orientation);
+        let is_colour = channels > 2;
+        RawFrame { encoding, damage, is_colour, ..RawFrame::linear(plane, FileScale::Range(largest)) }
+    };
+    match color {
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+            let mut values = whole.map_or_else(|| read::<u8>(decoder, values), Ok).map_err(failure)?;
+            if let Some(full) = full {
+                // The decoder has stretched whole numbers to its own type.
+                values.iter_mut().for_each(|value| *value = (f32::from(*value) * full / 255.0).round() as u8);
+            }
+            let full = full.unwrap_or(255.0);
+            Ok(ranged(grey_from_interleaved(&values, channels, Curve::of(full, options.linearise)), full, true))
+        }
+        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
+            let mut values = read::<u16>(decoder, values).map_err(failure)?;
+            if let Some(full) = full {
+                values.iter_mut().for_each(|value| *value = (f32::from(*value) * full / 65535.0).round() as u16);
+            }
+            let full = full.unwrap_or(65535.0);
+            Ok(ranged(grey_from_interleaved(&values, channels, Curve::of(full, options.linearise)), full, false))
+        }
+        ColorType::Rgb32F | ColorType::Rgba32F => {
+            let values = read::<f32>(decoder, values).map_err(failure)?;
+            let values = grey_from_interleaved(&values, channels, Curve::Linear(1.0));
+            let frame = frame_of_plane(path, 0, Plane::from_vec(size.0, size.1, values), false)?;
+            Ok(RawFrame { plane: turned(frame.plane, orientation), is_colour: true, ..frame })
+        }
+        other => {
+            let reason = format!("its pixels are {other:?}; save it as grey or RGB of 8 or 16 bit");
+            Err(Error::unsupported(path, name(format), reason))
+        }
+    }
+}
+
+/// Name of the samples of a colour type, and whether there are colours.
+fn samples_of(color: ColorType) -> (String, bool) {
+    let bits = color.bits_per_pixel() / u16::from(color.channel_count());
+    (if bits == 32 { "floats of 32 bit".to_owned() } else { format!("{bits} bit") }, color.has_color())
+}
+
+/// Checks that a PNM of numbers in decimal digits does not end with a digit: its last number may have lost others.
+fn check_end_of_text(path: &Path, mut file: &File) -> Result<()> {
+    let mut ends = || -> io::Result<([u8; 2], u8)> {
+        let (mut first, mut last) = ([0; 2], [0]);
+        file.rewind()?;
+        file.read_exact(&mut first)?;
+        file.seek(SeekFrom::End(-1))?;
+        file.read_exact(&mut last)?;
+        file.rewind()?;
+        Ok((first, last[0]))
+    };
+    let (first, last) = ends().map_err(|e| Error::from_read(path, "PNM", &e))?;
+    if matches!(&first, b"P2" | b"P3") && last.is_ascii_digit() {
+        let reason = "no space or line end follows its last number, which may be cut";
+        return Err(Error::corrupt(path, "PNM", reason));
+    }
+    Ok(())
+}
+
+/// A JPEG as decoders take it, and other formats as they are.
+fn normalised<'a>(path: &Path, bytes: &'a [u8], format: ImageFormat) -> Result<Cow<'a, [u8]>> {
+    match format {
+        ImageFormat::Jpeg => jpeg::normalised(bytes).map_err(|reason| Error::unsupported(path, name(format), reason)),
+        _ => Ok(Cow::Borrowed(bytes)),
+    }
+}
+
+/// Largest value of a PNM whose numbers do not fill their type; `None` for others.
+fn full_scale(path: &Path, reader: &mut (impl BufRead + Seek), format: ImageFormat) -> Result<Option<f32>> {
+    if format != ImageFormat::Pnm {
+        return Ok(None);
+    }
+    const HEAD_BYTES: u64 = 1 << 16;
+    let mut head = Vec::new();
+    let read = reader.take(HEAD_BYTES).read_to_end(&mut head).and_then(|_| reader.rewind());
+    read.map_err(|e| Error::from_read(path, name(format), &e))?;
+    let text = String::from_utf8_lossy(&head);
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
+    let mut words = lines.flat_map(str::split_ascii_whitespace);
+    let largest = match words.next() {
+        Some("P2" | "P3" | "P5" | "P6") => words.nth(2),
+        Some("P7") => words.skip_while(|word| *word != "MAXVAL").nth(1),
+        _ => None,
+    };
+    let largest = largest.and_then(|word| word.parse::<u32>().ok());
+    Ok(largest.filter(|largest| !matches!(largest, 0 | 255 | 65535..)).map(|largest| largest as f32))
+}
+
+/// How the camera was held; no turn where the tag cannot be read.
+fn orientation(decoder: &mut impl ImageDecoder) -> Orientation {
+    // Some programs write the data with the words that begin it in a JPEG.
+    let found = decoder.exif_metadata().ok().flatten();
+    let found = found.and_then(|exif| Orientation::from_exif_chunk(exif.strip_prefix(b"Exif\0\0").unwrap_or(&exif)));
+    found.or_else(|| decoder.orientation().ok()).unwrap_or(Orientation::NoTransforms)
+}
+
+fn read<T: Sample + bytemuck::Pod>(decoder: impl ImageDecoder, count: usize) -> Result<Vec<T>, ImageError> {
+    let mut values: Vec<T> = memory::zeroed(count);
+    decoder.read_image(bytemuck::cast_slice_mut(&mut values))?;
+    Ok(values)
+}
+
+/// Bytes per pixel that decoding takes, at most: the samples, the value that they become, and the decoder's own data.
+fn bytes_per_pixel(format: ImageFormat, color: ColorType) -> u64 {
+    let kept = match format {
+        // 16-bit coefficients of a progressive picture.
+        ImageFormat::Jpeg => 2 * u64::from(color.channel_count()),
+        ImageFormat::WebP => 4,
+        _ => 0,
+    };
+    u64::from(color.bytes_per_pixel()) + size_of::<f32>() as u64 + kept
+}
+
+/// The whole file of a JPEG, which is decoded strictly, and otherwise where that is asked for; empty for other formats.
+fn jpeg_bytes(path: &Path, format: ImageFormat, limits: &Limits) -> Result<Vec<u8>> {
+    if format != ImageFormat::Jpeg {
+        return Ok(Vec::new());
+    }
+    // Other data, as films and second pictures, may follow a picture.
+    let most = limits.max_pixels.saturating_mul(4).saturating_add(BESIDES_BYTES);
+    read_bytes(path, most).map_err(|e| Error::from_io(path, &e))
+}
+
+fn decoder<'a>(
+    path: &Path,
+    reader: impl BufRead + Seek + 'a,
+    bytes: &'a [u8],
+    format: ImageFormat,
+    limits: &Limits,
+) -> Result<Box<dyn ImageDecoder + 'a>> {
+    // `Limits` checks sizes before pixels are read; this bounds the decoder's other memory: at most four channels of
+    // four bytes.
+    let max_bytes = limits.max_pixels.saturating_mul(16).saturating_add(BESIDES_BYTES);
+    let mut own = image::Limits::no_limits();
+    own.max_alloc = Some(max_bytes);
+    let fail = |e| failure(path, format, e);
+    match format {
+        ImageFormat::Png => Ok(Box::new(PngPicture::new(reader, max_bytes).map_err(fail)?)),
+        ImageFormat::Jpeg => {
+            let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+            reader.limits(own);
+            Ok(Box::new(reader.into_decoder().map_err(fail)?))
+        }
+        _ => {
+            let mut reader = ImageReader::with_format(reader, format);
+            reader.limits(own);
+            Ok(Box::new(reader.into_decoder().map_err(fail)?))
+        }
+    }
+}
+
+fn failure(path: &Path, format: ImageFormat, error: ImageError) -> Error {
+    match error {
+        ImageError::IoError(e) => Error::from_read(path, name(format), &e),
+        ImageError::Unsupported(e) => Error::unsupported(path, name(format), e),
+        ImageError::Limits(e) => {
+            let limit = "the memory of the largest frame allowed";
+            Error::too_large(path, e.to_string(), limit, "crop or shrink the frame")
+        }
+        ImageError::Decoding(_) | ImageError::Encoding(_) | ImageError::Parameter(_) => {
+            Error::corrupt(path, name(format), error)
+        }
+    }
+}
+
+fn name(format: ImageFormat) -> &'static str {
+    match format {
+        ImageFormat::Png => "PNG",
+        ImageFormat::Jpeg => "JPEG",
+        ImageFormat::Pnm => "PNM",
+        ImageFormat::WebP => "WebP",
+        _ => "BMP",
+    }
+}
+
+/// Checks that each chunk of a WebP of `length` bytes lies within it: the decoder would take memory for notes.
+fn check_webp(file: &mut (impl Read + Seek), length: u64) -> io::Result<()> {
+    const CHUNKS: usize = 1 << 16;
+    let mut head = [0; 8];
+    let size_in = |head: [u8; 8]| u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]]));
+    read_at(file, 0, &mut head)?;
+    // Bytes after the announced end are ignored.
+    let end = length.min(8 + size_in(head));
+    let mut at = 12;
+    for _ in 0..CHUNKS {
+        if at + 8 > end {
+            return Ok(());
+        }
+        read_at(file, at, &mut head)?;
+        let size = size_in(head);
+        at += 8 + size;
+        if at > length {
+            let name = String::from_utf8_lossy(&head[..4]);
+            return Err(corrupt(format!("its chunk {name} announces {size} bytes, more than are left")));
+        }
+        at += size % 2;
+    }
+    Err(corrupt(format!("it has more than {CHUNKS} chunks")))
+}
+
+/// A PNG whose header is read. Colour profiles and texts are skipped: a few bytes of them can unpack to gigabytes.
+pub(super) struct PngPicture<R: BufRead + Seek> {
+    reader: Reader<R>,
+    color: ColorType,
+}
+
+impl<R: BufRead + Seek> PngPicture<R> {
+    /// Reads the file up to the pixels. The decoder may take `max_bytes` besides them.
+    pub(super) fn new(file: R, max_bytes: u64) -> ImageResult<Self> {
+        let mut options = DecodeOptions::default();
+        options.set_ignore_iccp_chunk(true);
+        options.set_ignore_text_chunk(true);
+        let mut decoder = Decoder::new_with_options(file, options);
+        decoder.set_limits(png::Limits { bytes: usize::try_from(max_bytes).unwrap_or(usize::MAX) });
+        // Palettes become colours, and fewer than eight bits become eight.
+        decoder.set_transformations(Transformations::EXPAND);
+        let reader = decoder.read_info().map_err(png_failure)?;
+        use png::ColorType::{Grayscale, GrayscaleAlpha, Rgb, Rgba};
+        let color = match reader.output_color_type() {
+            (Grayscale, BitDepth::Eight) => ColorType::L8,
+            (Grayscale, BitDepth::Sixteen) => ColorType::L16,
+            (GrayscaleAlpha, BitDepth::Eight) => ColorType::La8,
+            (GrayscaleAlpha, BitDepth::Sixteen) => ColorType::La16,
+            (Rgb, BitDepth::Eight) => ColorType::Rgb8,
+            (Rgb, BitDepth::Sixteen) => ColorType::Rgb16,
+            (Rgba, BitDepth::Eight) => ColorType::Rgba8,
+            (Rgba, BitDepth::Sixteen) => ColorType::Rgba16,
+            (color, depth) => return Err(decoding(format!("pixels of {color:?} and {depth:?} were not expanded"))),
+        };
+        Ok(Self { reader, color })
+    }
+}
+
+impl<R: BufRead + Seek> ImageDecoder for PngPicture<R> {
+    fn dimensions(&self) -> (u32, u32) {
+        self.reader.info().size()
+    }
+
+    fn color_type(&self) -> ColorType {
+        self.color
+    }
+
+    fn exif_metadata(&mut self) -> ImageResult<Option<Vec<u8>>> {
+        Ok(self.reader.info().exif_metadata.as_ref().map(|exif| exif.to_vec()))
+    }
+
+    fn read_image(mut self, buffer: &mut [u8]) -> ImageResult<()> {
+        self.reader.next_frame(buffer).map_err(png_failure)?;
+        // The file's end must follow the pixels.
+        self.reader.finish().map_err(png_failure)?;
+        if self.color.bytes_per_pixel() == 2 * self.color.channel_count() {
+            for bytes in buffer.as_chunks_mut::<2>().0 {
+                *bytes = u16::from_be_bytes(*bytes).to_ne_bytes();
+            }
+        }
+        Ok(())
+    }
+
+    fn read_image_boxed(self: Box<Self>, buffer: &mut [u8]) -> ImageResult<()> {
+        (*self).read_image(buffer)
+    }
+}
+
+fn png_failure(error: png::DecodingError) -> ImageError {
+    match error {
+        png::DecodingError::IoError(error) => ImageError::IoError(error),
+        png::DecodingError::LimitsExceeded => {
+            ImageError::Limits(LimitError::from_kind(LimitErrorKind::InsufficientMemory))
+        }
+        error @ (png::DecodingError::Format(_) | png::DecodingError::Parameter(_)) => decoding(error),
+    }
+}
+
+fn decoding(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ImageError {
+    ImageError::Decoding(DecodingError::new(ImageFormatHint::Exact(ImageFormat::Png), error))
+}

@@ -1,0 +1,158 @@
+//! Pages of a TIFF that are frames. Frames follow one another in time; channels and depths are never taken for time: a
+//! file that has more than time, or whose description does not fit its pages, is refused until the user says which
+//! axis is that of the frames. `--axis first` takes all pages in their order where the description is of no use.
+
+use super::described::{Axes, Described, Page, words};
+use crate::burst::layout::{Axis, AxisChoice};
+
+/// Pages that are frames, in their order, and words about what was chosen.
+#[derive(Debug, PartialEq)]
+pub(super) struct Chosen {
+    pub pages: Vec<Page>,
+    pub said: Vec<String>,
+}
+
+/// A problem and its remedy.
+pub(super) type Refusal = (String, String);
+
+/// The frames of a file of `pages` pages that are `described` so, along the axis that the user chooses.
+pub(super) fn frames_of(
+    described: Result<Option<Described>, Refusal>,
+    pages: usize,
+    choice: Option<&AxisChoice>,
+) -> Result<Chosen, Refusal> {
+    let all =
+        |said: Vec<String>| Ok(Chosen { pages: (0..pages).map(|number| Page { file: None, number }).collect(), said });
+    let is_first = choice.is_some_and(|choice| choice.along == Axis::First && choice.at.is_empty());
+    let found = match described {
+        Ok(Some(found)) => found,
+        Ok(None) if pages == 1 => return all(Vec::new()),
+        Ok(None) => match choice {
+            Some(choice) if !matches!(choice.along, Axis::T | Axis::First | Axis::Last) || !choice.at.is_empty() => {
+                return Err((
+                    format!("this file says nothing of axes of its {pages} pages"),
+                    "leave --axis out, or take them in their order with --axis first".to_owned(),
+                ));
+            }
+            _ => return all(Vec::new()),
+        },
+        Err(_) if is_first => {
+            return all(vec!["all pages are taken in their order, whatever the description says".to_owned()]);
+        }
+        Err((problem, remedy)) => {
+            let way = format!("--axis first takes all {pages} pages in their order");
+            return Err((problem, if remedy.is_empty() { way } else { format!("{remedy}; {way}") }));
+        }
+    };
+    Along::of(&found, choice)?.taken(&found)
+}
+
+/// An axis along which frames follow one another, and the places on the others.
+struct Along {
+    axes: Axes,
+    along: usize,
+    at: Vec<usize>,
+}
+
+impl Along {
+    fn of(found: &Described, choice: Option<&AxisChoice>) -> Result<Self, Refusal> {
+        let axes = found.axes.clone();
+        let long: Vec<usize> = (0..axes.len()).filter(|index| axes[*index].1 > 1).collect();
+        let named: Axes = long.iter().map(|index| axes[*index]).collect();
+        let at = vec![0; axes.len()];
+        let usual = long.first().copied().unwrap_or(0);
+        let Some(choice) = choice else {
+            if named.len() < 2 && !named.first().is_some_and(|(axis, _)| matches!(axis, 'Z' | 'C')) {
+                return Ok(Self { axes, along: usual, at });
+            }
+            let example = named.iter().find(|(axis, _)| *axis == 'T').unwrap_or(&named[0]).0;
+            let other = named.iter().find(|(axis, _)| *axis != example && "TZC".contains(*axis));
+            let others = other.map_or(String::new(), |(axis, _)| {
+                format!(", with {axis}=1 for another place on {axis}: --axis {example},{axis}=1")
+            });
+            let word = if "TZC".contains(example) { example.to_string() } else { "first".to_owned() };
+            let written = found.pages.iter().flatten().count();
+            let written = match written == found.axes.iter().map(|(_, length)| length).product::<usize>() {
+                true => String::new(),
+                false => format!(" ({written} pages are written)"),
+            };
+            return Err((
+                format!("the pages of this file are {}{written}, of which only time makes frames", words(&named)),
+                format!("say which axis is that of the frames: --axis {word}{others}"),
+            ));
+        };
+        let find = |letter: char| {
+            let missing = || {
+                let problem =
+                    format!("the pages of this file are {}, and {letter} is none of these axes", words(&named));
+                (problem, "choose another with --axis".to_owned())
+            };
+            axes.iter()
+                .position(|(axis, length)| *axis == letter && (*length > 1 || axes.len() == 1))
+                .ok_or_else(missing)
+        };
+        let letter = |axis: Axis| axis.name().chars().next().unwrap_or('T');
+        let along = match choice.along {
+            Axis::First => usual,
+            Axis::Last => long.last().copied().unwrap_or(0),
+            Axis::T if named.is_empty() => usual,
+            axis => find(letter(axis))?,
+        };
+        let mut chosen = Self { at, along, axes: axes.clone() };
+        for (axis, place) in &choice.at {
+            let index = find(letter(*axis))?;
+            let length = axes[index].1;
+            if index == along || *place >= length {
+                let problem = format!("--axis names place {place} on {}, which has {length}", axis.name());
+                return Err((problem, "places begin at 0, and the axis of the frames has none".to_owned()));
+            }
+            chosen.at[index] = *place;
+        }
+        Ok(chosen)
+    }
+
+    fn taken(&self, found: &Described) -> Result<Chosen, Refusal> {
+        let Self { axes, along, at } = self;
+        let (letter, announced) = axes[*along];
+        let step: usize = axes[along + 1..].iter().map(|(_, length)| length).product();
+        let of_all = |place: usize| place / step % announced;
+        let start: usize = (0..axes.len()).filter(|index| index != along).fold(0, |start, index| {
+            let step: usize = axes[index + 1..].iter().map(|(_, length)| length).product();
+            start + step * at[index]
+        });
+        // A time is whole where all pages of it are written: recordings that are stopped end within one. Along other axes
+        // the pages of the places that are taken count.
+        let is_first = axes[..*along].iter().all(|(_, length)| *length == 1);
+        let chosen = |place: usize| {
+            is_first || place >= start && (place - start).is_multiple_of(step) && (place - start) / step < announced
+        };
+        let full =
+            if is_first { axes.iter().map(|(_, length)| length).product::<usize>() / announced.max(1) } else { 1 };
+        let mut counts = vec![0; announced.min(found.pages.len())];
+        for (place, _) in found.pages.iter().enumerate().filter(|(place, page)| page.is_some() && chosen(*place)) {
+            counts[of_all(place)] += 1;
+        }
+        let whole = counts.iter().take_while(|count| **count == full).count();
+        if whole == 0 || counts[whole..].iter().skip(1).any(|count| *count > 0) {
+            let problem = format!(
+                "this file announces {}, and pages of it are missing from {letter}={whole} on, with others behind them",
+                words(axes)
+            );
+            return Err((problem, "--axis first takes all pages in their order".to_owned()));
+        }
+        let pages = (0..whole).filter_map(|t| found.pages[start + t * step].clone()).collect();
+        let others = axes.iter().enumerate().filter(|(index, (_, length))| index != along && *length > 1);
+        let others: Vec<String> = others.map(|(index, (axis, _))| format!("{axis}={}", at[index])).collect();
+        let mut said = found.said.clone();
+        if !others.is_empty() {
+            let long: Axes = axes.iter().copied().filter(|(_, length)| *length > 1).collect();
+            said.push(format!("of pages of {} those along {letter} are taken at {}", words(&long), others.join(", ")));
+        }
+        if whole < announced {
+            said.push(format!(
+                "the description announces {announced} along {letter}, of which {whole} are written whole"
+            ));
+        }
+        Ok(Chosen { pages, said })
+    }
+}

@@ -1,0 +1,241 @@
+//! What a TIFF says of its pages: in its description (OME's XML, ImageJ's lines, tifffile's JSON), or in tags of
+//! microscopes (LSM). Places on the axes that have no page are told; a description that cannot be understood is an error.
+
+use crate::files::read_text;
+use roxmltree::{Document, Node, ParsingOptions};
+use serde_json::Value;
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+
+/// Axes of pages, the one that changes last first: a letter (T, Z, C, or another one of no meaning) and a length.
+pub(super) type Axes = Vec<(char, usize)>;
+
+/// Place of a frame: the number of a page, and the name of the file of a set that has it, unless it is this one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Page {
+    pub file: Option<String>,
+    pub number: usize,
+}
+
+/// Pages of a file by their places on axes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Described {
+    pub axes: Axes,
+    /// Page of each place, the last axis running fastest; `None` where the file says that none has been written.
+    pub pages: Vec<Option<Page>>,
+    /// Choices, for the user.
+    pub said: Vec<String>,
+}
+
+impl Described {
+    /// Pages in their order, of axes whose product they should be.
+    pub(super) fn in_order(axes: Axes, pages: usize) -> Self {
+        let count = product(&axes);
+        let page = |number| (number < pages).then_some(Page { file: None, number });
+        // What is announced may be any number, and what there is not takes no place.
+        let pages = (0..count.min(pages.saturating_mul(2))).map(page).collect();
+        Self { axes, pages, said: Vec::new() }
+    }
+}
+
+fn product(axes: &Axes) -> usize {
+    axes.iter().fold(1, |product, (_, length)| product.saturating_mul(*length))
+}
+
+/// Pages as the description tells them; `None` where it tells nothing of them. `array` names one of several images. The
+/// error is what is wrong in the description, and a remedy where there is one.
+pub(super) fn described(
+    description: &str,
+    path: &Path,
+    pages: usize,
+    array: Option<&str>,
+) -> Result<Option<Described>, (String, String)> {
+    let text = description.trim_start_matches(['\u{feff}', ' ', '\r', '\n', '\t']);
+    let found = if text.starts_with("ImageJ=") {
+        of_imagej(text)
+    } else if text.starts_with('<') && text.contains("OME") {
+        return of_ome(text, path, pages, array);
+    } else if text.starts_with('{') {
+        of_tifffile(text)
+    } else {
+        None
+    };
+    let Some(axes) = found else { return Ok(None) };
+    if product(&axes) < pages {
+        let problem = format!("the description of this file tells of {}, and it has {pages} pages", words(&axes));
+        return Err((problem, String::new()));
+    }
+    Ok(Some(Described::in_order(axes, pages)))
+}
+
+/// Axes in words, such as `5 times (T) × 2 channels (C)`.
+pub(super) fn words(axes: &Axes) -> String {
+    let word = |(axis, length): &(char, usize)| format!("{length} {}", name_of(*axis));
+    axes.iter().map(word).collect::<Vec<_>>().join(" × ")
+}
+
+fn name_of(axis: char) -> &'static str {
+    match axis {
+        'T' => "times (T)",
+        'Z' => "depths (Z)",
+        'C' => "channels (C)",
+        _ => "pages without a meaning",
+    }
+}
+
+fn of_imagej(description: &str) -> Option<Axes> {
+    let length = |name: &str| {
+        let value = description.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
+        value.and_then(|value| value.trim().parse().ok()).filter(|length| *length > 0)
+    };
+    let lengths = [('T', length("frames")), ('Z', length("slices")), ('C', length("channels"))];
+    let is_said = lengths.iter().any(|(_, length)| length.is_some());
+    is_said.then(|| lengths.map(|(axis, length)| (axis, length.unwrap_or(1))).to_vec())
+}
+
+fn of_tifffile(description: &str) -> Option<Axes> {
+    let record: HashMap<String, Value> = serde_json::from_str(description).ok()?;
+    let shape = record.get("shape")?.as_array()?;
+    let shape = shape.iter().map(|length| usize::try_from(length.as_u64()?).ok()).collect::<Option<Vec<_>>>()?;
+    let named = record.get("axes").and_then(|axes| axes.as_str()).filter(|axes| axes.len() == shape.len());
+    Some(match named {
+        Some(axes) => axes.chars().zip(shape).filter(|(axis, _)| !"YXS".contains(*axis)).collect(),
+        // Rows and columns are the last two, and colours may follow.
+        None => shape.iter().take(shape.len().saturating_sub(2)).map(|length| ('Q', *length)).collect(),
+    })
+}
+
+/// Images in the description, of which one is to be taken: its name, and its pixels.
+type Images<'a> = Vec<(&'a str, Node<'a, 'a>)>;
+
+/// Largest companion file, bytes.
+const MAX_XML_BYTES: u64 = 1 << 28;
+/// Largest number of pages of a set of files that is listed.
+const MAX_PLANES: usize = 1 << 20;
+
+fn of_ome(text: &str, path: &Path, pages: usize, array: Option<&str>) -> Result<Option<Described>, (String, String)> {
+    let wrong = |what: String| (format!("the OME description of this file {what}"), String::new());
+    let options = ParsingOptions { allow_dtd: false, nodes_limit: 1 << 22, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options);
+    let document = document.map_err(|e| wrong(format!("cannot be understood: {e}")))?;
+    let root = document.root_element();
+    if root.tag_name().name() != "OME" {
+        return Ok(None);
+    }
+    if let Some(elsewhere) = child(root, "BinaryOnly") {
+        let name = elsewhere.attribute("MetadataFile").unwrap_or_default();
+        let beside = Path::new(name).file_name().map(|name| path.with_file_name(name));
+        let companion = beside.as_deref().and_then(|beside| read_text(beside, MAX_XML_BYTES).ok());
+        return match companion.filter(|text| !text.contains("BinaryOnly")) {
+            Some(text) => of_ome(&text, path, pages, array),
+            None => Err(wrong(format!("is in the file '{name:.200}', which does not lie beside it or says nothing"))),
+        };
+    }
+    let images: Images<'_> = root
+        .children()
+        .filter(|node| node.has_tag_name_of("Image"))
+        .filter_map(|image| {
+            let name = image.attribute("Name").or_else(|| image.attribute("ID")).unwrap_or_default();
+            child(image, "Pixels").map(|pixels| (name, pixels))
+        })
+        .collect();
+    let chosen = match (array, &images[..]) {
+        (_, []) => return Err(wrong("has no pixels".to_owned())),
+        (None, [only]) => only,
+        (None, all) => {
+            let names: Vec<&str> = all.iter().take(8).map(|(name, _)| *name).collect();
+            let problem = format!("this file holds {} images, of which one can be the burst", all.len());
+            return Err((problem, format!("say with --array its name, or its number from 0 on: {}", names.join(", "))));
+        }
+        (Some(array), all) => {
+            let named = all.iter().find(|(name, _)| *name == array);
+            let numbered = || all.get(array.parse::<usize>().ok()?);
+            let missing = || (format!("this file has no image '{array}'"), "choose another with --array".to_owned());
+            named.or_else(numbered).ok_or_else(missing)?
+        }
+    };
+    let mut found = planes(chosen.1, (path, root.attribute("UUID")), pages).map_err(wrong)?;
+    if images.len() > 1 {
+        found.said.push(format!("of {} images '{:.200}' is taken", images.len(), chosen.0));
+    }
+    Ok(Some(found))
+}
+
+/// Pages of an image. The error goes on a sentence about the description.
+fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usize) -> Result<Described, String> {
+    let number = |node: Node<'_, '_>, name: &str, usual: Option<usize>| match node.attribute(name) {
+        None => usual.ok_or_else(|| format!("has no {name}")),
+        Some(text) => text.trim().parse().map_err(|_| format!("says {name}=\"{text:.40}\", which is no number")),
+    };
+    let order = pixels.attribute("DimensionOrder").and_then(|order| order.strip_prefix("XY"));
+    let order = order.filter(|order| order.len() == 3).ok_or("has no DimensionOrder that is one")?;
+    let channels: Vec<usize> = pixels
+        .children()
+        .filter(|node| node.has_tag_name_of("Channel"))
+        .map(|channel| number(channel, "SamplesPerPixel", Some(1)))
+        .collect::<Result<_, _>>()?;
+    let mut axes = Axes::new();
+    for axis in order.chars().rev() {
+        let length = number(pixels, &format!("Size{axis}"), None)?;
+        // The colours of a page are counted as channels too.
+        let colours = channels.iter().sum::<usize>() == length && channels.iter().all(|colours| *colours > 1);
+        let length = if axis == 'C' && colours { channels.len() } else { length };
+        axes.push((axis, length));
+    }
+    let count = product(&axes);
+    if axes.iter().any(|(_, length)| *length == 0) || count > MAX_PLANES {
+        return Err(format!("tells of {}", words(&axes)));
+    }
+    // Without channels, what is more than the pages are the colours of each.
+    if channels.is_empty() && pages > 0 && count > pages && count.is_multiple_of(pages) {
+        let colours = count / pages;
+        let of_colours = axes.iter_mut().find(|(axis, length)| *axis == 'C' && *length == colours);
+        of_colours.into_iter().for_each(|(_, length)| *length = 1);
+    }
+    let data: Vec<Node<'_, '_>> = pixels.children().filter(|node| node.has_tag_name_of("TiffData")).collect();
+    let mut found = Described { pages: vec![None; product(&axes)], axes, said: Vec::new() };
+    if data.is_empty() {
+        return Ok(Described::in_order(found.axes, pages));
+    }
+    for node in data {
+        let first = number(node, "IFD", Some(0))?;
+        let usual = if node.attribute("IFD").is_some() { 1 } else { usize::MAX };
+        let most = number(node, "PlaneCount", Some(usual))?;
+        let mut place = 0;
+        for (axis, length) in &found.axes {
+            let at = number(node, &format!("First{axis}"), Some(0))?;
+            if at >= *length {
+                return Err(format!("has a page at {axis}={at}, and {length} {}", name_of(*axis)));
+            }
+            place = place * length + at;
+        }
+        let name = child(node, "UUID").filter(|of| of.text().map(str::trim) != uuid || uuid.is_none());
+        let own = path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let file =
+            name.and_then(|of| of.attribute("FileName")).map(str::to_owned).filter(|name| Some(name) != own.as_ref());
+        let is_here = |number: usize| file.is_some() || number < pages;
+        for (number, page) in (first..).zip(found.pages.iter_mut().skip(place)).take(most) {
+            *page = is_here(number).then(|| Page { file: file.clone(), number });
+        }
+    }
+    let files: BTreeSet<&str> = found.pages.iter().flatten().filter_map(|page| page.file.as_deref()).collect();
+    if !files.is_empty() {
+        found.said.push(format!("the file is one of a set of {}", files.len() + 1));
+    }
+    Ok(found)
+}
+
+trait Named {
+    /// Whether its name is this one, whatever its prefix and namespace.
+    fn has_tag_name_of(&self, name: &str) -> bool;
+}
+
+impl Named for Node<'_, '_> {
+    fn has_tag_name_of(&self, name: &str) -> bool {
+        self.is_element() && self.tag_name().name() == name
+    }
+}
+
+fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+    node.children().find(|node| node.has_tag_name_of(name))
+}

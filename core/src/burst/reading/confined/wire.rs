@@ -1,0 +1,139 @@
+//! Messages between the program and the child process that decodes: a length, JSON of that length, and the pixels as
+//! they are in memory, because both processes are of one program on one machine.
+
+use crate::burst::layout::Mosaic;
+use crate::burst::options::{Encoding, Limits, OpenOptions};
+use crate::burst::reading::{FileScale, RawFrame};
+use crate::error::{Error, Result};
+use crate::plane::{Plane, memory};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+const MAX_JSON_BYTES: u32 = 1 << 20;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(in crate::burst) enum Part {
+    Only,
+    /// A page of a TIFF, or a picture of a bag's topic, by its index in the file, which is this frame of the burst.
+    Page {
+        page: usize,
+        frame: usize,
+    },
+}
+
+/// Request to decode one file. Its path is an argument of the process, because a path need not be text.
+#[derive(Debug, Serialize, Deserialize)]
+pub(in crate::burst) struct DecodeRequest {
+    /// The program's version, which must be that of both processes.
+    pub version: String,
+    pub part: Part,
+    /// The first frame's file, for messages, and the size (columns, rows) that this one must have too.
+    pub expected: Option<(String, (usize, usize))>,
+    pub options: OpenOptions,
+    pub limits: Limits,
+    /// Memory that the process may address, bytes.
+    pub memory_bytes: u64,
+    /// Processor time that it may take, seconds.
+    pub cpu_seconds: u64,
+}
+
+/// A frame without its pixels, which follow.
+#[derive(Debug, Serialize, Deserialize)]
+struct FrameHead {
+    size: (usize, usize),
+    scale: FileScale,
+    encoding: Encoding,
+    binning: usize,
+    damage: Option<String>,
+    is_colour: bool,
+    mosaic: Option<Mosaic>,
+}
+
+pub(in crate::burst) fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
+    let text = serde_json::to_vec(value)?;
+    let length = u32::try_from(text.len()).map_err(io::Error::other)?;
+    to.write_all(&length.to_le_bytes())?;
+    to.write_all(&text)
+}
+
+pub(in crate::burst) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
+    let mut length = [0; 4];
+    from.read_exact(&mut length)?;
+    let length = u32::from_le_bytes(length);
+    if length > MAX_JSON_BYTES {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "an answer that is none"));
+    }
+    let mut text = vec![0; length as usize];
+    from.read_exact(&mut text)?;
+    Ok(serde_json::from_slice(&text)?)
+}
+
+pub(in crate::burst) fn send_reply(to: &mut impl Write, reply: Result<RawFrame>) -> io::Result<()> {
+    match reply {
+        Ok(RawFrame { plane, scale, encoding, binning, damage, is_colour, mosaic, misnamed: _ }) => {
+            let head = FrameHead { size: plane.size(), scale, encoding, binning, damage, is_colour, mosaic };
+            send(to, &Ok::<_, Error>(head))?;
+            to.write_all(bytemuck::cast_slice(plane.data()))
+        }
+        Err(error) => send(to, &Err::<FrameHead, _>(error)),
+    }
+}
+
+/// Receives the reply about the file `path`. The outer error is of a reply that is damaged or cut off, the inner one is
+/// the child's error about the file, or of a frame beyond `limits`.
+pub(in crate::burst) fn receive_reply(
+    from: &mut impl Read,
+    path: &Path,
+    limits: &Limits,
+) -> io::Result<Result<RawFrame>> {
+    let FrameHead { size, scale, encoding, binning, damage, is_colour, mosaic } = match receive(from)? {
+        Ok(head) => head,
+        Err(error) => return Ok(Err(error)),
+    };
+    if let Err(error) = limits.check_frame(path, size.0 as u64, size.1 as u64) {
+        return Ok(Err(error));
+    }
+    let mut values: Vec<f32> = memory::zeroed(size.0 * size.1);
+    from.read_exact(bytemuck::cast_slice_mut(&mut values))?;
+    let plane = Plane::from_vec(size.0, size.1, values);
+    Ok(Ok(RawFrame { encoding, binning, damage, is_colour, mosaic, ..RawFrame::linear(plane, scale) }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_and_errors_come_through_as_they_are() {
+        let sent = |reply| {
+            let mut bytes = Vec::new();
+            send_reply(&mut bytes, reply).expect("memory takes everything");
+            receive_reply(&mut &bytes[..], Path::new("a.dng"), &Limits::default()).expect("an answer")
+        };
+        let data = FileScale::Data { integer: true, largest: f32::MAX };
+        for scale in [FileScale::Range(65535.0), FileScale::Raw { white: 0.1 + 0.2 }, data] {
+            let plane = Plane::from_vec(2, 2, vec![0.1, -0.0, f32::MIN_POSITIVE, 7.0]);
+            let frame = RawFrame { encoding: Encoding::Srgb, binning: 2, ..RawFrame::linear(plane.clone(), scale) };
+            let frame = RawFrame { damage: Some("it ends".to_owned()), ..frame };
+            let found = sent(Ok(frame)).expect("a frame");
+            assert_eq!((found.scale, found.encoding, found.binning), (scale, Encoding::Srgb, 2));
+            assert_eq!((found.plane.size(), found.damage.as_deref()), ((2, 2), Some("it ends")));
+            let bits = |plane: &Plane| plane.data().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&found.plane), bits(&plane));
+        }
+        let error = Error::not_finite(Path::new("a.dng"), 0, 9, 31, f32::NEG_INFINITY);
+        assert_eq!(sent(Err(error.clone())).expect_err("an error"), error);
+    }
+
+    #[test]
+    fn what_is_no_answer_is_an_error() {
+        let read = |bytes: &[u8]| receive_reply(&mut &bytes[..], Path::new("a"), &Limits::default());
+        assert!(read(b"").is_err() && read(&[255; 40]).is_err() && read(b"\x02\0\0\0{}").is_err());
+        // A frame whose pixels are cut off.
+        let mut bytes = Vec::new();
+        let plane = Plane::zeros(3, 3);
+        send_reply(&mut bytes, Ok(RawFrame::linear(plane, FileScale::Range(255.0)))).expect("memory");
+        assert!(read(&bytes[..bytes.len() - 1]).is_err() && read(&bytes).is_ok());
+    }
+}

@@ -1,0 +1,161 @@
+//! Conversion of a file's samples to one float value a pixel, and turning of photographs as the camera was held.
+//!
+//! Colour becomes luma: Y' = 0.2126 R' + 0.7152 G' + 0.0722 B', the weights of Rec. ITU-R BT.709, applied to the values
+//! as they are stored, that is, to gamma-encoded values without decoding them, unless the [`Curve`] undoes the encoding
+//! first. Alpha is ignored.
+
+use crate::plane::{Plane, memory};
+use image::metadata::Orientation;
+use std::sync::LazyLock;
+
+/// Weights of Rec. 709 for red, green and blue. They sum to 1.
+pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+pub(in crate::burst) trait Sample: Copy {
+    fn to_f32(self) -> f32;
+}
+
+macro_rules! sample {
+    ($($type:ty)*) => { $(impl Sample for $type {
+        #[inline]
+        fn to_f32(self) -> f32 {
+            self as f32
+        }
+    })* };
+}
+
+sample!(u8 u16 u32 u64 i8 i16 i32 i64 f32 f64);
+
+impl Sample for half::f16 {
+    fn to_f32(self) -> f32 {
+        self.to_f32()
+    }
+}
+
+/// Luma of a colour. The luma of grey (r = g = b) is exact, because only differences are weighted.
+#[inline]
+fn luma(r: f32, g: f32, b: f32) -> f32 {
+    g + LUMA_WEIGHTS[0] * (r - g) + LUMA_WEIGHTS[2] * (b - g)
+}
+
+/// Conversion of stored samples to fractions of full scale.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::burst) enum Curve {
+    /// Division by this value.
+    Linear(f32),
+    /// Inverse of the sRGB encoding (IEC 61966-2-1) of samples up to this value; the result is proportional to light.
+    Srgb(f32),
+}
+
+impl Curve {
+    /// Curve for samples up to `largest`; with `linearise`, the inverse of the sRGB encoding.
+    pub fn of(largest: f32, linearise: bool) -> Self {
+        if linearise { Self::Srgb(largest) } else { Self::Linear(largest) }
+    }
+}
+
+static BYTES_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|n| linear(n as f64 / 255.0)));
+
+/// Linear intensity of an sRGB-encoded value, both 0 … 1.
+fn linear(encoded: f64) -> f32 {
+    (if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }) as f32
+}
+
+fn byte_linear<T: Sample>(byte: T) -> f32 {
+    BYTES_LINEAR[(byte.to_f32() as usize).min(255)]
+}
+
+fn sample_linear<T: Sample>(largest: f32) -> impl Fn(T) -> f32 {
+    move |sample| linear(f64::from(sample.to_f32()) / f64::from(largest))
+}
+
+/// One value for each pixel of interleaved `samples` (1 to 4 channels: grey or RGB, without or with alpha), by `curve`.
+pub(in crate::burst) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, curve: Curve) -> Vec<f32> {
+    // The curve is chosen here, not for each sample: a loop over pixels without a branch is vectorised.
+    match curve {
+        Curve::Linear(divisor) => interleaved(samples, channels, T::to_f32, divisor),
+        Curve::Srgb(255.0) => interleaved(samples, channels, byte_linear, 1.0),
+        Curve::Srgb(largest) => interleaved(samples, channels, sample_linear(largest), 1.0),
+    }
+}
+
+fn interleaved<T: Sample>(samples: &[T], channels: usize, value: impl Fn(T) -> f32, divisor: f32) -> Vec<f32> {
+    let pixels = samples.chunks_exact(channels);
+    let mut grey = memory::with_capacity(pixels.len());
+    match channels {
+        1 => grey.extend(samples.iter().map(|s| value(*s) / divisor)),
+        2 => grey.extend(pixels.map(|s| value(s[0]) / divisor)),
+        _ => grey.extend(pixels.map(|s| luma(value(s[0]), value(s[1]), value(s[2])) / divisor)),
+    }
+    grey
+}
+
+/// One value for each pixel of three planes of colour, by `curve`.
+pub(in crate::burst) fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue: &[T], curve: Curve) -> Vec<f32> {
+    match curve {
+        Curve::Linear(divisor) => of_planes([red, green, blue], T::to_f32, divisor),
+        Curve::Srgb(255.0) => of_planes([red, green, blue], byte_linear, 1.0),
+        Curve::Srgb(largest) => of_planes([red, green, blue], sample_linear(largest), 1.0),
+    }
+}
+
+fn of_planes<T: Sample>([red, green, blue]: [&[T]; 3], value: impl Fn(T) -> f32, divisor: f32) -> Vec<f32> {
+    let mut grey = memory::with_capacity(red.len());
+    grey.extend(red.iter().zip(green).zip(blue).map(|((r, g), b)| luma(value(*r), value(*g), value(*b)) / divisor));
+    grey
+}
+
+/// Size (columns, rows) of a picture of `size` after turning.
+pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation: Orientation) -> (usize, usize) {
+    match orientation {
+        Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => {
+            (height, width)
+        }
+        _ => (width, height),
+    }
+}
+
+pub(in crate::burst) fn turned(plane: Plane, orientation: Orientation) -> Plane {
+    let (width, height) = plane.size();
+    let (right, bottom) = (width - 1, height - 1);
+    let (new_width, new_height) = turned_size((width, height), orientation);
+    if orientation == Orientation::NoTransforms {
+        return plane;
+    }
+    Plane::from_fn(new_width, new_height, |u, v| match orientation {
+        Orientation::NoTransforms => plane.at(u, v),
+        Orientation::FlipHorizontal => plane.at(right - u, v),
+        Orientation::FlipVertical => plane.at(u, bottom - v),
+        Orientation::Rotate180 => plane.at(right - u, bottom - v),
+        Orientation::Rotate90 => plane.at(v, bottom - u),
+        Orientation::Rotate270 => plane.at(right - v, u),
+        // First turned, then flipped from left to right.
+        Orientation::Rotate90FlipH => plane.at(v, u),
+        Orientation::Rotate270FlipH => plane.at(right - v, bottom - u),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grey_stays_exact() {
+        for n in 0..=255u8 {
+            let expected = vec![f32::from(n) / 255.0];
+            assert_eq!(grey_from_interleaved(&[n], 1, Curve::Linear(255.0)), expected);
+            assert_eq!(grey_from_interleaved(&[n, 7], 2, Curve::Linear(255.0)), expected);
+            assert_eq!(grey_from_interleaved(&[n, n, n], 3, Curve::Linear(255.0)), expected);
+            assert_eq!(grey_from_interleaved(&[n, n, n, 0], 4, Curve::Linear(255.0)), expected);
+        }
+        assert_eq!(grey_from_planes(&[3u16], &[3], &[3], Curve::Linear(3.0)), vec![1.0]);
+    }
+
+    #[test]
+    fn the_encoding_is_undone_at_its_ends_and_in_its_linear_part() {
+        // Reference values of IEC 61966-2-1.
+        let grey = |value: u8| grey_from_interleaved(&[value], 1, Curve::of(255.0, true))[0];
+        assert_eq!((grey(0), grey(255)), (0.0, 1.0));
+        assert!((grey(10) - 10.0 / 255.0 / 12.92).abs() < 1e-7);
+    }
+}
