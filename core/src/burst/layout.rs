@@ -22,7 +22,8 @@ pub struct Dump {
 }
 
 /// Names of the numbers of files without header, of which little endian is the usual one.
-const TYPES: [(&str, Number, bool); 9] = [
+const TYPES: [(&str, Number, bool); 10] = [
+    ("u1", Number::U1, false),
     ("u8", Number::U8, false),
     ("u16le", Number::U16, false),
     ("u16be", Number::U16, true),
@@ -44,11 +45,14 @@ impl FromStr for Dump {
             let (kind, skip) = kind.split_once('+').unwrap_or((kind, "0"));
             let (_, number, big_endian) = *TYPES.iter().find(|(name, ..)| *name == kind)?;
             let side = |text: &str| text.parse().ok().filter(|side: &usize| *side > 0);
-            Some(Self { size: (side(width)?, side(height)?), number, big_endian, skip: skip.parse().ok()? })
+            let size = (side(width)?, side(height)?);
+            // Rows of bits fill whole bytes.
+            let is_whole = number != Number::U1 || size.0.is_multiple_of(8);
+            is_whole.then_some(Self { size, number, big_endian, skip: skip.parse().ok()? })
         };
         read().ok_or_else(|| {
             let names = TYPES.map(|(name, ..)| name).join(", ");
-            format!("'{text}' is not WIDTHxHEIGHT:TYPE, such as 1600x1200:u16le, or with +BYTES before the first frame; types are {names}")
+            format!("'{text}' is not WIDTHxHEIGHT:TYPE, such as 1600x1200:u16le, or with +BYTES before the first frame; types are {names}; u1 needs a width of whole bytes")
         })
     }
 }

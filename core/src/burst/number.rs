@@ -5,6 +5,8 @@
 pub(super) enum Number {
     /// A byte: 0, or anything else for 1.
     Bool,
+    /// Eight numbers of 0 or 1 in a byte, the highest bit first, as `numpy.packbits` writes them.
+    U1,
     U8,
     U16,
     U32,
@@ -47,6 +49,7 @@ impl Number {
     /// Bits of a number in the file, those of its share of a padding included.
     fn bits(self) -> usize {
         match self {
+            Self::U1 => 1,
             Self::Bool | Self::U8 | Self::I8 => 8,
             Self::U10p => 10,
             Self::U12p | Self::U10Packed | Self::U12Packed => 12,
@@ -64,7 +67,7 @@ impl Number {
     /// Largest number, where that is the full scale: of types of up to 16 bits, whose range sensors fill.
     pub(super) fn range(self) -> Option<f32> {
         match self {
-            Self::Bool => Some(1.0),
+            Self::Bool | Self::U1 => Some(1.0),
             Self::U8 => Some(255.0),
             Self::U16 => Some(65535.0),
             Self::I8 => Some(127.0),
@@ -82,7 +85,7 @@ impl Number {
     /// Name of the type for the user, such as "16 bit".
     pub(super) fn words(self) -> String {
         match self {
-            Self::Bool => "1 bit".to_owned(),
+            Self::Bool | Self::U1 => "1 bit".to_owned(),
             Self::U10p | Self::U10Packed => "10 bit".to_owned(),
             Self::I8 | Self::I16 => format!("{} bit with a sign", self.bits()),
             Self::U32 | Self::U64 | Self::I32 | Self::I64 => format!("integers of {} bit", self.bits()),
@@ -131,6 +134,10 @@ impl Number {
         };
         match self {
             Self::Bool => values.extend(bytes.iter().map(|b| f32::from(u8::from(*b != 0)) / divisor)),
+            Self::U1 => {
+                let bits = bytes.iter().flat_map(|byte| (0..8).rev().map(move |bit| byte >> bit & 1));
+                values.extend(bits.map(|bit| f32::from(bit) / divisor));
+            }
             Self::U8 => from!(u8),
             Self::U16 => from!(u16),
             Self::U32 => from!(u32),

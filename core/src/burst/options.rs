@@ -62,8 +62,8 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "PATTERN"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mosaic: Option<Mosaic>,
-    /// Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8, u16le,
-    /// u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed.
+    /// Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u1 (bits,
+    /// the highest first; also of .npy arrays that numpy.packbits made), u8, u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed.
     #[cfg_attr(feature = "cli", arg(long, value_name = "WxH:TYPE[+BYTES]"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raw: Option<Dump>,

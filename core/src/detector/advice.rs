@@ -217,9 +217,4 @@ mod tests {
         assert_eq!(found(&clear, &DetectorParams::default()), None);
         assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
     }
-
-    #[test]
-    fn counts_are_grouped_by_thousands() {
-        assert_eq!([0, 7, 999, 1000, 12_345_678].map(grouped), ["0", "7", "999", "1 000", "12 345 678"]);
-    }
 }

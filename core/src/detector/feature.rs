@@ -280,28 +280,6 @@ mod tests {
         (13, 140, [11858.151178, 12447.308279, 543.862808, 113.796307, 88.636163, 34.802567]);
 
     #[test]
-    fn the_motion_said_is_that_of_the_place_unless_it_moves_otherwise() {
-        let known = Feature { field: Slope::new(2.0, 0.5), field_sigma: 0.05, slope_sigma: 0.2, ..Feature::default() };
-        let of = |u: f32, slope_sigma: f32, field_sigma: f32| {
-            let feature = Feature { slope: Slope::new(u, 0.5), slope_sigma, field_sigma, ..known };
-            let moves = Moves::by_numbers(&feature);
-            (moves, Feature { moves, ..feature }.motion())
-        };
-        let own = Slope::new(-1.0, 0.5);
-        assert_eq!(of(2.3, 0.2, 0.05), (Moves::WithSurroundings, (known.field, 0.05)));
-        assert_eq!(of(-1.0, 0.2, 0.05), (Moves::ByItself, (own, 0.2)));
-        assert_eq!(of(-1.0, 2.0, 0.05), (Moves::WithSurroundings, (known.field, 0.05)), "too faint to tell otherwise");
-        assert_eq!(of(2.3, 0.05, 0.57), (Moves::WithSurroundings, (Slope::new(2.3, 0.5), 0.05)), "its own is surer");
-        assert_eq!(of(2.8, 0.05, 0.57), (Moves::WithSurroundings, (known.field, 0.57)), "but does not quite agree");
-        assert_eq!(of(-1.0, 0.9, f32::INFINITY), (Moves::Unknown, (own, 0.9)));
-        for moves in [Moves::Edge, Moves::Ghost] {
-            let feature = Feature { slope: own, slope_sigma: 0.2, moves, ..known };
-            assert_eq!(feature.motion(), (known.field, 0.05));
-            assert_eq!(Feature { field_sigma: f32::INFINITY, ..feature }.motion(), (own, 0.2));
-        }
-    }
-
-    #[test]
     fn other_features_come_with_another_revision() {
         let chart =
             ChartParams { width: 200, height: 150, discs: 10, radius: 3.6..=9.0, snr: 2.0, ..ChartParams::default() };

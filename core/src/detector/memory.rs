@@ -280,16 +280,6 @@ mod tests {
     }
 
     #[test]
-    fn the_estimate_grows_with_slopes_and_the_first_octave() {
-        let plane = plane(64);
-        let fine = DetectorParams { first_octave: -1, ..plane.clone() };
-        let of = |params: &DetectorParams| estimate(params, 10, SIZE) as f64 / 1e9;
-        assert!((8.0..13.0).contains(&of(&plane)) && (32.0..45.0).contains(&of(&fine)));
-        assert!(of(&DetectorParams::default()) < 0.5);
-        assert!(estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
-    }
-
-    #[test]
     fn a_search_plans_with_what_others_leave() {
         let (params, account) = (plane(20), Account::new());
         let plan = |budget| account.plan(wanted(&params), Some(budget));

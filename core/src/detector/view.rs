@@ -187,26 +187,9 @@ const NOISE_CELL_PX: f32 = 8.0;
 #[cfg(test)]
 mod tests {
     use super::super::pipeline::{Keeping, search_with_trail};
-    use super::super::{NoiseModelKind, SlopeExtrema, SlopeGrid};
+    use super::super::{SlopeExtrema, SlopeGrid};
     use super::*;
     use crate::synth::NoiseCase;
-
-    #[test]
-    fn a_map_of_the_noise_shows_where_it_is_stronger() {
-        let burst = NoiseCase::NoisyHalf.burst((640, 400), 6, 0.02, 7, &Monitor::default()).expect("not cancelled");
-        let map = |noise_model| {
-            let params =
-                DetectorParams { noise_model, slopes: SlopeGrid::line(-1.0..=1.0, 3), ..DetectorParams::default() };
-            noise_map(&burst, &params, &Monitor::default()).expect("a map")
-        };
-        let local = map(NoiseModelKind::Local);
-        assert_eq!(local.size(), burst.size());
-        for (u, sigma) in [(40, 0.02), (600, 0.06)] {
-            assert!((local.at(u, 200) / sigma - 1.0).abs() < 0.2, "{u}: {}", local.at(u, 200));
-        }
-        let white = map(NoiseModelKind::White);
-        assert!(white.data().iter().all(|x| *x == white.data()[0]) && white.at(0, 0) > 0.02);
-    }
 
     #[test]
     fn the_gate_s_map_is_what_the_search_compares_with() {

@@ -225,19 +225,4 @@ mod tests {
             assert!(found == line && message.contains(problem), "{found}: {message}");
         }
     }
-
-    #[test]
-    fn every_sample_has_a_row_and_names_may_hold_anything() {
-        let home = tempfile::tempdir().expect("a folder");
-        let path = home.path().join("p.csv");
-        let sample = |distance_px, value| ProfileSample { distance_px, u: 1.5, v: 2.0, value };
-        let profiles = [
-            PictureProfile { picture: "Stack (1.00, 0.00)".into(), samples: vec![sample(0.0, 0.25), sample(1.0, 0.5)] },
-            PictureProfile { picture: "a \"b\"".into(), samples: vec![sample(0.0, f32::NAN)] },
-        ];
-        write_profiles_csv(&path, &profiles).expect("written");
-        let text = std::fs::read_to_string(&path).expect("there");
-        let expected = "picture,distance_px,u,v,value\n\"Stack (1.00, 0.00)\",0,1.5,2,0.25\n\"Stack (1.00, 0.00)\",1,1.5,2,0.5\n\"a \"\"b\"\"\",0,1.5,2,\n";
-        assert_eq!(text, expected);
-    }
 }

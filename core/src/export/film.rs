@@ -86,23 +86,6 @@ mod tests {
     }
 
     #[test]
-    fn films_come_back_picture_by_picture() {
-        let bytes = encoded(pictures(), &Monitor::default()).expect("encoded");
-        let mut options = gif::DecodeOptions::new();
-        options.set_color_output(gif::ColorOutput::RGBA);
-        let mut decoder = options.read_info(&bytes[..]).expect("a GIF");
-        for truth in pictures() {
-            let frame = decoder.read_next_frame().expect("read").expect("a picture");
-            assert_eq!(frame.delay, 10);
-            let off = frame.buffer.iter().zip(truth.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
-            assert!(off.is_some_and(|off| off <= 4), "{off:?}");
-        }
-        assert!(decoder.read_next_frame().expect("read").is_none());
-        let estimate = estimated_film_bytes([&pictures()[0], &pictures()[1]], 3) as f64;
-        assert!((0.4..3.0).contains(&(estimate / bytes.len() as f64)));
-    }
-
-    #[test]
     fn wrong_pictures_are_refused_and_cancelling_ends_it() {
         let mut sizes = pictures();
         sizes.push(RgbaImage::new(3, 3));

@@ -268,14 +268,6 @@ mod tests {
     }
 
     #[test]
-    fn each_test_has_names_of_its_own() {
-        let mut names = Test::ALL.map(|test| test.record().short);
-        assert!(names.iter().all(|name| (1..=14).contains(&name.len())), "{names:?}");
-        names.sort_unstable();
-        assert!(names.windows(2).all(|two| two[0] != two[1]), "{names:?}");
-    }
-
-    #[test]
     fn margins_are_percents_with_a_real_minus_and_nothing_where_they_say_nothing() {
         let of = |margin: f64| TestReport::new(Test::NoiseGate, Outcome::Passes, Some(1.0 + margin), Some(1.0));
         for (margin, text) in

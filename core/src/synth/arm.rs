@@ -82,9 +82,8 @@ impl Truth {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ChartParams, synth_chart};
+
     use super::*;
-    use crate::monitor::Monitor;
 
     #[test]
     fn shares_of_discs_are_those_of_their_areas() {
@@ -93,25 +92,5 @@ mod tests {
         }
         let sides = share_right_of(10.0, 12.0, 5.0) + share_right_of(10.0, 8.0, 5.0);
         assert!((sides - 1.0).abs() < 1e-12 && share_right_of(10.0, 12.0, 5.0) > 0.7);
-    }
-
-    #[test]
-    fn an_arm_stands_still_and_hides_what_lies_behind_it() {
-        let plain = ChartParams { width: 240, height: 180, discs: 12, frames: 5, ..ChartParams::default() };
-        let plain = ChartParams { radius: 3.6..=9.0, snr: f64::INFINITY, ..plain };
-        let made = |mask: f64| synth_chart(&ChartParams { mask, ..plain.clone() }, &Monitor::default());
-        let (bare, all) = made(0.0).expect("a chart");
-        let (burst, truth) = made(0.4).expect("a chart");
-        assert_eq!((all.mask_columns, truth.mask_columns, all.mask()), (0, 96, None));
-        assert!(!truth.features.is_empty() && truth.features.iter().all(|disc| disc.u > 96.0));
-        assert!(all.features.iter().filter(|disc| disc.u > 130.0).all(|disc| truth.features.contains(disc)));
-        for (frame, bare) in burst.frames.iter().zip(&bare.frames) {
-            assert_eq!(frame.row(50)[..96], burst.frames[0].row(50)[..96], "the arm moves");
-            assert_eq!(frame.row(50)[96..], bare.row(50)[96..], "the rest is the chart");
-        }
-        let masked = truth.masked(burst);
-        assert!(masked.frames.iter().all(|frame| frame.weight_at(95, 0) == 0.0 && frame.weight_at(96, 0) == 1.0));
-        let error = made(0.95).expect_err("nothing is left").to_string();
-        assert!(error.starts_with("mask: 0.95 of the columns"), "{error}");
     }
 }

@@ -19,4 +19,5 @@ mod slopes;
 mod stays;
 mod under_load;
 mod uneven;
+mod units;
 mod views;

@@ -13,26 +13,42 @@ fn table<P: Default>(records: &[Param<P>]) -> String {
     format!("| option | in the window | values | default | meaning |\n| --- | --- | --- | --- | --- |\n{rows}")
 }
 
+/// Table of the formats of files, made from their records.
+fn table_of_formats() -> String {
+    let row = |of: burstscope::burst::FormatRecord| {
+        let extensions: Vec<String> = of.extensions.iter().map(|extension| format!("`.{extension}`")).collect();
+        format!("| {} ({}) | {} | {} |\n", of.name, extensions.join(", "), of.opens, of.options)
+    };
+    let rows: String = burstscope::burst::file_formats().map(row).collect();
+    format!("| format | taken as frames | say |\n| --- | --- | --- |\n{rows}")
+}
+
+/// Names of the formats, as a part of a sentence.
+fn list_of_formats() -> String {
+    let names: Vec<&str> = burstscope::burst::file_formats().map(|of| of.name).collect();
+    format!("{}\n", names.join(", "))
+}
+
 #[test]
-fn the_reference_has_the_records_of_all_parameters() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(REFERENCE);
-    let text = fs::read_to_string(&path).expect("the reference");
-    let mut made = text.clone();
-    let parts = [
-        ("parameters", table(&detector::params::doc::ALL)),
-        ("parameters of matching", table(&matching::params::doc::ALL)),
-    ];
-    for (part, table) in parts {
+fn documents_have_the_records_of_all_parameters_and_formats() {
+    for (document, part, made) in [
+        (REFERENCE, "parameters", table(&detector::params::doc::ALL)),
+        (REFERENCE, "parameters of matching", table(&matching::params::doc::ALL)),
+        ("docs/GUIDE.md", "formats", table_of_formats()),
+        ("README.md", "formats", list_of_formats()),
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(document);
+        let text = fs::read_to_string(&path).expect("a document");
         let (start, end) = (format!("<!-- {part} -->\n"), format!("<!-- end of {part} -->"));
-        let (before, rest) = made.split_once(&start).unwrap_or_else(|| panic!("no start of the table of {part}"));
+        let (before, rest) = text.split_once(&start).unwrap_or_else(|| panic!("no start of the table of {part}"));
         let (_, after) = rest.split_once(&end).unwrap_or_else(|| panic!("no end of the table of {part}"));
-        made = format!("{before}{start}{table}{end}{after}");
+        let made = format!("{before}{start}{made}{end}{after}");
+        if std::env::var_os("BURSTSCOPE_UPDATE_DOCS").is_some() {
+            fs::write(&path, made).expect("written");
+        } else {
+            assert!(made == text, "{document} is not what the program says; BURSTSCOPE_UPDATE_DOCS=1 writes it anew");
+        }
     }
-    if std::env::var_os("BURSTSCOPE_UPDATE_DOCS").is_some() {
-        fs::write(&path, made).expect("written");
-        return;
-    }
-    assert!(made == text, "{REFERENCE} is not what the program says; BURSTSCOPE_UPDATE_DOCS=1 writes it anew");
 }
 
 /// Targets of links and pictures in a Markdown text that are files.

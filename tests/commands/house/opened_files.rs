@@ -4,14 +4,12 @@ use super::reading::modules;
 
 /// Modules that open by themselves: the function's own; those of decoders, whose files the front of all decoders has
 /// opened before; those that read what the system writes; and those that make a file that was not there.
-const OTHERS: [&str; 12] = [
+const OTHERS: [&str; 10] = [
     "files",
-    "burst::decode",
-    "burst::decode::exif",
-    "burst::decode::npy",
-    "burst::decode::plain",
-    "burst::decode::tiff",
-    "burst::decode::tiles",
+    "burst::formats::tiff",
+    "burst::reading::exif",
+    "burst::reading::plain",
+    "burst::reading::tiles",
     "cli::signals",
     "export::atomic",
     "export::colmap::database",

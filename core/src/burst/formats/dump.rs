@@ -16,8 +16,14 @@ pub(super) struct Dump;
 
 impl Numbers for Dump {
     fn record(&self) -> Record {
-        let opens = "numbers without a header, whose shape `--raw` says";
-        Record { name: NAME, rank: Rank::Other, extensions: &["raw", "bin", "dat"], opens, options: &["raw", "mosaic"] }
+        let opens = "frames one after the other, in one file or in several, of any name";
+        Record {
+            name: NAME,
+            rank: Rank::Other,
+            extensions: &["raw", "bin", "dat"],
+            opens,
+            options: "`--raw 1600x1200:u16le+512`; without it the window shows the first frame in each likely shape to choose from, and the error of a command lists them",
+        }
     }
 
     /// By chance a file begins like another one: what it is, the options say.

@@ -24,8 +24,14 @@ pub(super) struct Film;
 impl Format for Film {
     fn record(&self) -> Record {
         let extensions = &["mp4", "mkv", "avi", "mov", "webm", "mpg", "gif"];
-        let opens = "films of any kind that the `ffmpeg` of the machine decodes, GIF among them";
-        Record { name: KIND, rank: Rank::Other, extensions, opens, options: &[] }
+        let opens = "decoded by the `ffmpeg` in `PATH`, with all bits of grey films (FFV1, 16 bit) and at the times that frames are shown; RGB films and GIFs become luma and colours as `ffmpeg` converts them; what `ffmpeg` says of a film is an error with its words";
+        Record {
+            name: KIND,
+            rank: Rank::Other,
+            extensions,
+            opens,
+            options: "without `ffmpeg` the error says the command",
+        }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {

@@ -65,17 +65,25 @@ pub(super) enum Rank {
     Other,
 }
 
-/// What is told of a format.
-pub(super) struct Record {
+/// What is told of a format: a row of the guide's table.
+#[derive(Debug, Clone, Copy)]
+pub struct FormatRecord {
     /// Its name in messages, unique.
     pub name: &'static str,
-    pub rank: Rank,
+    pub(super) rank: Rank,
     /// Extensions of its files, lower case.
     pub extensions: &'static [&'static str],
-    /// Files that are opened, in words for the guide.
+    /// What is taken as frames, a clause in Markdown.
     pub opens: &'static str,
-    /// Options that act on its files alone, by their names on a command line.
-    pub options: &'static [&'static str],
+    /// Options that act on its files, a clause in Markdown.
+    pub options: &'static str,
+}
+
+use FormatRecord as Record;
+
+/// All formats that this program was built with.
+pub fn file_formats() -> impl Iterator<Item = FormatRecord> {
+    ALL.iter().map(|format| format.record())
 }
 
 /// Beginning of a file, by which its format is told.

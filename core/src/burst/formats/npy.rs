@@ -7,7 +7,7 @@
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use super::{Input, Numbers, Rank, Record, Start};
-use crate::burst::layout::{Axis, AxisChoice, ViewGrid, ViewsChoice};
+use crate::burst::layout::{Axis, AxisChoice, Dump, ViewGrid, ViewsChoice};
 use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
 use crate::burst::reading::plain::{Index, Plain};
@@ -21,8 +21,14 @@ pub(super) struct Npy;
 
 impl Numbers for Npy {
     fn record(&self) -> Record {
-        let opens = "arrays [frames, rows, columns], of light fields too, of integers, floats or booleans";
-        Record { name: "NPY", rank: Rank::Picture, extensions: &["npy"], opens, options: &["axis", "views"] }
+        let opens = "`[N,H,W]`, `[H,W]`, `[N,H,W,1]`, `[N,H,W,3]`, `[N,1,H,W]`; `[H,W,N]` where the last axis is eight times shorter than the others, which a note tells; `[rows,columns,H,W]` with five columns or more, and `[rows,columns,H,W,3]`, of the views of a light field";
+        Record {
+            name: "NPY",
+            rank: Rank::Picture,
+            extensions: &["npy"],
+            opens,
+            options: "`--axis first`, `--axis last`; `--views 3x3` for arrays with fewer columns of views",
+        }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
@@ -30,7 +36,11 @@ impl Numbers for Npy {
     }
 
     fn plain(&self, mut input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {
-        ArrayHeader::read(path, "NPY", &mut input.file)?.plain(path, "NPY", input.length, options)
+        let header = ArrayHeader::read(path, "NPY", &mut input.file)?;
+        match options.raw.filter(|shape| shape.number == Number::U1) {
+            Some(shape) => header.packed(path, input.length, shape, options),
+            None => header.plain(path, "NPY", input.length, options),
+        }
     }
 }
 
@@ -38,8 +48,14 @@ pub(super) struct Npz;
 
 impl Numbers for Npz {
     fn record(&self) -> Record {
-        let opens = "archives of arrays, of which one is taken";
-        Record { name: "NPZ", rank: Rank::Other, extensions: &["npz"], opens, options: &["array", "axis", "views"] }
+        let opens = "the one array of such a shape";
+        Record {
+            name: "NPZ",
+            rank: Rank::Other,
+            extensions: &["npz"],
+            opens,
+            options: "`--array NAME` where there are several",
+        }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
@@ -113,6 +129,20 @@ impl ArrayHeader {
     /// Whether it has the number of axes that frames have.
     fn is_of_frames(&self) -> bool {
         (2..=5).contains(&self.shape.len()) && DTYPES.iter().any(|(code, _)| self.descr.get(1..) == Some(*code))
+    }
+
+    /// Frames of bits, of which bytes are an array, of the shape that the user says.
+    fn packed(&self, path: &Path, length: u64, shape: Dump, options: &OpenOptions) -> Result<Plain> {
+        let bytes = self.shape.iter().fold(1u64, |product, length| product.saturating_mul(*length));
+        let (step, (width, height)) = (shape.frame_bytes(), shape.size);
+        if self.descr.get(1..) != Some("u1") || self.fortran_order || !bytes.is_multiple_of(step) {
+            let problem = format!("this array of the shape {:?} is no frames of {shape}", self.shape);
+            let remedy = "save numpy.packbits(frames > 0, axis=-1), and say the size of a frame before it was packed";
+            return Err(Error::new(ErrorKind::Mismatch, problem, remedy).about(path));
+        }
+        let frames = (bytes / step, height as u64, width as u64);
+        let places = Plain::places_in(path, "NPY", frames, (self.data_offset, step, length), &options.limits)?;
+        Ok(Plain::new("NPY", shape.size, places, Number::U1))
     }
 
     /// Its frames. `length` is that of the file or the member, bytes; a shape beyond the limits is refused.

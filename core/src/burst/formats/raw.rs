@@ -13,9 +13,9 @@ use crate::burst::reading::confined::{self, Budget};
 use crate::burst::reading::mosaic::binned;
 use crate::burst::reading::pixels::{Curve, grey_from_interleaved, turned};
 use crate::burst::reading::{Declared, FileScale, RawFrame, Reading, read_at};
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::files::read_bytes;
-use crate::plane::Plane;
+use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
 use rawler::decoders::{RawDecodeParams, WellKnownIFD};
 use rawler::formats::tiff::IFD;
@@ -25,6 +25,7 @@ use rawler::rawsource::RawSource;
 use rawler::tags::{DngTag, TiffCommonTag};
 use rawler::{RawImage, RawImageData};
 use std::io::BufReader;
+use std::path::Path;
 
 /// Largest file per allowed pixel, bytes: float values, and the file's other data.
 const BYTES_PER_PIXEL: u64 = 8;
@@ -35,8 +36,8 @@ const NAME: &str = "raw";
 
 impl Format for Raw {
     fn record(&self) -> Record {
-        let opens = "raw frames of cameras: DNG, and the formats of many makers";
-        let options = &["raw-colour", "black-level", "full-scale"];
+        let opens = "each file is one frame: DNG and what `rawler` reads; 2×2 pixels of the mosaic become one";
+        let options = "`--raw-colour green`";
         Record { name: NAME, rank: Rank::Picture, extensions: OF_SENSORS, opens, options }
     }
 
@@ -77,12 +78,33 @@ fn declared_pixels(input: &Input, reading: Reading<'_>) -> Result<u64> {
     Ok(found.map_err(failed)?.pixels)
 }
 
+const ELSEWHERE: &str = "convert it to DNG, or to a 16-bit TIFF of its values";
+
+/// Error for a raw file of which the library says no more than `what`.
+fn unread(path: &Path, what: &str) -> Error {
+    let problem = format!("the decoder of raw files does not read this one: {what}");
+    Error::new(ErrorKind::Damaged, problem, format!("it is damaged, or of a kind that is not known: {ELSEWHERE}"))
+        .about(path)
+}
+
 fn frame(reading: Reading<'_>) -> Result<RawFrame> {
+    let known = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| memory::refusable(|| decoded(reading))));
+    known.unwrap_or_else(|_| Ok(Err(unread(reading.path, "it fails")))).map_err(|e| e.about(reading.path))?
+}
+
+fn decoded(reading: Reading<'_>) -> Result<RawFrame> {
     let Reading { path, options, .. } = reading;
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| Error::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
-    let corrupt = |e: rawler::RawlerError| Error::corrupt(path, NAME, e);
+    // Of a kind that it does not know the library says the same as of damage, and sometimes panics.
+    let corrupt = |e: rawler::RawlerError| match e {
+        rawler::RawlerError::Unsupported { what, .. } if is_tiff(&bytes) => {
+            Error::unsupported(path, NAME, format!("{what}; {ELSEWHERE}"))
+        }
+        rawler::RawlerError::Unsupported { .. } => Error::damaged(path, "this raw file does not begin like one"),
+        rawler::RawlerError::DecoderFailed(what) => unread(path, &what),
+    };
     let decoder = rawler::get_decoder(&source).map_err(corrupt)?;
     // The declared size is checked before anything is decoded.
     let (mut width, mut height) = (0, 0);

@@ -31,8 +31,8 @@ pub(super) struct Ser;
 
 impl Numbers for Ser {
     fn record(&self) -> Record {
-        let opens = "films of astronomical cameras: grey, mosaic or colours of 8 to 16 bits, with their times";
-        Record { name: KIND, rank: Rank::Film, extensions: &["ser"], opens, options: &[] }
+        let opens = "mono, Bayer mosaic or RGB of 8 to 16 bits, with the times of frames; of a recording that was stopped the whole frames";
+        Record { name: KIND, rank: Rank::Film, extensions: &["ser"], opens, options: "`--times header`" }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {

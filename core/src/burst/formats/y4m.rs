@@ -158,8 +158,8 @@ pub(super) struct Y4m;
 
 impl Numbers for Y4m {
     fn record(&self) -> Record {
-        let opens = "films of 8 to 16 bits, of which the luma is taken as it is stored";
-        Record { name: KIND, rank: Rank::Film, extensions: &["y4m"], opens, options: &[] }
+        let opens = "luma of mono, 4:2:0, 4:2:2, 4:4:4 films of 8 to 16 bits, as it is stored";
+        Record { name: KIND, rank: Rank::Film, extensions: &["y4m"], opens, options: "" }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {

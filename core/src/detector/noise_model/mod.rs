@@ -267,22 +267,6 @@ impl NoiseModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::burst::Positions;
-    use crate::detector::params::Interpolation;
-    use crate::detector::stack::frame_offsets;
-
-    #[test]
-    fn white_noise_has_the_bits_of_the_one_sigma() {
-        let space = ScaleSpace::new(4, 0, 4.0);
-        let slope = Slope::new(1.3, 0.2);
-        let offsets = frame_offsets(&Positions::even(10), slope, Interpolation::Linear);
-        let model = NoiseModel::white(0.0123);
-        for (octave, level) in [(0, 0), (2, 3)] {
-            let expected = 0.0123 * dog_noise_variance(&space, octave, f64::from(level), &offsets).sqrt() as f32;
-            assert_eq!(model.sigma_d(&space, (octave, level), (slope, &offsets), 5.0), expected);
-        }
-        assert_eq!(model.place_factor(0, &offsets, (3, 4), (100, 80)), 1.0);
-    }
 
     #[test]
     fn frames_that_repeat_each_other_are_worth_less() {

@@ -270,13 +270,6 @@ mod tests {
         assert_eq!(found.residuals_px[1], 1.0);
     }
 
-    #[test]
-    fn orientations_of_one_place_move_together() {
-        let features = [[1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [1.0, 2.0, 3.5], [9.0, 2.0, 3.0], [1.0, 2.0, 3.0]];
-        let places = Places::of(features);
-        assert_eq!(places, Places { of_feature: vec![0, 0, 1, 2, 0], first: vec![0, 2, 3] });
-    }
-
     /// Six views of 30 places whose true errors are known, each pair of views measured exactly; the view k sees all
     /// turned and 1 + k/10 times as large.
     fn exact() -> (Vec<f32>, Vec<Uv>, Vec<Link>) {

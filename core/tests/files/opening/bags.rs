@@ -202,11 +202,7 @@ fn the_files_of_a_ros_2_bag_are_one_burst() {
     // A part reaches from one file into the next.
     let take = OpenOptions { take: "4..7".parse().ok(), ..OpenOptions::default() };
     let part = open(&bag, &take).expect("opens");
-    assert_eq!(
-        part.frames,
-        [0, 2, 8].map(|t| burst.frames[t].clone()),
-        "the last of one and two of the other, by stamps"
-    );
+    assert_eq!(part.frames, burst.frames[4..7], "counted in the order of the whole burst");
     // Bags beside one another are bursts.
     let other = home.path().join("day");
     fs::create_dir(&other).expect("made");

@@ -218,5 +218,8 @@ fn an_image_list_that_imagej_left_out_is_not_lost_silently() {
     image.encoder().write_tag(tiff::tags::Tag::ImageDescription, description).expect("tag");
     image.write_data(&[1, 2]).expect("page");
     drop(encoder);
-    failure(&path, &["7 images", "BigTIFF"]);
+    failure(&path, &["7 depths", "--axis Z"]);
+    let along = OpenOptions { axis: Some("Z".parse().expect("an axis")), ..OpenOptions::default() };
+    let told = Burst::open_with(&[path], &along, &Monitor::default()).expect_err("they are not there").to_string();
+    assert!(told.contains("14 bytes of values are announced"), "{told}");
 }

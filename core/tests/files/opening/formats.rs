@@ -412,7 +412,7 @@ fn every_supported_ending_can_be_opened() {
             "ppm" => save(&path, &image::RgbImage::new(3, 2)),
             "webp" => save(&path, &image::RgbImage::new(3, 2)),
             "pbm" => fs::write(&path, "P1\n3 2\n1 0 1\n0 1 0\n").expect("written"),
-            "pnm" => fs::write(&path, "P2\n3 2\n9\n1 0 1\n0 1 0\n").expect("written"),
+            "pnm" => fs::write(&path, "P2\n3 2\n255\n1 0 1\n0 1 0\n").expect("written"),
             "pam" => {
                 let header = "P7\nWIDTH 3\nHEIGHT 2\nDEPTH 1\nMAXVAL 255\nTUPLTYPE GRAYSCALE\nENDHDR\n";
                 fs::write(&path, format!("{header}abcdef")).expect("written");

@@ -6,6 +6,7 @@ mod bags;
 #[allow(dead_code)] // the commands' tests use more of it
 mod crafted;
 mod damaged;
+mod declared;
 #[cfg(feature = "raw")]
 mod dng;
 mod errors;

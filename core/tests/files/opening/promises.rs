@@ -11,7 +11,9 @@ use std::path::Path;
 
 fn options_for(name: &str) -> OpenOptions {
     let raw = name.ends_with(".raw").then(|| "3x2:u8".parse().expect("a shape"));
-    OpenOptions { raw, ..OpenOptions::default() }
+    // Three pictures of a FITS image may be colours.
+    let axis = name.starts_with("cube").then(|| "last".parse().expect("an axis"));
+    OpenOptions { raw, axis, ..OpenOptions::default() }
 }
 
 fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {

@@ -32,8 +32,14 @@ pub(super) struct Bag;
 
 impl Format for Bag {
     fn record(&self) -> Record {
-        let opens = "recordings of robots (ROS 1, ROS 2, MCAP), of which a topic of pictures is taken";
-        Record { name: "bag", rank: Rank::Other, extensions: &["bag", "mcap", "db3"], opens, options: &["topic"] }
+        let opens = "one topic of `sensor_msgs/Image` (mono, Bayer mosaic, RGB and float encodings) or `CompressedImage` (JPEG, PNG, also of a mosaic), in the order of its stamps; ROS 1 serialisation and CDR; ROS 2 bags as a database, MCAP, or a folder with `metadata.yaml`; chunks packed by lz4, zstd, bz2; what unpacks to more than 1000 times its length and 256 MiB is refused, and messages in a `-wal` beside a `.db3` are not read, which a note says";
+        Record {
+            name: "bag",
+            rank: Rank::Other,
+            extensions: &["bag", "mcap", "db3"],
+            opens,
+            options: "`--topic /camera/image_raw` where several have pictures: the error lists them with counts and sizes; `--times header`",
+        }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {

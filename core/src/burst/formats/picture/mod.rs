@@ -50,17 +50,25 @@ impl Picture {
     }
 }
 
-const BITS: &str = "grey or colours of 8 and 16 bits";
-pub(super) static PNG: Picture = Picture::new(ImageFormat::Png, &["png"], BITS);
-pub(super) static JPEG: Picture = Picture::new(ImageFormat::Jpeg, &["jpg", "jpeg"], "grey or colours of 8 bits");
-pub(super) static PNM: Picture = Picture::new(ImageFormat::Pnm, &["pgm", "ppm", "pnm", "pbm", "pam"], BITS);
-pub(super) static WEBP: Picture = Picture::new(ImageFormat::WebP, &["webp"], "colours of 8 bits");
-pub(super) static BMP: Picture = Picture::new(ImageFormat::Bmp, &["bmp"], "grey or colours of 8 bits");
+const ONE: &str = "each file is a frame of 8 or 16 bits; luma of colours; photographs as their EXIF orientation says";
+/// What is opened of formats with animations.
+const SEVERAL: &str = "each file is a frame; the frames of an animation as they are shown, with their times";
+pub(super) static PNG: Picture = Picture::new(ImageFormat::Png, &["png"], SEVERAL);
+pub(super) static JPEG: Picture = Picture::new(ImageFormat::Jpeg, &["jpg", "jpeg", "mpo"], ONE);
+pub(super) static PNM: Picture = Picture::new(ImageFormat::Pnm, &["pgm", "ppm", "pnm", "pbm", "pam"], ONE);
+pub(super) static WEBP: Picture = Picture::new(ImageFormat::WebP, &["webp"], SEVERAL);
+pub(super) static BMP: Picture = Picture::new(ImageFormat::Bmp, &["bmp"], ONE);
 
 impl Format for Picture {
     fn record(&self) -> Record {
         let Self { format, extensions, opens } = *self;
-        Record { name: name(format), rank: Rank::Picture, extensions, opens, options: &["mosaic", "linearise"] }
+        Record {
+            name: name(format),
+            rank: Rank::Picture,
+            extensions,
+            opens,
+            options: "`--mosaic rggb` for a Bayer mosaic without a header of its own (all formats)",
+        }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {

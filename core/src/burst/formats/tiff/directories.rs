@@ -70,7 +70,7 @@ pub(in crate::burst::formats) struct Directories {
     /// Whether the first one is marked as that of a DNG.
     pub is_dng: bool,
     /// Planes of a MetaMorph stack, which lie behind those of the first directory.
-    pub planes: Planes,
+    pub(super) planes: Planes,
 }
 
 impl Directories {

@@ -1,34 +1,28 @@
 //! TIFF and BigTIFF with one page or many: grey or RGB (with or without alpha, interleaved or in planes) of 8, 16, 32
 //! or 64-bit integers or floats. Pages that are marked as thumbnails are left out.
-//!
-//! A page in planes and tiles is assembled here, tile by tile: the library (tiff 0.11.3) panics where the size of such
-//! a page is no multiple of the tile's.
 
 mod axes;
 mod contiguous;
 mod described;
 mod directories;
+mod page;
 
 pub(super) use directories::{Directories, OF_SENSORS, begins as is_tiff, is_of_sensor};
 
-use super::picture::jpeg;
 use super::{Format, Input, Rank, Record, Start, found};
-use crate::burst::options::{Encoding, Limits, OpenOptions};
-use crate::burst::reading::confined::wire::Part;
-use crate::burst::reading::confined::{self, Budget};
-use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes, turned, turned_size};
+use crate::burst::options::{Limits, OpenOptions};
+use crate::burst::reading::pixels::{turned, turned_size};
 use crate::burst::reading::plain::Plain;
-use crate::burst::reading::{Declared, Expected, FileScale, RawFrame, Reading, exif, frame_of_plane, in_order};
+use crate::burst::reading::{Declared, Expected, RawFrame, Reading, exif, in_order};
 use crate::burst::times::Times;
 use crate::error::{Error, ErrorKind, Result};
-use crate::plane::{Plane, memory};
 use described::{Axes, Described, Page};
-use flate2::{Decompress, FlushDecompress, Status};
 use image::metadata::Orientation;
+use page::PageReader;
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Seek};
 use std::path::{Path, PathBuf};
-use tiff::decoder::{ChunkType, Decoder, DecodingResult};
+use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffResult};
 
@@ -38,13 +32,13 @@ pub(super) struct Tiff;
 
 impl Format for Tiff {
     fn record(&self) -> Record {
-        let opens = "grey or RGB of one page or many, 8 to 64 bits, integers or floats; BigTIFF, OME-TIFF, ImageJ";
+        let opens = "pages of 8 to 64 bits, integers or floats, grey or RGB, BigTIFF too; of the axes of ImageJ, OME (in the order of its TiffData, also of a set of files), Micro-Manager, LSM, STK and tifffile only time makes frames: depths and channels, and descriptions that do not fit, are an error; frames behind one another of which one directory tells";
         Record {
             name: NAME,
             rank: Rank::Picture,
             extensions: &["tif", "tiff", "stk", "lsm"],
             opens,
-            options: &["axis", "mosaic"],
+            options: "`--axis Z`, `--axis T,C=1` to choose, `--axis first` for all pages, `--array NAME` for one of several images",
         }
     }
 
@@ -292,117 +286,6 @@ fn axes_of_volume(decoder: &mut FileDecoder) -> Option<Described> {
     (depth > 1).then(|| Described::in_order(vec![('Z', depth)], depth))
 }
 
-/// Bytes that deflated strips and tiles may have besides their pixels.
-const FILLING_BYTES: u64 = 1 << 20;
-
-/// Number of bytes, at most `most`, to which zlib's data unpacks whose checksum is right. The error is the end of a
-/// sentence.
-fn unpacked_bytes(packed: &[u8], most: u64) -> Result<u64, String> {
-    let (mut state, mut block) = (Decompress::new(true), [0; 1 << 14]);
-    loop {
-        let before = (state.total_in(), state.total_out());
-        let status = state.decompress(&packed[before.0 as usize..], &mut block, FlushDecompress::None);
-        let status = status.map_err(|e| format!("its deflated data: {e}"))?;
-        match status {
-            _ if state.total_out() > most => return Err("its deflated data is far more than its pixels".to_owned()),
-            Status::StreamEnd => return Ok(state.total_out()),
-            _ if (state.total_in(), state.total_out()) == before => {
-                return Err("its deflated data ends before its checksum".to_owned());
-            }
-            _ => {}
-        }
-    }
-}
-
-struct PageReader<'a> {
-    reading: Reading<'a>,
-    decoder: FileDecoder,
-    length: u64,
-}
-
-impl<'a> PageReader<'a> {
-    fn open(reading: Reading<'a>, path: &Path, length: u64) -> Result<Self> {
-        let file = File::open(path).map_err(|e| Error::from_io(reading.path, &e))?;
-        let decoder = decoder(reading.path, file, &reading.options.limits)?;
-        Ok(Self { reading, decoder, length })
-    }
-
-    /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
-    fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame> {
-        let Reading { path, options, .. } = self.reading;
-        let fail = |e| failure(path, e);
-        self.decoder.seek_to_image(page).map_err(fail)?;
-        let (width, height) = self.decoder.dimensions().map_err(fail)?;
-        let pixels = u64::from(width) * u64::from(height);
-        let (chunk_width, chunk_height) = self.decoder.chunk_dimensions();
-        let chunk = u64::from(chunk_width).saturating_mul(chunk_height.into());
-        // Samples, planes of samples, and the values computed from them.
-        let color = self.decoder.colortype().map_err(fail)?;
-        let sample_bytes = u64::from(color.num_samples()) * u64::from(color.bit_depth()).div_ceil(8);
-        let taken = pixels.saturating_mul(2 * sample_bytes + 4).saturating_add(chunk.saturating_mul(2 * sample_bytes));
-        if confined::takes(taken) {
-            let budget = Budget::new(self.length, pixels, taken.saturating_mul(2));
-            let part = Part::Page { page, frame };
-            return confined::decode(Reading { expected: None, ..self.reading }, NAME, part, budget);
-        }
-        memory::check_room(taken);
-        // Strips and tiles at the edges may be filled up.
-        let most = pixels.saturating_add(chunk).saturating_mul(2 * sample_bytes).saturating_add(FILLING_BYTES);
-        let damage = self.damage(most).map_err(fail)?;
-        if let Some(reason) = damage.as_ref().filter(|_| !options.accept_damaged) {
-            return Err(Error::corrupt(path, NAME, reason));
-        }
-        let decoded = decode_page(path, frame, &mut self.decoder, options)?;
-        Ok(RawFrame { damage, ..decoded })
-    }
-
-    /// Damage of the decoder's current page that the decoder would not report: its strips or tiles may be JPEGs, or
-    /// deflated, of which it does not read the checksum: a wrong one is an error. All unpack to at most `most` bytes.
-    fn damage(&mut self, mut most: u64) -> TiffResult<Option<String>> {
-        const JPEG: u16 = 7;
-        const DEFLATED: [u16; 2] = [8, 32946];
-        let compression = self.decoder.find_tag_unsigned::<u16>(Tag::Compression)?.unwrap_or_default();
-        let is_deflated = DEFLATED.contains(&compression);
-        let corrupt = |reason: String| std::io::Error::new(std::io::ErrorKind::InvalidData, reason);
-        if compression != JPEG && !is_deflated {
-            return Ok(None);
-        }
-        let tables = self.decoder.find_tag(Tag::JPEGTables)?.map(|tables| tables.into_u8_vec()).transpose()?;
-        let tables = tables.unwrap_or_default();
-        let (places, lengths) = match self.decoder.get_chunk_type() {
-            ChunkType::Strip => (Tag::StripOffsets, Tag::StripByteCounts),
-            ChunkType::Tile => (Tag::TileOffsets, Tag::TileByteCounts),
-        };
-        let places = self.decoder.find_tag_unsigned_vec::<u64>(places)?.unwrap_or_default();
-        let lengths = self.decoder.find_tag_unsigned_vec::<u64>(lengths)?.unwrap_or_default();
-        let mut file = File::open(self.reading.path)?;
-        for (at, length) in places.into_iter().zip(lengths) {
-            if at.saturating_add(length) > self.length {
-                return Ok(Some("it ends before its picture data does".to_owned()));
-            }
-            let mut bytes: Vec<u8> = memory::zeroed(length as usize);
-            file.seek(SeekFrom::Start(at))?;
-            file.read_exact(&mut bytes)?;
-            if is_deflated {
-                if self.reading.ticker.monitor().is_cancelled() {
-                    break;
-                }
-                let unpacked = unpacked_bytes(&bytes, most).map_err(corrupt)?;
-                most -= unpacked;
-                continue;
-            }
-            // Tables that stand apart have the picture's start marker, and an end marker of their own.
-            if !tables.is_empty() {
-                bytes.splice(..2.min(bytes.len()), tables[..tables.len().saturating_sub(2)].iter().copied());
-            }
-            if let Err(reason) = jpeg::samples(&bytes, false) {
-                return Ok(Some(reason));
-            }
-        }
-        Ok(None)
-    }
-}
-
 /// How the camera was held; no turn where the tag is missing or not one of the eight values.
 fn orientation(decoder: &mut FileDecoder) -> Orientation {
     let value = decoder.find_tag_unsigned::<u8>(Tag::Orientation).ok().flatten();
@@ -436,93 +319,9 @@ fn samples_of(decoder: &mut FileDecoder) -> TiffResult<(String, bool)> {
     Ok((samples, matches!(color, ColorType::RGB(_) | ColorType::RGBA(_))))
 }
 
-/// Samples of `$result`, whatever their type, as `$samples` in `$value`.
-macro_rules! with_samples {
-    ($result:expr, $samples:ident => $value:expr) => {
-        match $result {
-            DecodingResult::U8($samples) => $value,
-            DecodingResult::U16($samples) => $value,
-            DecodingResult::U32($samples) => $value,
-            DecodingResult::U64($samples) => $value,
-            DecodingResult::I8($samples) => $value,
-            DecodingResult::I16($samples) => $value,
-            DecodingResult::I32($samples) => $value,
-            DecodingResult::I64($samples) => $value,
-            DecodingResult::F16($samples) => $value,
-            DecodingResult::F32($samples) => $value,
-            DecodingResult::F64($samples) => $value,
-        }
-    };
-}
-/// Decodes the decoder's current page; its size has been checked.
-fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &OpenOptions) -> Result<RawFrame> {
-    let fail = |e| failure(path, e);
-    let unsupported = |reason: String| Error::unsupported(path, NAME, reason);
-    let (width, height) = decoder.dimensions().map_err(fail)?;
-    let size = (width as usize, height as usize);
-    let color = decoder.colortype().map_err(fail)?;
-    let channels = match color {
-        ColorType::Gray(_) => 1,
-        ColorType::GrayA(_) | ColorType::Multiband { num_samples: 2, .. } => 2,
-        ColorType::RGB(_) => 3,
-        ColorType::RGBA(_) => 4,
-        other => return Err(unsupported(format!("its pixels are {other:?}; save it as grey or RGB"))),
-    };
-    if ![8, 16, 32, 64].contains(&color.bit_depth()) {
-        return Err(unsupported(format!("its samples have {} bits; save it with 8, 16 or 32", color.bit_depth())));
-    }
-    let orientation = orientation(decoder);
-    let has_no_data = no_data(decoder);
-    let (mut samples, kind, planar) = read_samples(decoder, size, channels).map_err(fail)?;
-    let tag = |decoder: &mut FileDecoder, tag| decoder.find_tag_unsigned::<u16>(tag).ok().flatten().unwrap_or(1);
-    if tag(decoder, Tag::FillOrder) == 2 {
-        match &mut samples {
-            DecodingResult::U8(bytes) if tag(decoder, Tag::Compression) == 1 => {
-                bytes.iter_mut().for_each(|byte| *byte = byte.reverse_bits());
-            }
-            // The bits of each byte are reversed, and not the order of bytes.
-            DecodingResult::U16(words) if tag(decoder, Tag::Compression) == 1 => {
-                words.iter_mut().for_each(|word| *word = word.reverse_bits().swap_bytes());
-            }
-            _ => {
-                let reason = "the bits of its bytes are in reverse (FillOrder 2), and it is compressed or of more than \
-                              16 bits; save it anew with libtiff's 'tiffcp -f msb2lsb'";
-                return Err(unsupported(reason.to_owned()));
-            }
-        }
-    }
-    let curve = Curve::of(kind.range.unwrap_or(1.0), kind.is_unsigned && options.linearise);
-    let mut values = with_samples!(&samples, s => grey(s, size.0 * size.1, channels, planar, curve));
-    if let (Some(nothing), Some(values)) = (has_no_data, &mut values) {
-        let nothing = nothing as f32 / kind.range.unwrap_or(1.0);
-        values.iter_mut().filter(|value| **value == nothing).for_each(|value| *value = f32::NAN);
-    }
-    let too_few = || Error::corrupt(path, NAME, "it has fewer samples than its size announces");
-    let plane = Plane::from_vec(size.0, size.1, values.ok_or_else(too_few)?);
-    let decoded = match kind.range {
-        Some(range) => RawFrame::linear(plane, FileScale::Range(range)),
-        None => frame_of_plane(path, frame, plane, !kind.is_float)?,
-    };
-    let is_photograph = channels > 2 && kind.range == Some(255.0) && !options.linearise;
-    let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
-    Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, is_colour: channels > 2, ..decoded })
-}
-
 /// Value of pixels without a value, as GDAL writes it.
 fn no_data(decoder: &mut FileDecoder) -> Option<f64> {
     decoder.find_tag(Tag::Unknown(42113)).ok()??.into_string().ok()?.trim().parse().ok()
-}
-
-/// One value a pixel; `None` where there are too few samples.
-fn grey<T: Sample>(samples: &[T], pixels: usize, channels: usize, planar: bool, curve: Curve) -> Option<Vec<f32>> {
-    if !planar {
-        return Some(grey_from_interleaved(samples.get(..pixels * channels)?, channels, curve));
-    }
-    let plane = |i: usize| samples.get(i * pixels..(i + 1) * pixels);
-    if channels < 3 {
-        return Some(grey_from_interleaved(plane(0)?, 1, curve));
-    }
-    Some(grey_from_planes(plane(0)?, plane(1)?, plane(2)?, curve))
 }
 
 fn failure(path: &Path, error: tiff::TiffError) -> Error {
@@ -543,66 +342,3 @@ fn failure(path: &Path, error: tiff::TiffError) -> Error {
 }
 
 type FileDecoder = Decoder<BufReader<File>>;
-
-struct SampleKind {
-    /// Largest value, where it is the full scale.
-    range: Option<f32>,
-    /// Whether they are unsigned integers of 8 or 16 bit, which may be encoded for screens.
-    is_unsigned: bool,
-    is_float: bool,
-}
-
-impl SampleKind {
-    fn of(samples: &DecodingResult) -> Self {
-        let (range, is_unsigned, is_float) = match samples {
-            DecodingResult::U8(_) => (Some(255.0), true, false),
-            DecodingResult::U16(_) => (Some(65535.0), true, false),
-            DecodingResult::I8(_) => (Some(127.0), false, false),
-            DecodingResult::I16(_) => (Some(32767.0), false, false),
-            DecodingResult::F16(_) | DecodingResult::F32(_) | DecodingResult::F64(_) => (None, false, true),
-            _ => (None, false, false),
-        };
-        Self { range, is_unsigned, is_float }
-    }
-}
-
-/// Reads the decoder's current page, of `size` (columns, rows) and `channels` samples a pixel; returns its samples, the
-/// type that they have in the file, and whether they are plane after plane.
-fn read_samples(
-    decoder: &mut FileDecoder,
-    (width, height): (usize, usize),
-    channels: usize,
-) -> TiffResult<(DecodingResult, SampleKind, bool)> {
-    const PLANES: u16 = 2;
-    let configuration = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
-    let (tile_width, tile_height) = decoder.chunk_dimensions();
-    let (tile_width, tile_height) = (tile_width as usize, tile_height as usize);
-    let is_cut = !(width.is_multiple_of(tile_width) && height.is_multiple_of(tile_height));
-    if decoder.get_chunk_type() != ChunkType::Tile || configuration != Some(PLANES) || channels < 2 || !is_cut {
-        let mut samples = DecodingResult::U8(Vec::new());
-        let layout = decoder.read_image_to_buffer(&mut samples)?;
-        let kind = SampleKind::of(&samples);
-        return Ok((samples, kind, layout.planes > 1));
-    }
-    let across = width.div_ceil(tile_width);
-    let tiles = across * height.div_ceil(tile_height);
-    let mut planes: Vec<f32> = memory::zeroed(channels * width * height);
-    let mut kind = SampleKind { range: None, is_unsigned: false, is_float: true };
-    for chunk in 0..tiles * channels {
-        let tile = decoder.read_chunk(chunk as u32)?;
-        let (columns, rows) = decoder.chunk_data_dimensions((chunk % tiles) as u32);
-        let (columns, rows) = (columns as usize, rows as usize);
-        kind = SampleKind::of(&tile);
-        let values: Vec<f32> = with_samples!(&tile, s => s.iter().map(|v| Sample::to_f32(*v)).collect());
-        // In samples from the start of the first plane.
-        let start = chunk / tiles * width * height
-            + (chunk % tiles) / across * tile_height * width
-            + (chunk % tiles) % across * tile_width;
-        for (row, values) in values.chunks_exact(columns.max(1)).take(rows).enumerate() {
-            if let Some(target) = planes.get_mut(start + row * width..start + row * width + columns) {
-                target.copy_from_slice(values);
-            }
-        }
-    }
-    Ok((DecodingResult::F32(planes), kind, true))
-}

@@ -1,0 +1,479 @@
+//! What files declare is used or told: axes and order of pages, frames behind one another, mosaics, colours, values,
+//! recordings that were stopped. Each is tried on several instances; pages have values by which they are told apart.
+
+use super::support::folder;
+use burstscope_core::burst::{Burst, Info, OpenOptions, file_formats};
+use burstscope_core::error::Error;
+use burstscope_core::monitor::Monitor;
+use proptest::prelude::*;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+use tiff::encoder::{TiffEncoder, colortype};
+use tiff::tags::Tag;
+
+const SIZE: (u32, u32) = (8, 6);
+
+struct Made {
+    folder: TempDir,
+    path: PathBuf,
+}
+
+impl Made {
+    fn new(name: &str, bytes: &[u8]) -> Self {
+        let folder = folder();
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("written");
+        Self { folder, path }
+    }
+
+    /// A TIFF of pages whose values are their numbers times 100.
+    fn tiff(name: &str, pages: u16, description: &str) -> Self {
+        let made = Self::new(name, b"");
+        write_tiff(&made.path, 0..pages, description);
+        made
+    }
+
+    fn open(&self, options: &str) -> Result<Burst, Error> {
+        Burst::open_with(std::slice::from_ref(&self.path), &given(options), &Monitor::default())
+    }
+
+    fn info(&self, options: &str) -> Info {
+        Info::of(std::slice::from_ref(&self.path), &given(options), &Monitor::default()).expect("described")
+    }
+
+    /// Numbers of the pages that become frames.
+    fn pages(&self, options: &str) -> Vec<u16> {
+        let burst = self.open(options).unwrap_or_else(|e| panic!("{}: {e}", self.path.display()));
+        burst.frames.iter().map(|frame| (frame.at(3, 3) * 65535.0 / 100.0).round() as u16).collect()
+    }
+
+    fn refusal(&self, options: &str) -> String {
+        self.open(options).expect_err("refused").to_string()
+    }
+}
+
+fn write_tiff(path: &Path, pages: std::ops::Range<u16>, description: &str) {
+    let mut encoder = TiffEncoder::new(File::create(path).expect("made")).expect("begins");
+    for page in pages {
+        let mut image = encoder.new_image::<colortype::Gray16>(SIZE.0, SIZE.1).expect("a page");
+        if page == 0 || description.contains("FileName") {
+            image.encoder().write_tag(Tag::ImageDescription, description).expect("a description");
+        }
+        image.write_data(&vec![100 * page; (SIZE.0 * SIZE.1) as usize]).expect("written");
+    }
+}
+
+/// Options of one word or two: `axis T,C=1`, `array b`, `raw 8x6:u1`.
+fn given(options: &str) -> OpenOptions {
+    let plain = OpenOptions::default();
+    match options.split_once(' ') {
+        None => plain,
+        Some(("axis", axis)) => OpenOptions { axis: Some(axis.parse().expect("an axis")), ..plain },
+        Some(("array", name)) => OpenOptions { array: Some(name.to_owned()), ..plain },
+        Some(("raw", shape)) => OpenOptions { raw: Some(shape.parse().expect("a shape")), ..plain },
+        Some(("take", range)) => OpenOptions { take: Some(range.parse().expect("a range")), ..plain },
+        Some(("times", times)) => OpenOptions { times: Some(times.parse().expect("times")), ..plain },
+        Some((name, _)) => panic!("no option {name}"),
+    }
+}
+
+/// An OME description of times and channels; `prefix` stands before each name, `more` before the end of the pixels.
+fn ome((times, channels): (usize, usize), prefix: &str, more: &str) -> String {
+    let namespace =
+        if prefix.is_empty() { "xmlns".to_owned() } else { format!("xmlns:{}", prefix.trim_end_matches(':')) };
+    let of_channels: String =
+        (0..channels).map(|c| format!("<{prefix}Channel ID=\"C:{c}\" SamplesPerPixel=\"1\"/>")).collect();
+    format!(
+        "<?xml version=\"1.0\"?><{prefix}OME {namespace}=\"http://www.openmicroscopy.org/Schemas/OME/2016-06\">\
+         <{prefix}Image ID=\"I:0\" Name=\"a\"><{prefix}Pixels ID=\"P\" Type=\"uint16\" DimensionOrder=\"XYZCT\" SizeX=\"8\" \
+         SizeY=\"6\" SizeZ=\"1\" SizeC=\"{channels}\" SizeT=\"{times}\">{of_channels}{more}</{prefix}Pixels></{prefix}Image>\
+         </{prefix}OME>"
+    )
+}
+
+#[test]
+fn descriptions_in_any_form_are_understood() {
+    let plain = ome((5, 2), "", "<TiffData IFD=\"0\" PlaneCount=\"10\"/>");
+    let long = plain.replace("<Image", &format!("<Notes>{}</Notes><Image", "x".repeat(100_000)));
+    for description in [
+        plain.clone(),
+        ome((5, 2), "OME:", "<OME:TiffData/>"),
+        ome((5, 2), "o:", ""),
+        plain.replace('"', "'"),
+        plain.replace("Name=\"a\"", "Name = \"a &gt; b\""),
+        format!("\n{plain}"),
+        long,
+    ] {
+        let file = Made::tiff("a.ome.tif", 10, &description);
+        let told = file.refusal("");
+        assert!(told.contains("5 times (T) × 2 channels (C)") && told.contains("--axis T"), "{told}");
+        assert_eq!(file.pages("axis T"), [0, 2, 4, 6, 8]);
+        assert_eq!(file.pages("axis T,C=1"), [1, 3, 5, 7, 9]);
+        assert_eq!(file.pages("axis first"), [0, 2, 4, 6, 8]);
+    }
+}
+
+#[test]
+fn what_does_not_fit_or_cannot_be_understood_is_an_error_with_a_way_out() {
+    let page_elsewhere = "<TiffData FirstC=\"2\" IFD=\"0\"/>";
+    for description in [
+        "<OME><Image><Pixels".to_owned(),
+        "<?xml version=\"1.0\"?><OME></OME>".to_owned(),
+        ome((3, 1), "", page_elsewhere),
+        ome((3, 1), "", "<TiffData IFD=\"x\"/>"),
+        ome((3, 1), "", "").replace("XYZCT", "XYQQQ"),
+        ome((0, 1), "", ""),
+        "<OME xmlns=\"o\"><BinaryOnly MetadataFile=\"none.companion.ome\"/></OME>".to_owned(),
+        "ImageJ=1.53\nimages=2\nframes=2\n".to_owned(),
+        "{\"shape\": [2, 6, 8], \"axes\": \"TYX\"}".to_owned(),
+    ] {
+        let file = Made::tiff("a.ome.tif", 6, &description);
+        let told = file.refusal("");
+        assert!(told.contains("--axis first") && told.contains("a.ome.tif"), "{description}: {told}");
+        assert_eq!(file.pages("axis first"), [0, 1, 2, 3, 4, 5], "{description}");
+    }
+    // What tells nothing of pages is no description of them.
+    for description in ["", "words", "{", "{\"shape\": 3}", "<svg/>", "ImageJ=1.53\nimages=6\n"] {
+        assert_eq!(Made::tiff("a.tif", 6, description).pages(""), [0, 1, 2, 3, 4, 5], "{description}");
+    }
+}
+
+#[test]
+fn pages_have_the_order_that_the_description_gives_them() {
+    let backwards: String =
+        (0..4).map(|t| format!("<TiffData FirstT=\"{t}\" IFD=\"{}\" PlaneCount=\"1\"/>", 3 - t)).collect();
+    assert_eq!(Made::tiff("b.ome.tif", 4, &ome((4, 1), "", &backwards)).pages(""), [3, 2, 1, 0]);
+    let by_channel: String =
+        (0..6).map(|k| format!("<TiffData FirstC=\"{}\" FirstT=\"{}\" IFD=\"{k}\"/>", k / 3, k % 3)).collect();
+    let file = Made::tiff("c.ome.tif", 6, &ome((3, 2), "", &by_channel));
+    assert_eq!((file.pages("axis T"), file.pages("axis T,C=1")), (vec![0, 1, 2], vec![3, 4, 5]));
+    // Of a set of files, each tells of all.
+    let set: String = (0..6)
+        .map(|k| {
+            format!(
+                "<TiffData FirstT=\"{k}\" IFD=\"{}\"><UUID FileName=\"run_{}.ome.tif\">u:{}</UUID></TiffData>",
+                k % 3,
+                k / 3,
+                k / 3
+            )
+        })
+        .collect();
+    let description = ome((6, 1), "", &set);
+    let file = Made::tiff("run_0.ome.tif", 3, &description);
+    let missing = file.refusal("");
+    assert!(missing.contains("run_1.ome.tif"), "{missing}");
+    write_tiff(&file.folder.path().join("run_1.ome.tif"), 3..6, &description);
+    assert_eq!(file.pages(""), [0, 1, 2, 3, 4, 5]);
+    assert!(file.info("").taken.iter().any(|taken| taken.contains("set of 2")), "{:?}", file.info("").taken);
+    // The description may lie in a file beside it.
+    let file = Made::tiff("d.ome.tif", 4, "<OME xmlns=\"o\"><BinaryOnly MetadataFile=\"x/run.companion.ome\"/></OME>");
+    fs::write(file.folder.path().join("run.companion.ome"), ome((2, 2), "", "")).expect("written");
+    assert_eq!(file.pages("axis T,C=1"), [1, 3]);
+}
+
+#[test]
+fn one_of_several_images_is_named() {
+    let one = ome((3, 1), "", "<TiffData IFD=\"0\" PlaneCount=\"3\"/>");
+    let image = &one[one.find("<Image").expect("an image")..one.find("</OME>").expect("an end")];
+    let second = image.replace("Name=\"a\"", "Name=\"b\"").replace("IFD=\"0\"", "IFD=\"3\"");
+    let file = Made::tiff("p.ome.tif", 6, &one.replace("</OME>", &format!("{second}</OME>")));
+    let told = file.refusal("");
+    assert!(told.contains("2 images") && told.contains("--array") && told.contains("a, b"), "{told}");
+    assert_eq!((file.pages("array b"), file.pages("array 0")), (vec![3, 4, 5], vec![0, 1, 2]));
+    assert!(file.refusal("array c").contains("'c'"));
+}
+
+#[test]
+fn a_recording_that_was_stopped_opens_to_its_last_whole_time() {
+    for (description, pages) in [
+        (ome((10, 2), "", "<TiffData IFD=\"0\" PlaneCount=\"20\"/>"), 7),
+        (ome((10, 2), "", ""), 7),
+        ("ImageJ=1.53\nimages=20\nchannels=2\nframes=10\n".to_owned(), 7),
+        ("{\"shape\": [10, 2, 6, 8], \"axes\": \"TCYX\"}".to_owned(), 7),
+    ] {
+        let file = Made::tiff("s.tif", pages, &description);
+        assert!(file.refusal("").contains("(7 pages are written)"), "{}", file.refusal(""));
+        assert_eq!(file.pages("axis T"), [0, 2, 4]);
+        let told = file.info("axis T").taken;
+        assert!(told.iter().any(|taken| taken.contains("10 along T") && taken.contains("3 are written")), "{told:?}");
+        assert_eq!(file.pages("axis C,T=2"), [4, 5]);
+    }
+}
+
+#[test]
+fn frames_behind_one_another_are_opened() {
+    // One directory, and the numbers of four frames.
+    let pixels: Vec<u8> = (0..4u16).flat_map(|t| [100 * t; 48]).flat_map(u16::to_le_bytes).collect();
+    let file = |more: &[(u16, u16, u32, u32)], description: &str| {
+        let text = format!("{description}\0\0\0\0\0");
+        let mut entries = vec![
+            (256, 3, 1, 8),
+            (257, 3, 1, 6),
+            (258, 3, 1, 16),
+            (259, 3, 1, 1),
+            (262, 3, 1, 1),
+            (270, 2, text.len() as u32, 8),
+            (273, 4, 1, 8 + text.len() as u32 + 96),
+            (277, 3, 1, 1),
+            (278, 3, 1, 6),
+            (279, 4, 1, 96),
+        ];
+        entries.extend(more);
+        entries.sort_unstable();
+        let numbers: Vec<u8> =
+            (0..4u32).flat_map(|t| [0, 1, 2_455_000, 40 * t, 0, 0]).flat_map(u32::to_le_bytes).collect();
+        assert_eq!(numbers.len(), 96);
+        let at = 8 + text.len() + numbers.len() + pixels.len();
+        let mut bytes = b"II*\0".to_vec();
+        bytes.extend((at as u32).to_le_bytes());
+        bytes.extend(text.as_bytes());
+        bytes.extend(&numbers);
+        bytes.extend(&pixels);
+        bytes.extend((entries.len() as u16).to_le_bytes());
+        for (tag, kind, count, value) in entries {
+            bytes.extend(tag.to_le_bytes());
+            bytes.extend(kind.to_le_bytes());
+            bytes.extend(count.to_le_bytes());
+            bytes.extend(value.to_le_bytes());
+        }
+        bytes.extend([0; 4]);
+        bytes
+    };
+    let stk = file(&[(33629, 5, 4, 8 + "words\0\0\0\0\0".len() as u32)], "words");
+    let big = file(&[], "ImageJ=1.53\nimages=4\nframes=4\n");
+    let array = file(&[], "{\"shape\": [4, 6, 8], \"axes\": \"TYX\", \"truncated\": true}");
+    for (name, bytes) in [("m.stk", &stk), ("m.tif", &stk), ("i.tif", &big), ("t.tif", &array)] {
+        let made = Made::new(name, bytes);
+        assert_eq!(made.pages(""), [0, 1, 2, 3], "{name}");
+        assert_eq!(made.pages("take 1..3"), [1, 2], "{name}");
+        // What is announced and not there is damage.
+        let cut = Made::new(name, &file(&[], "ImageJ=1.53\nimages=40\nframes=40\n"));
+        assert!(cut.refusal("").contains("are there"), "{}", cut.refusal(""));
+    }
+    let times = Made::new("m.stk", &stk).info("").times_s;
+    assert!(times.iter().zip([0.0, 0.04, 0.08, 0.12]).all(|(a, b)| (a - b).abs() < 1e-6), "{times:?}");
+    // A volume is no film.
+    let volume = Made::new("v.tif", &file(&[(32997, 4, 1, 4)], ""));
+    assert!(volume.refusal("").contains("4 depths (Z)"), "{}", volume.refusal(""));
+    assert_eq!(volume.pages("axis Z"), [0, 1, 2, 3]);
+}
+
+#[test]
+fn bits_in_reverse_are_turned() {
+    let bytes: Vec<u8> = [1u8, 2, 200, 255].iter().map(|byte| byte.reverse_bits()).collect();
+    let burst = Made::new("r.tif", &super::support::raw_tiff(false, (4, 1), &[8], &[(262, 1), (266, 2)], &[&bytes]))
+        .open("")
+        .expect("opens");
+    let found: Vec<f32> = burst.frames[0].data().iter().map(|v| (v * 255.0).round()).collect();
+    assert_eq!(found, [1.0, 2.0, 200.0, 255.0]);
+}
+
+fn fits(cards: &[&str], values: usize) -> Vec<u8> {
+    let mut header: String = cards.iter().map(|card| format!("{card:<80}")).collect();
+    header += &format!("{:<80}", "END");
+    let mut bytes = format!("{header:<2880}").into_bytes();
+    bytes.extend((0..values).flat_map(|k| (k as i16).to_be_bytes()));
+    bytes.resize(bytes.len().next_multiple_of(2880), 0);
+    bytes
+}
+
+const FITS: [&str; 3] =
+    ["SIMPLE  =                    T", "BITPIX  =                   16", "NAXIS   =                    2"];
+
+#[test]
+fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
+    let sides = ["NAXIS1  =                    8", "NAXIS2  =                    6"];
+    let image = |more: &[&str]| fits(&[&FITS[..], &sides, more].concat(), 48);
+    for pattern in ["RGGB", "GBRG", "bggr"] {
+        let file =
+            Made::new("m.fits", &image(&[&format!("BAYERPAT= '{pattern}    '"), "XBAYROFF=                    1"]));
+        assert_eq!((file.info("").binning, file.open("").expect("opens").size()), (2, (4, 3)), "{pattern}");
+    }
+    assert_eq!(Made::new("n.fits", &image(&["BAYERPAT= 'TRUE    '"])).info("").binning, 1);
+    for (card, at) in [
+        ("MJD-OBS =              40587.5", 43_200.0),
+        ("DATE-OBS= '1970-01-01T12:00:00'", 43_200.0),
+        ("DATE-AVG= '1970-01-01T00:00:10'", 10.0),
+    ] {
+        let made = Made::new("t.fits", &image(&[card]));
+        let second = Made::new("t.fits", &image(&[&card.replace("87.5", "88.5").replace("01T", "02T")]));
+        fs::copy(&second.path, made.folder.path().join("u.fits")).expect("copied");
+        let info = Info::of(&[made.folder.path().to_path_buf()], &OpenOptions::default(), &Monitor::default());
+        let info = info.expect("described");
+        assert_eq!(info.times_s, [0.0, 86_400.0], "{card}");
+        assert!(at > 0.0 && info.begins.expect("a time").starts_with("1970-01-01"), "{card}");
+    }
+    // What only times need refuses no frame.
+    for exposure in ["EXPTIME = '0,5     '", "EXPTIME ="] {
+        let file = Made::new("e.fits", &image(&["DATE-OBS= '1970-01-01T12:00:00'", exposure]));
+        assert_eq!(file.open("").expect("opens").len(), 1);
+    }
+    let cube = |more: &[&str]| {
+        let three = ["NAXIS   =                    3", sides[0], sides[1], "NAXIS3  =                    3"];
+        Made::new("c.fits", &fits(&[&FITS[..2], &three, more].concat(), 144))
+    };
+    let told = cube(&[]).refusal("");
+    assert!(told.contains("colours") && told.contains("--axis C") && told.contains("--axis last"), "{told}");
+    assert_eq!(cube(&[]).open("axis last").expect("frames").len(), 3);
+    for (file, options) in [(cube(&[]), "axis C"), (cube(&["CTYPE3  = 'RGB     '"]), "")] {
+        let burst = file.open(options).expect("colours");
+        let luma = 0.2126 * 0.0 + 0.7152 * 48.0 + 0.0722 * 96.0;
+        assert_eq!((burst.len(), file.info(options).is_colour), (1, true));
+        assert!((burst.frames[0].at(0, 0) * burst.full_scale - luma).abs() < 0.01, "{}", burst.frames[0].at(0, 0));
+    }
+}
+
+fn ser(frames: u32, bits: u32, values: &[u16], stamps: &[u64]) -> Vec<u8> {
+    let mut bytes = b"LUCAM-RECORDER".to_vec();
+    for number in [0, 0, 0, 4, 2, bits, frames] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.resize(178, b' ');
+    bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+    bytes.extend(stamps.iter().flat_map(|v| v.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn ser_films_that_are_odd_are_told_and_opened() {
+    let values: Vec<u16> = (0..40).collect();
+    let stopped = Made::new("c.ser", &ser(0, 16, &values, &[]));
+    assert_eq!(stopped.open("").expect("opens").len(), 5);
+    assert!(stopped.info("").taken.iter().any(|taken| taken.contains("stopped")), "{:?}", stopped.info("").taken);
+    let upper: Vec<u16> = (0..40).map(|v| (v * 100) << 4).collect();
+    let left = Made::new("l.ser", &ser(5, 12, &upper, &[]));
+    let burst = left.open("").expect("opens");
+    assert_eq!(burst.full_scale, 65520.0);
+    assert!(burst.notes().iter().any(|note| note.text.contains("upper 12")), "{:?}", burst.notes());
+    let second = 10_000_000;
+    let from = 621_355_968_000_000_000 + second;
+    let stamps = [0, 2, 1, 3, 4].map(|k| from + k * second);
+    let told = Made::new("u.ser", &ser(5, 16, &values, &stamps)).refusal("times header");
+    assert!(!told.contains("0 times") && told.contains("times"), "{told}");
+}
+
+#[test]
+fn values_are_in_the_unit_of_the_file() {
+    let pgm = |largest: u32, values: &[u16]| {
+        let mut bytes = format!("P5 # words\n4 1\n# more\n{largest}\n").into_bytes();
+        match largest {
+            256.. => bytes.extend(values.iter().flat_map(|v| v.to_be_bytes())),
+            _ => bytes.extend(values.iter().map(|v| *v as u8)),
+        }
+        Made::new("v.pgm", &bytes)
+    };
+    for (largest, values) in [
+        (1023, [64, 1023, 512, 0]),
+        (4095, [64, 4095, 1, 0]),
+        (60_000, [64, 60_000, 59_999, 1]),
+        (100, [64, 100, 1, 0]),
+    ] {
+        let file = pgm(largest, &values);
+        let scaled =
+            OpenOptions { full_scale: Some(largest as f32), black_level: Some(64.0), ..OpenOptions::default() };
+        let burst = Burst::open_with(std::slice::from_ref(&file.path), &scaled, &Monitor::default()).expect("opens");
+        let [black, white] = [0, 1].map(|u| burst.frames[0].at(u, 0));
+        assert!(black == 0.0 && (white - 1.0).abs() < 1e-6, "{largest}: {black} and {white}");
+        let plain = file.open("").expect("opens");
+        assert_eq!(plain.full_scale, largest as f32);
+        for (found, value) in plain.frames[0].data().iter().zip(values) {
+            assert!((found - f32::from(value) / largest as f32).abs() < 1e-7, "{largest}: {found}");
+        }
+    }
+}
+
+#[test]
+fn frames_of_bits_open_packed() {
+    let packed: Vec<u8> = vec![0b1010_0000, 0xff, 0, 1];
+    for (name, bytes) in [("b.raw", packed.clone()), ("b.npy", super::crafted::npy("2, 2, 1", &packed))] {
+        let file = Made::new(name, &bytes);
+        let burst = file.open("raw 8x2:u1").expect("opens");
+        assert_eq!((burst.len(), burst.size(), burst.full_scale), (2, (8, 2), 1.0));
+        assert_eq!(burst.frames[0].row(0), [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(burst.frames[1].row(1), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    }
+    assert!("9x2:u1".parse::<burstscope_core::burst::Dump>().is_err());
+}
+
+#[test]
+fn all_frames_of_an_animation_are_opened_with_their_times() {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 4, 3);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_animated(3, 0).expect("animated");
+    encoder.set_frame_delay(1, 25).expect("a delay");
+    let mut writer = encoder.write_header().expect("a header");
+    for value in [10u8, 20, 30] {
+        writer.write_image_data(&[value; 12]).expect("a frame");
+    }
+    writer.finish().expect("written");
+    let file = Made::new("a.png", &bytes);
+    let burst = file.open("").expect("opens");
+    assert_eq!(burst.frames.iter().map(|f| (f.at(1, 1) * 255.0).round()).collect::<Vec<_>>(), [10.0, 20.0, 30.0]);
+    assert_eq!((file.info("").frames, file.open("take 1..3").expect("a part").len()), (3, 2));
+    let times = file.info("").times_s;
+    assert!((times[2] - 0.08).abs() < 1e-9, "{times:?}");
+}
+
+#[test]
+fn jpegs_without_tables_and_with_bytes_between_segments_open_as_the_same_picture() {
+    let mut bytes = Vec::new();
+    let picture = image::GrayImage::from_fn(40, 24, |u, v| image::Luma([(u * 5 + v * 3) as u8]));
+    image::codecs::jpeg::JpegEncoder::new(&mut bytes).encode_image(&picture).expect("encoded");
+    let whole = Made::new("w.jpg", &bytes).open("").expect("opens");
+    // The encoder writes the usual tables.
+    let (mut at, mut bare, mut loose) = (2, bytes[..2].to_vec(), bytes[..2].to_vec());
+    while bytes[at + 1] != 0xda {
+        let end = at + 2 + usize::from(u16::from_be_bytes([bytes[at + 2], bytes[at + 3]]));
+        if bytes[at + 1] != 0xc4 {
+            bare.extend(&bytes[at..end]);
+        }
+        loose.extend(&bytes[at..end]);
+        loose.extend([0, 7, 0xff, 0, 3]);
+        at = end;
+    }
+    bare.extend(&bytes[at..]);
+    loose.extend(&bytes[at..]);
+    for (name, odd) in [("bare.jpg", &bare), ("loose.jpg", &loose)] {
+        let burst = Made::new(name, odd).open("").unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(burst.frames[0].data(), whole.frames[0].data(), "{name}");
+        assert!(Made::new(name, &odd[..odd.len() - 9]).open("").is_err(), "a cut one is still refused");
+    }
+    // Lossless, and of 12 bits: sound, and not read here.
+    for (marker, bits) in [(0xc3, 8), (0xc1, 12), (0xc9, 8)] {
+        let mut other = bytes.clone();
+        let at = other.windows(2).position(|two| two == [0xff, 0xc0]).expect("a frame");
+        (other[at + 1], other[at + 4]) = (marker, bits);
+        let told = Made::new("o.jpg", &other).refusal("");
+        assert!(told.contains("PNG") && !told.contains("damaged"), "{told}");
+    }
+}
+
+#[test]
+fn records_tell_of_every_format() {
+    for of in file_formats() {
+        assert!(!of.name.is_empty() && !of.opens.is_empty() && !of.extensions.is_empty(), "{of:?}");
+        assert!(of.extensions.iter().all(|extension| *extension == extension.to_lowercase()), "{of:?}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_description_panics_or_takes_other_pages_than_there_are(
+        text in "(<OME( xmlns='o')?>|ImageJ=1\n|\\{\"shape\": \\[)?[ -~\n]{0,80}",
+        (times, channels) in (0usize..9, 0usize..4),
+        ifd in 0usize..12,
+        count in prop::option::of(0usize..30),
+        axis in prop::sample::select(vec!["", "axis T", "axis first", "axis C", "axis T,C=1"]),
+    ) {
+        let count = count.map_or(String::new(), |count| format!(" PlaneCount=\"{count}\""));
+        let described = ome((times, channels), "", &format!("<TiffData IFD=\"{ifd}\"{count}/>"));
+        for description in [text, described] {
+            let file = Made::tiff("p.tif", 5, &description.replace('\0', ""));
+            if let Ok(burst) = file.open(axis) {
+                prop_assert!((1..=5).contains(&burst.len()));
+            }
+        }
+    }
+}
