@@ -90,7 +90,7 @@ impl Burst {
         let Measured { frames, path } = frames;
         let frame_names = (0..count).map(|t| format!("frame {t}")).collect();
         let origins = (0..count).map(|t| (path.clone(), t)).collect();
-        let positions = placed(&mut [path], (count, None), &of_grid, monitor)?.positions;
+        let positions = placed(&mut vec![path], Some((count, None)), &of_grid, monitor)?.positions;
         let raw = RawBurst { name: name.into(), frames, frame_names, origins, taken: Vec::new(), positions };
         let mask = decoded("mask", arrays.mask, options)?.map_or_else(Vec::new, |mask| mask.frames);
         let masks = Masks::of_frames(&mask, (count, raw.size()), options, Path::new("mask"))?;

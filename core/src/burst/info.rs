@@ -7,7 +7,7 @@ use super::options::{Limits, OpenOptions};
 use super::positions::Positions;
 use super::reading::Declared;
 use super::source::only_burst;
-use super::stamps::{Timing, of_headers};
+use super::stamps::{SHORTEST_S, Timing, of_headers};
 use super::times::{Times, time_text};
 use super::views::{placed, size_of_view};
 use crate::error::{Error, Result};
@@ -65,8 +65,14 @@ impl Info {
     /// declares little, the frame.
     pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         let (source, range) = (only_burst(inputs, options)?, options.take);
-        let (mut files, options) = source.taken_files(options)?;
-        let options = &options;
+        let mut files = source.files()?;
+        let is_apart = files.len() > 1;
+        let of_files = match is_apart && files.len() <= MOST_FRAMES {
+            true => Some(placed(&mut files, None, options, monitor)?),
+            false => None,
+        };
+        // Of several files those that are taken are left.
+        let options = &OpenOptions { take: range.filter(|_| !is_apart), ..options.clone() };
         let first = files.first().ok_or_else(Error::nothing_given)?;
         let declared = formats::declared(first, options, monitor)?;
         let Declared { kind, width, height, frames, samples, is_colour, mosaic, times, views, taken, first: decoded } =
@@ -75,14 +81,14 @@ impl Info {
         let binning = if is_mosaic { 2 } else { decoded.map_or(1, |frame| frame.binning) };
         // The frame of a raw file is binned already.
         let (width, height) = if is_mosaic { (width / 2, height / 2) } else { (width, height) };
-        let frames = if files.len() == 1 { frames } else { files.len() };
+        let frames = if is_apart { files.len() } else { frames };
         let mut taken = taken;
         taken.extend(range.map(|range| format!("the frames {range} are taken")));
         let most = Limits::default().max_frames;
         if frames > most {
             taken.push(format!("a burst has at most {most} frames; take a part, such as --take 0..10"));
         }
-        let (width, height, frames) = match options.views.and_then(ViewsChoice::picture).filter(|_| files.len() == 1) {
+        let (width, height, frames) = match options.views.and_then(ViewsChoice::picture).filter(|_| !is_apart) {
             Some((grid, _)) => {
                 let (width, height) = size_of_view(&files[0], (width, height), grid)?;
                 (width, height, grid.count())
@@ -91,34 +97,49 @@ impl Info {
         };
         // Files can announce any number of frames: of more than any recording has, nothing is made.
         let are_countable = frames <= MOST_FRAMES;
-        let each = files.len() == frames && times.seconds.len() != frames;
+        let each = is_apart && times.seconds.len() != frames;
         let known = if each { of_headers(&files, options, monitor)? } else { times };
-        let times = if known.seconds.len() == frames { known } else { Times::default() };
-        let begin = times.seconds.first().copied().unwrap_or_default();
-        let times_s: Vec<f64> = times.seconds.iter().map(|time| time - begin).collect();
-        let timing = match are_countable {
-            true => placed(&mut files, (frames, views), options, monitor)?,
-            false => Timing::even(1),
+        let mut times = if known.seconds.len() == frames { known } else { Times::default() };
+        let timing = match of_files {
+            Some(timing) => timing,
+            None if are_countable => placed(&mut files, Some((frames, views)), options, monitor)?,
+            None => Timing::even(1),
         };
         let is_used = timing.said.is_some();
+        // Times that cannot be those of frames are told in words, and nothing is derived from them.
+        let odd = times.seconds.windows(2).position(|two| two[1] - two[0] < SHORTEST_S).filter(|_| are_countable);
+        let doubt = odd.filter(|_| !is_used).map(|at| {
+            let relation = match times.seconds[at + 1] - times.seconds[at] {
+                0.0 => "have the same time in the header",
+                ..0.0 => "are not in the order of their times in the header",
+                _ => "are nearer in time, by the header, than those of any camera",
+            };
+            times.seconds.truncate(1);
+            format!("frames {at} and {}, counted from 0, {relation}; no time but the first is used", at + 1)
+        });
+        let begin = times.seconds.first().copied().unwrap_or_default();
+        let is_begun = times.is_absolute && !times.seconds.is_empty();
+        let times = if times.seconds.len() == frames { times } else { Times::default() };
+        let times_s: Vec<f64> = times.seconds.iter().map(|time| time - begin).collect();
         let rows_and_columns = timing.positions.rows_and_columns();
         let are_views = timing.positions.are_views();
         // Times that are not asked for are told: those of the files, or else those that their names have.
         let of_names = || {
             let options = OpenOptions { times: Some(TimesChoice::Names), ..options.clone() };
-            Timing::of(&mut files.clone(), frames, &options, monitor).ok()
+            Timing::of(&mut files.clone(), None, &options, monitor).ok()
         };
-        let of_files = Positions::of_seconds(&times_s).filter(|_| !times_s.is_empty());
-        let positions = match of_files {
-            _ if are_views => None,
+        let of_headers = Positions::of_seconds(&times_s).filter(|_| !times_s.is_empty());
+        let positions = match of_headers {
+            _ if are_views || timing.doubt.is_some() => None,
             _ if is_used => Some(timing.positions),
-            None if files.len() == frames => {
+            None if is_apart => {
                 let named = of_names().map(|timing| timing.positions);
                 named.filter(|positions| positions.interval_s().is_some() || !positions.is_even())
             }
-            of_files => of_files,
+            of_headers => of_headers,
         };
-        taken.extend(timing.said);
+        let doubts: Vec<String> = timing.doubt.into_iter().chain(doubt).collect();
+        taken.extend(timing.said.into_iter().chain(doubts));
         let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         taken.extend(options.mask.as_ref().map(|mask| format!("masked by {}", name(mask))));
         if !is_used && positions.as_ref().is_some_and(|positions| !positions.is_even()) {
@@ -137,7 +158,7 @@ impl Info {
             samples,
             is_colour,
             binning,
-            begins: (times.is_absolute && !times.seconds.is_empty()).then(|| time_text(begin)),
+            begins: is_begun.then(|| time_text(begin)),
             times_s,
             positions: positions.as_ref().map_or_else(Vec::new, Positions::since_first),
             are_times_used: is_used && !are_views,

@@ -412,17 +412,3 @@ macro_rules! as_text {
 }
 
 as_text!(Dump AxisChoice TimesChoice ViewGrid ViewsChoice);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn likely_shapes_fill_the_file() {
-        let length = 1600 * 1200 * 2 * 10;
-        let likely = Dump::likely(length, 4096);
-        assert!(likely.iter().any(|(dump, frames)| dump.to_string() == "1600x1200:u16le" && *frames == 10));
-        assert!(likely.iter().all(|(dump, frames)| dump.frame_bytes() * frames == length));
-        assert!(Dump::likely(length + 1, 4096).is_empty());
-    }
-}

@@ -1,6 +1,7 @@
 //! Masks of a burst's frames: those of files, and the samples without a value or beyond the full scale.
 //!
-//! A mask is a picture of the frames' size: where it is at least half as bright as white the frame is seen. In a folder
+//! A mask is a picture of the frames' size that hides where it is 0, and nowhere else, as COLMAP reads masks: labels and
+//! greys are seen, of which a note tells, because a program that softens edges may mean them otherwise. In a folder
 //! each file of frames has a mask of its own, under the name that COLMAP gives it (`NAME.EXT.png`) or under its own
 //! name, in a folder named as the frames' or directly.
 
@@ -16,6 +17,8 @@ use std::sync::Arc;
 pub(super) struct Masks {
     /// `None` for a mask that hides nothing.
     of_files: Vec<Option<Arc<Mask>>>,
+    /// A note on each mask of others than two values.
+    notes: Vec<String>,
     is_saturation_masked: bool,
 }
 
@@ -48,7 +51,10 @@ impl Masks {
             }
             let own = mask_of(path, file)?;
             match &read(&own)?[..] {
-                [mask] => masks.of_files.push(seen(&own, mask, size)?),
+                [mask] => {
+                    masks.of_files.push(seen(&own, mask, size)?);
+                    masks.notes.extend(note(&own, mask));
+                }
                 several => return Err(Error::stack_among_frames(&own, several.len())),
             }
         }
@@ -68,7 +74,8 @@ impl Masks {
             return Err(Error::new(ErrorKind::Mismatch, problem, "give one for all, or one a frame").about(path));
         }
         let of_files = masks.iter().map(|mask| seen(path, mask, size)).collect::<Result<_>>()?;
-        Ok(Self { of_files, is_saturation_masked: options.mask_saturated })
+        let notes = masks.iter().filter_map(|mask| note(path, mask)).collect();
+        Ok(Self { of_files, notes, is_saturation_masked: options.mask_saturated })
     }
 
     /// Whether each sample of `frame`, whose full scale is `white`, is saturated; empty unless these are masked.
@@ -101,23 +108,87 @@ impl Masks {
         }
         (plane.masked(Mask::new(weights)), masked)
     }
+
+    /// Sentences on what is `masked` of each frame, of `pixels` pixels; an error about a frame of which nothing is seen.
+    pub fn told(
+        &self,
+        origins: &[(PathBuf, usize)],
+        pixels: usize,
+        masked: &[Masked],
+        options: &OpenOptions,
+    ) -> Result<Vec<String>> {
+        let blind = |masked: &Masked| masked.by_files + masked.undefined + masked.saturated >= pixels;
+        if let Some(t) = masked.iter().position(blind) {
+            let (path, frame) = &origins[t];
+            let problem = match masked[t].undefined == pixels {
+                true => format!("no pixel of frame {frame} has a value (NaN)"),
+                false => format!("every pixel of frame {frame} is masked"),
+            };
+            return Err(Error::new(ErrorKind::Unsupported, problem, "leave the frame out, or mask less").about(path));
+        }
+        let sum = |of: fn(&Masked) -> usize| masked.iter().map(of).sum::<usize>();
+        let mut told: Vec<String> = self.notes.iter().take(1).cloned().collect();
+        if self.notes.len() > 1 {
+            told.push(format!("so have {} more of the masks other values than two", self.notes.len() - 1));
+        }
+        if let Some(path) = &options.mask {
+            let share = 100.0 * sum(|of| of.by_files) as f64 / (pixels * masked.len()) as f64;
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            told.push(format!("{share:.1} % of the pixels are masked by {name}"));
+        }
+        type Count = fn(&Masked) -> usize;
+        let counts: [(&str, Count); 2] =
+            [("pixels without a value (NaN)", |of| of.undefined), ("saturated pixels", |of| of.saturated)];
+        for (what, of) in counts.into_iter().filter(|(_, of)| sum(*of) > 0) {
+            let frames = masked.iter().filter(|masked| of(masked) > 0).count();
+            told.push(format!("{what} are masked: {} in {frames} of {} frames", sum(of), masked.len()));
+        }
+        Ok(told)
+    }
 }
 
 /// Share by which arithmetic may leave a saturated value below the full scale.
 const ROUNDING: f32 = 1e-6;
 
-/// The mask of the frames' `size` that sees where `mask` is bright; `None` where it is bright everywhere.
+/// The mask of the frames' `size` that hides where `mask` is 0, or has no value; `None` where it hides nothing.
 fn seen(path: &Path, mask: &RawFrame, size: (usize, usize)) -> Result<Option<Arc<Mask>>> {
     let (width, height) = mask.plane.size();
     if (width, height) != size {
         let problem = format!("this mask is {width}×{height}, but the frames are {}×{}", size.0, size.1);
         return Err(Error::new(ErrorKind::Mismatch, problem, "draw it on a frame as it is opened").about(path));
     }
-    let one = if let FileScale::Range(range) = mask.scale { 1.0 / range } else { 1.0 };
-    let largest = mask.plane.data().iter().copied().fold(0.0, f32::max);
-    // Programs that compute masks write 0 and 1, in whatever type.
-    let white = if largest <= one { one } else { largest.max(1.0) };
-    Ok(Mask::new(Plane::from_fn(width, height, |u, v| f32::from(mask.plane.at(u, v) >= 0.5 * white))))
+    Ok(Mask::new(Plane::from_fn(width, height, |u, v| f32::from(mask.plane.at(u, v) > 0.0))))
+}
+
+/// A note on a `mask` that hides nothing though it is not all of one value, or has more than two values.
+fn note(path: &Path, mask: &RawFrame) -> Option<String> {
+    const FEW: usize = 8;
+    let unit = if let FileScale::Range(range) = mask.scale { range } else { 1.0 };
+    let data = mask.plane.data();
+    let mut values: Vec<f32> = Vec::new();
+    for value in data {
+        if values.last() != Some(value) && !values.contains(value) && values.len() <= FEW {
+            values.push(*value);
+        }
+    }
+    values.sort_by(f32::total_cmp);
+    let (first, largest) = (*values.first()?, data.iter().copied().fold(0.0, f32::max));
+    if values.len() < 2 || (values.len() == 2 && first <= 0.0) {
+        return None;
+    }
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let list = values.iter().map(|value| (value * unit).to_string()).collect::<Vec<_>>().join(", ");
+    let has = if values.len() > FEW {
+        format!("is grey, of more than {FEW} values")
+    } else {
+        format!("has the values {list}")
+    };
+    let dark = data.iter().filter(|value| **value > 0.0 && **value < 0.5 * largest).count();
+    let share = 100.0 * dark as f64 / data.len() as f64;
+    Some(format!(
+        "the mask {name} {has}: 0 alone is hidden, as COLMAP reads masks, and what is dark but not 0, {share:.1} % of it, \
+         is seen; give a mask of two values, 0 and 255, to hide more"
+    ))
 }
 
 impl OpenOptions {
@@ -143,37 +214,4 @@ fn mask_of(folder: &Path, frame: &Path) -> Result<PathBuf> {
         let problem = format!("this folder has no mask of the frame {name}: neither {colmap} nor {name}");
         Error::new(ErrorKind::NotFound, problem, "add it, or give one mask for all frames").about(folder)
     })
-}
-
-/// Sentences on what is `masked` of each frame, of `pixels` pixels; an error about a frame of which nothing is seen.
-pub(super) fn told(
-    origins: &[(PathBuf, usize)],
-    pixels: usize,
-    masked: &[Masked],
-    options: &OpenOptions,
-) -> Result<Vec<String>> {
-    let blind = |masked: &Masked| masked.by_files + masked.undefined + masked.saturated >= pixels;
-    if let Some(t) = masked.iter().position(blind) {
-        let (path, frame) = &origins[t];
-        let problem = match masked[t].undefined == pixels {
-            true => format!("no pixel of frame {frame} has a value (NaN)"),
-            false => format!("every pixel of frame {frame} is masked"),
-        };
-        return Err(Error::new(ErrorKind::Unsupported, problem, "leave the frame out, or mask less").about(path));
-    }
-    let sum = |of: fn(&Masked) -> usize| masked.iter().map(of).sum::<usize>();
-    let mut told = Vec::new();
-    if let Some(path) = &options.mask {
-        let share = 100.0 * sum(|of| of.by_files) as f64 / (pixels * masked.len()) as f64;
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        told.push(format!("{share:.1} % of the pixels are masked by {name}"));
-    }
-    type Count = fn(&Masked) -> usize;
-    let counts: [(&str, Count); 2] =
-        [("pixels without a value (NaN)", |of| of.undefined), ("saturated pixels", |of| of.saturated)];
-    for (what, of) in counts.into_iter().filter(|(_, of)| sum(*of) > 0) {
-        let frames = masked.iter().filter(|masked| of(masked) > 0).count();
-        told.push(format!("{what} are masked: {} in {frames} of {} frames", sum(of), masked.len()));
-    }
-    Ok(told)
 }

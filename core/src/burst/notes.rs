@@ -142,33 +142,3 @@ fn list(items: &[String]) -> String {
     let more = if items.len() > FEW { ", …" } else { "" };
     format!("{}{more}", items[..items.len().min(FEW)].join(", "))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plane::Plane;
-
-    #[test]
-    fn converters_are_suggested_by_what_the_values_need() {
-        let frame = |values: &[f32]| {
-            let plane = Plane::from_vec(values.len(), 1, values.iter().map(|v| v / 65535.0).collect());
-            RawFrame::linear(plane, FileScale::Range(65535.0))
-        };
-        let options = OpenOptions::default();
-        for (values, expected) in [
-            (&[0.0, 1001.0][..], Some(1023.0)),
-            (&[0.0, 1024.0, 3.0], Some(4095.0)),
-            (&[7.0, 16383.0], Some(16383.0)),
-            (&[7.0, 16384.0], None),
-            // Twelve bits at the top of the word: all values are multiples of 16.
-            (&[0.0, 16.0, 1600.0], None),
-            (&[0.0, 0.0], None),
-        ] {
-            assert_eq!(suggested_full_scale(&[frame(values)], &options), expected, "{values:?}");
-        }
-        // One bright frame among dark ones is enough.
-        assert_eq!(suggested_full_scale(&[frame(&[3.0]), frame(&[40_001.0])], &options), None);
-        let given = OpenOptions { full_scale: Some(4095.0), ..options };
-        assert_eq!(suggested_full_scale(&[frame(&[3.0])], &given), None);
-    }
-}

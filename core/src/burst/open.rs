@@ -7,7 +7,7 @@
 use super::Burst;
 use super::formats;
 use super::layout::ViewsChoice;
-use super::masks::{Masks, told};
+use super::masks::Masks;
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
 use super::positions::Positions;
@@ -91,7 +91,7 @@ pub(super) fn calibrated(
         Ok((Arc::new(plane), masked))
     });
     let (frames, masked): (Vec<_>, Vec<_>) = frames.collect::<Result<Vec<_>>>()?.into_iter().unzip();
-    raw.taken.extend(told(&raw.origins, frames[0].data().len(), &masked, options)?);
+    raw.taken.extend(masks.told(&raw.origins, frames[0].data().len(), &masked, options)?);
     if !is_plain {
         check_overflow(&frames, &raw.origins)?;
     }
@@ -149,10 +149,11 @@ impl RawBurst {
 
 fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<RawBurst> {
     let source = only_burst(inputs, options)?;
-    let (mut files, options) = source.taken_files(options)?;
-    let (options, limits) = (&options, &options.limits);
+    let (mut files, limits) = (source.files()?, &options.limits);
     let count = files.len();
-    let timing = if count > 1 { placed(&mut files, (count, None), options, monitor)? } else { Timing::even(1) };
+    let timing = if count > 1 { placed(&mut files, None, options, monitor)? } else { Timing::even(1) };
+    // Of several files those that are taken are left.
+    let options = &OpenOptions { take: options.take.filter(|_| count == 1), ..options.clone() };
     let first = files.first().ok_or_else(Error::nothing_given)?;
     let Declared { width, height, frames, views, taken, first: decoded, .. } =
         formats::declared(first, options, monitor)?;
@@ -170,7 +171,8 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
             limits.check_burst(first, grid.count() as u64, 1, 1)?;
             frames = views_of(first, picture, grid, tiling)?;
         }
-        let Timing { positions, said } = placed(&mut [first.clone()], (frames.len(), views), options, monitor)?;
+        let in_one = Some((frames.len(), views));
+        let Timing { positions, said, .. } = placed(&mut vec![first.clone()], in_one, options, monitor)?;
         let name = file_name(first);
         let columns = positions.rows_and_columns().map_or(frames.len(), |(_, columns)| columns);
         let frame_names = match frames.len() {
@@ -201,7 +203,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     check_samples(&frames, options, |t| files[t].clone())?;
     let frame_names = files.iter().map(|f| file_name(f)).collect();
     let origins = files.into_iter().map(|f| (f, 0)).collect();
-    let taken = taken.into_iter().chain(timing.said).collect();
+    let taken = taken.into_iter().chain(timing.said).chain(timing.doubt).collect();
     Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions: timing.positions })
 }
 

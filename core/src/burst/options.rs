@@ -45,8 +45,9 @@ pub struct OpenOptions {
     /// grey. The notes say which they are [default: such a frame is an error].
     #[cfg_attr(feature = "cli", arg(long))]
     pub accept_damaged: bool,
-    /// Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
-    /// NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features.
+    /// Mask of the frames' size, 0 where they are hidden, and anything else where they are seen, as COLMAP reads masks;
+    /// or a folder with one for each file of frames, named NAME.EXT.png, as COLMAP names them, or as the file. What is
+    /// masked is in no mean and gives no features.
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mask: Option<PathBuf>,
@@ -80,12 +81,12 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long, value_name = "TOPIC"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
-    /// Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those of these
-    /// frames.
+    /// Frames A … B−1 of a long recording that are opened, counted from 0 in the order of the whole; times, masks and
+    /// results are those of these frames.
     #[cfg_attr(feature = "cli", arg(long, value_name = "A..B"))]
     #[serde(skip_serializing_if = "Option::is_none", with = "as_text")]
     pub take: Option<FrameRange>,
-    /// Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for stamps in
+    /// Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames), names for stamps in
     /// the names of the files, header or exif for times that the files hold, found for those in which the images move
     /// uniformly, even for none [default: even].
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE|names|header|found|even"))]
@@ -144,11 +145,17 @@ impl OpenOptions {
         self.bias.iter_mut().chain(&mut self.flat).chain(&mut self.mask).chain(times)
     }
 
-    /// File with the list of times for frames in the files `frames`; `None` where no list is to be read.
+    /// File with the list of times for frames in the files `frames`, also where it lies beside them or in the folder
+    /// above theirs; `None` where no list is to be read.
     pub fn list_of_times(&self, frames: &[PathBuf]) -> Option<PathBuf> {
         let Some(TimesChoice::List(path)) = &self.times else { return None };
-        let beside = || Some(frames.first()?.parent()?.join(path.file_name()?)).filter(|beside| beside.is_file());
-        Some(if path.exists() { path.clone() } else { beside().unwrap_or_else(|| path.clone()) })
+        let frame = frames.first().and_then(|frame| std::path::absolute(frame).ok()).unwrap_or_default();
+        let near = || frame.ancestors().skip(1).take(2).map(|folder| folder.join(path.file_name().unwrap_or_default()));
+        Some(if path.exists() {
+            path.clone()
+        } else {
+            near().find(|file| file.is_file()).unwrap_or_else(|| path.clone())
+        })
     }
 
     /// Paths of those files.

@@ -79,9 +79,10 @@ impl Positions {
     /// Positions in frame intervals, of which only the differences matter; `None` unless all are finite and each lies
     /// after the one before.
     pub fn new(positions: &[f64]) -> Option<Self> {
-        let increase = positions.iter().all(|x| x.is_finite()) && positions.windows(2).all(|two| two[0] < two[1]);
         let first = positions.first().copied().unwrap_or_default();
-        increase.then(|| Self::about_mean(positions.iter().map(|x| Offset::from(near_whole(x - first)))))
+        let made = Self::about_mean(positions.iter().map(|x| Offset::from(near_whole(x - first))));
+        let increase = made.offsets.iter().all(|at| at.u.is_finite()) && made.gaps().all(|gap| gap > 0.0);
+        increase.then_some(made)
     }
 
     /// Positions of a light field's views at places (column, row) in their grid, of which only the differences matter;

@@ -9,10 +9,12 @@
 
 use super::formats::{self, Rank};
 use super::options::OpenOptions;
+use super::stamps::in_order_of_times;
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::path_text;
 use std::cmp::Ordering;
 use std::collections::HashSet;
+use std::ffi::OsStr;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -29,17 +31,6 @@ impl BurstFiles {
     /// Files with its frames: those of its folder in natural order, or its paths.
     pub fn files(&self) -> Result<Vec<PathBuf>> {
         files_at(&self.paths)
-    }
-
-    /// Those of several files that `options` take, with the options for these; a single file stays, whose frames are
-    /// then taken from it.
-    pub(super) fn taken_files(&self, options: &OpenOptions) -> Result<(Vec<PathBuf>, OpenOptions)> {
-        let files = self.files()?;
-        if files.len() == 1 {
-            return Ok((files, options.clone()));
-        }
-        let path = self.paths.first().cloned().unwrap_or_default();
-        Ok((options.taken(&path, files, (1, 1))?, OpenOptions { take: None, ..options.clone() }))
     }
 }
 
@@ -228,11 +219,13 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     Ok((pictures, subfolders))
 }
 
-/// Natural order of file names; names that differ only in leading zeros are ordered by their bytes, so that the order
-/// never depends on the file system.
-pub(super) fn natural_order(a: &Path, b: &Path) -> Ordering {
-    let name = |p: &Path| p.file_name().unwrap_or_default().to_os_string();
-    alphanumeric_sort::compare_os_str(name(a), name(b)).then_with(|| a.cmp(b))
+/// Natural order of file names without their extensions, so that `x.png` stands before its copies `x(1).png`; names that
+/// differ only in leading zeros are ordered by their bytes, so that the order never depends on the file system.
+fn natural_order(a: &Path, b: &Path) -> Ordering {
+    let by = |part: fn(&Path) -> Option<&OsStr>| {
+        alphanumeric_sort::compare_os_str(part(a).unwrap_or_default(), part(b).unwrap_or_default())
+    };
+    by(Path::file_stem).then_with(|| by(Path::extension)).then_with(|| a.cmp(b))
 }
 
 /// Numbers the second and later bursts of one name, so that their exports do not overwrite each other. Letter case is
@@ -286,7 +279,8 @@ impl SequenceCut {
     }
 }
 
-/// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in time order. A burst is
+/// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in the order of the times that
+/// `options` say, and otherwise in natural order. A burst is
 /// named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among bursts
 /// of several sequences, [`name_among_several`] makes the names differ.
 ///
@@ -299,6 +293,7 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptio
         let remedy = "save each frame as a file of its own";
         return Err(Error::new(ErrorKind::Request, problem, remedy).about(path));
     }
+    let frames = in_order_of_times(frames, options);
     let ranges = cut.ranges(frames.len());
     if ranges.len() == 0 {
         let path = sequence.paths.first().cloned().unwrap_or_default();
@@ -317,30 +312,4 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptio
 /// Name of a burst of one of several sequences.
 pub fn name_among_several(sequence: &str, burst: &str) -> String {
     format!("{sequence}_{burst}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn numbers_count_as_numbers() {
-        let mut names = ["frame_10.png", "frame_2.png", "frame_002.png", "frame_1.png", "a.png", "frame_.png"];
-        names.sort_by(|a, b| natural_order(Path::new(a), Path::new(b)));
-        assert_eq!(names, ["a.png", "frame_.png", "frame_1.png", "frame_2.png", "frame_002.png", "frame_10.png"]);
-    }
-
-    proptest! {
-        // If this were not a total order, sorting could panic, and would depend on the file system.
-        #[test]
-        fn natural_order_is_total(names in prop::array::uniform3("[0-9a_.é٣\u{ff11}-]{0,6}|[0-9]{15,25}")) {
-            let [a, b, c] = names.each_ref().map(Path::new);
-            prop_assert_eq!(natural_order(a, b), natural_order(b, a).reverse());
-            prop_assert_eq!(natural_order(a, b) == Ordering::Equal, a == b);
-            if natural_order(a, b) != Ordering::Greater && natural_order(b, c) != Ordering::Greater {
-                prop_assert_ne!(natural_order(a, c), Ordering::Greater);
-            }
-        }
-    }
 }

@@ -1,323 +1,194 @@
 //! Positions of frames by their times: by stamps in lists, as robots and people write them, and in the names of files,
 //! or by what the files hold.
 //!
-//! A stamp is a number or a date. Its unit stands in the heading of its column (`timestamp [ns]`, `time_s`), or is
-//! guessed: from the size of a number that counts from 1970, and else from the distance of the frames.
+//! A name has a date or the seconds since 1970, which digits behind may part further: a fraction, or whole milli-, micro-
+//! or nanoseconds with or without leading zeros. Numbers that count up by one are counters, never fractions.
 
 use super::formats;
 use super::layout::TimesChoice;
 use super::options::OpenOptions;
 use super::positions::Positions;
-use super::times::{Times, seconds_of};
+use super::times::{
+    HEADED, List, PARTS, Stamp, Stamps, Times, Unit, Written, base_name, likeness, parts, seconds_of, stem,
+};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::read_bytes;
 use crate::monitor::Monitor;
-use std::collections::{HashMap, HashSet};
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Value of a stamp in billionths of its unit, so that the nanoseconds of 1970 on keep their digits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Stamp {
-    value: i128,
-    /// Whether it was a date, whose unit is a second.
-    is_date: bool,
-    /// Whether it was written without a fraction.
-    is_whole: bool,
+/// A run of digits in a name, and what stands between it and the one before.
+#[derive(Debug, Clone, Copy)]
+struct Run<'a> {
+    before: &'a str,
+    digits: &'a str,
 }
 
-const BILLION: i128 = 1_000_000_000;
-/// Largest magnitude of a number that is read as a stamp.
-const LARGEST: f64 = 1e25;
-
-impl Stamp {
-    fn number(text: &str) -> Option<Self> {
-        let (sign, digits) = text.strip_prefix('-').map_or((1, text), |digits| (-1, digits));
-        let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
-        let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
-        if !is_digits(whole) || !is_digits(fraction) || whole.len() > 25 {
-            // Powers of ten, such as 1.036224e-01.
-            let value: f64 = text.parse().ok().filter(|value: &f64| value.abs() <= LARGEST)?;
-            let is_whole = value.fract() == 0.0 && !text.contains('.');
-            return Some(Self { value: (value * BILLION as f64).round() as i128, is_date: false, is_whole });
-        }
-        let whole: i128 = whole.parse().ok()?;
-        let value = sign * (whole * BILLION + billionths(fraction));
-        Some(Self { value, is_date: false, is_whole: fraction.is_empty() })
-    }
-
-    /// A date with its time, such as `2011-09-26 13:02:25.964389445`, `2011-09-26T13:02:25Z` or `2011:09:26 13:02:25`.
-    fn date(text: &str) -> Option<Self> {
-        let (text, fraction) = text.trim_end_matches('Z').split_once('.').unwrap_or((text, ""));
-        let (date, time) = text.split_once(['T', ' '])?;
-        let seconds = seconds_of(&format!("{}T{time}", date.replace([':', '/'], "-")))?;
-        let is_digits = fraction.bytes().all(|byte| byte.is_ascii_digit());
-        let value = seconds as i128 * BILLION + billionths(fraction);
-        is_digits.then_some(Self { value, is_date: true, is_whole: fraction.is_empty() })
-    }
-
-    fn of(text: &str) -> Option<Self> {
-        Self::number(text).or_else(|| Self::date(text))
-    }
-}
-
-/// The first nine digits after a point.
-fn billionths(fraction: &str) -> i128 {
-    format!("{fraction:0<9}")[..9].parse().unwrap_or(0)
-}
-
-/// Unit of stamps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Unit {
-    Seconds,
-    Milliseconds,
-    Microseconds,
-    Nanoseconds,
-    /// Positions in frame intervals, or numbers of frames.
-    Frames,
-}
-
-impl Unit {
-    /// Its name, and a billionth of it in seconds, or in frame intervals.
-    fn record(self) -> (&'static str, f64) {
-        match self {
-            Self::Seconds => ("seconds", 1e-9),
-            Self::Milliseconds => ("milliseconds", 1e-12),
-            Self::Microseconds => ("microseconds", 1e-15),
-            Self::Nanoseconds => ("nanoseconds", 1e-18),
-            Self::Frames => ("numbers of frames", 1e-9),
-        }
-    }
-}
-
-/// Words of a heading of a column of times, besides those of units.
-const TIME_WORDS: [&str; 6] = ["time", "times", "timestamp", "timestamps", "stamp", "date"];
-
-fn words(heading: &str) -> impl Iterator<Item = String> {
-    heading.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase)
-}
-
-fn unit_of(heading: &str) -> Option<Unit> {
-    words(heading).find_map(|word| match &*word {
-        "ns" | "nsec" | "nanoseconds" => Some(Unit::Nanoseconds),
-        "us" | "µs" | "usec" | "microseconds" => Some(Unit::Microseconds),
-        "ms" | "msec" | "milliseconds" => Some(Unit::Milliseconds),
-        "s" | "sec" | "secs" | "seconds" => Some(Unit::Seconds),
-        "frames" | "intervals" | "position" => Some(Unit::Frames),
-        _ => None,
-    })
-}
-
-fn is_of_times(heading: &str) -> bool {
-    unit_of(heading).is_some() || words(heading).any(|word| TIME_WORDS.contains(&&*word))
-}
-
-const HEADED: &str = "as their heading says";
-
-/// Stamps with their unit.
-#[derive(Debug, Clone, PartialEq)]
-struct Stamps {
-    pub values: Vec<Stamp>,
-    pub unit: Unit,
-    /// How the unit is known, as a part of a sentence.
-    pub known_by: &'static str,
-}
-
-impl Stamps {
-    fn new(values: Vec<Stamp>, unit: Option<Unit>) -> Self {
-        if let Some(unit) = unit.filter(|_| values.iter().all(|one| !one.is_date)) {
-            return Self { values, unit, known_by: HEADED };
-        }
-        let (unit, known_by) = Self::guess(&values);
-        Self { values, unit, known_by }
-    }
-
-    fn guess(values: &[Stamp]) -> (Unit, &'static str) {
-        if values.iter().all(|one| one.is_date) {
-            return (Unit::Seconds, "as dates");
-        }
-        let mut sizes: Vec<f64> = values.iter().map(|one| one.value as f64 / BILLION as f64).collect();
-        sizes.sort_by(f64::total_cmp);
-        let (least, most) = (sizes[0], sizes[sizes.len() - 1]);
-        // Numbers that count from 1970, from about 1973 to 2286.
-        let units = [Unit::Seconds, Unit::Milliseconds, Unit::Microseconds, Unit::Nanoseconds];
-        let since_1970 = |from: f64| least >= from && most < 100.0 * from;
-        if let Some((unit, _)) = units.iter().zip([1e8, 1e11, 1e14, 1e17]).find(|(_, from)| since_1970(*from)) {
-            return (*unit, "by their size");
-        }
-        if values.iter().any(|one| !one.is_whole) {
-            return (Unit::Seconds, "by their fractions");
-        }
-        let mut gaps: Vec<f64> = sizes.windows(2).map(|two| two[1] - two[0]).collect();
-        gaps.sort_by(f64::total_cmp);
-        let unit = match gaps.get(gaps.len() / 2).copied().unwrap_or(0.0) {
-            2e6.. => Unit::Nanoseconds,
-            2000.0.. => Unit::Microseconds,
-            5.0.. => Unit::Milliseconds,
-            _ => Unit::Frames,
-        };
-        (unit, "by the distance of the frames")
-    }
-
-    /// Times from the first stamp on: in seconds, or in frame intervals for [`Unit::Frames`].
-    pub fn since_first(&self) -> Vec<f64> {
-        let (_, unit) = self.unit.record();
-        let first = self.values.first().map_or(0, |one| one.value);
-        // Differences are exact; the one multiplication rounds.
-        self.values.iter().map(|one| (one.value - first) as f64 * unit).collect()
-    }
-}
-
-/// A list of times.
-#[derive(Debug, Clone, PartialEq)]
-struct List {
-    /// The stamps, in the order of the list.
-    pub stamps: Stamps,
-    /// Line of each stamp, from 1.
-    pub lines: Vec<usize>,
-    /// Name of each frame, as the list writes it; empty for a list without names.
-    pub names: Vec<String>,
-}
-
-/// Largest number of lines that are read.
-const MAX_LINES: usize = 10_000_000;
-
-fn fields(line: &str) -> Vec<&str> {
-    let separated = |by: char| line.split(by).map(|field| field.trim().trim_matches('"')).collect();
-    match [',', ';', '\t'].into_iter().find(|by| line.contains(*by)) {
-        Some(by) => separated(by),
-        // A date has a space within.
-        None if Stamp::date(line).is_some() => vec![line],
-        None => line.split_whitespace().map(|field| field.trim_matches('"')).collect(),
-    }
-}
-
-/// Name of a file without its folder.
-pub(super) fn base_name(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
-}
-
-/// Name of a file without folder and extension.
-pub(super) fn stem(path: &str) -> &str {
-    let name = base_name(path);
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
-}
-
-impl List {
-    /// Reads a list of one time a line, or of columns of which one has the times and one may have `frames`' names, with
-    /// or without extension and folders. Lines that begin with `#` are comments; the last one before the first row,
-    /// and a first line without a time, are headings if they have as many fields.
-    ///
-    /// # Errors
-    /// The line, what is wrong in it and what would be right.
-    pub fn read(text: &str, frames: &[String]) -> Result<Self, String> {
-        let mut heading: Vec<&str> = Vec::new();
-        let mut rows: Vec<(usize, Vec<&str>)> = Vec::new();
-        for (line, text) in (1..).zip(text.trim_start_matches('\u{feff}').lines().take(MAX_LINES)) {
-            let text = text.trim();
-            let comment = text.strip_prefix('#');
-            if text.is_empty() || (comment.is_some() && !rows.is_empty()) {
-                continue;
-            }
-            let of_line = fields(comment.unwrap_or(text).trim());
-            if comment.is_some() || (rows.is_empty() && !of_line.iter().any(|field| Stamp::of(field).is_some())) {
-                heading = of_line;
-            } else {
-                rows.push((line, of_line));
-            }
-        }
-        let Some((line, first)) = rows.first() else {
-            return Err("it has no line with a time; write one time a line, or 'name,time'".to_owned());
-        };
-        if heading.len() != first.len() {
-            heading.clear();
-        }
-        let known: HashSet<&str> = frames.iter().flat_map(|name| [base_name(name), stem(name)]).collect();
-        let is_name = |field: &str| known.contains(base_name(field)) || known.contains(stem(field));
-        let column = |is: &dyn Fn(&str) -> bool| {
-            (0..first.len()).find(|at| rows.iter().any(|(_, row)| row.get(*at).is_some_and(|field| is(field))))
-        };
-        // Where the times are the names of the files, the column with an extension has the names.
-        let looks_like_file = |field: &str| is_name(field) && Stamp::of(field).is_none();
-        let names = column(&looks_like_file).or_else(|| (first.len() > 1).then(|| column(&is_name)).flatten());
-        let stamped: Vec<usize> =
-            (0..first.len()).filter(|at| Some(*at) != names && Stamp::of(first[*at]).is_some()).collect();
-        let headed = stamped.iter().copied().find(|at| heading.get(*at).is_some_and(|heading| is_of_times(heading)));
-        let times = match (headed, &stamped[..]) {
-            (Some(at), _) => at,
-            (None, [at]) => *at,
-            (None, []) => return Err(format!("line {line} has no time; write one time a line, or 'name,time'")),
-            (None, _) => {
-                return Err(format!(
-                    "line {line} has several numbers, and nothing says which is the time; write a heading such as 'name,time_s'"
-                ));
-            }
-        };
-        let (mut values, mut lines, mut of_rows) = (Vec::new(), Vec::new(), Vec::new());
-        for (line, row) in &rows {
-            let field = row.get(times).copied().unwrap_or_default();
-            let stamp = Stamp::of(field).ok_or_else(|| {
-                format!("line {line}: '{field}' is no time; write a number or a date such as 2021-03-01T22:00:00.5")
-            })?;
-            values.push(stamp);
-            lines.push(*line);
-            of_rows.extend(names.map(|at| row.get(at).copied().unwrap_or_default().to_owned()));
-        }
-        let unit = heading.get(times).and_then(|heading| unit_of(heading));
-        Ok(Self { stamps: Stamps::new(values, unit), lines, names: of_rows })
-    }
-}
-
-/// A run of digits in a name, with what follows a point where the whole part is long.
-fn runs(name: &str) -> Vec<&str> {
-    let mut runs: Vec<&str> = Vec::new();
+fn runs(name: &str) -> Vec<Run<'_>> {
+    let mut runs = Vec::new();
     let mut rest = name;
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
-        let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
-        let whole = digits(&rest[start..]);
-        let after = &rest[start + whole..];
-        let fraction = after.strip_prefix('.').map_or(0, digits);
-        let length = if fraction > 0 && whole > 4 { whole + 1 + fraction } else { whole };
-        runs.push(&rest[start..start + length]);
-        rest = &rest[start + length..];
+        let end = rest[start..].find(|c: char| !c.is_ascii_digit()).map_or(rest.len(), |length| start + length);
+        runs.push(Run { before: &rest[..start], digits: &rest[start..end] });
+        rest = &rest[end..];
     }
     runs
 }
 
-/// Date in the digits of a name: year, month, day, hour, minute, second, and what is left as a fraction.
-fn date_in(runs: &[&str]) -> Option<Stamp> {
-    const DATE_DIGITS: usize = 14;
-    let from = runs.iter().position(|run| run.starts_with("19") || run.starts_with("20"))?;
-    let lengths: Vec<usize> = runs[from..].iter().map(|run| run.len()).collect();
-    let is_one = lengths[0] >= DATE_DIGITS;
-    let is_parted = lengths[0] == 8 && lengths.get(1).is_some_and(|length| *length >= 6);
-    let is_spelled = lengths[0] == 4 && lengths.len() >= 6 && lengths[1..5].iter().all(|length| *length == 2);
-    if !(is_one || is_parted || is_spelled) {
-        return None;
-    }
-    let digits: String = runs[from..].concat().chars().filter(char::is_ascii_digit).take(DATE_DIGITS + 9).collect();
-    if digits.len() < DATE_DIGITS {
-        return None;
-    }
-    let part = |range: std::ops::Range<usize>| &digits[range];
-    let [year, month, day, hour, minute, second] = [0..4, 4..6, 6..8, 8..10, 10..12, 12..14].map(part);
-    let fraction = part(DATE_DIGITS..digits.len());
-    let text = format!("{year}-{month}-{day}T{hour}:{minute}:{second}.{fraction}");
-    Stamp::date(&text)
+/// The whole seconds of a name.
+#[derive(Debug, Clone, Copy)]
+struct Seconds<'a> {
+    /// Since 1970.
+    value: i128,
+    is_date: bool,
+    /// Digits that follow at once.
+    rest: &'a str,
+    /// Numbers of the first run with a part of them, and of the one behind the last.
+    runs: (usize, usize),
 }
 
-/// Stamps in the `names` of frames: dates, or the numbers that differ from name to name, of several the longest ones.
+/// Date in the digits of a name: year, month, day, hour, minute, second; or the ten digits of the seconds since 1970.
+fn seconds_in<'a>(runs: &[Run<'a>]) -> Option<Seconds<'a>> {
+    const DATE_DIGITS: usize = 14;
+    let from = |first: usize| {
+        let lengths: Vec<usize> = runs[first..].iter().map(|run| run.digits.len()).collect();
+        let (day_runs, in_day) = match lengths[..] {
+            [length, ..] if length >= DATE_DIGITS => (0, 0),
+            [8, ..] => (1, 8),
+            [4, 2, 2, ..] => (3, 8),
+            _ => return None,
+        };
+        let time_runs = match lengths[day_runs..] {
+            [length, ..] if length + in_day >= DATE_DIGITS => 1,
+            [2, 2, length, ..] if length >= 2 && in_day > 0 => 3,
+            _ => return None,
+        };
+        let next = first + day_runs + time_runs;
+        let digits: String = runs[first..next].iter().map(|run| run.digits).collect();
+        let last = runs[next - 1].digits;
+        let part = |range: std::ops::Range<usize>| &digits[range];
+        let [year, month, day, hour, minute, second] = [0..4, 4..6, 6..8, 8..10, 10..12, 12..14].map(part);
+        let value = seconds_of(&format!("{year}-{month}-{day}T{hour}:{minute}:{second}"))? as i128;
+        let rest = &last[last.len() - (digits.len() - DATE_DIGITS)..];
+        let is_usual = (year.starts_with("19") || year.starts_with("20")) && rest.len() <= 9;
+        is_usual.then_some(Seconds { value, is_date: true, rest, runs: (first, next) })
+    };
+    let since_1970 = |at: usize| {
+        let digits = runs[at].digits;
+        let value = digits.parse().ok().filter(|_| digits.len() == 10 && !digits.starts_with('0'))?;
+        Some(Seconds { value, is_date: false, rest: "", runs: (at, at + 1) })
+    };
+    (0..runs.len()).find_map(from).or_else(|| (0..runs.len()).find_map(since_1970))
+}
+
+/// Whether `numbers` beside whole `seconds` count up by one: from name to name, or in each second from 0 or 1 on.
+fn are_counters(seconds: &[i128], numbers: &[i128]) -> bool {
+    let mut each: BTreeMap<i128, Vec<i128>> = BTreeMap::new();
+    seconds.iter().zip(numbers).for_each(|(second, number)| each.entry(*second).or_default().push(*number));
+    each.values_mut().for_each(|numbers| numbers.sort_unstable());
+    let counts = |numbers: &[i128]| numbers.windows(2).all(|two| two[1] == two[0] + 1);
+    let all: Vec<i128> = each.values().flatten().copied().collect();
+    numbers.len() > 1 && (counts(&all) || each.values().all(|of| of[0] <= 1 && counts(of)))
+}
+
+/// How uneven times are: the variance of the logarithms of their distances.
+fn unevenness(mut times: Vec<i128>) -> f64 {
+    times.sort_unstable();
+    let gaps: Vec<f64> = times.windows(2).map(|two| ((two[1] - two[0]) as f64).ln()).collect();
+    let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
+    let variance = gaps.iter().map(|gap| (gap - mean).powi(2)).sum::<f64>();
+    if variance.is_nan() { f64::INFINITY } else { variance }
+}
+
+/// Times, in [`PARTS`] of a second, of whole `seconds` and the `digits` behind them: a fraction, or whole milli-, micro-
+/// or nanoseconds, whose leading zeros were left out. `None` where they are counters.
+fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<Vec<i128>> {
+    let longest = digits.iter().map(|digits| digits.len()).max().filter(|longest| (1..=15).contains(longest))?;
+    let is_point = separator == "." || separator == ",";
+    let numbers: Vec<i128> = digits.iter().map(|digits| digits.parse().unwrap_or(0)).collect();
+    let range = numbers.iter().max()? - numbers.iter().min()?;
+    let is_short = longest < 3 || range <= 2 * numbers.len() as i128 + 8;
+    if are_counters(seconds, &numbers) || (!is_point && !separator.is_empty() && is_short) {
+        return None;
+    }
+    let unit = match longest {
+        ..=3 => PARTS / 1000,
+        ..=6 => PARTS / 1_000_000,
+        _ => PARTS / 1_000_000_000,
+    };
+    let times = |part: &dyn Fn(usize) -> i128| (0..digits.len()).map(|t| seconds[t] * PARTS + part(t)).collect();
+    let (fractions, wholes): (Vec<i128>, Vec<i128>) = (times(&|t| parts(digits[t])), times(&|t| numbers[t] * unit));
+    let are_of_one_length = digits.iter().all(|digits| digits.len() == longest);
+    let any = |is: fn(&str) -> bool| digits.iter().any(|digits| digits.len() > 1 && is(digits));
+    let (is_padded, ends_with_0) = (any(|digits| digits.starts_with('0')), any(|digits| digits.ends_with('0')));
+    let are_fractions = match () {
+        () if longest > 9 || is_padded => true,
+        () if are_of_one_length => is_point || longest % 3 == 0,
+        // Printed numbers end with no zero.
+        () if !is_point || ends_with_0 => false,
+        () => unevenness(fractions.clone()) <= unevenness(wholes.clone()),
+    };
+    Some(if are_fractions { fractions } else { wholes })
+}
+
+/// Stamps in the `names` of frames: dates or seconds with their fractions; or the numbers that differ from name to
+/// name, of several the longest ones.
 ///
 /// # Errors
-/// The first name without a stamp, and what would be right.
+/// The first name without a stamp, or what is unclear, and what would be right.
 fn in_names(names: &[String]) -> Result<Stamps, String> {
-    let found: Vec<Vec<&str>> = names.iter().map(|name| runs(stem(name))).collect();
-    let dates: Option<Vec<Stamp>> = found.iter().map(|runs| date_in(runs)).collect();
-    if let Some(dates) = dates.filter(|dates| !dates.is_empty()) {
-        return Ok(Stamps::new(dates, None));
+    let found: Vec<Vec<Run<'_>>> = names.iter().map(|name| runs(stem(name))).collect();
+    let stamps = |values: Vec<i128>, known_by| {
+        let stamp = |value| Stamp { value, written: Written::Number(0) };
+        Stamps { values: values.into_iter().map(stamp).collect(), unit: Unit::Seconds, known_by }
+    };
+    let are_different = |values: &[i128]| values.iter().collect::<HashSet<_>>().len() == values.len();
+    let seconds: Vec<Seconds<'_>> = found.iter().map_while(|runs| seconds_in(runs)).collect();
+    let are_dates = seconds.iter().all(|one| one.is_date);
+    if seconds.len() == names.len() && !names.is_empty() && seconds.iter().all(|one| one.is_date == are_dates) {
+        let whole: Vec<i128> = seconds.iter().map(|one| one.value).collect();
+        let known_by = if are_dates { "as dates" } else { "since 1970" };
+        let next = |t: usize| found[t].get(seconds[t].runs.1);
+        // The runs behind, which some names may lack, and what parts them from the seconds.
+        let separator = (0..names.len()).find_map(next).map_or("", |run| run.before);
+        let behind: Vec<&str> = (0..names.len()).map(|t| next(t).map_or("", |run| run.digits)).collect();
+        let are_joined = (0..names.len()).all(|t| next(t).is_none_or(|run| run.before == separator));
+        let are_behind = are_joined
+            && match separator {
+                "." | "," => true,
+                "_" | "-" => behind.iter().all(|digits| !digits.is_empty()),
+                _ => false,
+            };
+        let rests: Vec<&str> = seconds.iter().map(|one| one.rest).collect();
+        let times = match rests.iter().any(|rest| !rest.is_empty()) {
+            true => with_fractions(&whole, &rests, ""),
+            false => are_behind.then(|| with_fractions(&whole, &behind, separator)).flatten(),
+        };
+        let clock = |second: &i128| {
+            let of_day = second % 86_400;
+            of_day / 3600 * 10_000 + of_day % 3600 / 60 * 100 + of_day % 60
+        };
+        let clocks: Vec<i128> = whole.iter().map(clock).collect();
+        // Six digits behind a day that count from its first second on are no times.
+        let is_early = clocks.iter().all(|clock| *clock <= names.len() as i128);
+        let is_counted = are_dates && times.is_none() && is_early && are_counters(&vec![0; names.len()], &clocks);
+        match times {
+            Some(times) if are_different(&times) => return Ok(stamps(times, known_by)),
+            _ if are_different(&whole) && are_dates && !is_counted => {
+                return Ok(stamps(whole.iter().map(|second| second * PARTS).collect(), known_by));
+            }
+            _ if are_dates => return counters(names, &found, &seconds, is_counted),
+            _ => {}
+        }
+    }
+    if let Some(times) = small_seconds(&found).filter(|times| are_different(times)) {
+        return Ok(stamps(times, "and fractions of them"));
     }
     let count = found.iter().map(Vec::len).min().unwrap_or(0);
     // Counted from the end: what stands before may have more numbers in some names.
-    let at = |runs: &[&str], from_end: usize| runs[runs.len() - 1 - from_end].to_owned();
+    let at = |runs: &[Run<'_>], from_end: usize| runs[runs.len() - 1 - from_end].digits.to_owned();
     let differs = |from_end: &usize| {
         names.len() == 1 || found.windows(2).all(|two| at(&two[0], *from_end) != at(&two[1], *from_end))
     };
@@ -331,8 +202,64 @@ fn in_names(names: &[String]) -> Result<Stamps, String> {
         ));
     };
     let stamps = found.iter().map(|runs| Stamp::number(&at(runs, chosen)));
-    let stamps = stamps.collect::<Option<Vec<Stamp>>>().ok_or("a number in a name is too long to be a time")?;
-    Ok(Stamps::new(stamps, None))
+    Stamps::new(stamps.collect::<Option<Vec<Stamp>>>().ok_or("a number in a name is too long to be a time")?, None)
+}
+
+/// Times of names with seconds from a start of their own and fractions, such as `12_9658000` or `0.04`. `None` where
+/// nothing shows that the two numbers are one.
+fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
+    let count = found.iter().map(Vec::len).min().unwrap_or(0);
+    let of = |from_end: usize| {
+        let run = |runs: &Vec<Run<'_>>, back: usize| runs.get(runs.len() - 1 - back).map(|run| run.digits.to_owned());
+        let separator = found[0][found[0].len() - 1 - from_end].before;
+        let is_joined = found.iter().all(|runs| runs[runs.len() - 1 - from_end].before == separator);
+        let digits: Vec<String> = found.iter().map(|runs| run(runs, from_end)).collect::<Option<_>>()?;
+        let digits: Vec<&str> = digits.iter().map(String::as_str).collect();
+        let short = |digits: String| digits.parse::<i128>().ok().filter(|_| digits.len() <= 10);
+        let seconds: Vec<i128> = found.iter().map(|runs| short(run(runs, from_end + 1)?)).collect::<Option<_>>()?;
+        let times = with_fractions(&seconds, &digits, separator).filter(|_| is_joined)?;
+        let mut sorted: Vec<(i128, i128)> = seconds.iter().zip(&times).map(|(second, time)| (*second, *time)).collect();
+        sorted.sort_unstable();
+        let turns = |two: &[(i128, i128)]| two[0].0 < two[1].0 && two[1].1 % PARTS < two[0].1 % PARTS;
+        let different = seconds.iter().collect::<HashSet<_>>().len();
+        let is_shared = different > 1 && different < seconds.len();
+        let are_seconds = match separator {
+            "." => true,
+            // A number that turns over where the other one rises.
+            "_" | "-" => is_shared && digits.iter().any(|digits| digits.len() > 6) && sorted.windows(2).any(turns),
+            _ => false,
+        };
+        let gap = sorted.windows(2).map(|two| two[1].1 - two[0].1).min().unwrap_or(0);
+        (are_seconds && gap as f64 >= SHORTEST_S * PARTS as f64).then_some(times)
+    };
+    (0..count.saturating_sub(1)).find_map(of)
+}
+
+/// Counters of names whose dates do not tell them apart, as numbers of frames; of the numbers outside of the date those
+/// behind it first. `is_in_day` where they are what looks like a time of day.
+fn counters(
+    names: &[String],
+    found: &[Vec<Run<'_>>],
+    dates: &[Seconds<'_>],
+    is_in_day: bool,
+) -> Result<Stamps, String> {
+    let count =
+        |t: usize, at: isize| found[t].get(usize::try_from(dates[t].runs.1 as isize + at).ok()?)?.digits.parse().ok();
+    let most = found.iter().map(Vec::len).max().unwrap_or(0) as isize;
+    let places = (0..most).rev().chain((-most..0).filter(|at| !is_in_day || *at == -1));
+    let numbers = |at: isize| (0..names.len()).map(|t| count(t, at)).collect::<Option<Vec<i128>>>();
+    let is_in_order = |numbers: &Vec<i128>| {
+        let mut order: Vec<usize> = (0..names.len()).collect();
+        order.sort_by_key(|t| numbers[*t]);
+        let gaps: Vec<i128> = order.windows(2).map(|two| numbers[two[1]] - numbers[two[0]]).collect();
+        let is_late = order.windows(2).any(|two| dates[two[1]].value < dates[two[0]].value);
+        gaps.iter().all(|gap| *gap > 0) && gaps.iter().sum::<i128>() <= 2 * names.len() as i128 + 8 && !is_late
+    };
+    let numbers = places.filter_map(numbers).find(is_in_order).ok_or(
+        "names have the same time, to the digits that they have, and no counter tells them apart in the order of their times",
+    )?;
+    let values = numbers.into_iter().map(|number| Stamp { value: number * PARTS, written: Written::Number(0) });
+    Ok(Stamps { values: values.collect(), unit: Unit::Frames, known_by: "by their counters" })
 }
 
 /// Positions of frames, and what is to be said of them.
@@ -341,19 +268,18 @@ pub(super) struct Timing {
     pub positions: Positions,
     /// Source of the times and what was guessed; `None` for even ones.
     pub said: Option<String>,
+    /// A note that the order of even frames contradicts the times that their names or files have.
+    pub doubt: Option<String>,
 }
 
 /// Largest list of times, bytes.
 const MAX_LIST_BYTES: u64 = 64 << 20;
+/// Shortest frame interval that is taken for one, seconds. Cameras of more frames a second are triggered by a list.
+pub(super) const SHORTEST_S: f64 = 5e-6;
 
 /// Times that were found for frames, before it is known that they increase.
 struct FoundTimes {
-    /// From the first on, seconds or frame intervals.
-    times: Vec<f64>,
-    /// Whether they are positions as they are, in frame intervals.
-    are_positions: bool,
-    /// Whether their unit is a second.
-    are_seconds: bool,
+    times: Source,
     /// Line of the list for each frame; empty for other sources.
     lines: Vec<usize>,
     /// File that an error is about.
@@ -361,44 +287,140 @@ struct FoundTimes {
     said: String,
 }
 
-impl Timing {
-    pub fn even(frames: usize) -> Self {
-        Self { positions: Positions::even(frames), said: None }
+enum Source {
+    Stamps(Stamps),
+    /// Seconds that files hold.
+    Headers(Vec<f64>),
+}
+
+impl Source {
+    /// Times of some frames from the first of these on: seconds or frame intervals.
+    fn since_first(&self, frames: &[usize]) -> Vec<f64> {
+        match self {
+            Self::Stamps(stamps) => stamps.since_first(frames),
+            Self::Headers(seconds) => frames.iter().map(|t| seconds[*t] - seconds[frames[0]]).collect(),
+        }
     }
 
-    /// Positions of the `frames` frames of `files`, which are one file each or all in one, by the choice in `options`.
-    /// Several files are brought into the order of their times.
+    /// The frames in the order of their times.
+    fn order(&self) -> Vec<usize> {
+        match self {
+            Self::Stamps(stamps) => {
+                sorted(stamps.values.len(), |a, b| stamps.values[a].value.cmp(&stamps.values[b].value))
+            }
+            Self::Headers(seconds) => sorted(seconds.len(), |a, b| seconds[a].total_cmp(&seconds[b])),
+        }
+    }
+}
+
+fn sorted(count: usize, compared: impl Fn(usize, usize) -> Ordering) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| compared(*a, *b));
+    order
+}
+
+/// The choice of times in `options` that names, files or lists say.
+fn choice_of(options: &OpenOptions) -> Option<&TimesChoice> {
+    options.times.as_ref().filter(|choice| !matches!(choice, TimesChoice::Even | TimesChoice::Found))
+}
+
+impl Timing {
+    pub fn even(frames: usize) -> Self {
+        Self { positions: Positions::even(frames), said: None, doubt: None }
+    }
+
+    /// Positions of the frames of `files`, by the choice in `options`: one each, of which those that `options` take stay
+    /// and are brought into the order of their times, or `in_one` file, which are taken already.
     ///
     /// # Errors
-    /// There is no such list, it has no time for a frame, files or names have none, or two are equal.
-    pub fn of(files: &mut [PathBuf], frames: usize, options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
-        let choice = options.times.as_ref().filter(|choice| !matches!(choice, TimesChoice::Even | TimesChoice::Found));
-        let Some(choice) = choice.filter(|_| frames > 1) else { return Ok(Self::even(frames)) };
-        let found = FoundTimes::of(choice, files, frames, options, monitor)?;
-        let mut order: Vec<usize> = (0..frames).collect();
-        if files.len() == frames {
-            order.sort_by(|a, b| found.times[*a].total_cmp(&found.times[*b]));
-        }
-        let times: Vec<f64> = order.iter().map(|t| found.times[*t]).collect();
-        let positions = if found.are_positions { Positions::new(&times) } else { Positions::of_seconds(&times) };
-        let Some(positions) = positions else {
-            let wrong = times.windows(2).position(|two| two[1].total_cmp(&two[0]).is_le()).unwrap_or(0);
-            return Err(found.not_increasing(
-                [order[wrong], order[wrong + 1]],
-                times[wrong + 1] == times[wrong],
-                files,
-            ));
+    /// There is no such list, it has no time for a frame, files or names have none, two are equal, or closer than those
+    /// of any camera; there are no such frames to be taken.
+    pub fn of(
+        files: &mut Vec<PathBuf>,
+        in_one: Option<usize>,
+        options: &OpenOptions,
+        monitor: &Monitor,
+    ) -> Result<Self> {
+        let frames = in_one.unwrap_or(files.len());
+        let folder = files.first().and_then(|file| file.parent()).unwrap_or(Path::new("")).to_owned();
+        let part = options.take.filter(|_| in_one.is_none());
+        let Some(choice) = choice_of(options).filter(|_| frames > 1) else {
+            if part.is_some() {
+                *files = options.taken(&folder, std::mem::take(files), (1, 1))?;
+            }
+            let doubt = in_one.is_none().then(|| doubt(files, options, monitor)).flatten();
+            return Ok(Self { doubt, ..Self::even(files.len().max(in_one.unwrap_or(0))) });
         };
-        let interval_s = positions.interval_s().filter(|_| found.are_seconds);
+        let found = match FoundTimes::of(choice, files, frames, options, monitor) {
+            // Only the part has times.
+            Err(_) if part.is_some() => {
+                *files = options.taken(&folder, std::mem::take(files), (1, 1))?;
+                return Self::of(files, None, &OpenOptions { take: None, ..options.clone() }, monitor);
+            }
+            found => found?,
+        };
+        let whole = if in_one.is_some() { (0..frames).collect() } else { found.times.order() };
+        let order = match part {
+            Some(_) => &whole[options.taken_of(&folder, frames, (1, 1))?],
+            None => &whole,
+        };
+        let times = found.times.since_first(order);
+        let are_frames = matches!(&found.times, Source::Stamps(stamps) if stamps.unit == Unit::Frames);
+        let are_positions = matches!(&found.times, Source::Stamps(stamps) if are_frames && stamps.known_by == HEADED);
+        let positions = if are_positions { Positions::new(&times) } else { Positions::of_seconds(&times) };
+        let Some(positions) = positions else {
+            let gap = |t: &usize| times[t + 1] - times[*t];
+            let wrong = (0..times.len() - 1).min_by(|a, b| gap(a).total_cmp(&gap(b))).unwrap_or(0);
+            let frames = [order[wrong], order[wrong + 1]];
+            return Err(found.not_increasing(frames, gap(&wrong), if in_one.is_some() { &[] } else { files }));
+        };
+        let interval_s = positions.interval_s().filter(|_| !are_frames);
+        if let Some(interval) = interval_s.filter(|interval| *interval < SHORTEST_S) {
+            let problem = format!("times: frames would be {interval:e} s apart; {}", found.said);
+            let remedy = "give a list whose heading names their unit, such as time_ms, or frames for numbers of frames";
+            return Err(Error::new(ErrorKind::Mismatch, problem, remedy).about(&found.file));
+        }
         let positions = positions.with_interval(interval_s);
         let mut said = format!("{}; {}", found.said, positions.unevenness());
-        if !order.is_sorted() {
-            let sorted: Vec<PathBuf> = order.iter().map(|t| files[*t].clone()).collect();
-            files.clone_from_slice(&sorted);
-            said += "; the frames are in the order of their times, which is not that of their names";
+        if in_one.is_none() {
+            if !whole.is_sorted() {
+                said += "; the frames are in the order of their times, which is not that of their names";
+            }
+            *files = order.iter().map(|t| files[*t].clone()).collect();
         }
-        Ok(Self { positions, said: Some(said) })
+        Ok(Self { positions, said: Some(said), doubt: None })
     }
+}
+
+/// The `files` in the order of the times that `options` say; in their own where these say none, or not of all.
+pub(super) fn in_order_of_times(files: Vec<PathBuf>, options: &OpenOptions) -> Vec<PathBuf> {
+    let found = choice_of(options)
+        .and_then(|choice| FoundTimes::of(choice, &files, files.len(), options, &Monitor::default()).ok());
+    match found {
+        Some(found) => found.times.order().into_iter().map(|t| files[t].clone()).collect(),
+        None => files,
+    }
+}
+
+/// A note on `files`, one a frame, that are taken as even, and whose names or headers have times in another order.
+fn doubt(files: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Option<String> {
+    if options.times.is_some() || options.views.is_some() || files.len() < 2 {
+        return None;
+    }
+    let said = |order: Vec<usize>, of: &str, choice: &str| {
+        let at = order.windows(2).position(|two| two[1] < two[0])?;
+        let [later, earlier] = [order[at], order[at + 1]].map(|t| base_name(&files[t].to_string_lossy()).to_owned());
+        Some(format!(
+            "the order of the frames is not that of the times in their {of}: {earlier} stands before {later} and is later; \
+             --times {choice} takes them in the order of their times"
+        ))
+    };
+    let names: Vec<String> = files.iter().map(|file| base_name(&file.to_string_lossy()).to_owned()).collect();
+    let of_names = in_names(&names).ok().filter(Stamps::are_sure).map(Source::Stamps);
+    of_names.and_then(|times| said(times.order(), "names", "names")).or_else(|| {
+        let seconds = of_headers(files, options, monitor).ok()?.seconds;
+        (seconds.len() == files.len()).then(|| said(Source::Headers(seconds).order(), "headers", "header")).flatten()
+    })
 }
 
 impl FoundTimes {
@@ -409,24 +431,32 @@ impl FoundTimes {
         options: &OpenOptions,
         monitor: &Monitor,
     ) -> Result<Self> {
-        let names: Vec<String> = files.iter().map(|file| base_name(&file.to_string_lossy()).to_owned()).collect();
+        let absolute = |file: &PathBuf| std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        let paths: Vec<String> = files.iter().map(|file| absolute(file).to_string_lossy().into_owned()).collect();
         let first = files.first().cloned().unwrap_or_default();
         let wrong = |problem: String, remedy: &str, file: &Path| {
             Error::new(ErrorKind::Mismatch, format!("times: {problem}"), remedy).about(file)
         };
+        let of_stamps = |stamps: Stamps, lines, source: String, file| {
+            let said = format!("the times are those {source}, {} {}", stamps.unit.name(), stamps.known_by);
+            Self { times: Source::Stamps(stamps), lines, file, said }
+        };
         match choice {
             TimesChoice::List(path) => {
                 let path = options.list_of_times(files).unwrap_or_else(|| path.clone());
-                let list = read_list(&path, &names)?;
-                let rows = rows_of(&list, &names, frames).map_err(|(problem, remedy)| wrong(problem, remedy, &path))?;
+                let list = read_list(&path, &paths)?;
+                let part = options.take.filter(|_| files.len() != frames);
+                let rows = rows_of(&list, &paths, (frames, part.map(|part| part.start..part.end)));
+                let rows = rows.map_err(|(problem, remedy)| wrong(problem, remedy, &path))?;
                 let values = rows.iter().map(|row| list.stamps.values[*row]).collect();
                 let lines = rows.iter().map(|row| list.lines[*row]).collect();
                 let source = format!("of {}", base_name(&path.to_string_lossy()));
-                Ok(Self::of_stamps(&Stamps { values, ..list.stamps }, lines, &source, path))
+                Ok(of_stamps(Stamps { values, ..list.stamps }, lines, source, path))
             }
             TimesChoice::Names if files.len() == frames => {
+                let names: Vec<String> = paths.iter().map(|path| base_name(path).to_owned()).collect();
                 let stamps = in_names(&names).map_err(|problem| wrong(problem, "give a list of times", &first))?;
-                Ok(Self::of_stamps(&stamps, Vec::new(), "in the names", first))
+                Ok(of_stamps(stamps, Vec::new(), "in the names".to_owned(), first))
             }
             TimesChoice::Names => {
                 let problem = format!("this one file holds all {frames} frames, so its name says no times");
@@ -441,23 +471,14 @@ impl FoundTimes {
                     };
                     return Err(wrong(problem, "give a list of times, or names where these have stamps", &first));
                 }
-                let start = seconds.first().copied().unwrap_or_default();
-                let times = seconds.iter().map(|time| time - start).collect();
-                let (lines, said) = (Vec::new(), "the times are those that the files hold".to_owned());
-                Ok(Self { times, are_positions: false, are_seconds: true, lines, file: first, said })
+                let said = "the times are those that the files hold".to_owned();
+                Ok(Self { times: Source::Headers(seconds), lines: Vec::new(), file: first, said })
             }
         }
     }
 
-    fn of_stamps(stamps: &Stamps, lines: Vec<usize>, source: &str, file: PathBuf) -> Self {
-        let are_frames = stamps.unit == Unit::Frames;
-        let (times, are_positions) = (stamps.since_first(), are_frames && stamps.known_by == HEADED);
-        let said = format!("the times are those {source}, {} {}", stamps.unit.record().0, stamps.known_by);
-        Self { times, are_positions, are_seconds: !are_frames, lines, file, said }
-    }
-
-    fn not_increasing(&self, [a, b]: [usize; 2], are_equal: bool, files: &[PathBuf]) -> Error {
-        let frame = |t: usize| match files.get(t).filter(|_| files.len() == self.times.len()) {
+    fn not_increasing(&self, [a, b]: [usize; 2], gap: f64, files: &[PathBuf]) -> Error {
+        let frame = |t: usize| match files.get(t) {
             Some(file) => base_name(&file.to_string_lossy()).to_owned(),
             None => format!("frame {t}"),
         };
@@ -465,14 +486,18 @@ impl FoundTimes {
             (Some(a), Some(b)) => format!("lines {a} and {b}: "),
             _ => String::new(),
         };
-        let relation = if are_equal { "have the same time" } else { "are not in the order of their times" };
+        let relation = match gap {
+            0.0 => "have the same time",
+            0.0.. => "have nearly the same time",
+            _ => "are not in the order of their times",
+        };
         let problem = format!("times: {lines}{} and {} {relation}", frame(a), frame(b));
         let remedy = "each frame needs a time after that of the one before, to a fraction of the frame interval";
         Error::new(ErrorKind::Mismatch, problem, remedy).about(&self.file)
     }
 }
 
-fn read_list(path: &Path, names: &[String]) -> Result<List> {
+fn read_list(path: &Path, frames: &[String]) -> Result<List> {
     let metadata = std::fs::metadata(path).map_err(|e| Error::from_io(path, &e))?;
     if !metadata.is_file() {
         return Err(Error::not_a_file(path));
@@ -483,25 +508,50 @@ fn read_list(path: &Path, names: &[String]) -> Result<List> {
     }
     let bytes = read_bytes(path, MAX_LIST_BYTES).map_err(|e| Error::from_io(path, &e))?;
     let wrong = |problem| Error::new(ErrorKind::Unsupported, format!("times: {problem}"), "").about(path);
-    List::read(&String::from_utf8_lossy(&bytes), names).map_err(wrong)
+    List::read(&String::from_utf8_lossy(&bytes), frames).map_err(wrong)
 }
 
-/// Row of `list` for each of the frames: that of its name, or in their order. The error has a remedy.
-fn rows_of(list: &List, names: &[String], frames: usize) -> Result<Vec<usize>, (String, &'static str)> {
-    if list.names.is_empty() || names.len() != frames {
-        let count = list.lines.len();
-        let problem = || format!("the list has {count} times for {frames} frames");
+/// Row of `list` for each of the `count` frames: that of the folder and name in `paths`, or in their order, from the
+/// start of a `part` on where the list is that of the whole file. The error has a remedy.
+fn rows_of(
+    list: &List,
+    paths: &[String],
+    (count, part): (usize, Option<Range<usize>>),
+) -> Result<Vec<usize>, (String, &'static str)> {
+    if list.names.is_empty() || paths.len() != count {
+        let rows = match part.filter(|part| count == part.len() && part.end <= list.lines.len()) {
+            Some(part) if count != list.lines.len() => part,
+            _ => 0..list.lines.len(),
+        };
+        let problem = || format!("the list has {} times for {count} frames", list.lines.len());
         let remedy = "give one line for each frame, or lines 'name,time', of which those of the frames are taken";
-        return if count == frames { Ok((0..count).collect()) } else { Err((problem(), remedy)) };
+        return if rows.len() == count { Ok(rows.collect()) } else { Err((problem(), remedy)) };
     }
-    let mut by_name: HashMap<&str, usize> = HashMap::new();
+    let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();
     for (row, name) in list.names.iter().enumerate() {
-        by_name.entry(base_name(name)).or_insert(row);
-        by_name.entry(stem(name)).or_insert(row);
+        by_name.entry(stem(name)).or_default().push(row);
+        // A name without extension, which may have points within.
+        if base_name(name) != stem(name) {
+            by_name.entry(base_name(name)).or_default().push(row);
+        }
     }
-    let row = |name: &String| by_name.get(&**name).or_else(|| by_name.get(stem(name))).copied();
-    let missing = |name: &String| (format!("the list has no line for {name}"), "add one, or open other frames");
-    names.iter().map(|name| row(name).ok_or_else(|| missing(name))).collect()
+    let row = |path: &String| {
+        let rows = || [base_name(path), stem(path)].into_iter().filter_map(|name| by_name.get(name)).flatten().copied();
+        let missing = || (format!("the list has no line for {}", base_name(path)), "add one, or open other frames");
+        let alike = |row: usize| likeness(path, &list.names[row]);
+        let best = rows().map(alike).max().ok_or_else(missing)?;
+        let mut found = rows().filter(|row| alike(*row) == best);
+        let first = found.next().ok_or_else(missing)?;
+        match found.find(|row| list.stamps.values[*row] != list.stamps.values[first]) {
+            None => Ok(first),
+            Some(other) => {
+                let [first, other] = [first, other].map(|row| list.lines[row]);
+                let problem = format!("lines {first} and {other} of the list are both of {}", base_name(path));
+                Err((problem, "write names with the folders of the frames, or give the lines of these frames alone"))
+            }
+        }
+    };
+    paths.iter().map(row).collect()
 }
 
 /// Times that the files of frames hold; those before the first that holds none.

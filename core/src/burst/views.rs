@@ -9,35 +9,46 @@ use super::layout::{MAX_SIDE, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use super::options::OpenOptions;
 use super::positions::Positions;
 use super::reading::RawFrame;
-use super::stamps::{Timing, base_name, stem};
+use super::stamps::Timing;
+use super::times::{base_name, stem};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Positions of the `frames` frames of `files`, which are one file each or all in one: of views, by the choice in
-/// `options`, the grid that the file `declares`, or LFToolbox's names; otherwise by times.
+/// Positions of the frames of `files`, one each, of which those that `options` take stay; or of the frames that are taken
+/// `in_one` file, and the grid that it declares. Of views, by the choice in `options`, that grid, or LFToolbox's names;
+/// otherwise by times.
 ///
 /// Views named by row and column are brought into the order of their rows.
 ///
 /// # Errors
 /// Those of [`Timing::of`]; names without row and column or two that are equal, another number of views, times of views.
 pub(super) fn placed(
-    files: &mut [PathBuf],
-    (frames, declared): (usize, Option<ViewGrid>),
+    files: &mut Vec<PathBuf>,
+    in_one: Option<(usize, Option<ViewGrid>)>,
     options: &OpenOptions,
     monitor: &Monitor,
 ) -> Result<Timing> {
     let grid = |grid: ViewGrid, said: String| {
         let positions = Positions::grid(grid.rows, grid.columns);
-        Ok::<_, Error>(Timing { positions, said: (grid.rows > 1).then_some(said) })
+        Ok::<_, Error>(Timing { positions, said: (grid.rows > 1).then_some(said), doubt: None })
     };
+    let has_times = !matches!(options.times, None | Some(TimesChoice::Even));
     let file = files.first().cloned().unwrap_or_default();
+    let mut options = options;
+    let whole = OpenOptions { take: None, ..options.clone() };
+    if in_one.is_none() && !has_times && options.take.is_some() {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        *files = options.taken(folder, std::mem::take(files), (1, 1))?;
+        options = &whole;
+    }
+    let (frames, declared) = in_one.unwrap_or((files.len(), None));
+    let is_apart = in_one.is_none();
     let refused = |problem: String, remedy: &str| {
         Error::new(ErrorKind::Mismatch, format!("views: {problem}"), remedy).about(&file)
     };
-    let has_times = !matches!(options.times, None | Some(TimesChoice::Even));
     if has_times && (options.views.is_some() || declared.is_some()) {
         return Err(refused("the views of a light field have no times".to_owned(), "leave out either views or times"));
     }
@@ -51,7 +62,7 @@ pub(super) fn placed(
             views,
             format!("the frames are views of a light field, {} × {} (rows × columns)", views.rows, views.columns),
         ),
-        Some(ViewsChoice::Names) if files.len() != frames => {
+        Some(ViewsChoice::Names) if !is_apart => {
             Err(refused("this one file holds all views, so names say no places".to_owned(), "give ROWSxCOLUMNS"))
         }
         Some(ViewsChoice::Names) => {
@@ -64,13 +75,13 @@ pub(super) fn placed(
                 let said = "the axes of the array are taken for those of a light field, [rows, columns] of views";
                 grid(views, said.to_owned())
             }
-            None if options.times.is_none() && files.len() == frames => {
+            None if options.times.is_none() && is_apart => {
                 match usual(files).and_then(|places| by_name(files, &places)) {
                     Some(timing) => Ok(timing),
-                    None => Timing::of(files, frames, options, monitor),
+                    None => Timing::of(files, in_one.map(|_| frames), options, monitor),
                 }
             }
-            None => Timing::of(files, frames, options, monitor),
+            None => Timing::of(files, in_one.map(|_| frames), options, monitor),
         },
     }
 }
@@ -158,7 +169,7 @@ fn by_name(files: &mut [PathBuf], places: &[[usize; 2]]) -> Option<Timing> {
     let (unevenness, count) = (positions.unevenness(), files.len());
     let said = format!("the names have rows and columns: {unevenness}; --views 1x{count} takes them as frames in time");
     let said = positions.are_views().then_some(said);
-    Some(Timing { positions, said })
+    Some(Timing { positions, said, doubt: None })
 }
 
 /// Size (columns, rows) of a view of a picture of `size` that holds a grid of them.
@@ -192,99 +203,4 @@ pub(super) fn views_of(path: &Path, frame: &RawFrame, grid: ViewGrid, tiling: Ti
         frame.like(Plane::from_fn(width, height, at))
     };
     Ok((0..grid.count()).map(view).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::burst::reading::FileScale;
-    use proptest::prelude::*;
-
-    fn placed_as(names: &[&str], options: &OpenOptions) -> Result<(Timing, Vec<String>), String> {
-        let mut files: Vec<PathBuf> = names.iter().map(|name| Path::new("/lf").join(name)).collect();
-        let timing =
-            placed(&mut files, (names.len(), None), options, &Monitor::default()).map_err(|e| e.to_string())?;
-        Ok((timing, names_of(&files)))
-    }
-
-    fn by(views: &str) -> OpenOptions {
-        OpenOptions { views: Some(views.parse().expect("a choice")), ..OpenOptions::default() }
-    }
-
-    #[test]
-    fn rows_and_columns_in_usual_names_need_no_option_and_others_do() {
-        let plain = OpenOptions::default();
-        for names in [
-            ["view_03_07.png", "view_03_08.png", "view_04_07.png", "view_04_08.png"],
-            ["0_0.png", "0_1.png", "1_0.png", "1_1.png"],
-        ] {
-            let (timing, _) = placed_as(&names, &plain).expect("placed");
-            assert_eq!((timing.positions, timing.said.is_some()), (Positions::grid(2, 2), true), "{names:?}");
-        }
-        // No full grid, one row, something behind, another word before, an option that says otherwise: frames in time.
-        for names in [
-            &["0_0.png", "0_1.png", "1_0.png"][..],
-            &["view_0_0.png", "view_0_1.png", "view_0_2.png"],
-            &["0_0a.png", "0_1a.png", "1_0a.png", "1_1a.png"],
-            &["cam_0_0.png", "cam_0_1.png", "cam_1_0.png", "cam_1_1.png"],
-        ] {
-            let (timing, _) = placed_as(names, &plain).expect("placed");
-            assert_eq!(timing, Timing::even(names.len()), "{names:?}");
-        }
-        let (timing, _) = placed_as(&["0_0.png", "0_1.png", "1_0.png", "1_1.png"], &by("1x4")).expect("placed");
-        assert_eq!(timing, Timing::even(4));
-        let names = ["out_01_00_-3.5_7.png", "out_00_01_2.5_8.png", "out_00_00_1.5_8.png"];
-        let (timing, files) = placed_as(&names, &by("names")).expect("placed");
-        assert_eq!(Some(timing.positions), Positions::of_views(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]));
-        assert_eq!(files, [names[2], names[1], names[0]]);
-    }
-
-    #[test]
-    fn what_does_not_fit_is_told_with_a_remedy() {
-        let names = ["a.png", "b.png", "c.png"];
-        let error = |views: &str| placed_as(&names, &by(views)).expect_err("refused");
-        assert!(error("2x2").contains("2x2 are 4 views, but there are 3 frames"), "{}", error("2x2"));
-        assert!(error("names").contains("'a.png' has no row and column"), "{}", error("names"));
-        let timed = OpenOptions { times: Some(TimesChoice::Names), ..by("3x1") };
-        assert!(placed_as(&names, &timed).expect_err("refused").contains("have no times"));
-        let path = Path::new("lf.png");
-        let grid = ViewGrid::new(3, 4).expect("a grid");
-        assert_eq!(size_of_view(path, (40, 30), grid), Ok((10, 10)));
-        assert!(size_of_view(path, (41, 30), grid).expect_err("no whole views").to_string().contains("lf.png"));
-    }
-
-    #[test]
-    fn tiled_and_interleaved_pictures_give_the_same_views() {
-        let grid = ViewGrid::new(2, 3).expect("a grid");
-        let value = |row: usize, column: usize, u: usize, v: usize| (1000 * row + 100 * column + 10 * v + u) as f32;
-        let tiled = Plane::from_fn(3 * 4, 2 * 5, |x, y| value(y / 5, x / 4, x % 4, y % 5));
-        let eslf = Plane::from_fn(3 * 4, 2 * 5, |x, y| value(y % 2, x % 3, x / 3, y / 2));
-        let scale = FileScale::Data { integer: true, largest: 2000.0 };
-        let views = |plane, tiling| {
-            views_of(Path::new("a"), &RawFrame::linear(plane, scale), grid, tiling).expect("whole views")
-        };
-        for views in [views(tiled, Tiling::Tiled), views(eslf, Tiling::Eslf)] {
-            for (k, view) in views.iter().enumerate() {
-                assert_eq!(view.plane, Plane::from_fn(4, 5, |u, v| value(k / 3, k % 3, u, v)), "view {k}");
-            }
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn no_name_and_no_text_panics(names in prop::collection::vec("[0-9_v.é٣-]{0,12}", 0..5), text in "\\PC{0,12}") {
-            let _ = in_names(&names);
-            let _ = text.parse::<ViewsChoice>();
-            let files: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
-            let _ = usual(&files);
-        }
-
-        #[test]
-        fn names_of_any_grid_are_read(rows in 2usize..6, columns in 2usize..6, from in 0usize..12, width in 1usize..4) {
-            let name = |k: usize| format!("view_{:0width$}_{:0width$}.png", from + k / columns, from + k % columns);
-            let files: Vec<PathBuf> = (0..rows * columns).map(name).map(PathBuf::from).collect();
-            let places = usual(&files).expect("a grid");
-            prop_assert!(places.iter().enumerate().all(|(k, at)| *at == [from + k / columns, from + k % columns]));
-        }
-    }
 }

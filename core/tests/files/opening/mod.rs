@@ -16,6 +16,7 @@ mod fuzz;
 mod hostile_bags;
 mod interface;
 mod options;
+mod order;
 mod photographs;
 mod plain;
 mod promises;

@@ -105,6 +105,32 @@ fn seen(burst: &Burst) -> Vec<Vec<bool>> {
 }
 
 #[test]
+fn converters_are_suggested_by_what_the_values_need() {
+    let folder = folder();
+    for (values, expected) in [
+        (&[0, 1001][..], Some(1023.0)),
+        (&[0, 1024, 3], Some(4095.0)),
+        (&[7, 16383], Some(16383.0)),
+        (&[7, 16384], None),
+        // Twelve bits at the top of the word: all values are multiples of 16.
+        (&[0, 16, 1600], None),
+        (&[0, 0], None),
+    ] {
+        let path = folder.path().join("a.tif");
+        let bright = values.iter().map(|value| value * 2 + 1).collect();
+        tiff_pages::<colortype::Gray16>(&path, (values.len() as u32, 1), &[values.to_vec()]);
+        assert_eq!(open(&path, &OpenOptions::default()).expect("opens").suggested_full_scale, expected, "{values:?}");
+        // One bright frame among dark ones is enough.
+        tiff_pages::<colortype::Gray16>(
+            &path,
+            (values.len() as u32, 1),
+            &[values.to_vec(), vec![40_001; values.len()], bright],
+        );
+        assert_eq!(open(&path, &OpenOptions::default()).expect("opens").suggested_full_scale, None, "{values:?}");
+    }
+}
+
+#[test]
 fn a_mask_is_one_for_all_frames_or_one_for_each() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
@@ -128,13 +154,60 @@ fn a_mask_is_one_for_all_frames_or_one_for_each() {
         assert_eq!(seen(&with(mask).expect(mask)), each, "{mask}");
     }
     let half = with("half.png").expect("opens");
-    assert_eq!(seen(&half), vec![vec![false, false, true, false, false, true]; 3]);
-    assert!(half.taken.contains(&"66.7 % of the pixels are masked by half.png".to_owned()), "{:?}", half.taken);
+    assert_eq!(seen(&half), vec![vec![false, true, true, false, true, true]; 3]);
+    assert!(half.taken.contains(&"33.3 % of the pixels are masked by half.png".to_owned()), "{:?}", half.taken);
     // A mask that hides nothing changes no bit.
     assert_eq!(
         with("white.png").expect("opens").frames,
         open(&at("night"), &OpenOptions::default()).expect("opens").frames
     );
+}
+
+#[test]
+fn a_mask_hides_0_alone_and_greys_and_labels_are_told() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::create_dir(at("night")).expect("made");
+    for t in 0..2 {
+        save(&at(&format!("night/{t}.png")), &grey8(40, 2, 40 * t));
+    }
+    let opened = |name: &str| {
+        let options = OpenOptions { mask: Some(at(name)), ..OpenOptions::default() };
+        let burst = open(&at("night"), &options).expect(name);
+        let hidden = seen(&burst)[0].iter().filter(|seen| !**seen).count();
+        (hidden, burst.taken.iter().filter(|note| note.contains("0 alone is hidden")).cloned().collect::<Vec<_>>())
+    };
+    let of = |name: &str, value: fn(u32) -> u8| {
+        save(&at(name), &image::GrayImage::from_fn(40, 2, |u, _| image::Luma([value(u)])));
+        opened(name)
+    };
+    // Two values, of which one is 0, and one value: nothing to say.
+    for (name, value, hidden) in [
+        ("white.png", (|u| if u < 8 { 0 } else { 255 }) as fn(u32) -> u8, 16),
+        ("one.png", |u| u8::from(u >= 8), 16),
+        ("dark.png", |u| if u < 8 { 0 } else { 60 }, 16),
+        ("bright.png", |_| 200, 0),
+    ] {
+        assert_eq!(of(name, value), (hidden, vec![]), "{name}");
+    }
+    for (name, value, hidden, says) in [
+        ("labels.png", (|u| [0, 1, 3][u as usize % 3]) as fn(u32) -> u8, 28, "has the values 0, 1, 3"),
+        ("grey.png", |u| [0, 60, 255][u as usize / 14], 28, "35.0 % of it"),
+        ("none.png", |u| if u < 8 { 60 } else { 255 }, 0, "has the values 60, 255"),
+        ("soft.png", |u| (u * 6) as u8, 2, "is grey, of more than 8 values"),
+    ] {
+        let (found, notes) = of(name, value);
+        assert_eq!(found, hidden, "{name}");
+        assert!(notes.len() == 1 && notes[0].contains(says) && notes[0].contains(name), "{notes:?}");
+    }
+    let soft = Array3::from_shape_fn((1, 2, 40), |(_, _, u)| if u < 8 { 0.0f32 } else { 0.2 + 0.02 * u as f32 });
+    write_npy(at("soft.npy"), &soft).expect("written");
+    assert_eq!((opened("soft.npy").0, opened("soft.npy").1.len()), (16, 1));
+    std::fs::create_dir(at("masks")).expect("made");
+    for t in 0..2 {
+        std::fs::copy(at("labels.png"), at(&format!("masks/{t}.png"))).expect("copied");
+    }
+    assert_eq!((opened("masks").0, opened("masks").1.len()), (28, 1));
 }
 
 #[test]
