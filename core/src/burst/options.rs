@@ -64,7 +64,8 @@ pub struct OpenOptions {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mosaic: Option<Mosaic>,
     /// Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u1 (bits,
-    /// the highest first; also of .npy arrays that numpy.packbits made), u8, u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed.
+    /// the highest first; also of .npy arrays that numpy.packbits made), u8, u16le, u16be, f32, f32be,
+    /// mono10p, mono12p, mono10packed, mono12packed.
     #[cfg_attr(feature = "cli", arg(long, value_name = "WxH:TYPE[+BYTES]"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raw: Option<Dump>,
@@ -86,9 +87,9 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long, value_name = "A..B"))]
     #[serde(skip_serializing_if = "Option::is_none", with = "as_text")]
     pub take: Option<FrameRange>,
-    /// Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames), names for stamps in
-    /// the names of the files, header or exif for times that the files hold, found for those in which the images move
-    /// uniformly, even for none [default: even].
+    /// Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames), names for
+    /// stamps in the names of the files, header or exif for times that the files hold, found for those in which the
+    /// images move uniformly, even for none [default: even].
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE|names|header|found|even"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times: Option<TimesChoice>,

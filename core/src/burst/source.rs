@@ -279,9 +279,8 @@ impl SequenceCut {
     }
 }
 
-/// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in the order of the times that
-/// `options` say, and otherwise in natural order. A burst is
-/// named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among bursts
+/// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in the order of the times
+/// that `options` say, and otherwise in natural order. A burst is named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among bursts
 /// of several sequences, [`name_among_several`] makes the names differ.
 ///
 /// # Errors

@@ -252,7 +252,7 @@ impl Unit {
             Some(Value::Float(number)) => (*number as i64).rem_euclid(2) == 1,
             _ => false,
         };
-        // A pattern is that of the upper left corner; where the last row of the file is the upper one, rows change places.
+        // A pattern is that of the upper left corner; where the file's last row is the upper one, rows change places.
         let is_upside_down = self.text("ROWORDER").is_some_and(|order| order.trim().eq_ignore_ascii_case("BOTTOM-UP"));
         let is_even = self.axes[1].is_multiple_of(2);
         if offset("XBAYROFF") {

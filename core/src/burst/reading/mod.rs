@@ -1,6 +1,6 @@
 //! What formats of files share: a frame as it is decoded ([`RawFrame`]), what a file declares before that
-//! ([`Declared`]), conversion of samples to planes ([`plain`], [`pixels`], [`mosaic`]), and the process in which decoders
-//! of others run ([`confined`]) where they could take much memory, and always for raw files.
+//! ([`Declared`]), conversion of samples to planes ([`plain`], [`pixels`], [`mosaic`]), and the process in which
+//! decoders of others run ([`confined`]) where they could take much memory, and always for raw files.
 
 pub(in crate::burst) mod confined;
 pub(in crate::burst) mod exif;

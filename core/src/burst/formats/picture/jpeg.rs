@@ -34,34 +34,9 @@ pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool) -> Result<V
     Ok(samples)
 }
 
-/// The tables of Huffman codes that the standard gives as examples (K.3 to K.6), which frames of films (Motion JPEG)
-/// leave out: of each its class and number, the numbers of codes of each length, and the values.
-const USUAL_TABLES: [(u8, [u8; 16], &[u8]); 4] = [
-    (0x00, [0, 1, 5, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]),
-    (0x01, [0, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]),
-    (
-        0x10,
-        [0, 2, 1, 3, 3, 2, 4, 3, 5, 5, 4, 4, 0, 0, 1, 0x7d],
-        b"\x01\x02\x03\x00\x04\x11\x05\x12\x21\x31\x41\x06\x13\x51\x61\x07\x22\x71\x14\x32\x81\x91\xa1\x08\x23\x42\xb1\
-          \xc1\x15\x52\xd1\xf0\x24\x33\x62\x72\x82\x09\x0a\x16\x17\x18\x19\x1a\x25\x26\x27\x28\x29\x2a\x34\x35\
-          \x36\x37\x38\x39\x3a\x43\x44\x45\x46\x47\x48\x49\x4a\x53\x54\x55\x56\x57\x58\x59\x5a\x63\x64\x65\x66\
-          \x67\x68\x69\x6a\x73\x74\x75\x76\x77\x78\x79\x7a\x83\x84\x85\x86\x87\x88\x89\x8a\x92\x93\x94\x95\x96\
-          \x97\x98\x99\x9a\xa2\xa3\xa4\xa5\xa6\xa7\xa8\xa9\xaa\xb2\xb3\xb4\xb5\xb6\xb7\xb8\xb9\xba\xc2\xc3\xc4\
-          \xc5\xc6\xc7\xc8\xc9\xca\xd2\xd3\xd4\xd5\xd6\xd7\xd8\xd9\xda\xe1\xe2\xe3\xe4\xe5\xe6\xe7\xe8\xe9\xea\
-          \xf1\xf2\xf3\xf4\xf5\xf6\xf7\xf8\xf9\xfa",
-    ),
-    (
-        0x11,
-        [0, 2, 1, 2, 4, 4, 3, 4, 7, 5, 4, 4, 0, 1, 2, 0x77],
-        b"\x00\x01\x02\x03\x11\x04\x05\x21\x31\x06\x12\x41\x51\x07\x61\x71\x13\x22\x32\x81\x08\x14\x42\x91\xa1\xb1\xc1\
-          \x09\x23\x33\x52\xf0\x15\x62\x72\xd1\x0a\x16\x24\x34\xe1\x25\xf1\x17\x18\x19\x1a\x26\x27\x28\x29\x2a\
-          \x35\x36\x37\x38\x39\x3a\x43\x44\x45\x46\x47\x48\x49\x4a\x53\x54\x55\x56\x57\x58\x59\x5a\x63\x64\x65\
-          \x66\x67\x68\x69\x6a\x73\x74\x75\x76\x77\x78\x79\x7a\x82\x83\x84\x85\x86\x87\x88\x89\x8a\x92\x93\x94\
-          \x95\x96\x97\x98\x99\x9a\xa2\xa3\xa4\xa5\xa6\xa7\xa8\xa9\xaa\xb2\xb3\xb4\xb5\xb6\xb7\xb8\xb9\xba\xc2\
-          \xc3\xc4\xc5\xc6\xc7\xc8\xc9\xca\xd2\xd3\xd4\xd5\xd6\xd7\xd8\xd9\xda\xe2\xe3\xe4\xe5\xe6\xe7\xe8\xe9\
-          \xea\xf2\xf3\xf4\xf5\xf6\xf7\xf8\xf9\xfa",
-    ),
-];
+/// The tables of Huffman codes that the standard gives as examples (ITU-T T.81, K.3 to K.6), as segments: frames of
+/// films (Motion JPEG) leave them out.
+const USUAL_TABLES: &[u8] = include_bytes!("samples/usual_tables.dht");
 
 /// A JPEG as decoders take it: without other bytes between its segments, and with the tables that it leaves out. The
 /// error is the reason why no decoder here reads it, with what would.
@@ -96,14 +71,7 @@ pub(in crate::burst::formats) fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]
             START_OF_SCAN if clean.len() == start && has_tables => return Ok(Cow::Borrowed(bytes)),
             START_OF_SCAN => {
                 if !has_tables {
-                    for (number, counts, values) in USUAL_TABLES {
-                        let length = (2 + 1 + counts.len() + values.len()) as u16;
-                        clean.extend([0xff, 0xc4]);
-                        clean.extend(length.to_be_bytes());
-                        clean.push(number);
-                        clean.extend(counts);
-                        clean.extend(values);
-                    }
+                    clean.extend(USUAL_TABLES);
                 }
                 clean.extend(&bytes[start..]);
                 return Ok(Cow::Owned(clean));

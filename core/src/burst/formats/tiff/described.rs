@@ -1,5 +1,5 @@
 //! What a TIFF says of its pages: in its description (OME's XML, ImageJ's lines, tifffile's JSON), or in tags of
-//! microscopes (LSM). Places on the axes that have no page are told; a description that cannot be understood is an error.
+//! microscopes (LSM). Places that have no page are told; a description that cannot be understood is an error.
 
 use crate::files::read_text;
 use roxmltree::{Document, Node, ParsingOptions};
