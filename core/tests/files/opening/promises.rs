@@ -12,7 +12,7 @@ use std::path::Path;
 fn options_for(name: &str) -> OpenOptions {
     let raw = name.ends_with(".raw").then(|| "3x2:u8".parse().expect("a shape"));
     // Three pictures of a FITS image may be colours.
-    let axis = name.starts_with("cube").then(|| "last".parse().expect("an axis"));
+    let axis = name.ends_with(".fits").then(|| "last".parse().expect("an axis"));
     OpenOptions { raw, axis, ..OpenOptions::default() }
 }
 

@@ -94,6 +94,9 @@ pub(super) fn plain(
     };
     let step = number.bytes(size.0 as u64 * size.1 as u64);
     let shape = (count, size.1 as u64, size.0 as u64);
+    // Where the directory follows the first image, no other is there.
+    let directory = decoder.ifd_pointer().map_or(0, |at| at.0);
+    let length = if directory > places[0] { length.min(directory) } else { length };
     let places = Plain::places_in(path, NAME, shape, (places[0], step, length), limits)?;
     let big_endian = decoder.byte_order() == tiff::tags::ByteOrder::BigEndian;
     Ok(Plain { big_endian, ..Plain::new(NAME, size, places, number) })
