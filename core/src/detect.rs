@@ -7,7 +7,7 @@ use crate::baseline::merge_burst;
 use crate::burst::{Burst, Info, OpenOptions};
 use crate::detector::pipeline;
 use crate::detector::slopes::resolve;
-use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeFinding, memory};
+use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeFinding, SlopeVerdict, memory};
 use crate::error::Result;
 use crate::monitor::Monitor;
 use std::path::PathBuf;
@@ -37,15 +37,21 @@ pub struct Searched {
 
 /// Finds the slopes of a burst if they are to be found, and then its features.
 pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched> {
-    let PreparedSearch { burst: prepared, params, asked, finding, slopes_secs, rest } =
-        PreparedSearch::new(burst, params, monitor)?;
-    let detection = pipeline::search(&prepared, &params, &rest)?;
+    let mut search = PreparedSearch::new(burst, params, monitor)?;
+    let mut detection = pipeline::search(&search.burst, &search.params, &search.rest)?;
+    while search.is_widened(&detection)? {
+        detection = pipeline::search(&search.burst, &search.params, &search.rest)?;
+    }
+    let PreparedSearch { asked, finding, slopes_secs, .. } = search;
     let detection = detection.over(burst, &asked);
     Ok(Searched { detection, params: asked, finding, slopes_secs })
 }
 
 /// Share of a search's progress that finding the slopes takes.
 const SLOPES_SHARE: f32 = 0.2;
+
+/// Largest number of times that the slopes found are widened.
+const MOST_WIDENED: usize = 2;
 
 /// A search whose slopes are found and whose frames are merged, as its parameters ask for.
 pub(crate) struct PreparedSearch {
@@ -57,6 +63,8 @@ pub(crate) struct PreparedSearch {
     slopes_secs: f32,
     /// Monitor of the search itself.
     pub rest: Monitor,
+    /// Number of times that the slopes found were widened.
+    widened: usize,
 }
 
 impl PreparedSearch {
@@ -67,7 +75,27 @@ impl PreparedSearch {
         let slopes_secs = if finding.is_some() { started.elapsed().as_secs_f32() } else { 0.0 };
         let rest = monitor.part(share, 1.0 - share);
         let (burst, params) = prepare(burst, &asked, &rest)?;
-        Ok(Self { burst, params, asked, finding, slopes_secs, rest })
+        Ok(Self { burst, params, asked, finding, slopes_secs, rest, widened: 0 })
+    }
+
+    /// Widens the slopes found where features and field of motion of `detection` show that a part of the picture moves
+    /// beyond them, such as a floor that comes near. Whether it did, and the search has to be made once more.
+    pub fn is_widened(&mut self, detection: &Detection) -> Result<bool> {
+        let Some(finding) = self.finding.as_mut().filter(|finding| finding.verdict == SlopeVerdict::Found) else {
+            return Ok(false);
+        };
+        let seen = !finding.confirmed(&self.params, &self.burst.positions).is_empty();
+        let field = detection.field.as_ref().filter(|_| seen && self.widened < MOST_WIDENED);
+        let beyond = field.and_then(|field| field.beyond(&finding.grid, Some(&detection.features)));
+        let Some(beyond) = beyond else { return Ok(false) };
+        if !beyond.is_held(&self.burst, detection.frames_used.clone(), &self.rest)? {
+            return Ok(false);
+        }
+        self.widened += 1;
+        finding.grid = beyond.grid;
+        (self.params.slopes, self.asked.slopes) = (beyond.grid, beyond.grid);
+        finding.confidence = finding.agreement(&beyond.grid, &self.params, &self.burst.positions);
+        Ok(true)
     }
 }
 

@@ -113,7 +113,7 @@ pub(super) fn detect_burst(
         None if params.method == Method::Buff => Some(find_slopes(&burst, &params, None, &console.monitor)?),
         found => found.clone(),
     };
-    let judged = judgement(&detection, &params, shown.as_ref(), &burst);
+    let judged = judgement(&detection, &params, shown.as_ref(), &burst, &console.monitor)?;
     slopes_secs += judging.elapsed().as_secs_f32();
     // Past this point the features are written; Ctrl-C then stops before the next burst.
     console.monitor.check()?;

@@ -8,9 +8,10 @@ use super::source::BurstSource;
 use crate::burst::OpenOptions;
 use crate::dataset::{DetectedBurst, match_bursts};
 use crate::detect::{self, Searched};
-use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding};
+use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeFinding};
 use crate::error::Error;
 use crate::inspect::ProbeCache;
+use crate::inspect::spectrum::{SlopeJudgement, judgement};
 use crate::matching::{MatchParams, MatchResult};
 use crate::monitor::Monitor;
 use std::convert::Infallible;
@@ -67,7 +68,9 @@ impl Request for DetectRequest {
         let searched = DetectorParams { frames: params.frames, ..cache.trail.searched_with().clone() };
         let (finding, detection) = (cache.finding.clone(), Arc::new(detection));
         let search_secs = cache.trail.search_secs();
-        Ok(Detected { burst: burst.id, asked, params, searched, search_secs, finding, detection })
+        let shown = if params.method == Method::Buff { Some(cache.shown(monitor)?) } else { None };
+        let judgement = judgement(&detection, &params, shown, &burst.burst, monitor)?;
+        Ok(Detected { burst: burst.id, asked, params, searched, search_secs, finding, detection, judgement })
     }
 }
 
@@ -81,6 +84,7 @@ pub struct Detected {
     pub search_secs: f32,
     pub finding: Option<SlopeFinding>,
     pub detection: Arc<Detection>,
+    pub judgement: Option<SlopeJudgement>,
 }
 
 impl Detected {
@@ -90,7 +94,7 @@ impl Detected {
         let params = DetectorParams { slopes: detection.slopes, ..asked.detector.clone() };
         let (asked, searched) = (SearchParams::from(params.clone()), params.clone());
         let (search_secs, detection) = (detection.times.total_secs(), Arc::new(detection));
-        Self { burst, asked, params, searched, search_secs, finding: None, detection }
+        Self { burst, asked, params, searched, search_secs, finding: None, detection, judgement: None }
     }
 }
 
@@ -118,7 +122,9 @@ impl Request for CompareRequest {
                 let Searched { detection, params: used, finding, .. } = searched;
                 let (searched, search_secs) = (used.clone(), detection.times.total_secs());
                 let (burst, asked, params, detection) = (burst.id, params, used, Arc::new(detection));
-                Ok(Compared::Detected(Detected { burst, asked, params, searched, search_secs, finding, detection }))
+                let judgement = None;
+                let detected = Detected { burst, asked, params, searched, search_secs, finding, detection, judgement };
+                Ok(Compared::Detected(detected))
             }
         }
     }

@@ -7,11 +7,15 @@ use super::picture::{Picture, PictureRequest};
 use super::request::{Caches, Request, Urgency, Work};
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
+use crate::detector::Interpolation;
 use crate::detector::field::NO_FIELD;
+use crate::detector::stack::motion_stack;
 use crate::detector::view::{
     combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_view,
 };
 use crate::inspect::candidates::winning_slopes;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::{Mask, Plane};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -70,7 +74,27 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
             })
         }
     };
+    let plane = with_unseen(plane, &request, monitor)?;
     Ok(Picture { request, drawn: plane.clone(), plane, motion })
+}
+
+/// `plane` of frames that are added up, with a mask over what none of them shows there: its values are made up.
+fn with_unseen(plane: Arc<Plane>, request: &PictureRequest, monitor: &Monitor) -> Result<Arc<Plane>, Cancelled> {
+    let burst = &request.burst.burst;
+    let used = request.params.used_frames(burst.len());
+    let masks = burst.frames[used.clone()].iter().map(|frame| frame.mask().map(|mask| mask.weights()));
+    let is_frame = matches!(request.kind, PictureKind::Frame(_)) || plane.mask().is_some();
+    let Some(masks) = masks.collect::<Option<Vec<_>>>().filter(|masks| !masks.is_empty() && !is_frame) else {
+        return Ok(plane);
+    };
+    let (slope, positions) = (request.kind.slope().unwrap_or_default(), burst.positions.part(used));
+    let seen = motion_stack(&masks, &positions, slope, Interpolation::Linear, monitor)?;
+    let (step, least) = (request.kind.input_px_per_pixel(), 0.5 / masks.len() as f32);
+    let at = |x: usize, count: usize| ((x as f32 * step).round() as usize).min(count - 1);
+    let weight = |u, v| f32::from(seen.at(at(u, seen.width()), at(v, seen.height())) >= least);
+    let mut masked = Plane::clone(&plane).masked(Mask::new(Plane::from_fn(plane.width(), plane.height(), weight)));
+    masked.data_mut().copy_from_slice(plane.data());
+    Ok(Arc::new(masked))
 }
 
 impl Request for PictureRequest {

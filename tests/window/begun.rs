@@ -92,6 +92,21 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
 }
 
 #[test]
+fn a_mask_is_hatched_in_every_picture() {
+    let home = tempfile::tempdir().unwrap();
+    let (slider, _, mask) = bursts(home.path());
+    let mut window = start(&slider).open();
+    set_mask(&mut window, &mask);
+    for key in [Key::Z, Key::B, Key::G] {
+        window.key(key);
+        window.settle();
+        let picture = window.app().model.picture().unwrap();
+        let hides = |u: usize| picture.plane.is_hidden_at(u, 30);
+        assert!(hides(1) && !hides(60), "{:?}", picture.request.kind);
+    }
+}
+
+#[test]
 fn every_way_to_another_burst_drops_the_mask() {
     let home = tempfile::tempdir().unwrap();
     let (slider, cube, mask) = bursts(home.path());

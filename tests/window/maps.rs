@@ -2,10 +2,11 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
+use burstscope::app::canvas::overlay::{ColourBy, ColourScale};
 use burstscope::app::pane::Content;
 use burstscope::app::session::Session;
 use burstscope::detector::view::{coverage_view, gate_noise_map};
-use burstscope::detector::{DetectorParams, SlopeGrid};
+use burstscope::detector::{DetectorParams, Feature, Slope, SlopeGrid};
 use burstscope::requests::ViewKind;
 use burstscope::synth::random::Stream;
 use egui::accesskit::Role;
@@ -137,4 +138,41 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     };
     assert_eq!(contents(&read), [Content::Cursor, Content::Map(ViewKind::Noise)], "{text}");
     assert!(text.contains("map = \"noise\""), "{text}");
+}
+
+fn plane_of_slopes() -> SlopeGrid {
+    SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3)
+}
+
+fn feature(sigma: f32, (u, v): (f32, f32), response: f32) -> Feature {
+    Feature { sigma, slope: Slope::new(u, v), response, snr: 5.0, ..Feature::default() }
+}
+
+#[test]
+fn along_a_line_of_slopes_the_colours_run_over_the_searched_range() {
+    let at = |slope| feature(2.0, slope, 0.1);
+    let by = ColourBy::SlopeDirection;
+    let line = ColourScale::of(by, &[at((1.0, 0.0))], &SlopeGrid::line(-3.0..=2.0, 6));
+    assert_eq!((line.min, line.max, line.has_wheel(), line.name().as_str()), (-3.0, 2.0, false, "Slope u"));
+    let colour = |scale: &ColourScale, slope| scale.colour(0, &at(slope));
+    assert_eq!(colour(&line, (-3.0, 0.0)), line.along(-3.0));
+    assert_ne!(colour(&line, (-3.0, 0.0)), colour(&line, (2.0, 0.0)));
+    assert_eq!(colour(&line, (1.0, 0.3)), colour(&line, (1.0, 0.0)), "what lies across the line does not count");
+    let oblique = ColourScale::of(by, &[], &SlopeGrid::line_along(90.0, -3.0..=3.0, 7));
+    assert_eq!(oblique.name(), "Slope v");
+    assert_eq!(colour(&oblique, (0.0, 3.0)), oblique.along(3.0));
+    let plane = ColourScale::of(by, &[at((1.0, 0.0))], &plane_of_slopes());
+    assert!(plane.has_wheel() && colour(&plane, (1.0, 0.0)) != colour(&plane, (-1.0, 0.0)));
+}
+
+#[test]
+fn no_feature_and_odd_numbers_still_give_a_colour() {
+    for by in ColourBy::ALL {
+        let empty = ColourScale::of(by, &[], &plane_of_slopes());
+        assert!(empty.max > empty.min, "{by:?}");
+        let odd = feature(f32::NAN, (f32::NAN, f32::INFINITY), f32::NAN);
+        let odd = Feature { snr: f32::INFINITY, ..odd };
+        empty.colour(0, &odd);
+        ColourScale::of(by, &[odd], &plane_of_slopes()).colour(0, &odd);
+    }
 }

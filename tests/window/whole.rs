@@ -56,7 +56,7 @@ fn a_selected_feature_tells_all_its_numbers() {
 #[test]
 fn tables_and_tabs_are_whole() {
     let mut window = open();
-    for tab in [BottomTab::Table, BottomTab::Tally] {
+    for tab in [BottomTab::Table, BottomTab::Tally, BottomTab::Noise, BottomTab::Slopes] {
         window.app_mut().model.bottom_tab = tab;
         window.settle();
         assert_whole(&mut window, &format!("{tab:?}"));

@@ -257,7 +257,6 @@ fn is_table(path: &Path) -> Result<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::{write_colmap, write_csv};
     use proptest::prelude::*;
 
     fn spot(u: f32, v: f32, sigma: f32) -> Spot {
@@ -296,42 +295,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn both_formats_come_back_with_the_same_places() {
-        let home = tempfile::tempdir().expect("a folder");
-        let slope = Slope::new(1.0, -0.5);
-        let at = |u, v| Feature { u, v, sigma: 2.5, orientation: 0.5, slope, ..Feature::default() };
-        let features = [at(10.25, 20.5), at(0.0, 3.0)];
-        let (csv, text) = (home.path().join("a.csv"), home.path().join("a.txt"));
-        write_csv(&csv, &features).expect("written");
-        write_colmap(&text, &features, &[[7; 128]; 2]).expect("written");
-        let (a, b) = (read_features(&csv).expect("ours"), read_features(&text).expect("COLMAP's"));
-        assert_eq!(a.len(), 2);
-        for (a, b) in a.iter().zip(&b) {
-            assert_eq!((a.pos_image, a.sigma, a.orientation), (b.pos_image, b.sigma, b.orientation));
-        }
-        assert_eq!((a[0].slope, b[0].slope), (Some(slope), None));
-    }
-
-    fn error_of(text: &str) -> String {
-        let file = tempfile::NamedTempFile::new().expect("a file");
-        std::fs::write(file.path(), text).expect("written");
-        read_features(file.path()).expect_err("refused").to_string()
-    }
-
-    #[test]
-    fn what_is_neither_is_refused_with_what_would_be_right() {
-        let error = error_of("x;y;z\n1;2;3\n");
-        assert!(error.contains("x;y;z") && error.contains("u,v,sigma") && error.contains("COLMAP"), "{error}");
-        assert!(error_of("").contains("neither"));
-        let header = feature_header();
-        assert!(
-            error_of(&format!("{header}\nnan,2,3,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("two numbers")
-        );
-        assert!(error_of(&format!("{header}\n1,2,0,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("above 0"));
-        let error = read_features(Path::new("/nowhere/at.all")).expect_err("missing").to_string();
-        assert!(error.contains("/nowhere/at.all"), "{error}");
     }
 }

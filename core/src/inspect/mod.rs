@@ -41,10 +41,10 @@ pub use reason::{Reason, ReasonKind};
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;
 use crate::detector::pipeline::{FirstFeatures, Keeping, search_with_trail};
-use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding, Trail};
+use crate::detector::{Detection, DetectorParams, SearchParams, SlopeChoice, SlopeFinding, Trail, find_slopes};
 use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A burst, its detection, and the parameters of the detection.
 #[derive(Debug)]
@@ -57,6 +57,8 @@ pub struct ProbeCache {
     pub finding: Option<SlopeFinding>,
     /// The parameters as requested.
     pub asked: SearchParams,
+    /// What the frames show of slopes, once it is asked for.
+    shown: OnceLock<SlopeFinding>,
 }
 
 impl ProbeCache {
@@ -75,12 +77,32 @@ impl ProbeCache {
         first: FirstFeatures<'_>,
         monitor: &Monitor,
     ) -> Result<Self> {
-        let PreparedSearch { burst, params: prepared, finding, rest, .. } =
-            PreparedSearch::new(burst, params, monitor)?;
-        let known = |cache: &&Arc<Self>| cache.trail.known_slopes(&burst, &prepared);
+        let mut search = PreparedSearch::new(burst, params, monitor)?;
+        let known = |cache: &&Arc<Self>| cache.trail.known_slopes(&search.burst, &search.params);
         let earlier = earlier.iter().filter(|cache| known(cache) > 0).max_by_key(known).map(|cache| &*cache.trail);
-        let trail = Arc::new(search_with_trail(&burst, &prepared, Keeping { earlier, first }, &rest)?);
-        Ok(Self { burst, trail, finding, asked: params.clone() })
+        let mut trail = search_with_trail(&search.burst, &search.params, Keeping { earlier, first }, &search.rest)?;
+        while search.is_widened(trail.detection())? {
+            let keeping = Keeping { earlier: Some(&trail), first: &|_| {} };
+            trail = search_with_trail(&search.burst, &search.params, keeping, &search.rest)?;
+        }
+        let (burst, trail, finding, asked) = (search.burst, Arc::new(trail), search.finding, params.clone());
+        Ok(Self { burst, trail, finding, asked, shown: OnceLock::new() })
+    }
+
+    /// What the frames show of slopes, whichever were searched.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub fn shown(&self, monitor: &Monitor) -> Result<&SlopeFinding, Cancelled> {
+        if let Some(shown) = self.shown.get() {
+            return Ok(shown);
+        }
+        let shown = match &self.finding {
+            // A finding for a line has no evidence for the rest of the plane.
+            Some(finding) if self.asked.slopes == SlopeChoice::AUTO => finding.clone(),
+            _ => find_slopes(&self.burst, self.params(), None, monitor)?,
+        };
+        Ok(self.shown.get_or_init(|| shown))
     }
 
     /// Result of another request from what this search left; `None` where it needs a new one: [`Trail::rejudged`].
@@ -95,13 +117,14 @@ impl ProbeCache {
         }
         let trail = self.trail.rejudged(&self.params().judged_as(&asked.detector), monitor)?;
         let (burst, finding, asked) = (self.burst.clone(), self.finding.clone(), asked.clone());
-        Ok(trail.map(|trail| Self { burst, trail: Arc::new(trail), finding, asked }))
+        let shown = self.shown.clone();
+        Ok(trail.map(|trail| Self { burst, trail: Arc::new(trail), finding, asked, shown }))
     }
 
     /// This detection as the result of another request, `asked`, with its own finding of slopes.
     pub fn asked_as(&self, asked: &SearchParams, finding: Option<&SlopeFinding>) -> Self {
         let (burst, trail) = (self.burst.clone(), self.trail.clone());
-        Self { burst, trail, finding: finding.cloned(), asked: asked.clone() }
+        Self { burst, trail, finding: finding.cloned(), asked: asked.clone(), shown: OnceLock::new() }
     }
 
     /// The parameters of the whole detection: the requested ones, with the slopes that were searched.

@@ -6,6 +6,7 @@ mod shared;
 
 mod aligned;
 mod claims;
+mod found_slopes;
 mod goldens;
 mod inspect;
 mod laws;

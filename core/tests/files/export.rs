@@ -10,6 +10,7 @@ use burstscope_core::export::{
     feature_header, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz,
     write_png, write_tiff,
 };
+use burstscope_core::inspect::changes::read_features;
 use burstscope_core::{Burst, Plane};
 use ndarray::Array2;
 use ndarray_npy::NpzReader;
@@ -460,4 +461,39 @@ fn what_cannot_be_written_leaves_everything_as_it_was() {
     assert!(error.as_ref().is_err_and(|error| error.kind == ErrorKind::Unwritten), "{error:?}");
     assert_eq!(fs::read(folder.path().join("file")).expect("read"), b"precious");
     assert_eq!(names(folder.path()), ["a.csv", "file"]);
+}
+
+#[test]
+fn both_formats_come_back_with_the_same_places() {
+    let home = folder();
+    let slope = Slope::new(1.0, -0.5);
+    let at = |u, v| Feature { u, v, sigma: 2.5, orientation: 0.5, slope, ..Feature::default() };
+    let features = [at(10.25, 20.5), at(0.0, 3.0)];
+    let (csv, text) = (home.path().join("a.csv"), home.path().join("a.txt"));
+    write_csv(&csv, &features).expect("written");
+    write_colmap(&text, &features, &[[7; 128]; 2]).expect("written");
+    let (a, b) = (read_features(&csv).expect("ours"), read_features(&text).expect("COLMAP's"));
+    assert_eq!(a.len(), 2);
+    for (a, b) in a.iter().zip(&b) {
+        assert_eq!((a.pos_image, a.sigma, a.orientation), (b.pos_image, b.sigma, b.orientation));
+    }
+    assert_eq!((a[0].slope, b[0].slope), (Some(slope), None));
+}
+
+fn error_of(text: &str) -> String {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    std::fs::write(file.path(), text).expect("written");
+    read_features(file.path()).expect_err("refused").to_string()
+}
+
+#[test]
+fn what_is_neither_is_refused_with_what_would_be_right() {
+    let error = error_of("x;y;z\n1;2;3\n");
+    assert!(error.contains("x;y;z") && error.contains("u,v,sigma") && error.contains("COLMAP"), "{error}");
+    assert!(error_of("").contains("neither"));
+    let header = feature_header();
+    assert!(error_of(&format!("{header}\nnan,2,3,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("two numbers"));
+    assert!(error_of(&format!("{header}\n1,2,0,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("above 0"));
+    let error = read_features(Path::new("/nowhere/at.all")).expect_err("missing").to_string();
+    assert!(error.contains("/nowhere/at.all"), "{error}");
 }

@@ -17,7 +17,7 @@ use crate::detector::{
 };
 use crate::engine::{Ended, Engine, Wanted};
 use crate::error::Error;
-use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes, judgement, slope_with_most_features};
+use crate::inspect::spectrum::{features_at_slopes, slope_with_most_features};
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, OpenBurst, OpenRequest};
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
@@ -238,7 +238,7 @@ impl Model {
         }
         // One slope tells nothing about the range.
         let found = FoundFeatures::new(first, burst, Duration::ZERO);
-        let found = FoundFeatures { is_first_slope: true, advice: None, judgement: None, ..found };
+        let found = FoundFeatures { is_first_slope: true, advice: None, ..found };
         self.slots[side].found = Some(found);
         self.refresh_listed();
         self.go_to_first_slope(side);
@@ -374,16 +374,12 @@ pub struct FoundFeatures {
     pub advice: Option<Advice>,
     /// Whether these are the features of one slope of a search that was long.
     pub is_first_slope: bool,
-    /// Judgement of the slopes from the detection alone: see [`Model::slope_judgement`].
-    pub(in crate::app) judgement: Option<SlopeJudgement>,
 }
 
 impl FoundFeatures {
     pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
-        let Detected { params, finding, detection, .. } = &detected;
-        let advice = explain(detection, params, burst.burst.size());
-        let judgement = judgement(detection, params, finding.as_ref(), &burst.burst);
-        Self { detected, elapsed, advice, is_first_slope: false, judgement }
+        let advice = explain(&detected.detection, &detected.params, burst.burst.size());
+        Self { detected, elapsed, advice, is_first_slope: false }
     }
 }
 

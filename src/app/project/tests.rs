@@ -103,7 +103,7 @@ pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
     let asked = params.clone().into();
     let (params, searched) = (params.clone(), params.clone());
     let (search_secs, detection) = (0.1, Arc::new(detection));
-    Detected { burst: burst.id, asked, params, searched, search_secs, finding: None, detection }
+    Detected { burst: burst.id, asked, params, searched, search_secs, finding: None, detection, judgement: None }
 }
 
 fn with_features() -> Model {

@@ -10,6 +10,7 @@
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 
+mod beyond;
 pub(crate) mod depth;
 mod evidence;
 mod in_focus;
@@ -24,6 +25,7 @@ use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
+pub(crate) use beyond::{Beyond, field_over};
 use evidence::{Evidence, MERGED_CELLS, swept};
 pub use in_focus::in_focus;
 use layers::KnownCell;

@@ -304,6 +304,18 @@ impl SlopeGrid {
         (along(&self.u, u * cos + v * sin), along(&self.v, v * cos - u * sin))
     }
 
+    /// Coordinate of any slope along the first axis, or the second, pixels per frame.
+    pub(crate) fn along(&self, slope: Slope, second: bool) -> f32 {
+        let unit = SlopeAxis { min: 0.0, max: 1.0, count: 2 };
+        let (first, other) = Self { u: unit, v: unit, ..*self }.position(slope);
+        if second { other } else { first }
+    }
+
+    /// Axes with several slopes, and whether each is the second.
+    pub(crate) fn axes(&self) -> impl Iterator<Item = (bool, SlopeAxis)> {
+        [(false, self.u), (true, self.v)].into_iter().filter(|(_, axis)| axis.count > 1)
+    }
+
     /// Index of the grid's slope nearest to `slope`, by steps along the axes.
     pub fn nearest(&self, slope: Slope) -> usize {
         let (i, j) = self.position(slope);

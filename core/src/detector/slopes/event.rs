@@ -14,6 +14,8 @@ pub(super) const MAX_SCRAMBLED: usize = 7;
 pub(super) const MAX_MISSING: usize = 3;
 /// Distances of a frame from its even time, frame intervals.
 const LATE: [f64; 4] = [-0.75, -0.5, 0.5, 0.75];
+/// Largest difference between the times of events that are alike, frame intervals.
+const LIKE: f64 = 0.25;
 
 /// Event that may have happened to frames that were even once.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,12 +64,13 @@ impl Event {
         matches!(self, Self::Order(_))
     }
 
-    /// Whether it is the same event of another size.
-    pub fn is_like(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Late { frame, by }, Self::Late { frame: of, by: than }) => frame == of && by * than > 0.0,
-            _ => self == other,
-        }
+    /// Whether it is the same event of another size: of so many `frames` all have nearly the same times. One missing
+    /// after the first frame, or before the last, is like one that is early or late there, and the likelier of both is
+    /// told: as the times are nearly the same, either mends the burst.
+    pub fn is_like(&self, other: &Self, frames: usize) -> bool {
+        let apart = self.times(frames).into_iter().zip(other.times(frames)).map(|(a, b)| a - b);
+        let (least, most) = apart.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+        most - least <= LIKE
     }
 
     /// All events that may have happened to so many `frames`.

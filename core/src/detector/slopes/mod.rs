@@ -14,8 +14,6 @@ mod order;
 mod peak;
 mod regularity;
 mod spectra;
-#[cfg(test)]
-mod tests;
 
 pub use event::UniformTimes;
 pub use evidence::SlopeEvidence;
@@ -149,15 +147,29 @@ pub fn open_burst(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) 
     }
     let mut burst = Burst::open_with(inputs, options, &monitor.part(0.0, 0.8))?;
     let finding = find_slopes(&burst, &DetectorParams::default(), None, &monitor.part(0.8, 0.2))?;
-    let positions = finding.uniform.as_ref().and_then(|uniform| Positions::new(&uniform.times));
-    burst.taken.push(match &positions {
+    let found = retimed(&burst, &finding, monitor)?;
+    let told = match &found {
         Some(_) => format!("times found: {}; the frames are taken so", finding.irregularities()),
         None => "times found: nothing shows that the frames are not even".to_owned(),
-    });
-    Ok(match finding.uniform.zip(positions) {
-        Some((uniform, positions)) => burst.of_frames(&uniform.frames, positions),
-        None => burst,
-    })
+    };
+    burst = found.unwrap_or(burst);
+    burst.taken.push(told);
+    Ok(burst)
+}
+
+/// `burst` with its frames in the order and at the times that `finding` shows; `None` where it shows none, or where the
+/// frames say then that these are wrong too.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub(crate) fn retimed(burst: &Burst, finding: &SlopeFinding, monitor: &Monitor) -> Result<Option<Burst>, Cancelled> {
+    let times = |uniform: &UniformTimes| Some((uniform.frames.clone(), Positions::new(&uniform.times)?));
+    let Some((frames, positions)) = finding.uniform.as_ref().and_then(times) else { return Ok(None) };
+    let retimed = burst.clone().of_frames(&frames, positions);
+    let after = find_slopes(&retimed, &DetectorParams::default(), None, &monitor.silent())?;
+    let is_crooked = after.verdict == SlopeVerdict::NotStraight && after.deviation_px >= finding.deviation_px;
+    let is_even = after.uniform.is_none() && after.verdict != SlopeVerdict::NothingSeen && !is_crooked;
+    Ok(is_even.then_some(retimed))
 }
 
 fn steps_of(params: &DetectorParams, positions: &Positions) -> Steps {

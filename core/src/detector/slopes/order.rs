@@ -31,6 +31,9 @@ const MAX_LEFT: f64 = 0.2;
 const MAX_LEFT_PART: f64 = 0.005;
 /// Part of its gain by which an event must be ahead of the next one.
 const MIN_AHEAD: f64 = 0.1;
+/// Part of its gain that frames beside the line of the motion may gain: up to 0.23 where something happened, and 0.55
+/// or more where a hand moves the camera.
+const MAX_BESIDE: f64 = 0.35;
 /// Number of events that are compared with slopes of their own, of those that agree best with the slopes of even times.
 const TRIED: usize = 8;
 /// Factors of the slopes of even times with which events are tried: missing frames make slopes look larger.
@@ -110,12 +113,53 @@ impl<'a> Blocks<'a> {
         let [even, free, rest @ ..] = &self.compared()[..] else { return None };
         let [first, others @ ..] = rest else { return None };
         let gain = first.nats - even.nats;
-        let other =
-            others.iter().find(|other| !other.event.is_like(&first.event)).map_or(even.nats, |other| other.nats);
+        let other = others
+            .iter()
+            .find(|other| !other.event.is_like(&first.event, self.frames))
+            .map_or(even.nats, |other| other.nats);
         let is_all = gain >= (1.0 - MAX_LEFT) * (free.nats - even.nats) - MAX_LEFT_PART * even.nats;
         let is_ahead = first.nats - other >= MIN_AHEAD * gain;
         let is_told = self.is_clear(first, even) && is_all && is_ahead && self.is_shared(first, even);
+        let is_told = is_told && self.gain_beside(first) <= MAX_BESIDE * gain;
         is_told.then(|| first.event.clone())
+    }
+
+    /// Nats that are gained if frames also lie beside the line along which most moves: those of an event do not, while
+    /// a hand moves them there as far as along it.
+    fn gain_beside(&self, one: &Agreement) -> f64 {
+        let times = one.event.times(self.frames);
+        let weighed = |axis: usize| one.slopes.iter().zip(&one.significance).map(|(s, w)| s[axis] * w * w).sum::<f64>();
+        let (u, v) = (weighed(0), weighed(1));
+        let across = [-v, u].map(|x| x / u.hypot(v).max(f64::MIN_POSITIVE));
+        let mut beside = vec![[0.0; 2]; self.frames];
+        let of_blocks = |beside: &[[f64; 2]], frame: Option<usize>| -> Vec<[f64; 3]> {
+            let is_of = |s: usize, t: usize| frame.is_none_or(|frame| s == frame || t == frame);
+            let blocks = self.blocks.par_iter().zip(&one.slopes);
+            blocks.map(|(block, slope)| self.power(block, *slope, &times, |t| beside[t], is_of)).collect()
+        };
+        let total = |sums: &[[f64; 3]]| -> f64 { sums.iter().map(|sums| nats(significance(*sums))).sum() };
+        let mut sums = of_blocks(&beside, None);
+        let (before, [mut step, last]) = (total(&sums), CLIMB);
+        while step > last {
+            let mut is_better = false;
+            for frame in 0..self.frames {
+                for by in [step, -step] {
+                    let mut other = beside.clone();
+                    other[frame] = [0, 1].map(|axis| beside[frame][axis] + by * across[axis]);
+                    let (own, moved) = (of_blocks(&beside, Some(frame)), of_blocks(&other, Some(frame)));
+                    let others = sums.iter().zip(own.iter().zip(&moved));
+                    let others: Vec<[f64; 3]> =
+                        others.map(|(sum, (own, moved))| [0, 1, 2].map(|k| sum[k] - own[k] + moved[k])).collect();
+                    if total(&others) > total(&sums) {
+                        (sums, beside, is_better) = (others, other, true);
+                    }
+                }
+            }
+            if !is_better {
+                step *= 0.5;
+            }
+        }
+        total(&sums) - before
     }
 
     /// Whether a block shows anything, and nearly all blocks agree with `one` rather than with `even` times: of hundreds
@@ -221,11 +265,21 @@ impl<'a> Blocks<'a> {
         Self { blocks: vec![block], ..*self }
     }
 
-    /// Power of a block with `slope` at `times`, that of things of amplitude 1, and its variance.
-    fn power(&self, block: &Block, slope: [f64; 2], times: &[f64]) -> [f64; 3] {
+    /// Power of a block with `slope` at `times`, with frames `beside` their places, that of things of amplitude 1, and
+    /// its variance: of the pairs that count.
+    fn power(
+        &self,
+        block: &Block,
+        slope: [f64; 2],
+        times: &[f64],
+        beside: impl Fn(usize) -> [f64; 2],
+        counts: impl Fn(usize, usize) -> bool,
+    ) -> [f64; 3] {
         let mut sums = [0.0; 3];
-        for ((s, t), (plane, variance)) in self.pairs.iter().zip(&block.pairs) {
-            let shift = slope.map(|x| x * (times[*t] - times[*s]));
+        let pairs = self.pairs.iter().zip(&block.pairs).filter(|((s, t), _)| counts(*s, *t));
+        for ((s, t), (plane, variance)) in pairs {
+            let (from, to) = (beside(*s), beside(*t));
+            let shift = [0, 1].map(|axis| slope[axis] * (times[*t] - times[*s]) + to[axis] - from[axis]);
             let overlap = f64::from(overlap_at(self.overlap, shift));
             if overlap >= f64::from(MIN_OVERLAP) {
                 let weight = overlap * overlap;
@@ -237,10 +291,7 @@ impl<'a> Blocks<'a> {
 
     /// Slope near `from` of which a block has the highest significance at `times`, and that.
     fn climbed(&self, block: &Block, from: [f64; 2], times: &[f64]) -> ([f64; 2], f64) {
-        let value = |slope| {
-            let [power, _, variance] = self.power(block, slope, times);
-            (slope, if variance > 0.0 { power / variance.sqrt() } else { 0.0 })
-        };
+        let value = |slope| (slope, significance(self.power(block, slope, times, |_| [0.0; 2], |_, _| true)));
         let (mut best, [mut step, last]) = (value(from), CLIMB);
         while step > last {
             let [u, v] = best.0;
@@ -267,7 +318,7 @@ impl<'a> Blocks<'a> {
         let mut readings = vec![vec![0.0; 2 * (PARTS * reach) as usize + 1]; self.pairs.len()];
         for (block, slope) in self.blocks.iter().zip(slopes) {
             let amplitude = times.map(|times| {
-                let [power, full, _] = self.power(block, *slope, times);
+                let [power, full, _] = self.power(block, *slope, times, |_| [0.0; 2], |_, _| true);
                 power.max(0.0) / full.max(f64::MIN_POSITIVE)
             });
             // Of things of a known amplitude a pair without them takes as much away as one with them adds.
@@ -312,6 +363,11 @@ impl<'a> Blocks<'a> {
         }
         self.agreement(Event::Free(times), &from.slopes)
     }
+}
+
+/// Significance of a power with its variance.
+fn significance([power, _, variance]: [f64; 3]) -> f64 {
+    if variance > 0.0 { power / variance.sqrt() } else { 0.0 }
 }
 
 /// Logarithm of the likelihood of a significance.

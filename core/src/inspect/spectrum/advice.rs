@@ -1,13 +1,17 @@
 //! Advice: that of the judgement on direction, range and step; on aliases that the range need not include; on frames
-//! that add nothing, and on frames that much of the picture has left.
+//! that add nothing, and on frames that much of the picture has left. It is tried before it is offered: the advice that
+//! would be given after its changes is computed, from the frames and their field of motion over the changed slopes.
 
 use super::judgement::Judging;
 use super::{Alias, Spectrum, coverage_share};
 use crate::burst::TimesChoice;
+use crate::detector::field::field_over;
 use crate::detector::params::doc;
-use crate::detector::{ParamChange, Slope, SlopeAxis, SlopeVerdict};
+use crate::detector::slopes::retimed;
+use crate::detector::{Feature, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict, find_slopes};
 use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number, slope_text};
+use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 
 /// Subject of a piece of advice.
@@ -60,17 +64,22 @@ impl SlopeAdvice {
     }
 }
 
-pub(super) fn advice(cache: &ProbeCache, spectrum: &Spectrum) -> Vec<SlopeAdvice> {
-    let (finding, evidence, size) = (Some(&spectrum.finding), &spectrum.evidence, cache.burst.size());
-    let judging = Judging::new(cache.detection(), cache.params(), finding, evidence, size);
-    let Some(judging) = judging else { return Vec::new() };
+pub(super) fn advice(
+    cache: &ProbeCache,
+    spectrum: &Spectrum,
+    monitor: &Monitor,
+) -> Result<Vec<SlopeAdvice>, Cancelled> {
+    let (finding, evidence) = (Some(&spectrum.finding), &spectrum.evidence);
+    let judging = Judging::new(cache.detection(), cache.params(), finding, evidence, &cache.burst);
+    let Some(judging) = judging else { return Ok(Vec::new()) };
     let telling = Telling { cache, spectrum, judging };
     let judged = spectrum.judgement.as_ref().and_then(|judgement| judgement.advice.clone());
     // Missing slopes come before superfluous ones, and those of frames that do not move straight after these.
     let is_superfluous = judged.as_ref().is_some_and(|one| one.subject == Subject::Cost);
     let (missing, superfluous) = if is_superfluous { (None, judged) } else { (judged, None) };
-    let all = [missing, telling.coverage(), telling.aliases(), superfluous];
-    all.into_iter().flatten().collect()
+    let tried = |advice: Option<SlopeAdvice>| advice.map(|advice| judging.tried(advice, monitor)).transpose();
+    let (coverage, aliases) = (tried(telling.coverage())?.flatten(), tried(telling.aliases())?.flatten());
+    Ok([missing, coverage, aliases, superfluous].into_iter().flatten().collect())
 }
 
 struct Telling<'a> {
@@ -151,4 +160,73 @@ impl Telling<'_> {
         let changes = vec![self.judging.middle_frames(enough)];
         Some(SlopeAdvice::new(Subject::Coverage, f64::from(share), sentence, changes))
     }
+}
+
+impl Judging<'_> {
+    /// `advice` with changes that help: its own, or those to the slopes found. A fault that neither mends is said
+    /// without changes; a saving that does not help is not said at all, nor is what the frames refute.
+    pub fn tried(&self, advice: SlopeAdvice, monitor: &Monitor) -> Result<Option<SlopeAdvice>, Cancelled> {
+        let unmended = SlopeAdvice { changes: Vec::new(), times: None, ..advice.clone() };
+        if advice.times.is_some() {
+            return Ok(Some(if self.is_even_after(monitor)? { advice } else { unmended }));
+        }
+        let Ok(params) = ParamChange::all_applied(&advice.changes, self.params) else { return Ok(Some(unmended)) };
+        if params.frames != self.params.frames {
+            let after = find_slopes(self.burst, &params, None, &monitor.silent())?;
+            let helps = matches!(after.verdict, SlopeVerdict::Found | SlopeVerdict::Still) && after.uniform.is_none();
+            return Ok(if helps { Some(advice) } else { self.frames(false).or(Some(unmended)) });
+        }
+        let wanted = params.used_slopes();
+        if advice.changes.is_empty() || wanted == self.grid {
+            return Ok(Some(advice));
+        }
+        if let Some(beyond) = self.beyond().filter(|beyond| beyond.grid == wanted) {
+            let is_held = beyond.is_held(self.burst, self.detection.frames_used.clone(), monitor)?;
+            return Ok(is_held.then_some(advice));
+        }
+        let found = self.finding.filter(|finding| is_of_frames(finding)).map(|finding| finding.grid);
+        let found = found.filter(|_| !matches!(advice.subject, Subject::Aliases | Subject::Cost));
+        for grid in [Some(wanted), found].into_iter().flatten().filter(|grid| *grid != self.grid) {
+            if self.is_mended_by(grid, monitor)? {
+                return Ok(Some(SlopeAdvice { changes: self.changes_to(grid), ..advice }));
+            }
+        }
+        Ok((advice.subject != Subject::Cost).then_some(unmended))
+    }
+
+    /// Whether the frames are even and straight once they have the times found.
+    fn is_even_after(&self, monitor: &Monitor) -> Result<bool, Cancelled> {
+        let whole = match self.finding.filter(|_| self.params.frames.is_none()) {
+            Some(finding) => finding.clone(),
+            // The times are found of all frames.
+            None => find_slopes(self.burst, &Default::default(), None, &monitor.silent())?,
+        };
+        Ok(retimed(self.burst, &whole, monitor)?.is_some())
+    }
+
+    /// Whether no fault is left with the slopes of `grid`, or none but that of now.
+    fn is_mended_by(&self, grid: SlopeGrid, monitor: &Monitor) -> Result<bool, Cancelled> {
+        if grid.len() == 1 || self.finding.is_some_and(|finding| is_of_frames(finding) && finding.grid == grid) {
+            return Ok(true);
+        }
+        let field = field_over(&grid, self.burst, self.detection.frames_used.clone(), monitor)?;
+        // What still rises at an end of the slopes of now need not do so inside wider ones, nor is it found beyond others.
+        let is_at_rim = |feature: &Feature| {
+            let (i, j) = grid.position(feature.slope);
+            let on = |at: f32, n: usize| n > 1 && (at.abs() < 0.5 || (at - n as f32 + 1.0).abs() < 0.5);
+            feature.at_slope_limit && (on(i, grid.u.count) || on(j, grid.v.count))
+        };
+        let features: Vec<Feature> = self.features.iter().filter(|feature| is_at_rim(feature)).cloned().collect();
+        let after = Judging { grid, field: field.as_ref(), features: &features, ..*self };
+        let (now, then) = (self.fault_of_slopes(), after.fault_of_slopes());
+        let is_less = |now: SlopeAdvice, then: &SlopeAdvice| {
+            now.subject == then.subject && (now.subject == Subject::Cost || then.number < 0.5 * now.number)
+        };
+        Ok(then.is_none_or(|then| now.is_some_and(|now| is_less(now, &then))))
+    }
+}
+
+/// Whether the slopes found are those that the frames show.
+fn is_of_frames(finding: &SlopeFinding) -> bool {
+    matches!(finding.verdict, SlopeVerdict::Found | SlopeVerdict::Still)
 }

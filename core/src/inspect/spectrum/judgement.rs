@@ -5,15 +5,17 @@
 use super::{SlopeAdvice, Subject};
 use crate::burst::{Burst, Positions, TimesChoice};
 use crate::detector::advice::grouped;
+use crate::detector::field::Beyond;
 use crate::detector::limit::response_loss;
 use crate::detector::params::doc;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::slopes::{SlopeEvidence, axis_through, slopes_needed};
 use crate::detector::{
-    Detection, DetectorParams, Feature, FrameRange, Method, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid,
-    SlopeVerdict,
+    Detection, DetectorParams, Feature, FrameRange, Method, MotionField, ParamChange, Slope, SlopeAxis, SlopeFinding,
+    SlopeGrid, SlopeVerdict,
 };
 use crate::inspect::words::{counted, number};
+use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 use std::ops::Range;
 
@@ -33,13 +35,6 @@ const AT_LIMIT: f64 = 0.08;
 /// Part of those that must lie at one end of an axis for the axis to be widened there.
 const OF_THOSE: f64 = 0.25;
 const ENOUGH_FEATURES: usize = 10;
-/// Part of the field of motion beyond an end of the range from which a wider one is advised, where
-/// [features](FEATURES_BEYOND) bear it out: alone it is up to 0.34 on bursts whose slopes fit.
-const FIELD_BEYOND: f32 = 0.02;
-/// Number of features at an end of the range that bear out a field of motion beyond it. What the field says there is
-/// less sure than inside, as the frames were not compared farther out; noise and aliases leave one or two such
-/// features.
-const FEATURES_BEYOND: usize = 3;
 /// Tolerated deviation from a uniform motion, pixels: about the blur that smears the finest features.
 const STRAIGHT_PX: f32 = 1.4;
 /// Part of the motion seen that slopes hold at least where they fit.
@@ -60,30 +55,38 @@ pub struct SlopeJudgement {
 
 /// Judges the slopes with which `detection` was made from `burst`; `finding` is what the frames show, if it is known.
 /// Slopes fit only where the motion is straight and lies inside. `None` for a method without slopes, or one frame.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled: changes are tried before they are offered.
 pub fn judgement(
     detection: &Detection,
     params: &DetectorParams,
     finding: Option<&SlopeFinding>,
     burst: &Burst,
-) -> Option<SlopeJudgement> {
+    monitor: &Monitor,
+) -> Result<Option<SlopeJudgement>, Cancelled> {
     let evidence = finding.map(|finding| finding.confirmed(params, &burst.positions)).unwrap_or_default();
-    Judging::new(detection, params, finding, &evidence, burst.size()).map(|judging| judging.judgement())
+    let judging = Judging::new(detection, params, finding, &evidence, burst);
+    judging.map(|judging| judging.judgement(monitor)).transpose()
 }
 
+#[derive(Clone, Copy)]
 pub(super) struct Judging<'a> {
-    detection: &'a Detection,
-    params: &'a DetectorParams,
-    finding: Option<&'a SlopeFinding>,
-    evidence: &'a [SlopeEvidence],
+    pub detection: &'a Detection,
+    /// Features that count, and the field of motion over the grid.
+    pub features: &'a [Feature],
+    pub field: Option<&'a MotionField>,
+    pub params: &'a DetectorParams,
+    pub finding: Option<&'a SlopeFinding>,
+    pub evidence: &'a [SlopeEvidence],
     pub grid: SlopeGrid,
     /// Number of frames used.
     pub frames: usize,
     /// Their positions.
     pub positions: &'a Positions,
     /// σ of the finest features, px.
-    sigma: f32,
-    /// Columns and rows of the picture.
-    size: (usize, usize),
+    pub sigma: f32,
+    pub burst: &'a Burst,
 }
 
 impl<'a> Judging<'a> {
@@ -93,7 +96,7 @@ impl<'a> Judging<'a> {
         params: &'a DetectorParams,
         finding: Option<&'a SlopeFinding>,
         evidence: &'a [SlopeEvidence],
-        size: (usize, usize),
+        burst: &'a Burst,
     ) -> Option<Self> {
         let frames = detection.frames_used.len();
         let space = ScaleSpace::of(params);
@@ -101,10 +104,13 @@ impl<'a> Judging<'a> {
         let has_slopes = params.method == Method::Buff && frames > 1;
         let grid = params.used_slopes();
         let positions = &detection.positions;
-        has_slopes.then_some(Self { detection, params, finding, evidence, grid, frames, positions, sigma, size })
+        let (features, field) = (&detection.features[..], detection.field.as_deref());
+        let judging =
+            Self { detection, features, field, params, finding, evidence, grid, frames, positions, sigma, burst };
+        has_slopes.then_some(judging)
     }
 
-    pub fn judgement(&self) -> SlopeJudgement {
+    pub fn judgement(&self, monitor: &Monitor) -> Result<SlopeJudgement, Cancelled> {
         let features = self.detection.features.len();
         let at_limit = self.detection.features.iter().filter(|f| f.at_slope_limit).count();
         let clause = match (at_limit, features) {
@@ -113,7 +119,8 @@ impl<'a> Judging<'a> {
             (1, _) => format!("; 1 of {} lies at the limit", counted(features, "feature")),
             _ => format!("; {} of {} lie at the limit", grouped(at_limit as u64), counted(features, "feature")),
         };
-        let advice = self.advice().map(|advice| SlopeAdvice { sentence: advice.sentence + &clause, ..advice });
+        let advice = self.advice().map(|advice| self.tried(advice, monitor)).transpose()?.flatten();
+        let advice = advice.map(|advice| SlopeAdvice { sentence: advice.sentence + &clause, ..advice });
         let held = self.finding.map_or(0.0, |finding| finding.agreement(&self.grid, self.params, self.positions));
         let fits = advice.is_none() && !self.evidence.is_empty() && held >= FITS;
         let sentence = advice.as_ref().map_or_else(
@@ -128,16 +135,16 @@ impl<'a> Judging<'a> {
             },
             |advice| advice.sentence.clone(),
         );
-        SlopeJudgement { sentence, fits, advice }
+        Ok(SlopeJudgement { sentence, fits, advice })
     }
 
     /// The first fault, with the changes that mend it and those after it.
     fn advice(&self) -> Option<SlopeAdvice> {
-        self.order().or_else(|| self.frames()).or_else(|| self.fault_of_slopes())
+        self.order().or_else(|| self.frames(true)).or_else(|| self.fault_of_slopes())
     }
 
     /// The first fault of direction, range and step. The slopes found have none but that the field shows more.
-    fn fault_of_slopes(&self) -> Option<SlopeAdvice> {
+    pub fn fault_of_slopes(&self) -> Option<SlopeAdvice> {
         let found = self.finding.map(|finding| (finding.grid, finding.verdict));
         // Motions within half a step of 0 lose no more there than half-way between two slopes of a right grid.
         let half_step = self.sigma / self.positions.span() as f32;
@@ -164,26 +171,14 @@ impl<'a> Judging<'a> {
         if all > 0.0 { part / all } else { 0.0 }
     }
 
-    /// The coordinate of the evidence along an axis of the grid, px/frame.
-    fn along(&self, slope: Slope, second: bool) -> f32 {
-        let unit = SlopeAxis { min: 0.0, max: 1.0, count: 2 };
-        let (a, b) = SlopeGrid { u: unit, v: unit, direction_deg: self.grid.direction_deg }.position(slope);
-        if second { b } else { a }
-    }
-
     /// The range, along an axis, of the evidence that satisfies `holds`.
     pub fn reach_of(&self, second: bool, holds: impl Fn(f32) -> bool) -> Option<(f32, f32)> {
-        let values = self.evidence.iter().map(|e| self.along(e.slope, second)).filter(|x| holds(*x));
+        let values = self.evidence.iter().map(|e| self.grid.along(e.slope, second)).filter(|x| holds(*x));
         let (min, max) = values.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         (min <= max).then_some((min, max))
     }
 
-    /// The axes with several slopes, and whether each is the second.
-    fn axes(&self) -> impl Iterator<Item = (bool, SlopeAxis)> {
-        [(false, self.grid.u), (true, self.grid.v)].into_iter().filter(|(_, axis)| axis.count > 1)
-    }
-
-    fn changes_to(&self, wanted: SlopeGrid) -> Vec<ParamChange> {
+    pub fn changes_to(&self, wanted: SlopeGrid) -> Vec<ParamChange> {
         let grid = self.grid;
         let axis = |parameter, own, wanted| (wanted != own).then(|| ParamChange::new(parameter, wanted));
         let (u, v) = (axis(doc::SLOPES_U, grid.u, wanted.u), axis(doc::SLOPES_V, grid.v, wanted.v));
@@ -208,8 +203,9 @@ impl<'a> Judging<'a> {
         Some(SlopeAdvice { subject: Subject::Frames, number, sentence, changes: Vec::new(), times })
     }
 
-    /// Fewer frames, where the motion is not straight or carries the picture away.
-    fn frames(&self) -> Option<SlopeAdvice> {
+    /// Frames too many, where the motion is not straight or carries the picture away: `fewer` of them, or the reason
+    /// alone.
+    pub fn frames(&self, fewer: bool) -> Option<SlopeAdvice> {
         let (finding, frames) = (self.finding?, self.frames);
         let (left, why) = match finding.verdict {
             SlopeVerdict::NotStraight => {
@@ -224,20 +220,20 @@ impl<'a> Judging<'a> {
                 ((FEWEST..frames).rev().find(is_even), why)
             }
             SlopeVerdict::Film => {
-                let (width, height) = self.size;
+                let (width, height) = self.burst.size();
                 let (part, px) = (finding.moved_px / width.min(height) as f32, number(finding.moved_px, 0));
                 let why = format!("the picture moves by {px} px over the frames, more than a third of it");
                 (Some((frames as f32 * 0.25 / part.max(0.25)) as usize), why)
             }
             _ => return None,
         };
-        let Some(left) = left.map(|left| left.clamp(2, frames)) else {
+        let Some(left) = left.filter(|_| fewer).map(|left| left.clamp(2, frames)) else {
             return Some(SlopeAdvice::new(Subject::Frames, frames as f64, why, Vec::new()));
         };
-        let (fewer, add) = (frames - left, if frames - left == 1 { "adds" } else { "add" });
-        let sentence = format!("{why}; {fewer} of the {frames} frames {add} nothing but blur");
+        let (blur, add) = (frames - left, if frames - left == 1 { "adds" } else { "add" });
+        let sentence = format!("{why}; {blur} of the {frames} frames {add} nothing but blur");
         let changes = vec![self.middle_frames(left)];
-        (fewer > 0).then(|| SlopeAdvice::new(Subject::Frames, fewer as f64, sentence, changes))
+        (blur > 0).then(|| SlopeAdvice::new(Subject::Frames, blur as f64, sentence, changes))
     }
 
     pub fn middle_frames(&self, count: usize) -> ParamChange {
@@ -258,7 +254,7 @@ impl<'a> Judging<'a> {
         }
         let is_off = |e: &SlopeEvidence| {
             let off = |axis: &SlopeAxis, second: bool| match axis.count {
-                1 => self.along(e.slope, second) - axis.value(0.0),
+                1 => self.grid.along(e.slope, second) - axis.value(0.0),
                 _ => 0.0,
             };
             let across = off(&grid.u, false).hypot(off(&grid.v, true));
@@ -291,16 +287,24 @@ impl<'a> Judging<'a> {
             let margin = 0.5 * axis.step();
             x < axis.min - margin || x > axis.max + margin
         };
-        let part = self.part(|e| self.axes().any(|(second, axis)| is_beyond(&axis, self.along(e.slope, second))));
+        let part =
+            self.part(|e| self.grid.axes().any(|(second, axis)| is_beyond(&axis, self.grid.along(e.slope, second))));
         if part <= BEYOND {
             return None;
         }
         let beyond: Vec<String> = self
+            .grid
             .axes()
-            .filter(|(second, axis)| self.part(|e| is_beyond(axis, self.along(e.slope, *second))) > 0.5 * BEYOND)
+            .filter(|(second, axis)| self.part(|e| is_beyond(axis, self.grid.along(e.slope, *second))) > 0.5 * BEYOND)
             .map(|(second, axis)| self.beyond_text(second, axis, is_beyond))
             .collect();
-        let sentence = format!("{:.0} % of what the frames show {}", 100.0 * part, beyond.join(", and "));
+        let is_coarse = |second: bool| self.coarse().any(|(axis, ..)| axis == second);
+        let steps = self.grid.axes().filter(|(second, _)| is_coarse(*second));
+        let steps =
+            steps.map(|(second, axis)| format!("{} by {}", if second { "v" } else { "u" }, number(axis.step(), 2)));
+        let steps = steps.collect::<Vec<_>>().join(" and ");
+        let too_coarse = if steps.is_empty() { String::new() } else { format!("; steps of {steps} are too coarse") };
+        let sentence = format!("{:.0} % of what the frames show {}{too_coarse}", 100.0 * part, beyond.join(", and "));
         let grid = self.grid;
         let line = |second: bool| {
             let degrees = grid.direction_deg + if second { 90.0 } else { 0.0 };
@@ -330,7 +334,7 @@ impl<'a> Judging<'a> {
         let side = if axis.max <= -axis.min { -1.0 } else { 1.0 };
         let is_one_sided = (axis.min >= 0.0 || axis.max <= 0.0) && axis.min != -axis.max;
         let is_opposite = |x: f32| is_one_sided && side * x < 0.0 && is_beyond(&axis, x);
-        let part = |holds: &dyn Fn(f32) -> bool| self.part(|e| holds(self.along(e.slope, second)));
+        let part = |holds: &dyn Fn(f32) -> bool| self.part(|e| holds(self.grid.along(e.slope, second)));
         let mostly_opposite = part(&is_opposite) > 0.5 * part(&|x| is_beyond(&axis, x));
         match self.reach_of(second, |x| !mostly_opposite || is_opposite(x)) {
             Some((min, max)) if mostly_opposite => {
@@ -344,55 +348,26 @@ impl<'a> Judging<'a> {
     }
 
     /// Where a part of the picture moves, by its field and some features, beyond the slopes that the frames show most
-    /// clearly. Places whose evidence still rises at an end of the sweep, such as a near floor, have no known motion
-    /// but lie there; of places that show nothing, as many lie at either end by chance.
-    fn range_of_field(&self) -> Option<SlopeAdvice> {
+    /// clearly.
+    pub fn beyond(&self) -> Option<Beyond> {
         // Without clear evidence nothing moves surely.
-        let field = self.detection.field.as_ref().filter(|_| !self.evidence.is_empty())?;
-        let (mut wanted, mut ends, mut share) = (self.grid, Vec::new(), 0.0);
-        for (second, axis) in self.axes() {
-            let margin = 0.5 * axis.step();
-            let count = |is_known: bool, is_beyond: &dyn Fn(f32) -> bool| {
-                let motions = field.motions.iter().filter(|motion| field.is_known(motion) == is_known);
-                motions.filter(|motion| is_beyond(self.along(motion.slope, second))).count()
-            };
-            let is_below = |x: f32| x < axis.min - margin;
-            let is_above = |x: f32| x > axis.max + margin;
-            let [by_chance_below, by_chance_above] = [count(false, &is_below), count(false, &is_above)];
-            let below = count(true, &is_below) + by_chance_below.saturating_sub(by_chance_above);
-            let above = count(true, &is_above) + by_chance_above.saturating_sub(by_chance_below);
-            let middle = 0.5 * (axis.min + axis.max);
-            let at_end = |end: f32| {
-                let is_there = |slope: Slope| (self.along(slope, second) - middle) * (end - middle) > 0.0;
-                let is_beyond =
-                    |slope: Slope| is_below(self.along(slope, second)) || is_above(self.along(slope, second));
-                let features = self.detection.features.iter().filter(|feature| is_there(feature.slope));
-                features.filter(|feature| feature.at_slope_limit || is_beyond(feature.slope)).count()
-            };
-            let mut more = |beyond: usize, end: f32| {
-                let part = beyond as f32 / field.motions.len() as f32;
-                if part <= FIELD_BEYOND || at_end(end) < FEATURES_BEYOND {
-                    return 0;
-                }
-                share = f32::max(share, part);
-                ends.push(format!("{} {}", if second { "v" } else { "u" }, number(end, 2)));
-                axis.count.saturating_sub(1).div_ceil(2)
-            };
-            let (below, above) = (more(below, axis.min), more(above, axis.max));
-            *(if second { &mut wanted.v } else { &mut wanted.u }) = axis.with_more(below, above);
-        }
-        let (percent, ends) = (100.0 * share, ends.join(" and "));
+        self.field.filter(|_| !self.evidence.is_empty())?.beyond(&self.grid, Some(self.features))
+    }
+
+    fn range_of_field(&self) -> Option<SlopeAdvice> {
+        let Beyond { grid, share, ends } = self.beyond()?;
+        let end = |(second, end): &(bool, f32)| format!("{} {}", if *second { "v" } else { "u" }, number(*end, 2));
+        let (percent, ends) = (100.0 * share, ends.iter().map(end).collect::<Vec<_>>().join(" and "));
         let sentence = format!(
             "{percent:.0} % of the picture moves beyond {ends} px/frame by its field of motion, or is sharpest there"
         );
-        let changes = self.changes_to(wanted);
-        (wanted != self.grid).then(|| SlopeAdvice::new(Subject::Range, f64::from(share), sentence, changes))
+        Some(SlopeAdvice::new(Subject::Range, f64::from(share), sentence, self.changes_to(grid)))
     }
 
     /// Where the frames show nothing clear.
     fn range_by_features(&self) -> Option<SlopeAdvice> {
         // The stronger half: a strong blob beyond the range also leaves weaker smears of itself at other slopes.
-        let features = &self.detection.features;
+        let features = self.features;
         let strong = &features[..features.len().div_ceil(2)];
         let at_limit: Vec<&Feature> = strong.iter().filter(|f| f.at_slope_limit).collect();
         let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
@@ -426,34 +401,51 @@ impl<'a> Judging<'a> {
         (!changes.is_empty()).then(|| SlopeAdvice::new(Subject::Range, part, sentence, changes))
     }
 
-    fn step(&self) -> Option<SlopeAdvice> {
-        let loss = |axis: &SlopeAxis| response_loss(0.5 * axis.step(), self.positions, self.sigma);
+    /// Axes between whose slopes the finest features lose too much, the number of slopes with which they do not, and
+    /// that of now.
+    fn coarse(&self) -> impl Iterator<Item = (bool, usize, usize)> {
         let needed = |axis: &SlopeAxis| slopes_needed(axis, self.params, self.positions, self.grid.is_plane());
-        let coarse = |axis: &SlopeAxis| axis.count > 1 && loss(axis) > TOO_COARSE && needed(axis) > axis.count;
-        let finer = |axis: SlopeAxis| if coarse(&axis) { SlopeAxis { count: needed(&axis), ..axis } } else { axis };
-        let wanted = SlopeGrid { u: finer(self.grid.u), v: finer(self.grid.v), ..self.grid };
-        let changed = |axis: &SlopeAxis, wanted: SlopeAxis| (*axis != wanted).then_some((*axis, wanted));
-        let both = [changed(&self.grid.u, wanted.u), changed(&self.grid.v, wanted.v)];
-        let (axis, finer) = both.into_iter().flatten().max_by(|a, b| a.0.step().total_cmp(&b.0.step()))?;
+        let axes = self.grid.axes().filter(|(_, axis)| self.loss(axis) > TOO_COARSE);
+        axes.map(move |(second, axis)| (second, needed(&axis), axis.count)).filter(|(_, needed, own)| needed > own)
+    }
+
+    /// Loss of the finest features half-way between two slopes of an axis.
+    fn loss(&self, axis: &SlopeAxis) -> f32 {
+        response_loss(0.5 * axis.step(), self.positions, self.sigma)
+    }
+
+    /// Slopes as close as is needed, or those found, where fewer hold all that moves.
+    fn step(&self) -> Option<SlopeAdvice> {
+        let mut wanted = self.grid;
+        for (second, count, _) in self.coarse() {
+            (if second { &mut wanted.v } else { &mut wanted.u }).count = count;
+        }
+        let changed = self.grid.axes().filter(|(second, axis)| *axis != if *second { wanted.v } else { wanted.u });
+        let axis = changed.map(|(_, axis)| axis).max_by(|a, b| a.step().total_cmp(&b.step()))?;
+        wanted = (Self { grid: wanted, ..*self }).fewer().unwrap_or(wanted);
+        let finer = wanted.axes().map(|(_, axis)| axis).max_by(|a, b| a.step().total_cmp(&b.step()))?;
         let (step, finer_step, frames) = (number(axis.step(), 2), number(finer.step(), 2), self.frames);
         let moved = number(axis.step() * self.positions.reach() as f32, 1);
-        let (sigma, lost, lost_then) = (number(self.sigma, 1), 100.0 * loss(&axis), 100.0 * loss(&finer));
+        let (sigma, lost, lost_then) = (number(self.sigma, 1), 100.0 * self.loss(&axis), 100.0 * self.loss(&finer));
         let sentence = format!(
             "a step of {step} px/frame moves the outermost of {frames} frames by {moved} px between two slopes: half-way the finest features (σ {sigma} px) lose {lost:.0} % of their response; a step of {finer_step} loses {lost_then:.0} %"
         );
         let changes = self.changes_to(wanted);
-        Some(SlopeAdvice::new(Subject::Step, f64::from(loss(&axis)), sentence, changes))
+        Some(SlopeAdvice::new(Subject::Step, f64::from(self.loss(&axis)), sentence, changes))
+    }
+
+    /// The slopes found, where they are so few of the grid's that the others are searched for nothing.
+    fn fewer(&self) -> Option<SlopeGrid> {
+        let finding = self.finding.filter(|finding| finding.verdict == SlopeVerdict::Found)?;
+        let found = finding.grid;
+        let is_few = found.len() as f64 <= NEEDED * self.grid.len() as f64;
+        (is_few && (Self { grid: found, ..*self }).beyond().is_none()).then_some(found)
     }
 
     fn cost(&self) -> Option<SlopeAdvice> {
-        let finding = self.finding.filter(|finding| finding.verdict == SlopeVerdict::Found)?;
-        let (grid, found) = (self.grid, finding.grid);
-        let part = found.len() as f64 / grid.len() as f64;
-        let of_found = Self { grid: found, ..*self };
-        if part > NEEDED || of_found.range_of_field().is_some() {
-            return None;
-        }
-        let (searched, enough) = (counted(grid.len(), "slope"), found.len());
+        let found = self.fewer()?;
+        let part = found.len() as f64 / self.grid.len() as f64;
+        let (searched, enough) = (counted(self.grid.len(), "slope"), found.len());
         let sentence =
             format!("{searched} were searched, and {enough} are enough: nothing in the frames has other motions");
         Some(SlopeAdvice::new(Subject::Cost, part, sentence, self.changes_to(found)))

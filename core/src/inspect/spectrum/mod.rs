@@ -12,7 +12,7 @@ pub use judgement::{SlopeJudgement, judgement};
 use super::ProbeCache;
 use crate::burst::Positions;
 use crate::detector::slopes::SlopeEvidence;
-use crate::detector::{Detection, Feature, Slope, SlopeChoice, SlopeFinding, SlopeGrid, find_slopes};
+use crate::detector::{Detection, Feature, Slope, SlopeFinding, SlopeGrid};
 use crate::inspect::shares::directions;
 use crate::inspect::suspicion::stack_around;
 use crate::inspect::texture::{dirichlet, period_along};
@@ -94,18 +94,14 @@ impl Spectrum {
 pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cancelled> {
     let (trail, params) = (&cache.trail, cache.params());
     let grid = params.used_slopes();
-    let finding = match &cache.finding {
-        // A finding for a line has no evidence for the rest of the plane.
-        Some(finding) if cache.asked.slopes == SlopeChoice::AUTO => finding.clone(),
-        _ => find_slopes(&cache.burst, params, None, monitor)?,
-    };
+    let finding = cache.shown(monitor)?.clone();
     let mut evidence = finding.confirmed(params, &cache.burst.positions);
     evidence.sort_by(|a, b| b.significance.total_cmp(&a.significance));
     let detection = trail.detection();
     let bars = bars(cache, &grid, &evidence);
     let aliases = aliases(cache, &evidence, &finding.evidence, monitor)?;
-    let judgement = judgement::Judging::new(detection, params, Some(&finding), &evidence, cache.burst.size())
-        .map(|j| j.judgement());
+    let judging = judgement::Judging::new(detection, params, Some(&finding), &evidence, &cache.burst);
+    let judgement = judging.map(|judging| judging.judgement(monitor)).transpose()?;
     let spectrum = Spectrum {
         grid,
         bars,
@@ -119,7 +115,7 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
         frames: detection.frames_used.len(),
         advice: Vec::new(),
     };
-    let advice = advice::advice(cache, &spectrum);
+    let advice = advice::advice(cache, &spectrum, monitor)?;
     Ok(Spectrum { advice, ..spectrum })
 }
 

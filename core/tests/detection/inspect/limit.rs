@@ -80,7 +80,8 @@ fn noise_on_the_rim_is_not_at_the_limit() {
     let on_rim = detection.features.iter().filter(|f| f.is_on_rim(&params)).count();
     let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
     assert!(on_rim >= 20 && 20 * at_limit <= on_rim, "{at_limit} of {on_rim} on the rim");
-    let judged = judgement(&detection, &params, None, &noise).expect("slopes were searched");
+    let judged =
+        judgement(&detection, &params, None, &noise, &Monitor::default()).expect("not cancelled").expect("slopes");
     assert_eq!(judged.advice, None, "{}", judged.sentence);
 }
 
@@ -145,11 +146,12 @@ fn features_decide_where_the_frames_were_not_examined() {
     let burst = uniform(Slope::new(1.8, 0.0), FRAMES);
     let params = DetectorParams { slopes: line(), octaves: 2, ..DetectorParams::default() };
     let detection = found(&burst, line());
-    let judged = judgement(&detection, &params, None, &burst).expect("slopes were searched");
+    let judged =
+        judgement(&detection, &params, None, &burst, &Monitor::default()).expect("not cancelled").expect("slopes");
     assert!(judged.sentence.contains("still rises beyond u 1 px/frame"), "{}", judged.sentence);
     let wider = applied(line(), &judged.advice.expect("advice").changes).slopes;
     assert!(wider.u.max >= 1.8 && wider.u.min == -1.0, "{wider:?}");
     // A method that merges the frames has no slopes.
     let merge = DetectorParams { method: Method::Merge, ..params };
-    assert_eq!(judgement(&detection, &merge, None, &burst), None);
+    assert_eq!(judgement(&detection, &merge, None, &burst, &Monitor::default()), Ok(None));
 }

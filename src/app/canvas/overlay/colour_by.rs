@@ -355,18 +355,6 @@ mod tests {
     }
 
     #[test]
-    fn no_feature_and_odd_numbers_still_give_a_colour() {
-        for by in ColourBy::ALL {
-            let empty = ColourScale::of(by, &[], &PLANE);
-            assert!(empty.max > empty.min, "{by:?}");
-            let odd = feature(0.0, 0.0, f32::NAN, (f32::NAN, f32::INFINITY), f32::NAN);
-            let odd = Feature { snr: f32::INFINITY, ..odd };
-            empty.colour(0, &odd);
-            ColourScale::of(by, &[odd], &PLANE).colour(0, &odd);
-        }
-    }
-
-    #[test]
     fn speeds_have_no_direction_and_motions_rise_in_lightness_so_that_every_eye_tells_them_apart() {
         let at = |slope| feature(0.0, 0.0, 2.0, slope, 0.1);
         let features = [at((3.0, 0.0)), at((0.0, -3.0)), at((0.5, 0.0))];
@@ -384,22 +372,5 @@ mod tests {
             };
             assert!((0..20).all(|i| lightness(i + 1) > lightness(i)) && lightness(0) > 0.08, "{by:?}");
         }
-    }
-
-    #[test]
-    fn along_a_line_of_slopes_the_colours_run_over_the_searched_range() {
-        let at = |slope| feature(0.0, 0.0, 2.0, slope, 0.1);
-        let by = ColourBy::SlopeDirection;
-        let line = ColourScale::of(by, &[at((1.0, 0.0))], &SlopeGrid::line(-3.0..=2.0, 6));
-        assert_eq!((line.min, line.max, line.has_wheel(), line.name().as_str()), (-3.0, 2.0, false, "Slope u"));
-        let colour = |scale: &ColourScale, slope| scale.colour(0, &at(slope));
-        assert_eq!(colour(&line, (-3.0, 0.0)), line.along(-3.0));
-        assert_ne!(colour(&line, (-3.0, 0.0)), colour(&line, (2.0, 0.0)));
-        assert_eq!(colour(&line, (1.0, 0.3)), colour(&line, (1.0, 0.0)), "what lies across the line does not count");
-        let oblique = ColourScale::of(by, &[], &SlopeGrid::line_along(90.0, -3.0..=3.0, 7));
-        assert_eq!(oblique.name(), "Slope v");
-        assert_eq!(colour(&oblique, (0.0, 3.0)), oblique.along(3.0));
-        let plane = ColourScale::of(by, &[at((1.0, 0.0))], &PLANE);
-        assert!(plane.has_wheel() && colour(&plane, (1.0, 0.0)) != colour(&plane, (-1.0, 0.0)));
     }
 }

@@ -41,7 +41,8 @@ pub fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 14.0;
     let height = ui.available_height();
     ui.horizontal_top(|ui| {
-        let width = CHART_WIDTH.min(0.55 * ui.available_width());
+        // Room for the longest heading beside it.
+        let width = CHART_WIDTH.min(0.55 * ui.available_width()).min(ui.available_width() - 175.0);
         ui.allocate_ui_with_layout(vec2(width, height), Layout::top_down(Align::Min), |ui| {
             ui.set_width(width);
             let marks = chart::Marks { here: model.cursor().slope, expected: set_up::expected(model) };

@@ -1,20 +1,25 @@
-use super::*;
-use crate::detector::memory::on_threads;
-use crate::synth::random::Stream;
-use crate::synth::{ChartParams, Motion, SceneParams, demo_burst, synth_chart, synth_scene};
+//! Slopes found of pictures that move in a known way, of charts in the dark, and of noise.
+
+use burstscope_core::detector::slopes::{MotionWarningKind, UniformTimes, resolve};
+use burstscope_core::detector::{FrameRange, SearchParams, Slope, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes};
+use burstscope_core::synth::random::Stream;
+use burstscope_core::synth::{ChartParams, Motion, SceneParams, demo_burst, synth_chart, synth_scene};
+use burstscope_core::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, burst::Positions};
 
 fn find(burst: &Burst) -> SlopeFinding {
     find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
 }
 
+/// The step of the search at the default levels, pixels per frame.
 fn step(burst: &Burst) -> f64 {
-    let space = ScaleSpace::of(&DetectorParams::default());
-    2.0 * space.sigma_image(0, 0.0) / (burst.len() - 1) as f64
+    3.2 * 2f64.powf(0.25) / (burst.len() - 1) as f64
 }
 
 fn holds(grid: &SlopeGrid, slope: Slope, around: f64) -> bool {
-    let [along, across] = turned(slope, f64::from(grid.direction_deg));
-    let within = |x: f64, axis: &crate::detector::SlopeAxis| {
+    let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
+    let (u, v) = (f64::from(slope.u), f64::from(slope.v));
+    let (along, across) = (u * cos + v * sin, v * cos - u * sin);
+    let within = |x: f64, axis: &SlopeAxis| {
         // A slope less than about half a step beside a line is on it.
         let around = if axis.count == 1 { 0.3 } else { around };
         x >= f64::from(axis.min) - around && x <= f64::from(axis.max) + around
@@ -106,7 +111,7 @@ fn pure_noise_shows_nothing_and_gets_the_usual_grid() {
         let frames = (0..10).map(|_| Plane::from_fn(320, 240, |_, _| 0.5 + 0.1 * noise.normal() as f32)).collect();
         let finding = find(&Burst::from_planes("noise", frames));
         assert_eq!((finding.verdict, finding.grid), (SlopeVerdict::NothingSeen, SlopeGrid::default()), "{seed}");
-        assert!(!finding.evidence.is_empty() && !finding.evidence.iter().any(is_significant), "{seed}");
+        assert!(!finding.evidence.is_empty() && finding.significance == 0.0, "{seed}");
     }
     for burst in
         [moved((20, 20), 0.0, 4, |t| (t as f64, 0.0)), Burst::from_planes("black", vec![Plane::zeros(90, 80); 4])]
@@ -225,14 +230,17 @@ fn threads_change_nothing_and_cancelling_ends_it() {
     let (burst, _) =
         synth_scene(&SceneParams { width: 320, height: 240, ..SceneParams::default() }, &Monitor::default())
             .expect("a scene");
-    let with = |threads| on_threads(threads, || find(&burst));
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+    let with = |threads| pool(threads).install(|| find(&burst));
     assert_eq!(with(1), with(3));
-    assert!(find_slopes(&burst, &DetectorParams::default(), None, &Monitor::cancelled()).is_err());
+    let stopped = Monitor::default();
+    stopped.cancel();
+    assert!(find_slopes(&burst, &DetectorParams::default(), None, &stopped).is_err());
 }
 
 #[test]
 fn parameters_are_checked_before_slopes_are_searched() {
-    let frames = Some(crate::detector::FrameRange { start: 2, end: 99 });
+    let frames = Some(FrameRange { start: 2, end: 99 });
     let detector = DetectorParams { frames, ..DetectorParams::default() };
     let past = SearchParams { detector, ..SearchParams::default() };
     assert!(resolve(&demo_burst(), &past, &Monitor::default()).is_err_and(|error| error.subject == "frames"));

@@ -1,0 +1,98 @@
+//! Motions of a field that lie beyond the slopes that were searched, and a range that holds them.
+
+use super::{MotionField, motion_field};
+use crate::burst::Burst;
+use crate::detector::Feature;
+use crate::detector::params::slope_grid::{Slope, SlopeGrid};
+use crate::detector::stack::FrameTimes;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
+use std::ops::Range;
+
+/// Part of the field of motion beyond an end of the range from which a wider one is advised, where
+/// [features](FEATURES_BEYOND) bear it out: alone it is up to 0.34 on bursts whose slopes fit.
+const FIELD_BEYOND: f32 = 0.02;
+/// Number of features at an end of the range that bear out a field of motion beyond it. What the field says there is
+/// less sure than inside, as the frames were not compared farther out; noise and aliases leave one or two such
+/// features.
+const FEATURES_BEYOND: usize = 3;
+/// Part of what lies beyond a range that may lie beyond a wider one: where more does, noise leads on and on.
+const LEFT_BEYOND: f32 = 0.5;
+
+/// Motions beyond a range of slopes.
+pub(crate) struct Beyond {
+    /// Range, wider at those ends, with the same steps.
+    pub grid: SlopeGrid,
+    /// Largest part of the picture that moves beyond an end.
+    pub share: f32,
+    /// Ends beyond which places move, and whether each is one of the second axis.
+    pub ends: Vec<(bool, f32)>,
+}
+
+impl MotionField {
+    /// Motions beyond `grid`, borne out by `features` if they are given. Places whose evidence still rises at an end of
+    /// the sweep, such as a near floor, have no known motion but lie there; of places that show nothing, as many lie at
+    /// either end by chance.
+    pub(crate) fn beyond(&self, grid: &SlopeGrid, features: Option<&[Feature]>) -> Option<Beyond> {
+        let mut beyond = Beyond { grid: *grid, share: 0.0, ends: Vec::new() };
+        for (second, axis) in grid.axes() {
+            let margin = 0.5 * axis.step();
+            let is_below = |slope: Slope| grid.along(slope, second) < axis.min - margin;
+            let is_above = |slope: Slope| grid.along(slope, second) > axis.max + margin;
+            let count = |is_known: bool, is_beyond: &dyn Fn(Slope) -> bool| {
+                let motions = self.motions.iter().filter(|motion| self.is_known(motion) == is_known);
+                motions.filter(|motion| is_beyond(motion.slope)).count()
+            };
+            let by_chance = [count(false, &is_below), count(false, &is_above)];
+            let middle = 0.5 * (axis.min + axis.max);
+            let is_borne_out = |end: f32| {
+                let is_there = |slope: Slope| (grid.along(slope, second) - middle) * (end - middle) > 0.0;
+                features.is_none_or(|features| {
+                    let there = features.iter().filter(|feature| is_there(feature.slope));
+                    let is_at_end = |f: &&Feature| f.at_slope_limit || is_below(f.slope) || is_above(f.slope);
+                    there.filter(is_at_end).count() >= FEATURES_BEYOND
+                })
+            };
+            let mut more = |known: usize, [here, there]: [usize; 2], end: f32| {
+                let share = (known + here.saturating_sub(there)) as f32 / self.motions.len() as f32;
+                if share <= FIELD_BEYOND || !is_borne_out(end) {
+                    return 0;
+                }
+                beyond.share = beyond.share.max(share);
+                beyond.ends.push((second, end));
+                axis.count.saturating_sub(1).div_ceil(2)
+            };
+            let below = more(count(true, &is_below), by_chance, axis.min);
+            let above = more(count(true, &is_above), [by_chance[1], by_chance[0]], axis.max);
+            *(if second { &mut beyond.grid.v } else { &mut beyond.grid.u }) = axis.with_more(below, above);
+        }
+        (!beyond.ends.is_empty()).then_some(beyond)
+    }
+}
+
+impl Beyond {
+    /// Whether a field measured over the wider range has less beyond it: what is found at an end was not compared
+    /// farther out.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `monitor` was cancelled.
+    pub(crate) fn is_held(&self, burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<bool, Cancelled> {
+        let field = field_over(&self.grid, burst, used, monitor)?;
+        let left = field.and_then(|field| field.beyond(&self.grid, None)).map_or(0.0, |left| left.share);
+        Ok(left <= LEFT_BEYOND * self.share)
+    }
+}
+
+/// Field of motion of the frames `used` over the slopes of `grid`.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub(crate) fn field_over(
+    grid: &SlopeGrid,
+    burst: &Burst,
+    used: Range<usize>,
+    monitor: &Monitor,
+) -> Result<Option<MotionField>, Cancelled> {
+    let frames: Vec<&Plane> = burst.frames[used.clone()].iter().map(|frame| &**frame).collect();
+    motion_field(&frames, &FrameTimes::all(burst.positions.part(used)), grid, &monitor.silent())
+}
