@@ -108,7 +108,7 @@ pub fn with_features(mut window: Window) -> Window {
     let burst = model.burst_of(Side::A).expect("it is open").id;
     let (params, searched) = (asked.detector.clone(), asked.detector.clone());
     let detected = Detected { burst, asked, params, searched, search_secs: 0.1, finding: None, detection };
-    model.bottom_tab = BottomTab::Tally;
+    model.document.bottom_tab = BottomTab::Tally;
     model.take_detection(Side::A, detected, Duration::from_millis(120));
     window.settle();
     window

@@ -44,7 +44,7 @@ fn features_of_other_parameters_are_replaced_only_after_a_question() {
     };
     let before = features(&window);
     assert!(before.iter().all(|count| *count > 2), "{before:?}");
-    window.app_mut().model.params.max_features = 2;
+    window.app_mut().model.document.params.max_features = 2;
     window.harness.run_steps(2);
     window.click("Detect all");
     window.harness.run_steps(3);

@@ -47,7 +47,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::OpenGold(side, source) => model.open_gold(side, source, engine),
         A::OpenFeatures(side, path) => {
             model.lay_over(side, path);
-            model.bottom_tab = BottomTab::Compared;
+            model.document.bottom_tab = BottomTab::Compared;
         }
         A::OpenTrajectory(which, path) => model.open_trajectory(which, path, engine),
         A::OpenBurstAt(place) => model.open_burst_at(place, engine),
@@ -60,27 +60,27 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::Note(text) => model.messages.note(text),
         A::DismissMessage(id) => model.messages.dismiss(id),
         A::ColourBy(by) => {
-            model.colour_by = by;
+            model.document.colour_by = by;
             // Choosing a quantity again starts its computation again, if that was cancelled.
-            model.coherence.try_again();
+            model.results.coherence.try_again();
         }
         A::ToggleTab(tab) => {
-            model.panels.bottom = Visibility::from(!model.shows_bottom() || model.bottom_tab != tab);
-            model.bottom_tab = tab;
+            model.document.panels.bottom = Visibility::from(!model.shows_bottom() || model.document.bottom_tab != tab);
+            model.document.bottom_tab = tab;
         }
         A::SetPairTab(tab) => {
-            model.panels.bottom = Visibility::from(!model.shows_bottom() || model.pair_tab != tab);
-            model.pair_tab = tab;
+            model.document.panels.bottom = Visibility::from(!model.shows_bottom() || model.document.pair_tab != tab);
+            model.document.pair_tab = tab;
         }
         A::UseFrames(count) => model.use_frames(count),
         A::ApplyChanges(side, changes) => model.apply_advice(side, &changes),
         A::ApplySetUp => model.apply_set_up(),
-        A::ExamineSlopes => model.explained.slopes_wanted = true,
+        A::ExamineSlopes => model.results.explained.slopes_wanted = true,
         A::SearchDecoys => model.want_decoys(),
         A::Probe(side, question) => model.ask_probe(side, question),
         A::ProbeFeature(side, index) => model.probe_feature(side, index),
         // The open probe speaks of what is selected.
-        A::Select(Some(index)) if model.probe.is_open && model.probe.is_on() => {
+        A::Select(Some(index)) if model.document.probe.is_open && model.document.probe.is_on() => {
             model.probe_feature(Side::A, index);
         }
         A::ProbeSubject(subject) => model.look_at(subject),
@@ -88,13 +88,13 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::SelectRow(side, row) => model.select_row(side, row),
         A::AskFeature(index) => model.ask_feature(index),
         A::ShowKept(index, shown) => {
-            model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.is_shown = shown);
+            model.results.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.is_shown = shown);
         }
         A::NameKept(index, name) => {
-            model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.name.clone_from(&name));
+            model.results.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.name.clone_from(&name));
         }
         A::ForgetKept(index) => model.forget_kept(index),
-        A::SortPairs(column) => model.datasets.open.iter_mut().for_each(|open| open.matches.sort_by(column)),
+        A::SortPairs(column) => model.results.datasets.open.iter_mut().for_each(|open| open.matches.sort_by(column)),
         A::ChangePanes(change) => model.change_panes(change),
         action => set(action, &mut model.document),
     }
@@ -206,6 +206,6 @@ mod tests {
         }
         model.close_step(false);
         assert!(model.document == before && !model.history.can_undo());
-        assert_eq!((model.hovered, model.slots.b.comparison.hovered), (Some(3), Some(1)));
+        assert_eq!((model.results.hovered, model.results.slots.b.comparison.hovered), (Some(3), Some(1)));
     }
 }

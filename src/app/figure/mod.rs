@@ -59,13 +59,15 @@ pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), String> {
 
 /// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
 fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
-    let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.workspace {
-        Workspace::Pair => model.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect(),
+    let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.document.workspace {
+        Workspace::Pair => {
+            model.results.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect()
+        }
         Workspace::Methods => MethodId::ALL
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .map(|(method, matches)| {
-                let rows = matches.rows().filter(|row| model.match_look.shows_row(row)).map(|row| row.index);
+                let rows = matches.rows().filter(|row| model.document.match_look.shows_row(row)).map(|row| row.index);
                 (Some(method), matches, rows.collect())
             })
             .collect(),
@@ -81,7 +83,7 @@ fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &F
         drawn.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
         links.extend(links_between(model, widgets, panes, (method, matches), &rows));
     }
-    let label = |kind: MatchKind, drawn, all| match model.workspace {
+    let label = |kind: MatchKind, drawn, all| match model.document.workspace {
         // The title of each method has its count.
         Workspace::Methods => kind.label().to_owned(),
         _ => kind.counted(drawn, all),
@@ -116,7 +118,7 @@ fn links_between(
         for row in rows {
             let ends = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])].map(|feature| [feature.u, feature.v]);
             let link = FigureLink::of_match([panel(a), panel(b)], ends, MatchKind::of(row.inlier));
-            let is_selected = method.is_none() && model.selected_match == Some(row.index);
+            let is_selected = method.is_none() && model.document.selected_match == Some(row.index);
             links.push(FigureLink { weight: if is_selected { 2.0 } else { link.weight }, ..link });
         }
     }
@@ -124,10 +126,10 @@ fn links_between(
 }
 
 pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
-    let rows = if choice.all_panes && model.workspace.needs_burst() {
-        model.panes.arrangement().in_rows()
+    let rows = if choice.all_panes && model.document.workspace.needs_burst() {
+        model.document.panes.arrangement().in_rows()
     } else {
-        vec![vec![model.focus()]]
+        vec![vec![model.document.focus()]]
     };
     drawing_of_panes(model, widgets, &rows, choice)
 }
@@ -197,8 +199,8 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
 /// shown.
 fn title_of(model: &Model, id: PaneId, picture: &Picture) -> String {
     let shown = describe(picture);
-    let Some(pane) = model.panes.get(id) else { return shown };
-    match (model.workspace, pane.method, model.burst_of(pane.side)) {
+    let Some(pane) = model.document.panes.get(id) else { return shown };
+    match (model.document.workspace, pane.method, model.burst_of(pane.side)) {
         (Workspace::Methods, Some(method), _) => {
             let counts = model.method_matches(method).and_then(|matches| matches.result.counts.inliers);
             let inliers = counts.map_or_else(String::new, |count| format!(" · {count} inliers"));

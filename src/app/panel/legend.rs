@@ -50,7 +50,7 @@ pub fn legend_ui(
     queue: &mut Queue,
     add_contents: impl FnOnce(&mut Ui),
 ) {
-    let is_open = model.look.legend;
+    let is_open = model.document.look.legend;
     let rect = place.corner(if is_open { size } else { CHIP });
     let name = if is_open { "Fold the legend" } else { "Show the legend" };
     let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());

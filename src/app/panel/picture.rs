@@ -213,9 +213,9 @@ pub(in crate::app) fn at_time(feature: &Feature, from_middle: Offset<f32>) -> Fe
 
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
-    if model.measure.tool == Tool::Mask
-        || model.look.overlay == FeaturesShown::None
-        || model.slots.a.detecting.is_pending()
+    if model.document.measure.tool == Tool::Mask
+        || model.document.look.overlay == FeaturesShown::None
+        || model.results.slots.a.detecting.is_pending()
     {
         return;
     }

@@ -41,19 +41,19 @@ pub struct ExplainedState {
 impl Model {
     /// The slopes of the detection on show, if they are wanted and not known. A running detection comes first.
     pub fn missing_slopes(&self) -> Option<ExplainRequest> {
-        let is_time = self.workspace == Workspace::Inspect && !self.slots.a.detecting.is_pending();
+        let is_time = self.document.workspace == Workspace::Inspect && !self.results.slots.a.detecting.is_pending();
         self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
     }
 
     pub fn missing_candidates(&self) -> Option<ExplainRequest> {
-        let is_time = self.workspace == Workspace::Inspect && !self.slots.a.detecting.is_pending();
+        let is_time = self.document.workspace == Workspace::Inspect && !self.results.slots.a.detecting.is_pending();
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
     /// Unlike the others they go on while another workspace is open.
     pub fn missing_decoys(&self) -> Option<ExplainRequest> {
-        let is_current = self.stale().is_none() && !self.slots.a.detecting.is_pending();
-        let wanted = self.explained.wanted_decoys.clone().filter(|_| is_current && self.decoys().is_none());
+        let is_current = self.stale().is_none() && !self.results.slots.a.detecting.is_pending();
+        let wanted = self.results.explained.wanted_decoys.clone().filter(|_| is_current && self.decoys().is_none());
         wanted.filter(|wanted| self.decoys_request().as_ref() == Some(wanted))
     }
 
@@ -63,25 +63,25 @@ impl Model {
 
     /// Of the detection on show; `None` for stale features.
     pub fn decoys(&self) -> Option<&Arc<DecoyReport>> {
-        let (request, report) = self.explained.decoys.as_ref()?;
+        let (request, report) = self.results.explained.decoys.as_ref()?;
         (self.stale().is_none() && *request == self.decoys_request()?).then_some(report)
     }
 
     /// Also after they failed or were cancelled.
     pub fn want_decoys(&mut self) {
-        self.explained.asked_decoys.forget();
-        self.explained.wanted_decoys = self.decoys_request();
+        self.results.explained.asked_decoys.forget();
+        self.results.explained.wanted_decoys = self.decoys_request();
     }
 
     pub(super) fn take_explained(&mut self, ended: Ended<ExplainRequest>) {
         let title = if matches!(ended.request.question, ExplainQuestion::Decoys(_)) { "Decoys" } else { "Explanation" };
         let Some(Explained { request, explanation }) = self.answer(ended, title) else { return };
         match explanation {
-            Explanation::Slopes(spectrum) => self.explained.slopes = Some((request, spectrum)),
-            Explanation::Decoys(report) => self.explained.decoys = Some((request, report)),
+            Explanation::Slopes(spectrum) => self.results.explained.slopes = Some((request, spectrum)),
+            Explanation::Decoys(report) => self.results.explained.decoys = Some((request, report)),
             Explanation::Candidates(survey) => {
-                self.explained.candidates = Some((request, survey));
-                (self.selected_candidate, self.explained.pointed) = (None, None);
+                self.results.explained.candidates = Some((request, survey));
+                (self.document.selected_candidate, self.results.explained.pointed) = (None, None);
             }
         }
     }
@@ -89,13 +89,13 @@ impl Model {
     /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
     pub fn apply_advice(&mut self, side: Side, changes: &[ParamChange]) {
         let slopes = self.params_of(side).slopes;
-        match ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.params.clone() }) {
+        match ParamChange::all_applied(changes, &DetectorParams { slopes, ..self.document.params.clone() }) {
             Ok(changed) => {
                 let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
                 if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
-                    (self.params, self.slopes) = (changed, SlopeChoice::Given);
+                    (self.document.params, self.document.slopes) = (changed, SlopeChoice::Given);
                 } else {
-                    self.params = DetectorParams { slopes: self.params.slopes, ..changed };
+                    self.document.params = DetectorParams { slopes: self.document.params.slopes, ..changed };
                 }
                 let labels: Vec<String> = changes.iter().map(ParamChange::label).collect();
                 self.messages.note(format!("Set {}", labels.join(", ")));
@@ -106,7 +106,7 @@ impl Model {
 
     /// While the features of `side` are searched, the advice on show is of the search before.
     pub fn takes_advice(&self, side: Side) -> bool {
-        !self.slots[side].detecting.is_pending()
+        !self.results.slots[side].detecting.is_pending()
     }
 
     fn explain_request(&self, question: ExplainQuestion) -> Option<ExplainRequest> {
@@ -114,46 +114,46 @@ impl Model {
     }
 
     pub fn spectrum(&self) -> Option<&Arc<Spectrum>> {
-        let (request, spectrum) = self.explained.slopes.as_ref()?;
+        let (request, spectrum) = self.results.explained.slopes.as_ref()?;
         let wanted = self.explain_request(ExplainQuestion::Slopes)?;
         (*request == wanted).then_some(spectrum)
     }
 
     /// By what the frames show once that is examined, by the detection until then; `None` for stale features.
     pub fn slope_judgement(&self) -> Option<&SlopeJudgement> {
-        let found = self.slots.a.found.as_ref().filter(|_| self.stale().is_none())?;
+        let found = self.results.slots.a.found.as_ref().filter(|_| self.stale().is_none())?;
         self.spectrum().and_then(|spectrum| spectrum.judgement.as_ref()).or(found.judgement.as_ref())
     }
 
     pub fn survey(&self) -> Option<&Arc<Survey>> {
-        let (request, survey) = self.explained.candidates.as_ref()?;
+        let (request, survey) = self.results.explained.candidates.as_ref()?;
         (*request == self.wanted_candidates()?).then_some(survey)
     }
 
     pub fn survey_counts(&self) -> Option<&Arc<Survey>> {
-        let (request, survey) = self.explained.candidates.as_ref()?;
+        let (request, survey) = self.results.explained.candidates.as_ref()?;
         let wanted = self.explain_request(request.question)?;
         (request.of == wanted.of).then_some(survey)
     }
 
     pub fn selected_candidate(&self) -> Option<&CandidateMark> {
-        self.survey()?.marks.get(self.selected_candidate?)
+        self.survey()?.marks.get(self.document.selected_candidate?)
     }
 
     pub fn slopes_take_long(&self) -> bool {
-        self.slots.a.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
+        self.results.slots.a.found.as_ref().is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
     }
 
     /// Always wanted, unless the detection took long. A single frame has none.
     pub fn wanted_slopes(&self) -> Option<ExplainRequest> {
-        let found = self.slots.a.found.as_ref()?;
+        let found = self.results.slots.a.found.as_ref()?;
         let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
-        let wanted = has_slopes && (self.explained.slopes_wanted || !self.slopes_take_long());
+        let wanted = has_slopes && (self.results.explained.slopes_wanted || !self.slopes_take_long());
         self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())
     }
 
     pub fn wanted_candidates(&self) -> Option<ExplainRequest> {
-        let test = self.shown_test?;
+        let test = self.document.shown_test?;
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };
         self.explain_request(ExplainQuestion::Candidates(options))
     }
@@ -186,41 +186,43 @@ impl CoherenceState {
 
 impl Model {
     fn lists_verdicts(&self) -> bool {
-        let is_in_table = self.shows_bottom() && self.bottom_tab == BottomTab::Table;
-        self.workspace == Workspace::Inspect
-            && (is_in_table || self.filter.needs_verdicts() || self.selected_feature().is_some())
+        let is_in_table = self.shows_bottom() && self.document.bottom_tab == BottomTab::Table;
+        self.document.workspace == Workspace::Inspect
+            && (is_in_table || self.document.filter.needs_verdicts() || self.read().selected_feature().is_some())
     }
 
     /// A running detection comes first.
     pub fn missing_coherence(&self, side: Side) -> Option<CoherenceRequest> {
-        let is_shown = match self.workspace {
+        let is_shown = match self.document.workspace {
             Workspace::Pair => true,
             Workspace::Inspect => {
-                self.look.overlay != FeaturesShown::None && self.panes.iter().any(|(_, pane)| pane.side == side)
+                self.document.look.overlay != FeaturesShown::None
+                    && self.document.panes.iter().any(|(_, pane)| pane.side == side)
             }
             _ => false,
         };
-        let is_asked = self.colour_by == ColourBy::Coherence && is_shown || side == Side::A && self.lists_verdicts();
-        if !is_asked || self.slots[side].detecting.is_pending() {
+        let is_asked =
+            self.document.colour_by == ColourBy::Coherence && is_shown || side == Side::A && self.lists_verdicts();
+        if !is_asked || self.results.slots[side].detecting.is_pending() {
             return None;
         }
         let (of, detection) = (self.found_source(side)?, self.found_of(side)?.detection.clone());
-        self.coherence.of(&detection).is_none().then_some(CoherenceRequest { of, detection })
+        self.results.coherence.of(&detection).is_none().then_some(CoherenceRequest { of, detection })
     }
 
     /// Those of detections that are not open any more are forgotten.
     pub(super) fn take_coherences(&mut self, ended: Ended<CoherenceRequest>) {
-        let open = self.slots.both().map(|slot| slot.found.as_ref().map(|found| found.detection.clone()));
+        let open = self.results.slots.both().map(|slot| slot.found.as_ref().map(|found| found.detection.clone()));
         let is_open = |of: &Arc<Detection>| open.iter().flatten().any(|open| Arc::ptr_eq(open, of));
         if let Some(coherences) = self.answer(ended, "Coherence") {
-            let known = &mut self.coherence.known;
+            let known = &mut self.results.coherence.known;
             known.retain(|known| is_open(&known.detection) && !Arc::ptr_eq(&known.detection, &coherences.detection));
             known.push(coherences);
         }
     }
 
     pub fn judged(&self) -> Option<&Arc<Vec<Judged>>> {
-        self.coherence.of(&self.slots.a.found.as_ref()?.detection)
+        self.results.coherence.of(&self.results.slots.a.found.as_ref()?.detection)
     }
 }
 

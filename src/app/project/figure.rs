@@ -81,7 +81,7 @@ impl Model {
     pub(in crate::app) fn make_figures(&mut self, out: PathBuf, engine: &Engine) {
         self.messages.resolved(TITLE);
         let job = FiguresJob { out, only: Vec::new(), size: FigureSize::Full, colmap: find_colmap() };
-        self.figures.ask(engine, job);
+        self.results.figures.ask(engine, job);
     }
 
     pub(super) fn take_figures(&mut self, ended: Ended<FiguresJob>) -> Vec<Effect> {

@@ -55,10 +55,10 @@ impl Model {
         let side = self.active_side();
         let burst = self.burst_of(side)?.clone();
         let found = self.found_of(side);
-        let params = found.map_or_else(|| self.slots[side].usable_params.clone(), |found| found.params.clone());
+        let params = found.map_or_else(|| self.results.slots[side].usable_params.clone(), |found| found.params.clone());
         let grid = params.used_slopes();
         let count = |axis: &SlopeAxis| (STEPS * (axis.count - 1) + 1).min(MAX_FILM_PICTURES);
-        let sweep = match self.film.content {
+        let sweep = match self.document.film.content {
             FilmContent::Scales => Sweep::Scale,
             FilmContent::Slopes if grid.u.count > 1 => Sweep::SlopeU(grid.u.min, grid.u.max, count(&grid.u)),
             FilmContent::Slopes if grid.v.count > 1 => Sweep::SlopeV(grid.v.min, grid.v.max, count(&grid.v)),
@@ -66,10 +66,10 @@ impl Model {
         };
         let detection = found.map(|found| found.detection.clone());
         // The place that is probed, at the scale of the cursor, as the curves of the probe follow it.
-        let cursor = self.cursor();
-        let probed = self.probed_place().filter(|_| self.probe.side == side);
+        let cursor = self.document.cursor();
+        let probed = self.probed_place().filter(|_| self.document.probe.side == side);
         let place = probed.map(|at| FilmPlace { at, scale: (cursor.octave, cursor.level) });
-        let max_side_px = self.film.max_side_px;
+        let max_side_px = self.document.film.max_side_px;
         Some(Film { burst, params, sweep, slope: cursor.slope, detection, place, max_side_px })
     }
 }

@@ -166,46 +166,54 @@ pub(crate) struct ListedFor {
 }
 
 impl Model {
-    /// Updates [`Project::listed`](crate::app::project::Project::listed). Cheap when nothing changed.
+    /// Updates [`Results::listed`](crate::app::project::Results::listed). Cheap when nothing changed.
     pub fn refresh_listed(&mut self) {
-        let Some(found) = &self.slots.a.found else {
-            self.listed.clear();
-            self.listed_for = None;
+        let Some(found) = &self.results.slots.a.found else {
+            self.results.listed.clear();
+            self.results.listed_for = None;
             return;
         };
         // The slope on show matters only to the filter by slope.
-        let slope = if self.filter.near_slope.is_some() { self.cursor().slope } else { Slope::default() };
-        let judged = self.coherence.of(&found.detection);
+        let slope =
+            if self.document.filter.near_slope.is_some() { self.document.cursor().slope } else { Slope::default() };
+        let judged = self.results.coherence.of(&found.detection);
         let now = ListedFor {
             detection: Arc::as_ptr(&found.detection) as usize,
             judged: judged.map_or(0, |judged| Arc::as_ptr(judged) as usize),
-            filter: self.filter.clone(),
-            order: self.order,
+            filter: self.document.filter.clone(),
+            order: self.document.order,
             slope,
-            set_up: self.set_up.depths_by().copied(),
+            set_up: self.document.set_up.depths_by().copied(),
         };
-        if self.listed_for.as_ref() != Some(&now) {
-            self.listed = filter::listed(
+        if self.results.listed_for.as_ref() != Some(&now) {
+            self.results.listed = filter::listed(
                 &found.detection.features,
                 judged.map(|judged| &judged[..]),
-                &self.set_up,
-                &self.filter,
+                &self.document.set_up,
+                &self.document.filter,
                 &found.detection.slopes,
                 slope,
-                self.order,
+                self.document.order,
             );
-            self.listed_for = Some(now);
+            self.results.listed_for = Some(now);
         }
     }
 
     /// Default of [`Filter::near_slope`]: as for the features over the picture.
     pub fn near_slope(&self) -> f32 {
-        near_slope(self.slots.a.found.as_ref().map_or(&self.slots.a.usable_params.slopes, |f| &f.detection.slopes))
+        near_slope(
+            self.results
+                .slots
+                .a
+                .found
+                .as_ref()
+                .map_or(&self.results.slots.a.usable_params.slopes, |f| &f.detection.slopes),
+        )
     }
 
     pub fn listed_flags(&self) -> Vec<bool> {
-        let mut flags = vec![false; self.features().len()];
-        for &i in &self.listed {
+        let mut flags = vec![false; self.read().features().len()];
+        for &i in &self.results.listed {
             if let Some(flag) = flags.get_mut(i) {
                 *flag = true;
             }
@@ -215,7 +223,7 @@ impl Model {
 
     pub fn select_neighbour(&mut self, forward: bool) {
         self.refresh_listed();
-        self.selected = neighbour(&self.listed, self.selected, forward);
+        self.document.selected = neighbour(&self.results.listed, self.document.selected, forward);
     }
 }
 

@@ -144,7 +144,7 @@ impl Model {
         engine: &Engine,
     ) {
         let before = self.document.clone();
-        let calibration = step(&mut self.project.history, &mut self.project.document);
+        let calibration = step(&mut self.history, &mut self.document);
         self.check_params();
         let calibration = calibration.unwrap_or_else(|| before.calibration.clone());
         let changed = Document { calibration: calibration.clone(), ..self.document.clone() }.changed_from(&before);
@@ -152,7 +152,7 @@ impl Model {
             self.messages.note(format!("{what}: {changed}"));
         }
         if calibration != before.calibration {
-            self.slots.a.stepped_to = Some(calibration.clone());
+            self.results.slots.a.stepped_to = Some(calibration.clone());
             self.calibrate(calibration, engine);
         }
     }
@@ -161,14 +161,14 @@ impl Model {
     pub fn as_step<T>(&mut self, change: impl FnOnce(&mut Self) -> T) -> T {
         let before = self.document.clone();
         let changed = change(self);
-        self.project.history.take(before, &self.project.document);
+        self.history.take(before, &self.document);
         changed
     }
 
     /// Ends a step, unless `goes_on`: its change may continue in the next pass.
     pub(in crate::app) fn close_step(&mut self, goes_on: bool) {
-        if !goes_on && !self.playing && self.history.begun.is_some() {
-            self.project.history.close(&self.project.document);
+        if !goes_on && !self.document.playing && self.history.begun.is_some() {
+            self.history.close(&self.document);
         }
     }
 }
@@ -197,7 +197,7 @@ mod tests {
         pass(&mut history, &mut model.document, false, |m| m.matching.ratio = 0.5);
         pass(&mut history, &mut model.document, false, |_| {});
         history.undo(&mut model.document);
-        assert_eq!((&model.matching, model.params.levels), (&MatchParams::default(), 5));
+        assert_eq!((&model.document.matching, model.document.params.levels), (&MatchParams::default(), 5));
         pass(&mut history, &mut model.document, false, |m| m.params.octaves = 2);
         assert!(!history.can_redo());
     }
@@ -205,10 +205,10 @@ mod tests {
     #[test]
     fn steps_in_b_are_undone_in_b_also_after_the_sides_were_swapped() {
         let mut model = pair();
-        model.open_workspace(Workspace::Pair);
+        model.document.open_workspace(Workspace::Pair);
         let mut history = std::mem::take(&mut model.history);
-        let slopes = |model: &Model| Side::BOTH.map(|side| model.cursor_of(side).slope.u);
-        model.focus_on_side(Side::B);
+        let slopes = |model: &Model| Side::BOTH.map(|side| model.document.cursor_of(side).slope.u);
+        model.document.focus_on_side(Side::B);
         let (a, before) = (slopes(&model)[0], slopes(&model)[1]);
         pass(&mut history, &mut model.document, false, |m| m.focused_mut().cursor.slope.u = 0.25);
         assert_eq!(slopes(&model), [a, 0.25]);
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn a_drag_that_comes_back_is_no_step() {
         let (mut model, mut history) = (Model::default(), History::default());
-        let before = model.params.edge_threshold;
+        let before = model.document.params.edge_threshold;
         for (value, goes_on) in [(1.0, true), (30.0, true), (before, false)] {
             pass(&mut history, &mut model.document, goes_on, |m| m.params.edge_threshold = value);
         }
@@ -236,7 +236,7 @@ mod tests {
     #[test]
     fn what_changes_by_itself_is_no_step() {
         let (mut model, mut history) = (Model::default(), History::default());
-        model.slopes = SlopeChoice::AUTO;
+        model.document.slopes = SlopeChoice::AUTO;
         pass(&mut history, &mut model.document, false, |m| m.params.slopes = SlopeGrid::line(-2.0..=2.0, 5));
         assert!(!history.can_undo());
         pass(&mut history, &mut model.document, false, |m| {
@@ -246,6 +246,6 @@ mod tests {
         assert!(!history.can_undo(), "nor is a new pane");
         pass(&mut history, &mut model.document, false, |m| m.params.levels = 5);
         history.undo(&mut model.document);
-        assert_eq!(model.params.slopes, SlopeGrid::line(-2.0..=2.0, 5), "slopes that were found stay");
+        assert_eq!(model.document.params.slopes, SlopeGrid::line(-2.0..=2.0, 5), "slopes that were found stay");
     }
 }

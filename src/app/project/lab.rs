@@ -129,46 +129,46 @@ impl Studies {
 
 impl Model {
     pub fn lab_results(&self) -> Vec<(LabSet, Option<&str>, &LabResult)> {
-        self.studies.shown_results(self.lab.question)
+        self.results.studies.shown_results(self.document.lab.question)
     }
 
     pub fn forget_kept(&mut self, index: usize) {
-        if index >= self.studies.kept.len() {
+        if index >= self.results.studies.kept.len() {
             return;
         }
-        self.studies.kept.remove(index);
-        match &mut self.lab.selected {
+        self.results.studies.kept.remove(index);
+        match &mut self.document.lab.selected {
             Some((LabSet::Kept(selected), _)) if *selected > index => *selected -= 1,
-            Some((LabSet::Kept(selected), _)) if *selected == index => self.lab.selected = None,
+            Some((LabSet::Kept(selected), _)) if *selected == index => self.document.lab.selected = None,
             _ => {}
         }
     }
 
     pub fn selected_chart(&self) -> Option<ChartOfStudy> {
-        let (set, point) = self.lab.selected?;
-        let study = self.studies.result(set)?.study.clone();
+        let (set, point) = self.document.lab.selected?;
+        let study = self.results.studies.result(set)?.study.clone();
         let (first, count) = study.seeds()?;
-        let seed = first.saturating_add(self.lab.selected_chart.min(count.saturating_sub(1)));
+        let seed = first.saturating_add(self.document.lab.selected_chart.min(count.saturating_sub(1)));
         Some(ChartOfStudy { study, point, seed })
     }
 
     pub fn selected_thing(&self) -> Option<&Planted> {
-        let (seed, id) = self.lab.selected_thing?;
-        self.studies.recovered()?.1.planted.iter().find(|one| (one.seed, one.truth.id) == (seed, id))
+        let (seed, id) = self.document.lab.selected_thing?;
+        self.results.studies.recovered()?.1.planted.iter().find(|one| (one.seed, one.truth.id) == (seed, id))
     }
 
     pub fn current_chart(&self) -> Option<&ShownChart> {
         let wanted = self.selected_chart()?;
-        self.studies.shown.as_ref().filter(|shown| shown.of == wanted)
+        self.results.studies.shown.as_ref().filter(|shown| shown.of == wanted)
     }
 
     pub(in crate::app) fn run_study(&mut self, engine: &Engine) {
         match self.lab_study() {
             Ok(study) => {
-                let open = self.slots.a.burst.clone();
-                (self.lab.selected, self.lab.selected_thing) = (None, None);
+                let open = self.results.slots.a.burst.clone();
+                (self.document.lab.selected, self.document.lab.selected_thing) = (None, None);
                 self.messages.forget_note();
-                let studies = &mut self.studies;
+                let studies = &mut self.results.studies;
                 // Of another study the curves stay beside the new ones.
                 let is_kept = |last: &LabResult| studies.kept.iter().any(|kept| kept.result.study == last.study);
                 let is_another = |last: &LabResult| last.is_whole && last.study != study && !is_kept(last);
@@ -178,13 +178,13 @@ impl Model {
                 (studies.problem, studies.current, studies.shown) = (None, None, None);
                 studies.wanted.ask(engine, StudyRequest { study, open });
             }
-            Err(problem) => self.studies.problem = Some(problem),
+            Err(problem) => self.results.studies.problem = Some(problem),
         }
     }
 
     pub(in crate::app) fn open_planted(&mut self, engine: &Engine) {
         let (Some(one), Some((study, _)), Some(open)) =
-            (self.selected_thing(), self.studies.recovered(), &self.slots.a.burst)
+            (self.selected_thing(), self.results.studies.recovered(), &self.results.slots.a.burst)
         else {
             return;
         };
@@ -195,13 +195,13 @@ impl Model {
         };
         let source = BurstSource::Planted { of, study: Box::new(study.clone()), seed: one.seed };
         let place = [one.truth.u as f32, one.truth.v as f32];
-        self.workspace = Workspace::Inspect;
-        self.studies.probe_when_open = Some((source.clone(), place));
+        self.document.workspace = Workspace::Inspect;
+        self.results.studies.probe_when_open = Some((source.clone(), place));
         self.open(Side::A, source, engine);
     }
 
     pub(super) fn take_part_of_study(&mut self, report: StudyReport) {
-        let lab = &mut self.studies;
+        let lab = &mut self.results.studies;
         if let Some(request) = lab.wanted.pending() {
             lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
         }
@@ -210,11 +210,11 @@ impl Model {
     pub(super) fn take_study(&mut self, ended: Ended<StudyRequest>) -> Vec<Effect> {
         match ended.result {
             Ok(report) => {
-                self.studies.current = Some(LabResult { study: ended.request.study, report, is_whole: true });
+                self.results.studies.current = Some(LabResult { study: ended.request.study, report, is_whole: true });
                 self.messages.note("The study is finished");
             }
             Err(JobError::Cancelled) => self.messages.note("The study was cancelled"),
-            Err(error) => self.studies.problem = Some(error.to_string()),
+            Err(error) => self.results.studies.problem = Some(error.to_string()),
         }
         Vec::new()
     }
@@ -225,17 +225,17 @@ impl Model {
 
     pub(super) fn take_chart(&mut self, ended: Ended<ChartOfStudy>) {
         match ended.result {
-            Ok(shown) => self.studies.shown = Some(shown),
+            Ok(shown) => self.results.studies.shown = Some(shown),
             Err(JobError::Cancelled) => {}
-            Err(error) => self.studies.problem = Some(error.to_string()),
+            Err(error) => self.results.studies.problem = Some(error.to_string()),
         }
     }
 
     pub(super) fn probe_planted(&mut self) {
         let is_open = |(source, _): &mut (BurstSource, [f32; 2])| {
-            self.project.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
+            self.results.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
         };
-        if let Some((_, place)) = self.studies.probe_when_open.take_if(is_open) {
+        if let Some((_, place)) = self.results.studies.probe_when_open.take_if(is_open) {
             self.probe_place(Side::A, place);
         }
     }
@@ -390,50 +390,11 @@ impl Lab {
 
 impl Model {
     pub fn lab_study(&self) -> Result<Study, String> {
-        let bursts = self.slots.a.burst.as_ref().map(|open| BurstsOfStudy {
+        let bursts = self.results.slots.a.burst.as_ref().map(|open| BurstsOfStudy {
             burst: open.burst.clone(),
-            second: self.slots.b.burst.as_ref().map(|second| second.burst.clone()),
+            second: self.results.slots.b.burst.as_ref().map(|second| second.burst.clone()),
             truth: None,
         });
-        self.lab.study(&self.asked(), bursts.as_ref())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_asked_is_what_the_commands_ask_by_default() {
-        let lab = Lab { methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(), ..Lab::default() };
-        let study = lab.study(&SearchParams::default(), None).expect("sound");
-        assert_eq!(study, Study::Chart(Box::default()));
-        let given = SearchParams { slopes: SlopeChoice::Given, ..SearchParams::default() };
-        let Study::Chart(study) = lab.study(&given, None).expect("sound") else { panic!("a study of charts") };
-        assert_eq!(study.searches.slopes_1d, given.detector.slopes);
-    }
-
-    #[test]
-    fn the_number_of_frames_needs_one_ratio_and_whole_numbers() {
-        let with = |snrs: &str, counts: &str| {
-            let question = LabQuestion::Frames;
-            let (snrs_text, counts_text) = (snrs.to_owned(), counts.to_owned());
-            Lab { question, snrs_text, counts_text, ..Lab::default() }.study(&SearchParams::default(), None)
-        };
-        let Ok(Study::Frames(study)) = with("0.6", "2, 10") else { panic!("a study of frames") };
-        assert_eq!((study.frame_counts, study.charts.snrs), (vec![2, 10], vec![0.6]));
-        assert!(with("0.6, 1", "2").expect_err("two ratios").contains("one SNR"));
-        assert!(with("0.6", "2, ten").expect_err("a word").contains("'ten'"));
-        let lab = Lab { question: LabQuestion::BurstFrames, ..Lab::default() };
-        assert!(lab.study(&SearchParams::default(), None).expect_err("no burst").contains("open a burst"));
-    }
-
-    #[test]
-    fn ratios_are_read_as_they_are_typed() {
-        let read = |text: &str| Lab { snrs_text: text.to_owned(), ..Lab::default() }.snrs();
-        assert_eq!(read(" 0.2,0.35 , 0.2,"), Ok(vec![0.2, 0.35]));
-        for (text, says) in [("0.2; 1", "'0.2; 1'"), ("-1", "'-1'"), ("NaN", "'NaN'"), (" ,", "no ratio")] {
-            assert!(read(text).expect_err(text).contains(says), "{text}");
-        }
+        self.document.lab.study(&self.asked(), bursts.as_ref())
     }
 }

@@ -99,28 +99,3 @@ pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
     };
     SlopeGrid { u, v, ..grid }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_method_takes_the_edited_parameters_in_its_own_way() {
-        let line = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() };
-        assert_eq!(MethodId::Buff1d.params(&line), line);
-        assert_eq!(MethodId::Buff2d.params(&line).slopes, SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5));
-        let plane = DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3), ..line.clone() };
-        assert_eq!(MethodId::Buff2d.params(&plane), plane);
-        let forwards = DetectorParams { slopes: SlopeGrid::line(-6.0..=-3.0, 4), ..line.clone() };
-        let around_zero = SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5);
-        assert_eq!(MethodId::Buff2d.params(&forwards).slopes, around_zero, "v has no slopes of u's range");
-        assert_eq!(MethodId::Buff1d.params(&plane).slopes, SlopeGrid::line(-3.0..=3.0, 7));
-        let sift = DetectorParams { method: Method::Sift, peak_threshold: 0.01, ..line };
-        assert_eq!(MethodId::Sift.params(&sift), sift);
-        assert_eq!(MethodId::Buff1d.params(&sift).peak_threshold, 0.01);
-        for method in MethodId::ALL {
-            assert!(!method.help().is_empty());
-            assert_eq!(method.params(&plane).validate(), Ok(()));
-        }
-    }
-}

@@ -58,26 +58,30 @@ use probe::ProbeResults;
 use side::{Side, Sides};
 use slot::Slot;
 use std::collections::HashMap;
-use std::ops::{Deref, DerefMut};
 use trajectories::TrajectoryResults;
 
-/// All of the window: the project on show, and what stays when another is shown. All that is read of the project, and
-/// of its document, is read as if it were its own.
+/// All of the window: what the user has set, what was found by it, the steps to undo, and what belongs to no project.
 #[derive(Debug, Default)]
 pub struct Model {
-    pub project: Project,
+    pub document: Document,
+    pub results: Results,
+    pub history: History,
     of_user: Option<Box<staged::UserProject>>,
     pub window_width_points: f32,
     pub messages: Messages,
-    pub figures: Wanted<FiguresJob>,
-    pub datasets: Datasets,
-    pub studies: lab::Studies,
+    play: panes::Play,
 }
 
-/// The document, and what the engine answered about its bursts.
+/// A project to read: what is set, and what was found by it.
+#[derive(Debug, Clone, Copy)]
+pub struct Read<'a> {
+    pub document: &'a Document,
+    pub results: &'a Results,
+}
+
+/// What the engine answered about what the document opens, what it is asked, and what is pointed at in the answers.
 #[derive(Debug, Default)]
-pub struct Project {
-    pub document: Document,
+pub struct Results {
     pub slots: Sides<Slot>,
     pub pictures: HashMap<PaneId, PanePicture>,
     pub patch: Option<Picture>,
@@ -88,15 +92,16 @@ pub struct Project {
     pub listed: Vec<usize>,
     pub pair: PairState,
     pub compare: Compare,
-    pub history: History,
     pub explained: ExplainedState,
     pub coherence: CoherenceState,
     pub probed: ProbeResults,
     pub poses: TrajectoryResults,
     /// What was set for another burst than the open one, until the user decides on it.
     pub left_behind: Option<own::Own>,
-    play: panes::Play,
     listed_for: Option<filter::ListedFor>,
+    pub figures: Wanted<FiguresJob>,
+    pub datasets: Datasets,
+    pub studies: lab::Studies,
 }
 
 /// Picture of a pane: the last one of its burst, why the last request failed, and the request.
@@ -107,74 +112,63 @@ pub struct PanePicture {
     pub wanted: Wanted<PictureRequest>,
 }
 
-impl Deref for Model {
-    type Target = Project;
-
-    fn deref(&self) -> &Project {
-        &self.project
-    }
-}
-
-impl DerefMut for Model {
-    fn deref_mut(&mut self) -> &mut Project {
-        &mut self.project
-    }
-}
-
-impl Deref for Project {
-    type Target = Document;
-
-    fn deref(&self) -> &Document {
-        &self.document
-    }
-}
-
-impl DerefMut for Project {
-    fn deref_mut(&mut self) -> &mut Document {
-        &mut self.document
-    }
-}
-
 impl From<Document> for Model {
     fn from(document: Document) -> Self {
-        Self { project: Project { document, ..Project::default() }, ..Self::default() }
+        Self { document, ..Self::default() }
     }
 }
 
 impl Model {
+    pub fn read(&self) -> Read<'_> {
+        Read { document: &self.document, results: &self.results }
+    }
+
     /// (columns, rows) of the open burst's frames; (0, 0) without one.
     pub fn size(&self) -> (usize, usize) {
-        self.slots.a.burst.as_ref().map_or((0, 0), |b| b.burst.size())
+        self.results.slots.a.burst.as_ref().map_or((0, 0), |b| b.burst.size())
     }
 
     /// Things under the pointer.
     pub fn pointed(&self) -> impl PartialEq + use<> {
-        let probe = (self.probed.pointer, self.probed.as_dots.clone());
-        let rows = self.slots.both().map(|slot| slot.comparison.hovered);
-        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe)
+        let probe = (self.results.probed.pointer, self.results.probed.as_dots.clone());
+        let rows = self.results.slots.both().map(|slot| slot.comparison.hovered);
+        (
+            self.results.hovered,
+            self.results.explained.pointed,
+            rows,
+            self.results.pair.hovered,
+            self.results.poses.hovered,
+            probe,
+        )
     }
 
     pub fn point_at(&mut self, pointed: Pointed) {
         match pointed {
-            Pointed::Feature(index) => self.hovered = index,
-            Pointed::Candidate(index) => self.explained.pointed = index,
-            Pointed::Row(side, row) => self.slots[side].comparison.hovered = row,
-            Pointed::Match(index) => self.pair.hovered = index,
-            Pointed::Camera(index) => self.poses.hovered = index,
-            Pointed::Place(place) => self.probed.pointer = place,
-            Pointed::Dots(features) => self.probed.as_dots = features,
-            Pointed::Lines(drawn, all) => self.pair.lines_drawn = (drawn, all),
+            Pointed::Feature(index) => self.results.hovered = index,
+            Pointed::Candidate(index) => self.results.explained.pointed = index,
+            Pointed::Row(side, row) => self.results.slots[side].comparison.hovered = row,
+            Pointed::Match(index) => self.results.pair.hovered = index,
+            Pointed::Camera(index) => self.results.poses.hovered = index,
+            Pointed::Place(place) => self.results.probed.pointer = place,
+            Pointed::Dots(features) => self.results.probed.as_dots = features,
+            Pointed::Lines(drawn, all) => self.results.pair.lines_drawn = (drawn, all),
         }
     }
 
     pub fn frame_count(&self) -> usize {
-        self.slots.a.burst.as_ref().map_or(0, |b| b.burst.len())
+        self.results.slots.a.burst.as_ref().map_or(0, |b| b.burst.len())
     }
 
     /// Positions of the frames of A that are searched; those of ten frames where nothing is open.
     pub fn used_positions(&self) -> Positions {
-        let all = self.slots.a.burst.as_ref().map_or_else(|| Positions::even(10), |open| open.burst.positions.clone());
-        all.part(self.params.used_frames(all.len()))
+        let all = self
+            .results
+            .slots
+            .a
+            .burst
+            .as_ref()
+            .map_or_else(|| Positions::even(10), |open| open.burst.positions.clone());
+        all.part(self.document.params.used_frames(all.len()))
     }
 
     pub fn asked(&self) -> SearchParams {
@@ -182,7 +176,7 @@ impl Model {
     }
 
     pub fn needs_detection(&self, side: Side) -> bool {
-        let slot = &self.slots[side];
+        let slot = &self.results.slots[side];
         let is_made = |found: &FoundFeatures| found.asked == self.asked_of(side);
         slot.burst.is_some() && slot.param_error.is_none() && !slot.found.as_ref().is_some_and(is_made)
     }

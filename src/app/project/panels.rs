@@ -73,40 +73,48 @@ impl Panels {
 
 impl Model {
     pub fn shows_left(&self) -> bool {
-        let has_pictures = matches!(self.workspace, Workspace::Inspect | Workspace::Pair | Workspace::Methods);
+        let has_pictures = matches!(self.document.workspace, Workspace::Inspect | Workspace::Pair | Workspace::Methods);
         let is_wide = |width: f32| self.window_width_points >= width;
-        self.panels.left.or(!has_pictures || is_wide(MIN_WIDTH_WITH_LEFT))
+        self.document.panels.left.or(!has_pictures || is_wide(MIN_WIDTH_WITH_LEFT))
             && !(has_pictures && self.shows_right() && !is_wide(MIN_WIDTH_WITH_BOTH))
     }
 
     /// Whether a match or a probe of two bursts takes the place of the panel on the left, so that no picture moves or
     /// becomes narrow.
     pub fn match_is_left(&self) -> bool {
-        let is_auto = [self.panels.left, self.panels.right] == [Visibility::Auto; 2];
+        let is_auto = [self.document.panels.left, self.document.panels.right] == [Visibility::Auto; 2];
         let widths = MIN_WIDTH_WITH_LEFT..MIN_WIDTH_WITH_PAIR;
-        self.workspace == Workspace::Pair && is_auto && widths.contains(&self.window_width_points) && self.shows_right()
+        self.document.workspace == Workspace::Pair
+            && is_auto
+            && widths.contains(&self.window_width_points)
+            && self.shows_right()
     }
 
     pub fn folds_left(&self) -> bool {
-        self.panels.left != Visibility::Closed && !self.shows_left() && !self.panels.hall
+        self.document.panels.left != Visibility::Closed && !self.shows_left() && !self.document.panels.hall
     }
 
     /// Whether the panel of a match would take the room of two pictures, so that it is opened on demand.
     fn is_narrow_pair(&self) -> bool {
-        self.workspace == Workspace::Pair && self.window_width_points < MIN_WIDTH_WITH_LEFT
+        self.document.workspace == Workspace::Pair && self.window_width_points < MIN_WIDTH_WITH_LEFT
     }
 
     pub fn folds_right(&self) -> bool {
-        self.is_narrow_pair() && self.panels.right == Visibility::Auto && !self.shows_right() && !self.panels.hall
+        self.is_narrow_pair()
+            && self.document.panels.right == Visibility::Auto
+            && !self.shows_right()
+            && !self.document.panels.hall
     }
 
     pub fn shows_right(&self) -> bool {
-        self.panels.right.or(match self.workspace {
+        self.document.panels.right.or(match self.document.workspace {
             // That of a session comes with its features.
-            Workspace::Inspect => self.selected.is_some() || self.reselect.is_some() || self.probe.is_open,
+            Workspace::Inspect => {
+                self.document.selected.is_some() || self.results.reselect.is_some() || self.document.probe.is_open
+            }
             Workspace::Pair => {
                 let is_asked = self.asked_feature().is_some() && !self.is_narrow_pair();
-                is_asked || self.probe.is_open || self.window_width_points >= MIN_WIDTH_WITH_PAIR
+                is_asked || self.document.probe.is_open || self.window_width_points >= MIN_WIDTH_WITH_PAIR
             }
             Workspace::Methods => false,
             Workspace::Matches | Workspace::Trajectories | Workspace::Lab => true,
@@ -114,26 +122,26 @@ impl Model {
     }
 
     pub fn shows_bottom(&self) -> bool {
-        self.panels.bottom.or(!matches!(self.workspace, Workspace::Inspect | Workspace::Pair))
+        self.document.panels.bottom.or(!matches!(self.document.workspace, Workspace::Inspect | Workspace::Pair))
     }
 
     pub fn open_left(&mut self) {
-        self.panels.left = Visibility::Open;
+        self.document.panels.left = Visibility::Open;
         if !self.shows_left() {
-            self.panels.right = Visibility::Closed;
+            self.document.panels.right = Visibility::Closed;
         }
     }
 
     fn shows_slice(&self) -> bool {
-        let is_slice = |id| self.panes.get(id).is_some_and(|pane| matches!(pane.content, Content::Slice(_)));
-        self.panes.shown().into_iter().any(is_slice)
+        let is_slice = |id| self.document.panes.get(id).is_some_and(|pane| matches!(pane.content, Content::Slice(_)));
+        self.document.panes.shown().into_iter().any(is_slice)
     }
 
     pub fn open_probe(&mut self) {
-        (self.probe.is_open, self.probed.problem) = (true, None);
+        (self.document.probe.is_open, self.results.probed.problem) = (true, None);
         // Slices show the place themselves, and need the space.
-        if self.panels.right == Visibility::Closed && !self.shows_slice() {
-            self.panels.right = Visibility::Auto;
+        if self.document.panels.right == Visibility::Closed && !self.shows_slice() {
+            self.document.panels.right = Visibility::Auto;
         }
     }
 }
@@ -151,8 +159,8 @@ mod tests {
         let mut model = model(720.0);
         model.open_left();
         assert!(model.shows_left() && !model.folds_left());
-        model.panels.right = Visibility::Auto;
-        model.selected = Some(0);
+        model.document.panels.right = Visibility::Auto;
+        model.document.selected = Some(0);
         assert!(!model.shows_left() && model.folds_left() && model.shows_right());
         model.open_left();
         assert!(model.shows_left() && !model.shows_right());

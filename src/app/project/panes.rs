@@ -45,33 +45,33 @@ impl Model {
     pub fn change_panes(&mut self, change: Change) {
         match change {
             Change::Split(id, direction) => {
-                self.panes.split(id, direction);
+                self.document.panes.split(id, direction);
             }
-            Change::Close(id) => self.panes.close(id),
+            Change::Close(id) => self.document.panes.close(id),
             Change::LayOut(id, preset) => {
-                self.panes.set_focus(id);
+                self.document.panes.set_focus(id);
                 self.lay_out(preset);
             }
-            Change::LayOutSides(preset) => self.panes.lay_out_sides(preset),
+            Change::LayOutSides(preset) => self.document.panes.lay_out_sides(preset),
             Change::LayOutMethods(preset) => self.lay_out_methods(preset),
         }
     }
 
     pub fn go_to_selected(&mut self) {
-        let Some(Feature { u, v, sigma, slope, .. }) = self.selected_feature().copied() else { return };
+        let Some(Feature { u, v, sigma, slope, .. }) = self.read().selected_feature().copied() else { return };
         let at = Some(([u, v], 60.0 / sigma.max(1.0)));
-        self.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
+        self.document.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
     }
 
     pub fn toggle_play(&mut self) {
-        self.playing = !self.playing;
-        let step = play_step_of(&self.cursor_params().slopes, self.cursor().slope);
+        self.document.playing = !self.document.playing;
+        let step = play_step_of(&self.cursor_params().slopes, self.document.cursor().slope);
         self.play = Play { step, due: None };
     }
 
     /// The next slope, if it is due, while slopes are played, and the time after which to ask again.
     pub(in crate::app) fn step_play(&mut self) -> Option<(Option<Slope>, Duration)> {
-        if !self.playing {
+        if !self.document.playing {
             return None;
         }
         let now = Instant::now();
@@ -158,29 +158,30 @@ mod tests {
     fn what_is_linked_moves_with_the_cursor_in_focus_and_nothing_else_does() {
         let mut model = Model::default();
         model.take_burst(open((64, 48), 5));
-        let first = model.focus();
+        let first = model.document.focus();
         let [second, third] =
-            [Direction::Right, Direction::Right].map(|to| model.panes.split(first, to).expect("room"));
-        model.panes.get_mut(third).expect("it is there").links.set(Link::Cursor, false);
-        model.panes.set_focus(first);
-        let slopes = |model: &Model| [first, second, third].map(|id| model.panes.get(id).expect("there").cursor.slope);
+            [Direction::Right, Direction::Right].map(|to| model.document.panes.split(first, to).expect("room"));
+        model.document.panes.get_mut(third).expect("it is there").links.set(Link::Cursor, false);
+        model.document.panes.set_focus(first);
+        let slopes =
+            |model: &Model| [first, second, third].map(|id| model.document.panes.get(id).expect("there").cursor.slope);
         let [start, ..] = slopes(&model);
         let (left, right) = (Slope::new(start.u - 1.0, start.v), Slope::new(start.u + 1.0, start.v));
 
-        model.show_slope(first, right);
+        model.document.show_slope(first, right);
         assert_eq!(slopes(&model), [right, right, start]);
 
         // The cursor of another pane was there already when the focus went to it, and one not in focus leads none.
-        model.panes.set_focus(second);
-        model.show_slope(second, left);
+        model.document.panes.set_focus(second);
+        model.document.show_slope(second, left);
         assert_eq!(slopes(&model), [left, left, start]);
-        model.show_slope(first, right);
+        model.document.show_slope(first, right);
         assert_eq!(slopes(&model), [right, left, start]);
 
         // At the end of the range the others keep their distance to the cursor in focus.
-        model.show_slope(second, Slope::new(100.0, 0.0));
+        model.document.show_slope(second, Slope::new(100.0, 0.0));
         model.check_params();
-        let limit = slope_limit(&model.slots.a.usable_params.slopes);
+        let limit = slope_limit(&model.results.slots.a.usable_params.slopes);
         assert_eq!(slopes(&model), [Slope::new(limit + right.u - left.u, 0.0), Slope::new(limit, 0.0), start]);
     }
 }

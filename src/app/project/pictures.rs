@@ -22,20 +22,21 @@ pub(super) struct PanePictures;
 
 impl Part for PanePictures {
     fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want> {
-        model.pictures.values().map(|shown| &shown.wanted as _).collect()
+        model.results.pictures.values().map(|shown| &shown.wanted as _).collect()
     }
 
     fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        let pictures = &mut pass.model.pictures;
+        let pictures = &mut pass.model.results.pictures;
         let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
         for (id, ended) in
             taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
         {
             match ended.result {
                 Ok(picture) => pass.model.take_picture(id, picture),
-                Err(JobError::Cancelled) => pass.model.pictures.entry(id).or_default().wanted.forget(),
+                Err(JobError::Cancelled) => pass.model.results.pictures.entry(id).or_default().wanted.forget(),
                 Err(error) => {
-                    pass.model.pictures.entry(id).or_default().problem = Some((ended.request, error.to_string()));
+                    pass.model.results.pictures.entry(id).or_default().problem =
+                        Some((ended.request, error.to_string()));
                 }
             }
         }
@@ -46,15 +47,15 @@ impl Part for PanePictures {
     /// detection in their burst, from which they may be made.
     fn ask(&self, pass: &mut Pass<'_>) {
         let model = &mut *pass.model;
-        let focus = model.focus();
-        let mut ids = model.panes.shown();
+        let focus = model.document.focus();
+        let mut ids = model.document.panes.shown();
         ids.sort_by_key(|id| *id != focus);
         for id in ids {
             let Some(wanted) = model.wanted(id).filter(|_| !model.is_current(id)) else { continue };
-            let side = model.panes.get(id).map_or(Side::A, |pane| pane.side);
-            let waits = pass.dragging || model.slots[side].detecting.is_pending();
+            let side = model.document.panes.get(id).map_or(Side::A, |pane| pane.side);
+            let waits = pass.dragging || model.results.slots[side].detecting.is_pending();
             if !(waits && wanted.urgency() == Urgency::SlowPicture) {
-                model.pictures.entry(id).or_default().wanted.want(pass.engine, Some(wanted));
+                model.results.pictures.entry(id).or_default().wanted.want(pass.engine, Some(wanted));
             }
         }
     }
@@ -124,26 +125,26 @@ impl Document {
 
 impl Model {
     pub fn picture(&self) -> Option<&Picture> {
-        self.picture_in(self.focus())
+        self.picture_in(self.document.focus())
     }
 
     /// The last picture of pane `id`, if it is of a burst that the pane shows now.
     pub fn picture_in(&self, id: PaneId) -> Option<&Picture> {
-        let pane = self.panes.get(id)?;
-        self.pictures.get(&id)?.picture.as_ref().filter(|picture| self.fits(pane, picture))
+        let pane = self.document.panes.get(id)?;
+        self.results.pictures.get(&id)?.picture.as_ref().filter(|picture| self.fits(pane, picture))
     }
 
     /// Features with whose motions those in the picture of pane `id` share their colours.
     pub fn features_of_motion(&self, id: PaneId) -> &[Feature] {
         let grid = self.picture_in(id).and_then(|picture| picture.motion.as_ref()).map(|motion| motion.grid);
-        let found = self.panes.get(id).and_then(|pane| self.found_of(pane.side));
+        let found = self.document.panes.get(id).and_then(|pane| self.found_of(pane.side));
         found.filter(|found| grid == Some(found.detection.slopes)).map_or(&[], |found| &found.detection.features)
     }
 
     /// Whether `picture` is of the burst that `pane` shows; the difference of two panes may be of any open burst.
     fn fits(&self, pane: &Pane, picture: &Picture) -> bool {
         let is_open = |burst: &OpenBurst| {
-            self.panes.iter().any(|(_, pane)| self.burst_in(pane).is_some_and(|open| open.id == burst.id))
+            self.document.panes.iter().any(|(_, pane)| self.burst_in(pane).is_some_and(|open| open.id == burst.id))
         };
         match pane.content {
             Content::Difference(..) => is_open(&picture.request.burst),
@@ -156,16 +157,16 @@ impl Model {
 
     pub fn problem_of(&self, id: PaneId) -> Option<&str> {
         let wanted = self.wanted(id)?;
-        let (request, why) = self.pictures.get(&id)?.problem.as_ref()?;
+        let (request, why) = self.results.pictures.get(&id)?.problem.as_ref()?;
         (*request == wanted).then_some(why.as_str())
     }
 
     pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
-        self.slots[side].burst.as_ref()
+        self.results.slots[side].burst.as_ref()
     }
 
     pub fn found_of(&self, side: Side) -> Option<&FoundFeatures> {
-        self.slots[side].found.as_ref()
+        self.results.slots[side].found.as_ref()
     }
 
     /// The features of a whole search: of those of a first slope nothing can be asked, as no search of its own finds
@@ -187,7 +188,7 @@ impl Model {
     }
 
     pub fn params_in(&self, pane: &Pane) -> Cow<'_, DetectorParams> {
-        let usable = &self.slots[pane.side].usable_params;
+        let usable = &self.results.slots[pane.side].usable_params;
         pane.method.map_or(Cow::Borrowed(usable), |method| Cow::Owned(method.params(usable)))
     }
 
@@ -199,19 +200,19 @@ impl Model {
     }
 
     pub fn cursor_params(&self) -> &DetectorParams {
-        &self.slots[self.focused().side].usable_params
+        &self.results.slots[self.document.focused().side].usable_params
     }
 
     pub fn focused_frame_count(&self) -> usize {
-        self.burst_of(self.focused().side).map_or(0, |open| open.burst.len())
+        self.burst_of(self.document.focused().side).map_or(0, |open| open.burst.len())
     }
 
     pub fn focused_size(&self) -> (usize, usize) {
-        self.burst_of(self.focused().side).map_or((0, 0), |open| open.burst.size())
+        self.burst_of(self.document.focused().side).map_or((0, 0), |open| open.burst.size())
     }
 
     pub fn wanted(&self, id: PaneId) -> Option<PictureRequest> {
-        let pane = self.panes.get(id)?;
+        let pane = self.document.panes.get(id)?;
         let request = match pane.content {
             Content::Difference(a, b) => {
                 let [a, b] = [a, b].map(|id| self.wanted_alone(id));
@@ -220,35 +221,35 @@ impl Model {
             Content::Cursor | Content::Merge | Content::Map(_) => self.wanted_alone(id)?,
             Content::Slice(_) => return None,
         };
-        Some(request.smoothed(self.look.smoothing_px))
+        Some(request.smoothed(self.document.look.smoothing_px))
     }
 
     fn wanted_alone(&self, id: PaneId) -> Option<PictureRequest> {
-        let pane = self.panes.get(id)?;
+        let pane = self.document.panes.get(id)?;
         pane.wanted(self.burst_in(pane)?, &self.params_in(pane))
     }
 
     pub fn patch_request(&self) -> Option<PictureRequest> {
-        let slope = self.selected_feature()?.slope;
-        let (burst, found) = (self.slots.a.burst.clone()?, self.slots.a.found.as_ref()?);
+        let slope = self.read().selected_feature()?.slope;
+        let (burst, found) = (self.results.slots.a.burst.clone()?, self.results.slots.a.found.as_ref()?);
         Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
     }
 
     /// Whether `id` shows the picture that it wants, or that picture is known to have failed.
     pub fn is_current(&self, id: PaneId) -> bool {
         let Some(wanted) = self.wanted(id) else { return true };
-        self.pictures.get(&id).is_some_and(|shown| {
+        self.results.pictures.get(&id).is_some_and(|shown| {
             let failed = shown.problem.as_ref().is_some_and(|(request, _)| *request == wanted);
             failed || shown.picture.as_ref().is_some_and(|picture| picture.request == wanted)
         })
     }
 
     pub fn picture_is_current(&self) -> bool {
-        self.is_current(self.focus())
+        self.is_current(self.document.focus())
     }
 
     pub fn pictures_are_current(&self) -> bool {
-        self.panes.shown().into_iter().all(|id| self.is_current(id))
+        self.document.panes.shown().into_iter().all(|id| self.is_current(id))
     }
 
     pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
@@ -257,30 +258,31 @@ impl Model {
     }
 
     pub(super) fn missing_patch(&self) -> Option<PictureRequest> {
-        let is_there = |wanted: &PictureRequest| self.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
+        let is_there =
+            |wanted: &PictureRequest| self.results.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
         self.patch_request().filter(|wanted| !is_there(wanted))
     }
 
     pub(super) fn take_patch(&mut self, ended: Ended<PictureRequest>) {
-        self.patch = self.answer(ended, "Patch").or_else(|| self.patch.take());
+        self.results.patch = self.answer(ended, "Patch").or_else(|| self.results.patch.take());
     }
 
     pub(in crate::app) fn forget_asked_pictures(&mut self) {
-        self.pictures.values_mut().for_each(|shown| shown.wanted.forget());
-        self.wanted_patch.forget();
-        self.pair.wanted_patches.forget();
+        self.results.pictures.values_mut().for_each(|shown| shown.wanted.forget());
+        self.results.wanted_patch.forget();
+        self.results.pair.wanted_patches.forget();
     }
 
     /// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.
     pub fn take_picture(&mut self, id: PaneId, picture: Picture) {
-        let Some(pane) = self.panes.get(id) else { return };
+        let Some(pane) = self.document.panes.get(id) else { return };
         if !self.fits(pane, &picture) {
             return;
         }
         let Document { panes, look, .. } = &mut self.document;
         let Some(pane) = panes.get_mut(id) else { return };
         pane.own_ranges.as_mut().unwrap_or(&mut look.ranges).propose(&picture);
-        let shown = self.pictures.entry(id).or_default();
+        let shown = self.results.pictures.entry(id).or_default();
         (shown.picture, shown.problem) = (Some(picture), None);
         self.settle_ranges();
     }
@@ -288,14 +290,14 @@ impl Model {
     /// Lets another picture set the range that the picture of a pane set: that of a slope at which all may be smeared.
     pub(super) fn forget_range_of(&mut self, id: PaneId) {
         let Some(picture) = self.picture_in(id).cloned() else { return };
-        let Document { panes, look, .. } = &mut self.project.document;
+        let Document { panes, look, .. } = &mut self.document;
         let own = panes.get_mut(id).and_then(|pane| pane.own_ranges.as_mut());
         own.unwrap_or(&mut look.ranges).forget_that_of(&picture);
     }
 
     pub fn lay_out(&mut self, preset: Preset) {
         let params = self.cursor_params().clone();
-        self.panes.lay_out(preset, &params);
+        self.document.panes.lay_out(preset, &params);
         self.check_params();
     }
 
@@ -311,24 +313,25 @@ impl Model {
     }
 
     pub fn display_of(&self, id: PaneId) -> Display {
-        let ranges = self.panes.get(id).map_or(&self.look.ranges, |pane| self.ranges_of(pane));
+        let ranges =
+            self.document.panes.get(id).map_or(&self.document.look.ranges, |pane| self.document.ranges_of(pane));
         ranges.display(self.range_class(id))
     }
 
     /// A pane's own range is set from its picture, a shared one from the pane in focus or the first of this class.
     pub fn settle_ranges(&mut self) {
         let mut led = Vec::new();
-        let focus = self.focus();
-        let mut ids = self.panes.shown();
+        let focus = self.document.focus();
+        let mut ids = self.document.panes.shown();
         ids.sort_by_key(|id| *id != focus);
         for id in ids {
             let Some(wanted) = self.wanted(id) else { continue };
             let class = RangeClass::of(&wanted);
             let is_current = self.is_current(id);
-            let Document { panes, look, .. } = &mut self.project.document;
+            let Document { panes, look, .. } = &mut self.document;
             let Some(pane) = panes.get_mut(id) else { continue };
             let own = pane.own_ranges.as_mut();
-            let shown = self.project.pictures.get(&id);
+            let shown = self.results.pictures.get(&id);
             if shown.is_some_and(|shown| shown.problem.is_some()) || (own.is_none() && led.contains(&class)) {
                 continue;
             }

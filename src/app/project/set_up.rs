@@ -27,10 +27,10 @@ impl SetUpState {
 
 impl Model {
     pub fn apply_set_up(&mut self) {
-        let slopes = self.set_up.values.slopes(&self.used_positions(), &self.params);
+        let slopes = self.document.set_up.values.slopes(&self.used_positions(), &self.document.params);
         if let Ok((slopes, options)) = slopes.map(|slopes| (slopes.grid, slopes.options())) {
-            let detector = DetectorParams { slopes, ..self.params.clone() };
-            self.set_search(SearchParams { detector, slopes: SlopeChoice::Given });
+            let detector = DetectorParams { slopes, ..self.document.params.clone() };
+            self.document.set_search(SearchParams { detector, slopes: SlopeChoice::Given });
             self.messages.note(format!("Set {options}"));
         }
     }

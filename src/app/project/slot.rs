@@ -8,7 +8,7 @@ use crate::app::project::filter::at_slope;
 use crate::app::project::own::Own;
 use crate::app::project::side::Side;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{Effect, Model, Project};
+use crate::app::project::{Effect, Model, Read};
 use crate::app::view::{View, fixed};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
@@ -73,13 +73,13 @@ impl Model {
             Ok(burst) => {
                 let recent = self.take_opened(side, burst, options, engine);
                 if side == Side::B && !is_restoring {
-                    self.workspace = Workspace::Pair;
+                    self.document.workspace = Workspace::Pair;
                 }
                 return recent.into_iter().collect();
             }
             Err(error) => error,
         };
-        let slot = &mut self.slots[side];
+        let slot = &mut self.results.slots[side];
         (slot.leaves, slot.stepped_to) = (None, None);
         slot.refused = slot.burst.is_none().then(|| source.clone());
         match (error, side, source) {
@@ -93,9 +93,9 @@ impl Model {
             (JobError::Cancelled, Side::A, _) => self.messages.note("Opening cancelled"),
             (JobError::Cancelled, Side::B, _) => self.messages.note("Opening B cancelled"),
             (error, ..) => {
-                if side == Side::B && self.slots.b.burst.is_none() {
+                if side == Side::B && self.results.slots.b.burst.is_none() {
                     // Panes of a session that wait for it would wait for ever.
-                    self.panes.close_side(Side::B);
+                    self.document.panes.close_side(Side::B);
                 }
                 self.messages.error(side.opening(), error.to_string());
             }
@@ -111,7 +111,7 @@ impl Model {
         options: OpenOptions,
         engine: &Engine,
     ) -> Option<Effect> {
-        let dataset = self.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
+        let dataset = self.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
         let recent = match dataset {
             Some(dataset) => {
                 dataset.name_as_here(&mut burst);
@@ -123,26 +123,26 @@ impl Model {
         let before = self.burst_of(side).map(|open| open.source.clone());
         let is_again = before.as_ref() == Some(&burst.source);
         if !is_again {
-            self.left_behind = None;
+            self.results.left_behind = None;
         }
         self.leave_behind(side);
-        self.slots[side].refused = None;
+        self.results.slots[side].refused = None;
         match side {
             Side::A => {
                 // A step back or forward has said what it changed.
-                if self.slots.a.stepped_to.as_ref() != Some(&options) {
+                if self.results.slots.a.stepped_to.as_ref() != Some(&options) {
                     self.messages.note(format!("Opened {}", burst.describe()));
                     burst.burst.notes().iter().for_each(|note| self.messages.note(note.for_window()));
                 }
                 self.take_burst(burst);
                 self.start_probe(before.as_ref());
-                self.measure.clear();
+                self.document.measure.clear();
                 self.take_calibration(options, is_again, engine);
             }
             Side::B => {
                 self.messages.note(format!("Opened as B: {}", burst.describe()));
                 self.take_second_burst(burst);
-                self.calibration_of_b = Some(options).filter(|options| *options != self.calibration);
+                self.document.calibration_of_b = Some(options).filter(|options| *options != self.document.calibration);
             }
         }
         self.forget_closed_trails(engine);
@@ -152,18 +152,18 @@ impl Model {
     /// Takes the options with which A was opened. Of the burst that was open before they are a step to undo, unless a
     /// step led to them.
     fn take_calibration(&mut self, options: OpenOptions, is_again: bool, engine: &Engine) {
-        let is_step = is_again && self.slots.a.stepped_to.take().as_ref() != Some(&options);
+        let is_step = is_again && self.results.slots.a.stepped_to.take().as_ref() != Some(&options);
         let before = self.document.clone();
-        let was = std::mem::replace(&mut self.calibration, options);
-        let is_changed = was != self.calibration;
+        let was = std::mem::replace(&mut self.document.calibration, options);
+        let is_changed = was != self.document.calibration;
         if is_changed && self.burst_of(Side::B).is_some() {
             // B stays as it was opened.
-            self.calibration_of_b.get_or_insert(was);
+            self.document.calibration_of_b.get_or_insert(was);
         }
         if !is_again {
             self.history.clear();
         } else if is_step {
-            self.project.history.take(before, &self.project.document);
+            self.history.take(before, &self.document);
             self.close_step(false);
         }
         if is_again && is_changed {
@@ -178,7 +178,7 @@ impl Model {
 
     /// `press` asks for a detection.
     pub fn without_features(&self, side: Side, press: &'static str) -> &'static str {
-        if self.slots[side].detecting.is_pending() { "Detecting…" } else { press }
+        if self.results.slots[side].detecting.is_pending() { "Detecting…" } else { press }
     }
 
     fn detect_request(&self, side: Side) -> Option<DetectRequest> {
@@ -187,7 +187,7 @@ impl Model {
 
     /// Whether a detection with the present parameters is missing, could be made, and has not failed already.
     pub fn wants_detection(&self, side: Side) -> bool {
-        let failed = |request: &DetectRequest| self.slots[side].detecting.has_failed(request);
+        let failed = |request: &DetectRequest| self.results.slots[side].detecting.has_failed(request);
         self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
     }
 
@@ -195,18 +195,22 @@ impl Model {
     /// cancel them.
     pub(in crate::app) fn features_can_follow(&self, side: Side) -> bool {
         let now = self.asked_of(side);
-        self.slots[side].found.as_ref().filter(|_| !self.slots[side].detecting.is_pending()).is_some_and(|found| {
-            let is_near =
-                now.slopes == found.asked.slopes && found.asked.detector.judged_as(&now.detector) == now.detector;
-            let shares = |now: &DetectorParams| 2 * shared_slopes(now, &found.searched) >= now.used_slopes().len();
-            is_near && follows(&found.params.judged_as(&now.detector), &found.searched)
-                || !now.slopes.is_auto() && shares(&now.detector)
-        })
+        self.results.slots[side]
+            .found
+            .as_ref()
+            .filter(|_| !self.results.slots[side].detecting.is_pending())
+            .is_some_and(|found| {
+                let is_near =
+                    now.slopes == found.asked.slopes && found.asked.detector.judged_as(&now.detector) == now.detector;
+                let shares = |now: &DetectorParams| 2 * shared_slopes(now, &found.searched) >= now.used_slopes().len();
+                is_near && follows(&found.params.judged_as(&now.detector), &found.searched)
+                    || !now.slopes.is_auto() && shares(&now.detector)
+            })
     }
 
     pub fn start_detection(&mut self, side: Side, engine: &Engine) {
-        if let Some(request) = self.detect_request(side).filter(|_| self.slots[side].param_error.is_none()) {
-            self.slots[side].detecting.ask(engine, request);
+        if let Some(request) = self.detect_request(side).filter(|_| self.results.slots[side].param_error.is_none()) {
+            self.results.slots[side].detecting.ask(engine, request);
         }
     }
 
@@ -214,9 +218,9 @@ impl Model {
     pub(super) fn missing_features(&self, side: Side, dragging: bool) -> Option<DetectRequest> {
         let follows = match side {
             Side::A => !dragging || self.features_can_follow(side),
-            Side::B => !dragging && self.workspace == Workspace::Pair,
+            Side::B => !dragging && self.document.workspace == Workspace::Pair,
         };
-        let is_time = self.auto_detect && follows || !dragging && self.probe_wants_features(side);
+        let is_time = self.document.auto_detect && follows || !dragging && self.probe_wants_features(side);
         self.detect_request(side).filter(|_| is_time && self.wants_detection(side))
     }
 
@@ -233,13 +237,13 @@ impl Model {
     /// Shows the features of one slope of a long search, until all are there; not in place of others of the burst.
     pub(super) fn take_first_features(&mut self, side: Side, first: Detected) {
         let Some(burst) = self.burst_of(side).filter(|burst| burst.id == first.burst) else { return };
-        if self.slots[side].found.is_some() {
+        if self.results.slots[side].found.is_some() {
             return;
         }
         // One slope tells nothing about the range.
         let found = FoundFeatures::new(first, burst, Duration::ZERO);
         let found = FoundFeatures { is_first_slope: true, advice: None, judgement: None, ..found };
-        self.slots[side].found = Some(found);
+        self.results.slots[side].found = Some(found);
         self.refresh_listed();
         self.go_to_first_slope(side);
     }
@@ -253,15 +257,15 @@ impl Model {
 
     pub fn take_burst(&mut self, burst: OpenBurst) {
         let middle = burst.burst.len() / 2;
-        let slot = &mut self.project.slots.a;
-        (slot.burst, slot.found, self.project.patch) = (Some(burst), None, None);
+        let slot = &mut self.results.slots.a;
+        (slot.burst, slot.found, self.results.patch) = (Some(burst), None, None);
         slot.detecting.forget();
         self.forget_asked_pictures();
-        (self.selected, self.hovered, self.playing) = (None, None, false);
-        self.look.ranges.forget();
-        (self.explained, self.document.selected_candidate) = Default::default();
+        (self.document.selected, self.results.hovered, self.document.playing) = (None, None, false);
+        self.document.look.ranges.forget();
+        (self.results.explained, self.document.selected_candidate) = Default::default();
         self.forget_matches();
-        (self.compare.gold.a, self.document.gold.a) = (None, None);
+        (self.results.compare.gold.a, self.document.gold.a) = (None, None);
         self.begin_comparison(Side::A);
         self.start_panes(Side::A, |cursor| Cursor { kind: cursor.kind, frame: middle, ..Cursor::default() });
         self.begin_panes_of_b();
@@ -270,12 +274,12 @@ impl Model {
 
     /// The leading pane (that in focus, if it is on `side`) gets the cursor from `begin`; others keep their distance.
     pub(crate) fn start_panes(&mut self, side: Side, begin: impl Fn(&Cursor) -> Cursor) {
-        let focus = self.panes.focus();
-        let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
-        let Some(before) = self.panes.get(leader).map(|pane| pane.cursor) else { return };
+        let focus = self.document.panes.focus();
+        let leader =
+            if self.document.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
+        let Some(before) = self.document.panes.get(leader).map(|pane| pane.cursor) else { return };
         let after = begin(&before);
-        let Project { document, pictures, .. } = &mut self.project;
-        let panes = &mut document.panes;
+        let (panes, pictures) = (&mut self.document.panes, &mut self.results.pictures);
         pictures.retain(|id, _| panes.get(*id).is_some_and(|pane| pane.side != side));
         for (id, pane) in panes.iter_mut().filter(|(_, pane)| pane.side == side) {
             pane.cursor = if id == leader { after } else { pane.cursor.moved_as(&before, &after) };
@@ -288,33 +292,33 @@ impl Model {
     /// Shows the first `count` frames of A, added up along the slope, or of one its frame, which has no motion.
     pub fn use_frames(&mut self, count: usize) {
         let all = self.frame_count();
-        let focus = self.focus();
+        let focus = self.document.focus();
         if count <= 1 {
-            self.lead(focus, |pane| {
+            self.document.lead(focus, |pane| {
                 pane.cursor.frame = 0;
                 pane.show(ViewKind::Frame);
             });
             return;
         }
-        self.params.frames = (count < all).then_some(FrameRange { start: 0, end: count });
-        if self.cursor().kind == ViewKind::Frame {
-            self.lead(focus, |pane| pane.show(ViewKind::Stack));
+        self.document.params.frames = (count < all).then_some(FrameRange { start: 0, end: count });
+        if self.document.cursor().kind == ViewKind::Frame {
+            self.document.lead(focus, |pane| pane.show(ViewKind::Stack));
         }
         self.check_params();
     }
 
     pub fn check_params(&mut self) {
-        let auto = self.slopes.is_auto();
-        self.slots.a.param_error = checked(
-            self.project.slots.a.burst.as_ref(),
-            self.project.document.params.clone(),
+        let auto = self.document.slopes.is_auto();
+        self.results.slots.a.param_error = checked(
+            self.results.slots.a.burst.as_ref(),
+            self.document.params.clone(),
             auto,
-            &mut self.project.slots.a.usable_params,
+            &mut self.results.slots.a.usable_params,
         );
-        self.pair.param_error = self.matching.validate().err();
-        if self.slots.b.burst.is_some() {
+        self.results.pair.param_error = self.document.matching.validate().err();
+        if self.results.slots.b.burst.is_some() {
             let params = self.params_of(Side::B);
-            let b = &mut self.slots.b;
+            let b = &mut self.results.slots.b;
             b.param_error = checked(b.burst.as_ref(), params, auto, &mut b.usable_params);
         }
         self.check_cursors();
@@ -323,19 +327,20 @@ impl Model {
     /// Brings cursors into the range of their bursts. Those that follow the one in focus may lie outside, so that they
     /// keep their distance to it.
     fn check_cursors(&mut self) {
-        let (follows, focus, before) = (self.panes.followers(), self.focus(), *self.cursor());
+        let (follows, focus, before) =
+            (self.document.panes.followers(), self.document.focus(), *self.document.cursor());
         let bursts = [
-            (self.project.slots.a.burst.as_ref(), &self.project.slots.a.usable_params),
-            (self.project.slots.b.burst.as_ref(), &self.project.slots.b.usable_params),
+            (self.results.slots.a.burst.as_ref(), &self.results.slots.a.usable_params),
+            (self.results.slots.b.burst.as_ref(), &self.results.slots.b.usable_params),
         ];
-        for (id, pane) in self.project.document.panes.iter_mut() {
+        for (id, pane) in self.document.panes.iter_mut() {
             if let (Some(burst), params) = bursts[pane.side as usize]
                 && !follows.contains(&id)
             {
                 pane.cursor = pane.cursor_within(burst, params);
             }
         }
-        self.panes.follow_cursor(focus, before);
+        self.document.panes.follow_cursor(focus, before);
     }
 }
 
@@ -412,18 +417,18 @@ pub enum Stale {
     InvalidParameters,
 }
 
-impl Project {
-    pub fn features(&self) -> &[Feature] {
-        self.slots.a.found.as_ref().map_or(&[], |f| &f.detection.features)
+impl<'a> Read<'a> {
+    pub fn features(self) -> &'a [Feature] {
+        self.results.slots.a.found.as_ref().map_or(&[], |f| &f.detection.features)
     }
 
-    pub fn selected_feature(&self) -> Option<&Feature> {
-        self.features().get(self.selected?)
+    pub fn selected_feature(self) -> Option<&'a Feature> {
+        self.features().get(self.document.selected?)
     }
 
-    pub fn saved_selection(&self) -> Option<SavedSelection> {
+    pub fn saved_selection(self) -> Option<SavedSelection> {
         let feature = self.selected_feature()?;
-        let index = self.selected?;
+        let index = self.document.selected?;
         Some(SavedSelection { index, u: feature.u, v: feature.v, sigma: feature.sigma, slope: feature.slope })
     }
 }
@@ -434,20 +439,20 @@ impl Model {
         let Some(burst) = self.burst_of(side).filter(|burst| burst.id == detected.burst) else { return };
         let found = FoundFeatures::new(detected, burst, elapsed);
         if side == Side::B {
-            self.slots.b.found = Some(found);
+            self.results.slots.b.found = Some(found);
             self.check_params();
             self.go_to_first_slope(Side::B);
             return;
         }
-        let keep = self.reselect.take().or_else(|| self.saved_selection());
-        if self.slopes.is_auto() && found.asked.slopes == self.slopes {
-            self.params.slopes = found.params.slopes;
+        let keep = self.results.reselect.take().or_else(|| self.read().saved_selection());
+        if self.document.slopes.is_auto() && found.asked.slopes == self.document.slopes {
+            self.document.params.slopes = found.params.slopes;
             self.check_params();
         }
-        self.slots.a.found = Some(found);
-        self.explained.slopes_wanted = false;
-        self.hovered = None;
-        self.selected = keep.and_then(|saved| self.find_again(&saved));
+        self.results.slots.a.found = Some(found);
+        self.results.explained.slopes_wanted = false;
+        self.results.hovered = None;
+        self.document.selected = keep.and_then(|saved| self.find_again(&saved));
         self.refresh_listed();
         self.go_to_first_slope(Side::A);
     }
@@ -459,12 +464,12 @@ impl Model {
     }
 
     pub fn stale(&self) -> Option<Stale> {
-        let found = self.slots.a.found.as_ref()?;
+        let found = self.results.slots.a.found.as_ref()?;
         if found.asked == self.asked() {
             None
         } else if found.is_first_slope {
             Some(Stale::FirstSlope)
-        } else if self.slots.a.param_error.is_some() {
+        } else if self.results.slots.a.param_error.is_some() {
             Some(Stale::InvalidParameters)
         } else {
             Some(Stale::Parameters)
@@ -479,7 +484,7 @@ impl Model {
             let slope = (f.slope.u - saved.slope.u).hypot(f.slope.v - saved.slope.v);
             place + scale + slope
         };
-        let features = self.features();
+        let features = self.read().features();
         let nearest = (0..features.len()).min_by(|&a, &b| {
             distance(&features[a])
                 .total_cmp(&distance(&features[b]))
@@ -490,12 +495,12 @@ impl Model {
 
     /// Unless a slope was chosen since that burst was opened.
     pub(crate) fn go_to_first_slope(&mut self, side: Side) {
-        let (focus, own) = (self.panes.focus(), PaneId::of(side));
-        let leader = if self.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
+        let (focus, own) = (self.document.panes.focus(), PaneId::of(side));
+        let leader = if self.document.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
         // The burst's own pane, which other workspaces show, moves too if it is not on the screen.
-        let alone = own != leader && !self.panes.shown().contains(&own);
+        let alone = own != leader && !self.document.panes.shown().contains(&own);
         for id in [Some(leader), alone.then_some(own)].into_iter().flatten() {
-            if self.panes.get(id).is_some_and(|pane| !pane.slope_chosen) {
+            if self.document.panes.get(id).is_some_and(|pane| !pane.slope_chosen) {
                 self.forget_range_of(id);
                 self.go_to_busiest_slope(id);
             }
@@ -504,13 +509,13 @@ impl Model {
 
     /// Slopes on the grid's rim count only if there are features nowhere else.
     pub fn go_to_busiest_slope(&mut self, id: PaneId) {
-        let Some(side) = self.panes.get(id).map(|pane| pane.side) else { return };
+        let Some(side) = self.document.panes.get(id).map(|pane| pane.side) else { return };
         let Some(found) = self.found_of(side) else { return };
         let grid = found.detection.slopes;
         if let Some((index, count)) = slope_with_most_features(&grid, &features_at_slopes(&found.detection)) {
             let slope = grid.slope(index);
             let [_, own] = at_slope(&found.detection, slope);
-            self.lead(id, |pane| pane.cursor.slope = slope);
+            self.document.lead(id, |pane| pane.cursor.slope = slope);
             let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
             let by_own = if own == count { String::new() } else { format!(", {own} by their own slope") };
             self.messages.note(format!("Most features ({count}) are at slope ({u}, {v}) px/frame{by_own}"));
@@ -519,17 +524,17 @@ impl Model {
 
     /// Parameter and session files are not among them, because they may be saved again after changes.
     pub fn opened_files(&self) -> Vec<PathBuf> {
-        let gold = self.compare.gold.both().into_iter().flatten();
-        let bursts = self.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);
+        let gold = self.results.compare.gold.both().into_iter().flatten();
+        let bursts = self.results.slots.both().into_iter().flat_map(|slot| &slot.burst).chain(gold);
         let mut files: Vec<PathBuf> = bursts.flat_map(|open| open.source.files()).collect();
-        for burst in self.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
+        for burst in self.results.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
             files.extend(BurstSource::Paths(burst.paths.clone()).files());
         }
         let calibrations = Side::BOTH.map(|side| self.calibration_of(side));
         let calibration = calibrations.into_iter().flat_map(OpenOptions::paths);
         files.extend(calibration.flat_map(|path| BurstSource::Paths(vec![path]).files()));
-        files.extend(self.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
-        let trajectories = [&self.trajectories.estimate, &self.trajectories.truth];
+        files.extend(self.document.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
+        let trajectories = [&self.document.trajectories.estimate, &self.document.trajectories.truth];
         files.extend(trajectories.into_iter().flatten().flat_map(|path| files_of_model(path)));
         files
     }

@@ -7,12 +7,14 @@ use super::pair::SavedMatch;
 use super::probe::ProbeResults;
 use super::side::{Side, Sides};
 use super::workspace::Workspace;
-use super::{Effect, Model, Project, SavedSelection};
+use super::{Effect, Model, Read, Results, SavedSelection};
 use crate::app::document::Document;
 use crate::app::pane::Preset;
+use crate::app::project::history::History;
 use crate::burst::OpenOptions;
 use crate::engine::Engine;
 use crate::requests::{BurstSource, OpenRequest};
+use std::mem::{replace, take};
 
 /// Changes that a session or a lesson asks for, of values that are not written.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +54,9 @@ pub enum Reselect {
 /// Project of the user while a lesson is open, and the burst that was being opened in it.
 #[derive(Debug)]
 pub struct UserProject {
-    project: Project,
+    document: Document,
+    results: Results,
+    history: History,
     opening: Option<(OpenRequest, Option<Own>)>,
 }
 
@@ -62,8 +66,9 @@ impl Model {
     }
 
     /// The one before the open lesson, or without one that on show.
-    pub fn project_of_user(&self) -> &Project {
-        self.of_user.as_ref().map_or(&self.project, |of_user| &of_user.project)
+    pub fn project_of_user(&self) -> Read<'_> {
+        let of_user = self.of_user.as_deref().map(|UserProject { document, results, .. }| Read { document, results });
+        of_user.unwrap_or(self.read())
     }
 
     pub(in crate::app) fn take_staged(&mut self, staged: Staged, engine: &Engine) -> Option<Effect> {
@@ -76,37 +81,36 @@ impl Model {
             }
             Staged::Open { bursts, cameras } => self.open_for_step(bursts, cameras, engine),
             Staged::Begin { document, layout, probe } => self.begin_with(*document, layout, probe),
-            Staged::SelectFirst if self.workspace == Workspace::Pair => {
-                self.selected_match = self.pair.listed.first().copied();
+            Staged::SelectFirst if self.document.workspace == Workspace::Pair => {
+                self.document.selected_match = self.results.pair.listed.first().copied();
             }
-            Staged::SelectFirst => self.selected = self.listed.first().copied(),
+            Staged::SelectFirst => self.document.selected = self.results.listed.first().copied(),
             Staged::Show(document, reselect) => self.show_document(*document, reselect),
             Staged::ReadNamed => return self.read_named(engine),
-            Staged::ProbeWhenOpen(source, place) => self.studies.probe_when_open = Some((source, place)),
+            Staged::ProbeWhenOpen(source, place) => self.results.studies.probe_when_open = Some((source, place)),
         }
         None
     }
 
     fn begin_lesson(&mut self) -> Effect {
-        let slot = &mut self.slots.a;
+        let slot = &mut self.results.slots.a;
         let opening = slot.opening.pending().map(|request| (request.clone(), slot.leaves.take()));
-        self.slots.a.opening.forget();
-        let of_lesson =
-            Project { document: Document { figure: self.figure, ..Document::default() }, ..Project::default() };
-        let project = self.show(of_lesson);
-        self.of_user = Some(Box::new(UserProject { project, opening }));
+        self.results.slots.a.opening.forget();
+        let of_lesson = Document { figure: self.document.figure, ..Document::default() };
+        let (document, results, history) = self.show(of_lesson, Results::default(), History::default());
+        self.of_user = Some(Box::new(UserProject { document, results, history, opening }));
         Effect::ForgetWidgets
     }
 
     fn end_lesson(&mut self, keeps_opening: bool, engine: &Engine) -> Option<Effect> {
-        let UserProject { project, opening } = *self.of_user.take()?;
-        let of_lesson = self.show(project);
-        if self.poses.reading.pending().is_some() {
+        let UserProject { document, results, history, opening } = *self.of_user.take()?;
+        let (_, of_lesson, _) = self.show(document, results, history);
+        if self.results.poses.reading.pending().is_some() {
             // What was read meanwhile was not taken.
             self.read_trajectories(engine);
         }
         if keeps_opening {
-            self.slots.a.opening = of_lesson.slots.a.opening;
+            self.results.slots.a.opening = of_lesson.slots.a.opening;
         } else if let Some((request, leaves)) = opening {
             self.open_with(Side::A, request, leaves, engine);
         }
@@ -115,25 +119,30 @@ impl Model {
 
     /// Shows another project, and returns the one on show until now. The dataset, the Lab and the colours of the window
     /// stay, so that their work goes on.
-    fn show(&mut self, project: Project) -> Project {
-        let before = std::mem::replace(&mut self.project, project);
-        let Document { theme, dataset, pairs, lab, .. } = before.document.clone();
-        let shown = std::mem::take(&mut self.document);
-        self.document = Document { theme, dataset, pairs, lab, ..shown };
+    fn show(&mut self, document: Document, results: Results, history: History) -> (Document, Results, History) {
+        let Document { theme, dataset, pairs, lab, .. } = self.document.clone();
+        let document = Document { theme, dataset, pairs, lab, ..document };
+        let Results { figures, datasets, studies, .. } = &mut self.results;
+        let (figures, datasets, studies) = (take(figures), take(datasets), take(studies));
+        let results = Results { figures, datasets, studies, ..results };
         self.messages.forget_note();
-        before
+        (
+            replace(&mut self.document, document),
+            replace(&mut self.results, results),
+            replace(&mut self.history, history),
+        )
     }
 
     fn open_for_step(&mut self, bursts: Sides<Option<BurstSource>>, cameras: bool, engine: &Engine) {
         // The burst that another step requested is not needed any more.
-        self.slots.a.opening.forget();
+        self.results.slots.a.opening.forget();
         // Which of two bursts was opened last says nothing.
         self.messages.forget_note();
         for (side, source) in [(Side::A, bursts.a), (Side::B, bursts.b)] {
             let is_open = self.burst_of(side).is_some_and(|burst| Some(&burst.source) == source.as_ref());
             let Some(source) = source.filter(|_| !is_open) else { continue };
             // A burst that was open before the lesson need not be opened again.
-            let of_user = self.project_of_user().slots.both().map(|slot| slot.burst.clone());
+            let of_user = self.project_of_user().results.slots.both().map(|slot| slot.burst.clone());
             match (side, of_user.into_iter().flatten().find(|burst| burst.source == source)) {
                 (Side::A, Some(burst)) => self.take_burst(burst),
                 (Side::B, Some(burst)) => self.take_second_burst(burst),
@@ -145,7 +154,7 @@ impl Model {
         }
         if !cameras {
             self.close_trajectories();
-        } else if self.poses.is_empty() {
+        } else if self.results.poses.is_empty() {
             self.show_demo_cameras(engine);
         }
     }
@@ -153,21 +162,21 @@ impl Model {
     fn begin_with(&mut self, document: Document, layout: Option<Preset>, probe: Option<[f32; 2]>) {
         self.document = document;
         for side in Side::BOTH {
-            if !self.auto_detect || !self.features_are_current(side) {
-                self.slots[side].found = None;
+            if !self.document.auto_detect || !self.features_are_current(side) {
+                self.results.slots[side].found = None;
             }
         }
-        (self.hovered, self.reselect, self.probed) = Default::default();
+        (self.results.hovered, self.results.reselect, self.results.probed) = Default::default();
         self.check_params();
         self.refresh_listed();
         if let Some(layout) = layout {
             self.lay_out(layout);
         }
         if let Some(place) = probe {
-            let panels = self.panels;
+            let panels = self.document.panels;
             self.probe_place(Side::A, place);
             // A probe opens its panel.
-            self.panels = panels;
+            self.document.panels = panels;
         }
         self.settle_ranges();
         self.history.clear();
@@ -175,17 +184,17 @@ impl Model {
 
     pub fn show_document(&mut self, document: Document, reselect: Reselect) {
         for side in Side::BOTH {
-            if document.comparisons[side] != self.comparisons[side] {
-                self.slots[side].comparison = ComparisonResults::default();
+            if document.comparisons[side] != self.document.comparisons[side] {
+                self.results.slots[side].comparison = ComparisonResults::default();
             }
         }
-        if document.probe != self.probe {
-            self.probed = ProbeResults::default();
+        if document.probe != self.document.probe {
+            self.results.probed = ProbeResults::default();
         }
         self.document = document;
         match reselect {
-            Reselect::Feature(feature) => self.reselect = feature,
-            Reselect::Match(of_match) => self.pair.reselect = of_match,
+            Reselect::Feature(feature) => self.results.reselect = feature,
+            Reselect::Match(of_match) => self.results.pair.reselect = of_match,
         }
         self.keep_methods_arranged();
         self.check_params();
@@ -195,7 +204,7 @@ impl Model {
         self.read_trajectories(engine);
         match self.document.dataset.clone() {
             Some(DatasetChoice { source, folder, .. }) => {
-                self.look_at_dataset(source, folder, self.calibration.clone(), engine);
+                self.look_at_dataset(source, folder, self.document.calibration.clone(), engine);
                 None
             }
             None => Some(self.close_dataset()),

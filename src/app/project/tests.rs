@@ -57,7 +57,7 @@ impl Bench {
         let mut bench = Self::new();
         bench.model.take_burst(chart(120, 1));
         bench.model.take_second_burst(chart(96, 2));
-        bench.model.open_workspace(Workspace::Pair);
+        bench.model.document.open_workspace(Workspace::Pair);
         bench.settle();
         bench
     }
@@ -110,9 +110,13 @@ fn with_features() -> Model {
     let mut model = Model::default();
     let burst = open((64, 48), 5);
     model.take_burst(burst.clone());
-    let grid = model.params.slopes;
+    let grid = model.document.params.slopes;
     let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 4, &grid), feature(50.0, 30.0, 2, &grid)];
-    model.take_detection(Side::A, detected(&burst, &model.params.clone(), features), Duration::from_millis(10));
+    model.take_detection(
+        Side::A,
+        detected(&burst, &model.document.params.clone(), features),
+        Duration::from_millis(10),
+    );
     model
 }
 
@@ -121,61 +125,61 @@ fn answers_of_another_burst_are_dropped() {
     let mut model = with_features();
     let other = open((64, 48), 5);
     let request = PictureRequest::new(other.clone(), PictureKind::Frame(0), DetectorParams::default());
-    let id = model.focus();
+    let id = model.document.focus();
     model.take_picture(id, request.compute(&Work::alone(&Monitor::default())).expect("frame 0 is there"));
     assert!(model.picture().is_none());
-    let before = model.features().len();
+    let before = model.read().features().len();
     model.take_detection(Side::A, detected(&other, &DetectorParams::default(), Vec::new()), Duration::ZERO);
-    assert_eq!(model.features().len(), before);
+    assert_eq!(model.read().features().len(), before);
 }
 
 #[test]
 fn the_busiest_slope_is_shown_until_a_hand_chooses() {
     let mut model = with_features();
-    assert_eq!(model.cursor().slope, Slope::new(1.0, 0.0));
-    let pane = model.focused_mut();
+    assert_eq!(model.document.cursor().slope, Slope::new(1.0, 0.0));
+    let pane = model.document.focused_mut();
     (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
-    let (burst, params) = (model.slots.a.burst.clone().expect("open"), model.params.clone());
+    let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
     let grid = params.slopes;
     model.take_detection(Side::A, detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]), Duration::ZERO);
-    assert_eq!(model.cursor().slope, Slope::new(0.25, 0.0));
+    assert_eq!(model.document.cursor().slope, Slope::new(0.25, 0.0));
 }
 
 #[test]
 fn a_feature_that_is_found_again_stays_selected() {
     let mut model = with_features();
-    model.selected = Some(1);
-    let (burst, params) = (model.slots.a.burst.clone().expect("open"), model.params.clone());
+    model.document.selected = Some(1);
+    let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
     let grid = params.slopes;
     let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
     model.take_detection(Side::A, detected(&burst, &params, again), Duration::ZERO);
-    assert_eq!(model.selected, Some(0));
+    assert_eq!(model.document.selected, Some(0));
     model.take_detection(Side::A, detected(&burst, &params, vec![feature(5.0, 40.0, 4, &grid)]), Duration::ZERO);
-    assert_eq!(model.selected, None, "another feature is not the same one");
+    assert_eq!(model.document.selected, None, "another feature is not the same one");
 }
 
 #[test]
 fn next_and_previous_walk_the_table_and_stop_at_its_ends() {
     let mut model = with_features();
     model.select_neighbour(true);
-    assert_eq!(model.selected, Some(0));
+    assert_eq!(model.document.selected, Some(0));
     model.select_neighbour(true);
     model.select_neighbour(true);
     model.select_neighbour(true);
-    assert_eq!(model.selected, Some(2));
-    model.filter.slope_u = Some(filter::Interval { min: 0.5, max: 1.5 });
+    assert_eq!(model.document.selected, Some(2));
+    model.document.filter.slope_u = Some(filter::Interval { min: 0.5, max: 1.5 });
     model.select_neighbour(false);
-    assert_eq!(model.selected, Some(1), "the selected one was filtered out: the last listed is taken");
+    assert_eq!(model.document.selected, Some(1), "the selected one was filtered out: the last listed is taken");
 }
 
 #[test]
 fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     let mut model = with_features();
-    model.selected = Some(0);
+    model.document.selected = Some(0);
     model.take_burst(open((40, 40), 1));
-    assert!(model.slots.a.found.is_none() && model.selected.is_none() && model.picture().is_none());
-    assert_eq!(model.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
-    let wanted = model.wanted(model.focus()).expect("open");
+    assert!(model.results.slots.a.found.is_none() && model.document.selected.is_none() && model.picture().is_none());
+    assert_eq!(model.results.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
+    let wanted = model.wanted(model.document.focus()).expect("open");
     assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
 }
 
@@ -184,7 +188,7 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
     let ranges = |order: &dyn Fn(&mut Vec<PaneId>)| {
         let mut model = with_features();
         model.lay_out(Preset::FrameAndStack);
-        let mut ids = model.panes.shown();
+        let mut ids = model.document.panes.shown();
         assert_eq!(ids.len(), 2);
         order(&mut ids);
         for id in ids {
@@ -193,7 +197,7 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
             let seen = model.display_of(id);
             assert_ne!((seen.min, seen.max), (0.0, 1.0), "what is seen first is seen in a range of its own");
         }
-        model.look.ranges
+        model.document.look.ranges
     };
     assert_eq!(ranges(&|_| {}), ranges(&|ids| ids.reverse()));
 }
@@ -203,7 +207,7 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
     let mut model = with_features();
     model.lay_out(Preset::FrameAndStack);
     let mut pictures = Vec::new();
-    for id in model.panes.shown() {
+    for id in model.document.panes.shown() {
         let wanted = model.wanted(id).expect("its burst is open");
         let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
         model.take_picture(id, picture.clone());
@@ -215,13 +219,13 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
         assert!(clipped * 100 <= values.len(), "{clipped} of {} are black or white", values.len());
     }
     let [(_, frame), (_, stack)] = &pictures[..] else { panic!("two panes") };
-    let mut ranges = model.look.ranges;
+    let mut ranges = model.document.look.ranges;
     assert_ne!(ranges.frame, ranges.intensity);
     // The first slope with features is shown: its stack may set the range, the frame's stays.
     let brighter = Picture { drawn: Arc::new(Plane::from_fn(8, 8, |u, v| (8 * v + u) as f32)), ..stack.clone() };
     ranges.forget_that_of(stack);
     ranges.fix_once(&brighter);
-    assert!(ranges.intensity.max > 60.0 && ranges.frame == model.look.ranges.frame);
+    assert!(ranges.intensity.max > 60.0 && ranges.frame == model.document.look.ranges.frame);
     let mut chosen = Ranges { intensity: ranges.intensity.with_range(0.1, 0.2), ..ranges };
     chosen.forget_that_of(&brighter);
     chosen.fix_once(stack);
@@ -234,18 +238,18 @@ fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range(
     let mut model = with_features();
     model.lay_out(Preset::ThreeSlopes);
     let slopes = |model: &Model| -> Vec<f32> {
-        let panes = model.panes.shown().into_iter().filter_map(|id| model.panes.get(id));
+        let panes = model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id));
         panes.map(|pane| pane.cursor.slope.u).collect()
     };
     assert_eq!(slopes(&model), [0.0, 1.0, 2.0]);
     model.take_burst(open((40, 30), 3));
     assert_eq!(slopes(&model), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
-    let focus = model.focus();
-    model.show_slope(focus, Slope::new(100.0, 0.0));
+    let focus = model.document.focus();
+    model.document.show_slope(focus, Slope::new(100.0, 0.0));
     model.check_params();
-    let limit = cursor::slope_limit(&model.slots.a.usable_params.slopes);
+    let limit = cursor::slope_limit(&model.results.slots.a.usable_params.slopes);
     assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);
-    let last = model.panes.shown()[2];
+    let last = model.document.panes.shown()[2];
     let PictureKind::Stack { slope } = model.wanted(last).expect("open").kind else { panic!("a stack") };
     assert_eq!(slope.u, limit, "what is beyond is shown at the rim");
 }
@@ -268,7 +272,7 @@ fn a_folder_of_bursts_is_a_dataset_for_a_and_a_choice_for_b() {
         match effects.into_iter().next() {
             Some(Effect::Opened(of, ended)) if of == side => {
                 let effects = bench.model.take_opening(side, ended, false, &bench.engine);
-                (effects, bench.model.datasets.wanted.is_pending())
+                (effects, bench.model.results.datasets.wanted.is_pending())
             }
             other => panic!("{side:?} was opened, not {other:?}"),
         }

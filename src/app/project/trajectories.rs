@@ -111,37 +111,35 @@ impl TrajectoryResults {
 
 impl Model {
     pub fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
-        let project = &mut self.project;
-        let set = &mut project.document.trajectories;
-        let mut request = project.poses.request(set.study);
+        let (set, poses) = (&mut self.document.trajectories, &mut self.results.poses);
+        let mut request = poses.request(set.study);
         let (of_set, of_request) = match which {
             Which::Estimate => (&mut set.estimate, &mut request.estimate),
             Which::Truth => (&mut set.truth, &mut request.truth),
         };
         *of_request = Some(TrajectorySource::Path(path.clone()));
         *of_set = Some(path);
-        project.poses.reading.ask(engine, request);
-        self.workspace = Workspace::Trajectories;
+        poses.reading.ask(engine, request);
+        self.document.workspace = Workspace::Trajectories;
     }
 
     pub(in crate::app) fn set_pose_study(&mut self, study: PoseStudy, engine: &Engine) {
-        self.trajectories.study = study;
-        let request = self.poses.request(study);
-        self.poses.reading.ask(engine, request);
+        self.document.trajectories.study = study;
+        let request = self.results.poses.request(study);
+        self.results.poses.reading.ask(engine, request);
     }
 
     pub fn close_trajectories(&mut self) {
         let Trajectories { study, projection, points, .. } = self.document.trajectories;
         self.document.trajectories = Trajectories { study, projection, points, ..Trajectories::default() };
-        self.poses = TrajectoryResults::default();
+        self.results.poses = TrajectoryResults::default();
     }
 
     /// Takes the answers. Other trajectories than before reset pan and zoom; where one cannot be read, those that are
     /// open stay.
     pub(super) fn take_trajectories(&mut self, ended: Ended<PosesRequest>) -> Vec<Effect> {
         const TITLE: &str = "Trajectories";
-        let project = &mut self.project;
-        let (set, before) = (&mut project.document.trajectories, &project.poses.compared);
+        let (set, before) = (&mut self.document.trajectories, &self.results.poses.compared);
         match ended.result {
             Ok(compared) => {
                 self.messages.resolved(TITLE);
@@ -153,8 +151,8 @@ impl Model {
                     set.view = View::fit();
                 }
                 set.selected = None;
-                let reading = std::mem::take(&mut project.poses.reading);
-                project.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
+                let reading = std::mem::take(&mut self.results.poses.reading);
+                self.results.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
             }
             Err(error) => {
                 let path = |read: &Read| read.as_ref().map(|(path, _)| path.clone());
@@ -175,11 +173,11 @@ impl Model {
 
     /// Reads the trajectories of the document.
     pub(in crate::app) fn read_trajectories(&mut self, engine: &Engine) {
-        self.poses = TrajectoryResults::default();
+        self.results.poses = TrajectoryResults::default();
         let Trajectories { estimate, truth, study, .. } = self.document.trajectories.clone();
         let [estimate, truth] = [estimate, truth].map(|path| path.map(TrajectorySource::Path));
         if estimate.is_some() || truth.is_some() {
-            self.poses.reading.ask(engine, PosesRequest { estimate, truth, study });
+            self.results.poses.reading.ask(engine, PosesRequest { estimate, truth, study });
         }
     }
 }
@@ -248,84 +246,6 @@ impl PlaneScene {
             points: points.iter().filter(|p| p[0].is_finite() && p[1].is_finite()).map(place).collect(),
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, Pose, evaluate_poses, read_trajectory};
-    use nalgebra::{Isometry3, Vector3};
-
-    fn trajectory(centres: &[[f64; 3]]) -> Arc<Trajectory> {
-        let pose = |(k, c): (usize, &[f64; 3])| Pose {
-            label: format!("{k}.png"),
-            order: k as u32,
-            time: None,
-            world_from_camera: Isometry3::new(Vector3::from(*c), Vector3::zeros()),
-        };
-        Arc::new(Trajectory { poses: centres.iter().enumerate().map(pose).collect(), model: None })
-    }
-
-    #[test]
-    fn an_estimate_of_another_scale_lies_on_the_truth() {
-        let truth = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [0.0, 2.0, 1.0]];
-        let estimate = truth.map(|c| c.map(|x| 10.0 * x + 3.0));
-        let (truth, estimate) = (trajectory(&truth), trajectory(&estimate[..3]));
-        let report = evaluate_poses(&estimate, &truth, &PoseStudy::default()).expect("compared");
-        let compared = ComparedPoses {
-            estimate: Some(("e".into(), estimate)),
-            truth: Some(("t".into(), truth)),
-            report: Some(Ok(Arc::new(report))),
-        };
-        let scene = PlaneScene::of(&compared, Projection::Xy, false);
-        assert_eq!((scene.truth.len(), scene.estimate.len(), scene.size), (4, 3, (1120, 620)));
-        for (k, spot) in scene.estimate.iter().enumerate() {
-            assert!((spot.pos - scene.truth[k].pos).length() < 1e-2, "{spot:?} {:?}", scene.truth[k]);
-            assert_eq!((spot.pair, scene.truth[k].pair), (Some(k), Some(k)));
-        }
-        assert_eq!(scene.truth[3].pair, None);
-        assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
-        // Alone, each is drawn in its own coordinates; both without a comparison: only the truth is drawn.
-        let alone = ComparedPoses { truth: None, report: None, ..compared.clone() };
-        assert_eq!(PlaneScene::of(&alone, Projection::Xy, true).estimate.len(), 3);
-        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
-        assert_eq!(PlaneScene::of(&apart, Projection::Xy, true).estimate.len(), 0);
-    }
-
-    #[test]
-    fn points_lie_where_their_cameras_saw_them_and_are_in_the_section_shown() {
-        let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| {
-            let path = PathBuf::from(name);
-            (path.clone(), Arc::new(read_trajectory(&path).expect("built in")))
-        });
-        let report = evaluate_poses(&estimate.1, &truth.1, &PoseStudy::default()).expect("compared");
-        let points = estimate.1.model.as_ref().expect("a model").points.len();
-        let report = Some(Ok(Arc::new(report)));
-        let compared = ComparedPoses { estimate: Some(estimate), truth: Some(truth), report };
-        let scene = PlaneScene::of(&compared, Projection::Xz, true);
-        let (width, height) = (scene.size.0 as f32, scene.size.1 as f32);
-        let section = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
-        let inside = scene.points.iter().filter(|p| section.contains(**p)).count();
-        assert!(scene.points.len() == points && inside > points * 9 / 10, "{inside} of {points}");
-        // Ahead is up, and the cameras look ahead.
-        let nearest = scene.points.iter().map(|p| p.y).fold(0.0, f32::max);
-        assert!(scene.truth.iter().all(|camera| camera.pos.y > nearest && section.contains(camera.pos)));
-        assert_eq!(PlaneScene::of(&compared, Projection::Xz, false).points, []);
-        // Not aligned, the points have no place beside the truth.
-        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
-        assert_eq!(PlaneScene::of(&apart, Projection::Xz, true).points, []);
-    }
-
-    #[test]
-    fn cameras_in_one_place_or_on_a_line_have_a_plane() {
-        for centres in [&[][..], &[[1.0, 1.0, 1.0]; 2], &[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]] {
-            let truth = Some(("t".into(), trajectory(centres)));
-            let compared = ComparedPoses { truth, ..ComparedPoses::default() };
-            let scene = PlaneScene::of(&compared, Projection::Principal, false);
-            assert!(scene.size.0 >= 300 && scene.size.1 >= 300, "{:?}", scene.size);
-            assert!(scene.truth.iter().all(|s| s.pos.is_finite()));
         }
     }
 }

@@ -168,7 +168,7 @@ fn slopes_ui(
 fn go_to(model: &Model, slope: Slope, scale: &Scale) -> Action {
     let scale = Some((scale.octave, scale.level));
     let kind = Some(ViewKind::Dog);
-    Action::GoTo(model.probe.side, Destination { slope: Some(slope), scale, kind, ..Destination::default() })
+    Action::GoTo(model.document.probe.side, Destination { slope: Some(slope), scale, kind, ..Destination::default() })
 }
 
 fn reading(slope: Slope, scale: &Scale, value: &str) -> String {

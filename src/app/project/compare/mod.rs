@@ -10,7 +10,7 @@ use crate::app::project::pair::Matches;
 use crate::app::project::part::{Part, Pass};
 use crate::app::project::side::{Side, Sides};
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{Effect, Model, Project};
+use crate::app::project::{Effect, Model};
 use crate::burst::OpenOptions;
 use crate::detector::{Detection, DetectorParams};
 use crate::engine::{Ended, Engine, Want, Wanted};
@@ -91,11 +91,11 @@ pub(super) struct Methods;
 
 impl Part for Methods {
     fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want> {
-        vec![&model.compare.wanted]
+        vec![&model.results.compare.wanted]
     }
 
     fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        let Model { project: Project { compare, .. }, messages, .. } = &mut *pass.model;
+        let (compare, messages) = (&mut pass.model.results.compare, &mut pass.model.messages);
         for ended in compare.wanted.take() {
             let Some(job) = compare.asked.take() else { continue };
             match ended.result {
@@ -119,28 +119,30 @@ impl Part for Methods {
 
     fn ask(&self, pass: &mut Pass<'_>) {
         let model = &mut *pass.model;
-        if model.workspace != Workspace::Methods || model.slots.a.burst.is_none() {
+        if model.document.workspace != Workspace::Methods || model.results.slots.a.burst.is_none() {
             return;
         }
         model.share_what_is_found();
-        let opening = model.compare.opening_gold.both();
-        let is_busy = model.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
-        let job = model.next_compare_job().filter(|_| !pass.dragging && model.auto_detect && !is_busy);
+        let opening = model.results.compare.opening_gold.both();
+        let is_busy = model.results.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
+        let job = model.next_compare_job().filter(|_| !pass.dragging && model.document.auto_detect && !is_busy);
         if let Some(job) = job {
-            model.compare.wanted.ask(pass.engine, job.request.clone());
-            model.compare.asked = Some(job);
+            model.results.compare.wanted.ask(pass.engine, job.request.clone());
+            model.results.compare.asked = Some(job);
         }
     }
 
     fn is_there(&self, model: &Model) -> bool {
-        model.workspace != Workspace::Methods || !model.auto_detect || model.next_compare_job().is_none()
+        model.document.workspace != Workspace::Methods
+            || !model.document.auto_detect
+            || model.next_compare_job().is_none()
     }
 }
 
 impl Model {
     pub(in crate::app) fn open_gold(&mut self, side: Side, source: BurstSource, engine: &Engine) {
         let options = self.calibration_of(side).clone().with_burst_of(&OpenOptions::default());
-        self.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
+        self.results.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
     }
 
     pub(super) fn take_gold(&mut self, side: Side, ended: Ended<OpenRequest>) -> Vec<Effect> {
@@ -148,34 +150,34 @@ impl Model {
         if let Some(open) = self.answer(ended, TITLE) {
             self.messages.resolved(TITLE);
             self.messages.note(format!("Opened as gold standard of {}: {}", side.name(), open.describe()));
-            self.compare.gold[side] = Some(open);
+            self.results.compare.gold[side] = Some(open);
         }
-        self.document.gold[side] = self.compare.gold[side].as_ref().map(|open| open.source.clone());
+        self.document.gold[side] = self.results.compare.gold[side].as_ref().map(|open| open.source.clone());
         Vec::new()
     }
 
     /// Burst that `method` searches on `side`: the open one, or the gold standard's image.
     pub fn method_burst(&self, method: MethodId, side: Side) -> Option<&OpenBurst> {
         match method {
-            MethodId::Gold => self.compare.gold[side].as_ref(),
+            MethodId::Gold => self.results.compare.gold[side].as_ref(),
             _ => self.burst_of(side),
         }
     }
 
     pub fn method_params(&self, method: MethodId, side: Side) -> DetectorParams {
         let params = method.params(&self.params_of(side));
-        self.methods.at_same_false_rate(method, params)
+        self.document.methods.at_same_false_rate(method, params)
     }
 
     pub fn method_found(&self, method: MethodId, side: Side) -> Option<&MethodFound> {
         let open = self.method_burst(method, side)?;
-        let found = self.compare.found.get(&(method, side));
+        let found = self.results.compare.found.get(&(method, side));
         found.filter(|found| found.burst == open.id && found.params == self.method_params(method, side))
     }
 
     pub fn method_matches(&self, method: MethodId) -> Option<&Matches> {
         let wanted = self.wanted_method_matches(method)?;
-        self.compare.matches.get(&method).filter(|matches| matches.request == wanted)
+        self.results.compare.matches.get(&method).filter(|matches| matches.request == wanted)
     }
 
     fn wanted_method_matches(&self, method: MethodId) -> Option<MatchRequest> {
@@ -184,12 +186,12 @@ impl Model {
             Some((found.detection.clone(), (burst.clone(), found.params.clone())))
         };
         let ((a, burst_a), (b, burst_b)) = (of(Side::A)?, of(Side::B)?);
-        Some(MatchRequest { a, b, bursts: [burst_a, burst_b], params: self.matching.clone() })
+        Some(MatchRequest { a, b, bursts: [burst_a, burst_b], params: self.document.matching.clone() })
     }
 
     pub fn methods_shown(&self) -> Vec<MethodId> {
         let usable = |method: &MethodId| self.method_burst(*method, Side::A).is_some();
-        MethodId::ALL.into_iter().filter(|m| self.methods.shows(*m)).filter(usable).collect()
+        MethodId::ALL.into_iter().filter(|m| self.document.methods.shows(*m)).filter(usable).collect()
     }
 
     /// Features of A by each method that is shown, then those of B, then their matches.
@@ -217,7 +219,7 @@ impl Model {
 
     fn missing_matching(&self, method: MethodId) -> Option<CompareJob> {
         let wanted = self.wanted_method_matches(method)?;
-        (self.pair.param_error.is_none() && self.method_matches(method).is_none()).then_some(CompareJob {
+        (self.results.pair.param_error.is_none() && self.method_matches(method).is_none()).then_some(CompareJob {
             method,
             side: Side::B,
             request: CompareRequest::Match(wanted),
@@ -226,7 +228,7 @@ impl Model {
 
     fn has_failed(&self, job: &CompareJob) -> bool {
         let same = |other: &CompareJob| other.method == job.method && other.request == job.request;
-        self.compare.failed.iter().any(|(failed, _)| same(failed))
+        self.results.compare.failed.iter().any(|(failed, _)| same(failed))
     }
 
     /// Takes over results of the other workspaces with equal parameters, so that they are not computed again.
@@ -241,7 +243,7 @@ impl Model {
                 if let (Some(found), Some(open)) = (shared, self.burst_of(side)) {
                     let (elapsed, Detected { params, detection, .. }) = (found.elapsed, found.detected);
                     let found = MethodFound { burst: open.id, params, detection, elapsed };
-                    self.compare.take_found(method, side, found);
+                    self.results.compare.take_found(method, side, found);
                 }
             }
         }
@@ -295,36 +297,39 @@ impl CompareLook {
 impl Model {
     /// In *Methods*, methods that were switched on get a pane, others lose theirs; the rest of the arrangement stays.
     pub fn refresh_workspace(&mut self) {
-        self.project.document.panes.turn_to(self.project.document.workspace);
-        if self.workspace != Workspace::Methods || self.slots.a.burst.is_none() {
+        self.document.panes.turn_to(self.document.workspace);
+        if self.document.workspace != Workspace::Methods || self.results.slots.a.burst.is_none() {
             return;
         }
         let now = self.methods_shown();
-        if now == self.compare.arranged {
+        if now == self.results.compare.arranged {
             return;
         }
-        let before = std::mem::replace(&mut self.compare.arranged, now.clone());
-        let shown = self.panes.shown();
+        let before = std::mem::replace(&mut self.results.compare.arranged, now.clone());
+        let shown = self.document.panes.shown();
         let has_pane =
-            |method| shown.iter().filter_map(|id| self.panes.get(*id)).any(|pane| pane.method == Some(method));
+            |method| shown.iter().filter_map(|id| self.document.panes.get(*id)).any(|pane| pane.method == Some(method));
         if before.is_empty() && !now.iter().any(|method| has_pane(*method)) {
             self.lay_out_methods(MethodsPreset::Panes);
             return;
         }
         let both = self.burst_of(Side::B).is_some();
-        now.iter().for_each(|method| self.panes.add_method(*method, both));
-        before.iter().filter(|method| !now.contains(method)).for_each(|method| self.panes.remove_method(*method));
+        now.iter().for_each(|method| self.document.panes.add_method(*method, both));
+        before
+            .iter()
+            .filter(|method| !now.contains(method))
+            .for_each(|method| self.document.panes.remove_method(*method));
     }
 
     pub fn keep_methods_arranged(&mut self) {
-        let shown = self.panes.shown_in(Workspace::Methods);
-        let is_laid_out = shown.iter().filter_map(|id| self.panes.get(*id)).any(|pane| pane.method.is_some());
-        self.compare.arranged = if is_laid_out { self.methods_shown() } else { Vec::new() };
+        let shown = self.document.panes.shown_in(Workspace::Methods);
+        let is_laid_out = shown.iter().filter_map(|id| self.document.panes.get(*id)).any(|pane| pane.method.is_some());
+        self.results.compare.arranged = if is_laid_out { self.methods_shown() } else { Vec::new() };
     }
 
     pub fn lay_out_methods(&mut self, preset: MethodsPreset) {
         let (methods, both) = (self.methods_shown(), self.burst_of(Side::B).is_some());
-        self.panes.lay_out_methods(preset, &methods, both);
+        self.document.panes.lay_out_methods(preset, &methods, both);
     }
 }
 

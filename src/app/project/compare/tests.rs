@@ -8,7 +8,7 @@ use crate::app::project::workspace::Workspace;
 
 fn methods() -> Model {
     let mut model = pair();
-    model.workspace = Workspace::Methods;
+    model.document.workspace = Workspace::Methods;
     model
 }
 
@@ -20,11 +20,11 @@ fn do_all(model: &mut Model) -> Vec<(MethodId, Side)> {
                 let detection = model.found_of(side).expect("found").detection.clone();
                 let (burst, params) = (request.burst.id, request.params.detector);
                 let found = MethodFound { burst, params, detection, elapsed: Duration::ZERO };
-                model.compare.take_found(method, side, found);
+                model.results.compare.take_found(method, side, found);
             }
             CompareRequest::Match(request) => {
                 let matched = request.matched(&crate::monitor::Monitor::default()).expect("valid");
-                model.compare.take_matches(method, Matches::new(matched, Duration::ZERO));
+                model.results.compare.take_matches(method, Matches::new(matched, Duration::ZERO));
             }
         }
         done.push((method, side));
@@ -49,10 +49,10 @@ fn each_method_runs_once_on_a_then_on_b_and_is_matched() {
 fn a_changed_parameter_makes_what_was_found_old() {
     let mut model = methods();
     do_all(&mut model);
-    model.matching.ratio = 0.7;
+    model.document.matching.ratio = 0.7;
     let again = do_all(&mut model);
     assert_eq!(again.len(), 4, "only the matches are made again: {again:?}");
-    model.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9);
+    model.document.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9);
     let again = do_all(&mut model);
     assert!(again.iter().any(|(method, _)| *method == MethodId::Buff2d), "{again:?}");
     model.take_burst(open((64, 48), 5));
@@ -62,10 +62,10 @@ fn a_changed_parameter_makes_what_was_found_old() {
 #[test]
 fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
     let mut model = methods();
-    model.methods.show(MethodId::Buff2d, false);
-    model.methods.show(MethodId::Merge, false);
+    model.document.methods.show(MethodId::Buff2d, false);
+    model.document.methods.show(MethodId::Merge, false);
     assert_eq!(model.methods_shown(), [MethodId::Sift, MethodId::Buff1d]);
-    model.compare.gold.a = Some(open((64, 48), 1));
+    model.results.compare.gold.a = Some(open((64, 48), 1));
     assert_eq!(model.methods_shown().last(), Some(&MethodId::Gold));
     let done = do_all(&mut model);
     assert!(done.contains(&(MethodId::Gold, Side::A)) && !done.contains(&(MethodId::Gold, Side::B)));
@@ -77,13 +77,13 @@ fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
 fn what_failed_is_not_tried_again_until_asked_or_changed() {
     let mut model = methods();
     let job = model.next_compare_job().expect("nothing is there yet");
-    model.compare.take_failure(job.clone(), "cancelled".into());
-    assert_eq!(model.compare.problem(job.method), Some("cancelled"));
+    model.results.compare.take_failure(job.clone(), "cancelled".into());
+    assert_eq!(model.results.compare.problem(job.method), Some("cancelled"));
     assert_ne!(model.next_compare_job().map(|next| next.method), Some(job.method));
-    model.compare.forget_failures();
+    model.results.compare.forget_failures();
     assert_eq!(model.next_compare_job().map(|next| next.method), Some(job.method));
-    model.compare.take_failure(job.clone(), "cancelled".into());
-    model.params.edge_threshold *= 2.0;
+    model.results.compare.take_failure(job.clone(), "cancelled".into());
+    model.document.params.edge_threshold *= 2.0;
     assert_eq!(model.next_compare_job().map(|next| next.method), Some(job.method));
 }
 

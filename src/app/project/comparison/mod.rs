@@ -109,16 +109,16 @@ impl Comparison {
 
 impl Model {
     pub fn has_reference(&self, side: Side, with: Reference) -> bool {
-        let set = &self.comparisons[side];
+        let set = &self.document.comparisons[side];
         match with {
             Reference::Pinned => set.pinned.is_some(),
             Reference::File => set.file.is_some(),
-            Reference::Truth => self.slots[side].comparison.truth.is_some_and(|(_, known)| known),
+            Reference::Truth => self.results.slots[side].comparison.truth.is_some_and(|(_, known)| known),
         }
     }
 
     pub(super) fn compare_with(&mut self, side: Side, with: Option<Reference>) {
-        let (set, results) = (&mut self.project.document.comparisons[side], &mut self.project.slots[side].comparison);
+        let (set, results) = (&mut self.document.comparisons[side], &mut self.results.slots[side].comparison);
         if set.with != with {
             // Unchanged features are hidden, so that the changes stand out.
             let hidden = if with == Some(Reference::Pinned) { vec![Kind::Same] } else { Vec::new() };
@@ -126,7 +126,7 @@ impl Model {
             (results.shown, results.hovered, results.problem) = (None, None, None);
             results.wanted.forget();
             // What is compared is of all slopes, until one is asked for.
-            let overlay = &mut self.project.document.look.overlay;
+            let overlay = &mut self.document.look.overlay;
             if *overlay != FeaturesShown::None {
                 *overlay = if with.is_some() { FeaturesShown::All } else { FeaturesShown::ThisSlope };
             }
@@ -134,7 +134,7 @@ impl Model {
     }
 
     pub fn pin_result(&mut self, side: Side) {
-        let slot = &mut self.slots[side];
+        let slot = &mut self.results.slots[side];
         if let Some(found) = &slot.found {
             slot.comparison.pinned = Some((found.asked.clone(), found.detection.clone()));
             self.document.comparisons[side].pinned = Some(found.asked.clone());
@@ -145,16 +145,16 @@ impl Model {
     }
 
     pub fn lay_over(&mut self, side: Side, path: PathBuf) {
-        if self.slots[side].burst.is_some() {
-            self.slots[side].comparison.file = None;
-            self.comparisons[side].file = Some(path);
+        if self.results.slots[side].burst.is_some() {
+            self.results.slots[side].comparison.file = None;
+            self.document.comparisons[side].file = Some(path);
             self.compare_with(side, None);
             self.show_comparison(side, Some(Reference::File));
         }
     }
 
     pub fn forget_reference(&mut self, side: Side, with: Reference) {
-        let set = &mut self.comparisons[side];
+        let set = &mut self.document.comparisons[side];
         match with {
             Reference::Pinned => set.pinned = None,
             Reference::File => set.file = None,
@@ -167,16 +167,16 @@ impl Model {
 
     /// Selects a row of the comparison of `side`, and of A its feature.
     pub fn select_row(&mut self, side: Side, row: Option<usize>) {
-        self.comparisons[side].selected = row;
+        self.document.comparisons[side].selected = row;
         if side == Side::A {
-            let shown = &self.slots.a.comparison.shown;
+            let shown = &self.results.slots.a.comparison.shown;
             self.document.selected = row.and_then(|row| shown.as_ref()?.rows.get(row)?.feature);
         }
     }
 
     pub(super) fn take_comparison(&mut self, side: Side, ended: Ended<ComparisonRequest>) {
         let is_wanted = self.wanted_comparison(side).is_some_and(|wanted| wanted == ended.request);
-        let (set, results) = (&mut self.project.document.comparisons[side], &mut self.project.slots[side].comparison);
+        let (set, results) = (&mut self.document.comparisons[side], &mut self.results.slots[side].comparison);
         match ended.result {
             Ok(compared) if is_wanted => results.take(compared, set),
             Ok(_) => {}
@@ -188,16 +188,16 @@ impl Model {
     /// Ends comparisons with a reference that is not there any more, and forgets why the one before was not made.
     pub(super) fn check_references(&mut self) {
         for side in Side::BOTH {
-            let slot = &mut self.slots[side];
+            let slot = &mut self.results.slots[side];
             let (open, comparison) = (slot.burst.as_ref(), &mut slot.comparison);
             if comparison.truth.map(|(burst, _)| burst) != open.map(|open| open.id) {
                 comparison.truth = open.map(|open| (open.id, open.has_truth()));
             }
-            if self.comparisons[side].with.is_some_and(|with| !self.has_reference(side, with)) {
+            if self.document.comparisons[side].with.is_some_and(|with| !self.has_reference(side, with)) {
                 self.compare_with(side, None);
             }
             let missing = self.missing_comparison(side);
-            let results = &mut self.slots[side].comparison;
+            let results = &mut self.results.slots[side].comparison;
             if missing.is_some_and(|missing| !results.wanted.has_failed(&missing)) {
                 results.problem = None;
             }
@@ -205,14 +205,14 @@ impl Model {
     }
 
     pub(super) fn missing_comparison(&self, side: Side) -> Option<ComparisonRequest> {
-        let with = self.comparisons[side].with;
+        let with = self.document.comparisons[side].with;
         let is_there = self.shown_comparison(side).is_some_and(|shown| Some(shown.with) == with);
         self.wanted_comparison(side).filter(|_| !is_there)
     }
 
     fn wanted_comparison(&self, side: Side) -> Option<ComparisonRequest> {
         let (burst, found) = (self.burst_of(side)?.clone(), self.whole_found_of(side)?);
-        let (set, known) = (&self.comparisons[side], &self.slots[side].comparison);
+        let (set, known) = (&self.document.comparisons[side], &self.results.slots[side].comparison);
         let with = match set.with? {
             Reference::Pinned => {
                 let asked = set.pinned.clone()?;
@@ -232,17 +232,21 @@ impl Model {
     /// The comparison of `side` that is drawn over the pictures: that of the features on show.
     pub fn shown_comparison(&self, side: Side) -> Option<&Arc<Shown>> {
         let found = self.found_of(side)?;
-        self.slots[side].comparison.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
+        self.results.slots[side]
+            .comparison
+            .shown
+            .as_ref()
+            .filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
     }
 
     pub(in crate::app) fn begin_comparison(&mut self, side: Side) {
-        let set = self.comparisons[side].of_next_burst();
+        let set = self.document.comparisons[side].of_next_burst();
         self.restore_comparison(side, set);
     }
 
     pub fn restore_comparison(&mut self, side: Side, set: Comparison) {
-        self.slots[side].comparison = ComparisonResults::default();
-        self.comparisons[side] = set;
+        self.results.slots[side].comparison = ComparisonResults::default();
+        self.document.comparisons[side] = set;
     }
 }
 
@@ -283,14 +287,15 @@ mod tests {
     fn either_burst_is_compared_with_its_own_truth_and_takes_the_comparison_along() {
         let mut bench = Bench::with_two_charts();
         bench.model.show_comparison(Side::B, Some(Reference::Truth));
-        assert!(bench.model.match_look.features, "the comparison is seen");
+        assert!(bench.model.document.match_look.features, "the comparison is seen");
         bench.run_until(|model, _| model.shown_comparison(Side::B).is_some());
         assert!(bench.model.shown_comparison(Side::A).is_none());
         bench.model.show_comparison(Side::A, Some(Reference::Truth));
         bench.run_until(|model, _| model.shown_comparison(Side::A).is_some());
         let summaries = |model: &Model| Side::BOTH.map(|side| model.shown_comparison(side).map(|s| s.summary.clone()));
         for side in Side::BOTH {
-            let (slot, shown) = (&bench.model.slots[side], bench.model.shown_comparison(side).expect("there").clone());
+            let (slot, shown) =
+                (&bench.model.results.slots[side], bench.model.shown_comparison(side).expect("there").clone());
             assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
             // All discs of the side's own chart are found or missed.
             let discs = shown.count(Kind::Same) + shown.count(Kind::Theirs);

@@ -95,37 +95,37 @@ pub fn lost_label(lost: Lost) -> &'static str {
 impl Model {
     /// A request that failed is repeated with the next matches.
     pub(in crate::app::project) fn missing_losses(&self) -> Option<LossesRequest> {
-        self.wanted_losses().filter(|_| self.workspace == Workspace::Pair && self.losses().is_none())
+        self.wanted_losses().filter(|_| self.document.workspace == Workspace::Pair && self.losses().is_none())
     }
 
     pub(in crate::app::project) fn take_losses(&mut self, ended: Ended<LossesRequest>) {
         if let Ok(found) = ended.result {
-            self.pair.lost.found = Some(Arc::new(found));
-            self.pair.lost.fold();
+            self.results.pair.lost.found = Some(Arc::new(found));
+            self.results.pair.lost.fold();
         }
         self.refresh_why();
     }
 
     pub(in crate::app::project) fn take_price(&mut self, ended: Ended<MatchRequest>) {
-        self.pair.lost.priced = ended.result.ok().or_else(|| self.pair.lost.priced.take());
+        self.results.pair.lost.priced = ended.result.ok().or_else(|| self.results.pair.lost.priced.take());
     }
 
     pub(in crate::app::project) fn missing_candidate_pictures(&self) -> Option<PicturesRequest> {
         let pictures = self.wanted_candidate_pictures();
-        let shown = self.pair.lost.pictures.iter().map(|picture| &picture.request);
-        (self.workspace == Workspace::Pair && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
+        let shown = self.results.pair.lost.pictures.iter().map(|picture| &picture.request);
+        (self.document.workspace == Workspace::Pair && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
     }
 
     pub(in crate::app::project) fn take_lost_pictures(&mut self, ended: Ended<PicturesRequest>) {
         if let Ok(pictures) = ended.result {
-            self.pair.lost.pictures = pictures;
+            self.results.pair.lost.pictures = pictures;
         }
     }
 
     /// Parameters with which the feature that is asked about may match: those of the step at which it was lost.
     pub fn remedy(&self) -> Option<MatchParams> {
-        let why = self.pair.lost.why.as_ref()?;
-        let matches = self.pair.matches.as_ref()?;
+        let why = self.results.pair.lost.why.as_ref()?;
+        let matches = self.results.pair.matches.as_ref()?;
         let params = &matches.request.params;
         let changed = match why.unmatched.lost {
             Lost::RatioTest => MatchParams { ratio: (100.0 * why.unmatched.ratio?).ceil() / 100.0, ..params.clone() },
@@ -145,18 +145,18 @@ impl Model {
     }
 
     pub(in crate::app::project) fn missing_price(&self) -> Option<MatchRequest> {
-        if self.workspace != Workspace::Pair {
+        if self.document.workspace != Workspace::Pair {
             return None;
         }
-        let wanted = MatchRequest { params: self.remedy()?, ..self.pair.matches.as_ref()?.request.clone() };
-        let is_there = self.pair.lost.priced.as_ref().is_some_and(|priced| priced.request == wanted);
-        (!is_there && !self.pair.lost.pricing.has_failed(&wanted)).then_some(wanted)
+        let wanted = MatchRequest { params: self.remedy()?, ..self.results.pair.matches.as_ref()?.request.clone() };
+        let is_there = self.results.pair.lost.priced.as_ref().is_some_and(|priced| priced.request == wanted);
+        (!is_there && !self.results.pair.lost.pricing.has_failed(&wanted)).then_some(wanted)
     }
 
     /// Effect of the remedy: "matches it and 23 others"; `None` until it was tried.
     pub fn price_of_remedy(&self, params: &MatchParams) -> Option<String> {
-        let (priced, matches) = (self.pair.lost.priced.as_ref()?, self.pair.matches.as_ref()?);
-        let (why, then) = (self.pair.lost.why.as_ref()?, Matches::new(priced.clone(), Duration::ZERO));
+        let (priced, matches) = (self.results.pair.lost.priced.as_ref()?, self.results.pair.matches.as_ref()?);
+        let (why, then) = (self.results.pair.lost.why.as_ref()?, Matches::new(priced.clone(), Duration::ZERO));
         if priced.request.params != *params || !then.is_of(Side::A, matches.detection(Side::A)) {
             return None;
         }
@@ -175,44 +175,44 @@ impl Model {
     }
 
     pub fn wanted_losses(&self) -> Option<LossesRequest> {
-        let matches = self.pair.matches.as_ref()?;
+        let matches = self.results.pair.matches.as_ref()?;
         let size_b = self.burst_of(Side::B)?.burst.size();
         Some(LossesRequest { request: matches.request.clone(), result: matches.result.clone(), size_b })
     }
 
     pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
         let wanted = self.wanted_losses()?;
-        self.pair.lost.found.as_ref().filter(|found| found.request == wanted)
+        self.results.pair.lost.found.as_ref().filter(|found| found.request == wanted)
     }
 
     pub fn asked_feature(&self) -> Option<usize> {
         let of_match = || {
-            let matches = self.pair.matches.as_ref()?;
-            Some(matches.row(self.selected_match?)?.found.a)
+            let matches = self.results.pair.matches.as_ref()?;
+            Some(matches.row(self.document.selected_match?)?.found.a)
         };
-        of_match().or(self.asked_about)
+        of_match().or(self.document.asked_about)
     }
 
     pub fn ask_feature(&mut self, index: Option<usize>) {
-        let matches = self.pair.matches.as_ref();
+        let matches = self.results.pair.matches.as_ref();
         let its_match = index.and_then(|index| matches?.rows().find(|row| row.found.a == index).map(|row| row.index));
-        (self.selected_match, self.asked_about) = (its_match, index);
+        (self.document.selected_match, self.document.asked_about) = (its_match, index);
     }
 
     pub fn refresh_why(&mut self) {
-        if self.workspace != Workspace::Pair {
+        if self.document.workspace != Workspace::Pair {
             return;
         }
-        if self.pair.lost.found.is_some() && self.losses().is_none() {
+        if self.results.pair.lost.found.is_some() && self.losses().is_none() {
             // Another pair: what was asked about is no feature of it.
-            self.asked_about = None;
-            let LostFeatures { wanted, wanted_pictures, pricing, .. } = std::mem::take(&mut self.pair.lost);
-            self.pair.lost = LostFeatures { wanted, wanted_pictures, pricing, ..LostFeatures::default() };
+            self.document.asked_about = None;
+            let LostFeatures { wanted, wanted_pictures, pricing, .. } = std::mem::take(&mut self.results.pair.lost);
+            self.results.pair.lost = LostFeatures { wanted, wanted_pictures, pricing, ..LostFeatures::default() };
         }
         let asked = self.asked_feature();
         let why = match (asked, self.losses()) {
             (Some(feature), Some(found)) if feature < found.lost.len() => {
-                let old = self.pair.lost.why.as_ref();
+                let old = self.results.pair.lost.why.as_ref();
                 if old.is_some_and(|why| why.feature == feature && why.of == found.request) {
                     return;
                 }
@@ -222,19 +222,19 @@ impl Model {
             }
             _ => None,
         };
-        self.pair.lost.why = why;
+        self.results.pair.lost.why = why;
     }
 
     /// Pixels at mid-burst: of an epipolar line the point nearest to its place in A, as features mostly move little
     /// from burst to burst. `None` where no geometry is known, and where the place lies outside B.
     pub fn expected_place(&self) -> Option<[f32; 2]> {
-        let (why, found) = self.pair.lost.why.as_ref().zip(self.losses())?;
+        let (why, found) = self.results.pair.lost.why.as_ref().zip(self.losses())?;
         let own = found.request.request.a.features.get(why.feature)?;
         nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
     }
 
     pub fn wanted_candidate_pictures(&self) -> Vec<PictureRequest> {
-        let Some((why, found)) = self.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
+        let Some((why, found)) = self.results.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
         let MatchRequest { a, b, .. } = &found.request.request;
         let own = a.features.get(why.feature).map(|f| (Side::A, f.slope));
         let candidates = why.unmatched.candidates.iter().take(PATCHES);

@@ -14,7 +14,7 @@ use crate::app::project::cursor::Cursor;
 use crate::app::project::filter::{Order, neighbour};
 use crate::app::project::slot::Slot;
 use crate::app::project::workspace::Workspace;
-use crate::app::project::{FoundFeatures, Model, Project};
+use crate::app::project::{FoundFeatures, Model, Read};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::Engine;
 use crate::engine::{Ended, Wanted};
@@ -49,23 +49,23 @@ pub struct PairState {
     listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
 
-impl Project {
-    pub fn saved_match(&self) -> Option<SavedMatch> {
-        Some(self.pair.matches.as_ref()?.row(self.selected_match?)?.saved())
+impl Read<'_> {
+    pub fn saved_match(self) -> Option<SavedMatch> {
+        Some(self.results.pair.matches.as_ref()?.row(self.document.selected_match?)?.saved())
     }
 }
 
 impl Model {
     /// Index of the match in focus: the selected one, or while none is selected, the one under the pointer.
     pub fn match_in_focus(&self) -> Option<usize> {
-        self.selected_match.or(self.pair.hovered)
+        self.document.selected_match.or(self.results.pair.hovered)
     }
 
     /// Those that are listed, or the selected one alone if that is set, even where its kind is hidden.
     pub fn drawn_matches(&self) -> Vec<usize> {
-        let listed = &self.pair.listed;
-        match self.selected_match {
-            Some(one) if self.match_look.alone => vec![one],
+        let listed = &self.results.pair.listed;
+        match self.document.selected_match {
+            Some(one) if self.document.match_look.alone => vec![one],
             Some(one) if !listed.contains(&one) => listed.iter().copied().chain([one]).collect(),
             _ => listed.clone(),
         }
@@ -73,25 +73,25 @@ impl Model {
 
     /// Largest difference of the motions of a listed match, px/frame.
     pub fn largest_motion(&self) -> f32 {
-        let pair = &self.pair;
+        let pair = &self.results.pair;
         let rows = pair.matches.iter().flat_map(|matches| pair.listed.iter().filter_map(|&index| matches.row(index)));
         rows.map(|row| row.motion_apart()).fold(0.0, f32::max)
     }
 
     /// Takes newly made matches. The selection is kept where the same pair of features was matched again.
     fn take_made_matches(&mut self, matches: Matches) {
-        let keep = self.pair.reselect.take().or_else(|| self.saved_match());
-        self.selected_match = keep.and_then(|saved| matches.find_again(&saved));
-        (self.pair.matches, self.pair.hovered) = (Some(matches), None);
+        let keep = self.results.pair.reselect.take().or_else(|| self.read().saved_match());
+        self.document.selected_match = keep.and_then(|saved| matches.find_again(&saved));
+        (self.results.pair.matches, self.results.pair.hovered) = (Some(matches), None);
     }
 
     pub(in crate::app) fn forget_matches(&mut self) {
-        (self.pair.matches, self.pair.hovered, self.selected_match) = (None, None, None);
-        self.pair.listed.clear();
+        (self.results.pair.matches, self.results.pair.hovered, self.document.selected_match) = (None, None, None);
+        self.results.pair.listed.clear();
     }
 
     pub fn refresh_listed_matches(&mut self) {
-        let Project { document, pair, .. } = &mut self.project;
+        let (document, pair) = (&self.document, &mut self.results.pair);
         let Some(matches) = &pair.matches else {
             pair.listed.clear();
             pair.listed_for = None;
@@ -107,31 +107,32 @@ impl Model {
 
     pub fn select_neighbouring_match(&mut self, forward: bool) {
         self.refresh_listed_matches();
-        self.selected_match = neighbour(&self.pair.listed, self.selected_match, forward);
+        self.document.selected_match = neighbour(&self.results.pair.listed, self.document.selected_match, forward);
     }
 
     /// Of two bursts, the features are drawn too, as the comparison is drawn in their place.
     pub fn show_comparison(&mut self, side: Side, with: Option<Reference>) {
         self.compare_with(side, with);
-        if self.workspace == Workspace::Pair && with.is_some() {
-            (self.match_look.features, self.pair_tab) = (true, PairTab::Compared);
+        if self.document.workspace == Workspace::Pair && with.is_some() {
+            (self.document.match_look.features, self.document.pair_tab) = (true, PairTab::Compared);
         }
     }
 
     pub fn swap_sides(&mut self) {
-        self.slots.swap();
+        self.results.slots.swap();
         let document = &mut self.document;
         document.calibration_of_b.iter_mut().for_each(|of_b| std::mem::swap(of_b, &mut document.calibration));
-        self.comparisons.swap();
+        self.document.comparisons.swap();
         self.forget_requests();
         // What is probed stays with its burst, and so do the steps to undo.
-        (self.probe.side, self.probed.pointer) = (self.probe.side.other(), None);
+        (self.document.probe.side, self.results.probed.pointer) = (self.document.probe.side.other(), None);
         self.history.swap_sides();
-        self.panes.swap_sides();
-        self.compare.gold.swap();
+        self.document.panes.swap_sides();
+        self.results.compare.gold.swap();
         self.document.gold.swap();
         // Where A alone was looked at, nothing of it is selected any more.
-        (self.patch, self.selected, self.hovered, self.playing) = (None, None, None, false);
+        (self.results.patch, self.document.selected, self.results.hovered, self.document.playing) =
+            (None, None, None, false);
         self.forget_matches();
         self.check_params();
         self.refresh_listed();
@@ -139,8 +140,8 @@ impl Model {
 
     /// B has A's, as far as they can be used: a single frame is searched by SIFT, frames that it lacks mean all.
     pub fn params_of(&self, side: Side) -> DetectorParams {
-        let mut params = self.params.clone();
-        if let (Side::B, Some(b)) = (side, &self.slots.b.burst) {
+        let mut params = self.document.params.clone();
+        if let (Side::B, Some(b)) = (side, &self.results.slots.b.burst) {
             let frames = b.burst.len();
             if params.frames.is_some_and(|range| range.end > frames) {
                 params.frames = None;
@@ -148,9 +149,10 @@ impl Model {
             if frames == 1 {
                 params.method = Method::Sift;
             }
-            if self.slopes.is_auto() {
+            if self.document.slopes.is_auto() {
                 // B's slopes are its own.
-                params.slopes = self.slots.b.found.as_ref().map_or(SlopeGrid::default(), |found| found.params.slopes);
+                params.slopes =
+                    self.results.slots.b.found.as_ref().map_or(SlopeGrid::default(), |found| found.params.slopes);
             }
         }
         params
@@ -159,19 +161,19 @@ impl Model {
     /// Parameters that a detection on `side` would be asked for now, with default slopes if they are to be found.
     pub fn asked_of(&self, side: Side) -> SearchParams {
         let mut detector = self.params_of(side);
-        if self.slopes.is_auto() {
+        if self.document.slopes.is_auto() {
             detector.slopes = SlopeGrid::default();
         }
-        SearchParams { detector, slopes: self.slopes }
+        SearchParams { detector, slopes: self.document.slopes }
     }
 
     pub fn take_second_burst(&mut self, burst: OpenBurst) {
-        let Slot { opening, .. } = std::mem::take(&mut self.slots.b);
-        self.slots.b = Slot { burst: Some(burst), opening, ..Slot::default() };
+        let Slot { opening, .. } = std::mem::take(&mut self.results.slots.b);
+        self.results.slots.b = Slot { burst: Some(burst), opening, ..Slot::default() };
         self.begin_comparison(Side::B);
         self.clear_probe_of(Side::B);
         self.forget_matches();
-        (self.compare.gold.b, self.document.gold.b) = (None, None);
+        (self.results.compare.gold.b, self.document.gold.b) = (None, None);
         self.begin_panes_of_b();
         self.check_params();
     }
@@ -179,14 +181,14 @@ impl Model {
     /// Puts the panes of B where they begin beside those of A, whichever of the two bursts was opened last.
     pub(in crate::app::project) fn begin_panes_of_b(&mut self) {
         let Some(middle) = self.burst_of(Side::B).map(|open| open.burst.len() / 2) else { return };
-        let Pane { cursor, view, .. } = *self.panes.of(Side::A);
+        let Pane { cursor, view, .. } = *self.document.panes.of(Side::A);
         let sizes = Side::BOTH.map(|side| self.burst_of(side).map_or((1, 1), |open| open.burst.size()));
-        self.panes.place_by_shape(are_stacked(sizes));
-        let linked = self.panes.of(Side::B).links.cursor;
+        self.document.panes.place_by_shape(are_stacked(sizes));
+        let linked = self.document.panes.of(Side::B).links.cursor;
         self.start_panes(Side::B, |_| {
             if linked { cursor } else { Cursor { frame: middle, kind: cursor.kind, ..Cursor::default() } }
         });
-        let pane = self.panes.of_mut(Side::B);
+        let pane = self.document.panes.of_mut(Side::B);
         pane.slope_chosen = linked;
         pane.content = Content::Cursor;
         if pane.links.view {
@@ -195,22 +197,23 @@ impl Model {
     }
 
     pub fn wanted_matches(&self) -> Option<MatchRequest> {
-        if self.pair.param_error.is_some() {
+        if self.results.pair.param_error.is_some() {
             return None;
         }
         let (a, b) = (self.whole_found_of(Side::A)?, self.whole_found_of(Side::B)?);
         let bursts =
             [(self.burst_of(Side::A)?.clone(), a.params.clone()), (self.burst_of(Side::B)?.clone(), b.params.clone())];
-        let params = self.matching.clone();
+        let params = self.document.matching.clone();
         Some(MatchRequest { a: a.detection.clone(), b: b.detection.clone(), bursts, params })
     }
 
     pub fn needs_matches(&self) -> bool {
-        self.wanted_matches().is_some_and(|wanted| !self.pair.matches.as_ref().is_some_and(|m| m.request == wanted))
+        self.wanted_matches()
+            .is_some_and(|wanted| !self.results.pair.matches.as_ref().is_some_and(|m| m.request == wanted))
     }
 
     pub fn patches_request(&self) -> Option<PicturesRequest> {
-        let matches = self.pair.matches.as_ref()?;
+        let matches = self.results.pair.matches.as_ref()?;
         let row = matches.row(self.match_in_focus()?)?;
         let request = |side: Side, slope| {
             let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
@@ -220,17 +223,18 @@ impl Model {
     }
 
     fn shows_pair(&self) -> bool {
-        self.workspace == Workspace::Pair && self.slots.b.burst.is_some()
+        self.document.workspace == Workspace::Pair && self.results.slots.b.burst.is_some()
     }
 
     pub(super) fn missing_patches(&self) -> Option<PicturesRequest> {
-        let there = || PicturesRequest(self.pair.patches.iter().map(|picture| picture.request.clone()).collect());
+        let there =
+            || PicturesRequest(self.results.pair.patches.iter().map(|picture| picture.request.clone()).collect());
         self.patches_request().filter(|wanted| self.shows_pair() && there() != *wanted)
     }
 
     /// While features are still being found, matches would be out of date at once.
     pub(super) fn missing_matches(&self, dragging: bool) -> Option<MatchRequest> {
-        let detecting = self.slots.both().into_iter().any(|slot| slot.detecting.is_pending());
+        let detecting = self.results.slots.both().into_iter().any(|slot| slot.detecting.is_pending());
         self.wanted_matches().filter(|_| self.shows_pair() && !dragging && !detecting && self.needs_matches())
     }
 
@@ -246,40 +250,40 @@ impl Model {
     }
 
     pub(super) fn take_patches(&mut self, ended: Ended<PicturesRequest>) {
-        let before = std::mem::take(&mut self.pair.patches);
-        self.pair.patches = self.answer(ended, "Patches").unwrap_or(before);
+        let before = std::mem::take(&mut self.results.pair.patches);
+        self.results.pair.patches = self.answer(ended, "Patches").unwrap_or(before);
     }
 
     pub(in crate::app) fn close_second(&mut self, engine: &Engine) {
-        self.slots.b = Slot::default();
-        self.calibration_of_b = None;
-        self.comparisons.b = Comparison::default();
+        self.results.slots.b = Slot::default();
+        self.document.calibration_of_b = None;
+        self.document.comparisons.b = Comparison::default();
         self.clear_probe_of(Side::B);
-        self.panes.close_side(Side::B);
-        (self.compare.gold.b, self.document.gold.b) = (None, None);
-        self.compare.opening_gold.b.forget();
+        self.document.panes.close_side(Side::B);
+        (self.results.compare.gold.b, self.document.gold.b) = (None, None);
+        self.results.compare.opening_gold.b.forget();
         self.forget_matches();
-        self.pair.matching.forget();
-        self.pair.wanted_patches.forget();
-        self.pair.patches.clear();
+        self.results.pair.matching.forget();
+        self.results.pair.wanted_patches.forget();
+        self.results.pair.patches.clear();
         self.forget_closed_trails(engine);
     }
 
     pub(in crate::app) fn forget_requests(&mut self) {
         for side in Side::BOTH {
-            let slot = &mut self.slots[side];
+            let slot = &mut self.results.slots[side];
             slot.opening.forget();
             slot.detecting.forget();
             slot.comparison.wanted.forget();
         }
-        self.pair.matching.forget();
-        self.compare.wanted.cancel();
-        self.coherence.try_again();
+        self.results.pair.matching.forget();
+        self.results.compare.wanted.cancel();
+        self.results.coherence.try_again();
         self.forget_asked_pictures();
     }
 
     pub fn stale_matches(&self) -> Option<&'static str> {
-        let matches = self.pair.matches.as_ref()?;
+        let matches = self.results.pair.matches.as_ref()?;
         let features = [Side::A, Side::B].into_iter().any(|side| {
             let same =
                 |found: &FoundFeatures| found.asked == self.asked_of(side) && matches.is_of(side, &found.detection);
@@ -288,7 +292,8 @@ impl Model {
         if features {
             return Some("Stale matches: the detector's parameters changed");
         }
-        (matches.request.params != self.matching).then_some("Stale matches: the parameters of matching changed")
+        (matches.request.params != self.document.matching)
+            .then_some("Stale matches: the parameters of matching changed")
     }
 }
 

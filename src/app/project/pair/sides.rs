@@ -85,20 +85,20 @@ impl Document {
 impl Model {
     /// Side whose slope and scale the cursor sets now.
     pub fn active_side(&self) -> Side {
-        let both = self.workspace == Workspace::Pair && self.slots.b.burst.is_some();
-        if both { self.focused().side } else { Side::A }
+        let both = self.document.workspace == Workspace::Pair && self.results.slots.b.burst.is_some();
+        if both { self.document.focused().side } else { Side::A }
     }
 
     pub fn picture_of(&self, side: Side) -> Option<&Picture> {
-        self.picture_in(self.pane_for(side))
+        self.picture_in(self.document.pane_for(side))
     }
 
     pub(in crate::app) fn go_to_match(&mut self) {
-        let Some(matches) = self.pair.matches.clone() else { return };
-        let Some(row) = self.selected_match.and_then(|index| matches.row(index)) else { return };
+        let Some(matches) = self.results.pair.matches.clone() else { return };
+        let Some(row) = self.document.selected_match.and_then(|index| matches.row(index)) else { return };
         let sigma = row.a.sigma.max(row.b.sigma).max(1.0);
         // Of each burst the pane in focus, or its first; those that are linked to it come along.
-        let panes = &mut self.panes;
+        let panes = &mut self.document.panes;
         let leaders = Side::BOTH.map(|side| {
             let shown = panes.shown_of(side, None);
             let leader = shown.iter().find(|id| **id == panes.focus()).or(shown.first());
@@ -121,6 +121,6 @@ impl Model {
                 }
             }
         }
-        self.playing = false;
+        self.document.playing = false;
     }
 }

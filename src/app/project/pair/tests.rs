@@ -18,7 +18,7 @@ pub(in crate::app::project) fn pair() -> Model {
     let (a, b) = (open((64, 48), 5), open((64, 48), 5));
     model.take_burst(a.clone());
     model.take_second_burst(b.clone());
-    let grid = model.params.slopes;
+    let grid = model.document.params.slopes;
     let at = |du: f32| -> Vec<_> {
         (0..4).map(|i| feature(8.0 + 12.0 * i as f32 + du, 10.0 + 7.0 * i as f32, i, &grid)).collect()
     };
@@ -30,7 +30,7 @@ pub(in crate::app::project) fn pair() -> Model {
         found.detection = Arc::new(detection);
         found
     };
-    let params = model.params.clone();
+    let params = model.document.params.clone();
     model.take_detection(Side::A, with_descriptors(detected(&a, &params, at(0.0))), Duration::ZERO);
     model.take_detection(Side::B, with_descriptors(detected(&b, &params, at(2.0))), Duration::ZERO);
     model
@@ -44,14 +44,14 @@ fn matched(model: &Model) -> Matches {
 #[test]
 fn a_second_burst_has_the_parameters_as_far_as_it_can_use_them() {
     let mut model = pair();
-    model.params.frames = Some(FrameRange { start: 1, end: 5 });
-    assert_eq!(model.params_of(Side::B).frames, model.params.frames);
+    model.document.params.frames = Some(FrameRange { start: 1, end: 5 });
+    assert_eq!(model.params_of(Side::B).frames, model.document.params.frames);
     model.take_second_burst(open((64, 48), 3));
     assert_eq!(model.params_of(Side::B).frames, None);
     model.take_second_burst(open((64, 48), 1));
     model.check_params();
     assert_eq!(model.params_of(Side::B).method, Method::Sift);
-    assert_eq!(model.slots.b.param_error, None, "a single sharp image can be B");
+    assert_eq!(model.results.slots.b.param_error, None, "a single sharp image can be B");
     assert_eq!(model.params_of(Side::A).method, Method::Buff);
 }
 
@@ -64,7 +64,7 @@ fn panes_begin_alike_whichever_burst_is_opened_last() {
             let burst = open((150, 60), 5);
             if side == Side::A { model.take_burst(burst) } else { model.take_second_burst(burst) }
         }
-        model.panes.clone()
+        model.document.panes.clone()
     };
     assert!(opened(Side::A) == opened(Side::B));
 }
@@ -76,34 +76,34 @@ fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
     model.take_made_matches(matched(&model));
     model.refresh_listed_matches();
     assert!(!model.needs_matches());
-    assert_eq!((model.pair.listed.len(), model.stale_matches()), (4, None));
-    model.matching.ratio = 0.7;
+    assert_eq!((model.results.pair.listed.len(), model.stale_matches()), (4, None));
+    model.document.matching.ratio = 0.7;
     assert!(model.needs_matches());
     assert!(model.stale_matches().is_some_and(|why| why.contains("matching")));
-    model.matching.ratio = 2.0;
+    model.document.matching.ratio = 2.0;
     model.check_params();
     assert!(!model.needs_matches(), "parameters that make no sense are not tried");
-    assert_eq!(model.pair.param_error.as_ref().map(|e| e.subject.as_str()), Some("ratio"));
-    model.matching = MatchParams::default();
+    assert_eq!(model.results.pair.param_error.as_ref().map(|e| e.subject.as_str()), Some("ratio"));
+    model.document.matching = MatchParams::default();
     model.check_params();
-    model.params.edge_threshold *= 2.0;
+    model.document.params.edge_threshold *= 2.0;
     assert!(model.stale_matches().is_some_and(|why| why.contains("detector")));
     model.take_burst(open((64, 48), 5));
-    assert!(model.pair.matches.is_none(), "the matches were with another burst");
+    assert!(model.results.pair.matches.is_none(), "the matches were with another burst");
 }
 
 #[test]
 fn the_same_match_stays_selected_when_it_is_made_again() {
     let mut model = pair();
     model.take_made_matches(matched(&model));
-    model.selected_match = Some(2);
-    let place = model.saved_match().expect("selected");
-    model.matching.geometry = crate::matching::Geometry::None;
+    model.document.selected_match = Some(2);
+    let place = model.read().saved_match().expect("selected");
+    model.document.matching.geometry = crate::matching::Geometry::None;
     model.take_made_matches(matched(&model));
-    assert_eq!(model.selected_match, Some(2));
-    assert_eq!(model.saved_match(), Some(place));
+    assert_eq!(model.document.selected_match, Some(2));
+    assert_eq!(model.read().saved_match(), Some(place));
     let moved = SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
-    assert_eq!(model.pair.matches.as_ref().and_then(|m| m.find_again(&moved)), None);
+    assert_eq!(model.results.pair.matches.as_ref().and_then(|m| m.find_again(&moved)), None);
 }
 
 #[test]
@@ -115,5 +115,5 @@ fn sides_are_swapped_with_everything_that_is_theirs() {
     model.swap_sides();
     assert_eq!([Side::B, Side::A].map(|side| model.burst_of(side).expect("open").id), ids);
     assert!(Arc::ptr_eq(&model.found_of(Side::A).expect("found").detection, &found));
-    assert!(model.pair.matches.is_none() && model.needs_matches());
+    assert!(model.results.pair.matches.is_none() && model.needs_matches());
 }

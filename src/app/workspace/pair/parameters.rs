@@ -73,8 +73,8 @@ pub fn dataset_parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText
 
 fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
     let size = model.burst_of(Side::A).map(|open| open.burst.size());
-    let error = model.pair.param_error.as_ref();
-    let mut params = model.matching.clone();
+    let error = model.results.pair.param_error.as_ref();
+    let mut params = model.document.matching.clone();
     let p = &mut params;
     let table = ParamTable { error, defaults: MatchParams::default(), frame_count: 0, note: None };
     let is_advanced = |record: &&Param<MatchParams>| ADVANCED.contains(record);
@@ -99,7 +99,7 @@ fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut 
     if fold_ui(ui, model, needed, changed, queue) {
         ADVANCED.iter().for_each(|record| row(ui, record));
     }
-    queue.set(&model.matching, params, |params| Action::SetMatching(Box::new(params)));
+    queue.set(&model.document.matching, params, |params| Action::SetMatching(Box::new(params)));
 }
 
 fn camera_ui(
