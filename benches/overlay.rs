@@ -2,8 +2,8 @@
 //! with none drawn. What is drawn is tessellated too; the graphics card's part is left out.
 
 use burstscope::Monitor;
-use burstscope::app::project::Panels;
-use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::document::panes::Panels;
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::detector::{DetectorParams, NoiseGate, SlopeGrid};

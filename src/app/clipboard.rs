@@ -3,14 +3,16 @@
 use super::canvas::Readout;
 use super::inspector::PaneWidgets;
 use super::pane::PaneId;
-use crate::app::project::Model;
-use crate::app::project::pair::{MatchColumn, MatchRow, Side};
-use crate::app::project::workspace::Workspace;
+use crate::app::document::pair::MatchColumn;
+use crate::app::document::side::Side;
+use crate::app::results::Model;
+use crate::app::results::pair::MatchRow;
 use crate::app::view::fixed;
 use crate::burst::OpenOptions;
 use crate::detector::{Feature, Quantity};
 use crate::export::feature_header;
 use crate::requests::{BurstSource, detect_line};
+use crate::teach::Workspace;
 
 pub fn feature_text(feature: &Feature) -> String {
     let values = Quantity::STORED.map(|quantity| quantity.cell(feature));

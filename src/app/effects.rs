@@ -1,14 +1,15 @@
 //! Actions of the user and effects of the window's parts: applied here, and only here, to the part that they concern.
 
-use super::actions::{self, ActionId};
+use super::actions::ActionId;
 use super::dataset::CutDialog;
 use super::dialogs::Question;
 use super::document::Action;
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
-use super::{clipboard, files};
-use crate::app::project::effect::{ExportKind, Purpose};
-use crate::app::project::{Effect, side::Side};
+use super::{actions, clipboard, files};
+use crate::app::document::export::{ExportKind, Purpose};
+use crate::app::document::side::Side;
+use crate::app::results::Effect;
 use crate::engine::Ended;
 use crate::inspect::probe::Wanted as Subject;
 use crate::requests::{OpenRequest, ProbeQuestion};

@@ -5,29 +5,29 @@
 use super::dialogs::Question;
 use super::document::Action;
 use super::session::Session;
+use crate::app::document::datasets::Which;
+use crate::app::document::export::{ExportKind, Purpose};
+use crate::app::document::side::Side;
 use crate::app::figure::{drawing_of, rasterise, write_drawing};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{mask_of, profiles_of};
+use crate::app::messages::Messages;
 use crate::app::panel::lab::curves::shown_plots;
-use crate::app::project::Model;
-use crate::app::project::effect::{ExportKind, Purpose};
-use crate::app::project::messages::Messages;
-use crate::app::project::side::Side;
-use crate::app::project::trajectories::Which;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::app::workspace::compare::methods_table;
 use crate::burst::OpenOptions;
 use crate::dataset::{DatasetSource, match_rows};
 use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
+use crate::export;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
-use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
+use crate::export::{ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::monitor::Monitor;
 use crate::requests::BurstSource;
-use crate::teach::{Lesson, sheet};
+use crate::teach::{Lesson, Workspace, sheet};
 use image::RgbaImage;
 use std::fmt::Display;
 use std::io::Write;
@@ -358,7 +358,7 @@ fn picture_of(rgba: &RgbaImage) -> export::Picture<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::{detected, feature, open};
+    use crate::app::results::tests::{detected, feature, open};
     use crate::detector::{DetectorParams, SearchParams};
     use std::time::Duration;
 

@@ -1,7 +1,8 @@
 //! The window: its state, the steps of each pass, and its layout. What a part changes beyond what it owns comes back as
 //! an [`Effect`], which `effects` applies.
 
-use super::actions::{self, ActionId, Queue, menu::menu_bar_ui};
+use super::actions::menu::menu_bar_ui;
+use super::actions::{ActionId, Queue};
 use super::canvas::Readout;
 use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
@@ -16,16 +17,16 @@ use super::pane::PaneId;
 use super::panel::modals::about_ui;
 use super::panel::probe::{PlaneTexture, ProbePanel};
 use super::panel::selection::SelectionState;
-use super::project::effect::{ExportKind, Purpose};
-use super::project::side::Side;
-use super::project::{Effect, Model};
 use super::recovery::Recovery;
 use super::session::Restoring;
 use super::settings::Settings;
 use super::startup::{EndRequest, Startup};
 use super::workspace::pair::PairPanels;
 use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
-use super::{clipboard, panel, parts};
+use super::{actions, clipboard, panel, parts};
+use crate::app::document::export::{ExportKind, Purpose};
+use crate::app::document::side::Side;
+use crate::app::results::{Effect, Model};
 use crate::app::view::fixed;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;

@@ -4,8 +4,8 @@
 
 use super::support::{ended, program, run_badly, stderr};
 use crate::damage::{absurd, absurd_tomls, at, damage, damaged_text, numbers, says_something};
-use burstscope::app::project::Model;
-use burstscope::app::project::staged::Reselect;
+use burstscope::app::document::action::Reselect;
+use burstscope::app::results::Model;
 use burstscope::app::session::Session;
 use burstscope::detector::{SearchParams, SlopeAxis, SlopeGrid};
 use burstscope::inspect::set_up::SetUp;

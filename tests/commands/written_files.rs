@@ -1,12 +1,12 @@
 //! Files that the window writes of itself: sessions, and lists of what was done.
 
 use burstscope::app::actions::ActionId;
+use burstscope::app::document::action::Reselect;
 use burstscope::app::document::journal::{LAST_STEPS, MAX_STEPS, read_steps};
+use burstscope::app::document::side::Side;
 use burstscope::app::document::{Action, Journal, Steps};
 use burstscope::app::pane::PaneId;
-use burstscope::app::project::Model;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::staged::Reselect;
+use burstscope::app::results::Model;
 use burstscope::app::session::Session;
 use burstscope::burst::OpenOptions;
 use burstscope::detector::{SearchParams, Slope};

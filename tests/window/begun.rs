@@ -2,7 +2,7 @@
 //! to which a line offers them. Sessions, and the same burst opened again, keep theirs.
 
 use crate::support::{Start, Window};
-use burstscope::app::project::side::Side;
+use burstscope::app::document::side::Side;
 use burstscope::burst::TimesChoice;
 use burstscope::detector::{FrameRange, SearchParams, SlopeChoice};
 use burstscope::inspect::verdict::Verdict;

@@ -1,8 +1,8 @@
 //! Comparison with earlier features and with those of others, and the command that finds the present ones.
 
 use crate::support::Start;
-use burstscope::app::project::comparison::{Kind, Reference};
-use burstscope::app::project::side::Side;
+use burstscope::app::document::comparison::{Kind, Reference};
+use burstscope::app::document::side::Side;
 use burstscope::export::{write_colmap, write_csv};
 use burstscope::inspect::changes::{Spot, compare};
 use egui::Key;

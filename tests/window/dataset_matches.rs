@@ -3,10 +3,10 @@
 use crate::datasets::{chosen, click_burst, dataset, few_slopes, start, walk};
 use crate::support::Window;
 use burstscope::Monitor;
-use burstscope::app::project::workspace::Workspace;
 use burstscope::burst::OpenOptions;
 use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, KeptBursts, MatchedPair, match_pairs};
 use burstscope::matching::{MatchCounts, MatchParams};
+use burstscope::teach::Workspace;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -146,7 +146,7 @@ fn trajectory_matrix() {
         }
     }
     for state in &mut open.states {
-        if let burstscope::app::project::datasets::BurstState::Done(finished) = state {
+        if let burstscope::app::results::datasets::BurstState::Done(finished) = state {
             finished.seconds = 0.3;
             finished.features *= 9;
         }

@@ -2,7 +2,7 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::Startup;
-use burstscope::app::project::datasets::{BurstState, Dataset};
+use burstscope::app::results::datasets::{BurstState, Dataset};
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::SlopeGrid;
 use burstscope::synth::{SceneParams, synth_scene, write_burst};

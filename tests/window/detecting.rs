@@ -1,7 +1,7 @@
 //! Detecting, cancelling, selecting, sorting, filtering.
 
 use crate::support::{Start, noisy_stack};
-use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::document::look::FeaturesShown;
 use burstscope::detector::{Method, Quantity, SlopeGrid};
 use burstscope::inspect::words::counted;
 use egui::Key;

@@ -2,8 +2,8 @@
 
 use crate::support::{Start, Window};
 use burstscope::app::actions::{ACTIONS, ActionId, Menu};
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::look::FeaturesShown;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 

@@ -1,7 +1,7 @@
 //! The first start: most of the window is picture, a card says how to go on, and panels come when they are asked for.
 
 use crate::support::{Memory, Start, Window};
-use burstscope::app::project::side::Side;
+use burstscope::app::document::side::Side;
 use burstscope::app::settings::Settings;
 use egui::Rect;
 use egui::accesskit::Role;

@@ -3,13 +3,13 @@
 
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
-use burstscope::app::project::BottomTab;
-use burstscope::app::project::side::Side;
+use burstscope::app::document::side::Side;
 use burstscope::app::settings::Settings;
 use burstscope::burst::Positions;
 use burstscope::detector::noise_model::NoiseModel;
 use burstscope::detector::{Detection, Slope, SlopeGrid, Tally, Test};
 use burstscope::requests::{BurstSource, Detected, OpenBurst};
+use burstscope::teach::BottomTab;
 use burstscope::{Burst, Feature, Plane};
 use std::sync::Arc;
 use std::time::Duration;

@@ -2,13 +2,14 @@
 
 use crate::probe::answer;
 use crate::support::{Start, Window};
-use burstscope::app::project::filter::Order;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::{BottomTab, Visibility};
+use burstscope::app::document::filter::Order;
+use burstscope::app::document::panes::Visibility;
+use burstscope::app::document::side::Side;
 use burstscope::detector::{NoiseGate, Quantity, Test};
 use burstscope::inspect::verdict::Verdict;
 use burstscope::requests::BurstSource;
 use burstscope::synth::Example;
+use burstscope::teach::BottomTab;
 use egui::pos2;
 use egui_kittest::kittest::Queryable;
 

@@ -3,8 +3,8 @@
 use crate::support::{Memory, Start, noisy_stack};
 use burstscope::app::Startup;
 use burstscope::app::canvas::View;
-use burstscope::app::project::look::FeaturesShown;
-use burstscope::app::project::pair::Side;
+use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::document::side::Side;
 use burstscope::app::settings::{MAX_RECENT, STORAGE_KEY, Settings};
 use burstscope::detector::{DetectorParams, Slope};
 use burstscope::requests::BurstSource;

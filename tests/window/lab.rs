@@ -2,14 +2,14 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
-use burstscope::app::project::compare::MethodId;
-use burstscope::app::project::comparison::Reference;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::comparison::Reference;
+use burstscope::app::document::method::MethodId;
+use burstscope::app::document::side::Side;
 use burstscope::evaluate::curves::curves_csv;
 use burstscope::evaluate::{BurstMethod, ChartStudy, FramesStudy};
 use burstscope::study::{Study, StudyReport};
 use burstscope::synth::ChartParams;
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 

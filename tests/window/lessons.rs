@@ -1,13 +1,13 @@
 //! Lessons: every step of each, played by its own data; leaving and coming back; lessons from files.
 
 use crate::support::{Memory, Start, Window};
+use burstscope::app::document::comparison::Kind;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::export::Purpose;
+use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::document::panes::Panels;
+use burstscope::app::document::side::Side;
 use burstscope::app::parts;
-use burstscope::app::project::Panels;
-use burstscope::app::project::comparison::Kind;
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::effect::Purpose;
-use burstscope::app::project::look::FeaturesShown;
-use burstscope::app::project::side::Side;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;

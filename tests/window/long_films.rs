@@ -2,7 +2,7 @@
 
 use crate::datasets::{dataset, few_slopes, start, walk};
 use crate::support::{Start, noisy_stack};
-use burstscope::app::project::datasets::BurstState;
+use burstscope::app::results::datasets::BurstState;
 use egui_kittest::kittest::Queryable;
 
 #[test]

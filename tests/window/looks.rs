@@ -3,9 +3,9 @@
 use crate::flat;
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
-use burstscope::app::project::BottomTab;
 use burstscope::app::settings::Settings;
 use burstscope::detector::{Slope, SlopeGrid};
+use burstscope::teach::BottomTab;
 use egui::Key;
 
 const PLAIN: [f32; 2] = [1280.0, 800.0];

@@ -3,10 +3,10 @@
 use crate::support::{Start, Window, given};
 use burstscope::Monitor;
 use burstscope::app::Startup;
-use burstscope::app::project::pair::Side;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::side::Side;
 use burstscope::inspect::unmatched::{Losses, Lost};
 use burstscope::requests::BurstSource;
+use burstscope::teach::Workspace;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -67,10 +67,10 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let f = a.features[index];
     window.app_mut().model.document.match_look.inliers = false;
     window.app_mut().model.document.match_look.outliers = false;
-    let pane = burstscope::app::pane::PaneId::of(burstscope::app::project::pair::Side::A);
+    let pane = burstscope::app::pane::PaneId::of(burstscope::app::document::side::Side::A);
     window.app_mut().model.document.panes.get_mut(pane).unwrap().view.look_at(egui::pos2(f.u, f.v), 8.0);
     window.settle();
-    let side = burstscope::app::project::pair::Side::A;
+    let side = burstscope::app::document::side::Side::A;
     let pos = window.app().ui_from_image_of(side, egui::pos2(f.u, f.v)).unwrap();
     window.click_at(pos);
     window.settle();

@@ -2,14 +2,14 @@
 //! truth is known.
 
 use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::document::comparison::{Kind, Reference};
+use burstscope::app::document::side::Side;
 use burstscope::app::measure::Tool;
-use burstscope::app::project::BottomTab;
-use burstscope::app::project::comparison::{Kind, Reference};
-use burstscope::app::project::side::Side;
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::truth::{against_truth, truth_of};
 use burstscope::plane::sample::{profile, region_statistics};
 use burstscope::plane::statistics::Region;
+use burstscope::teach::BottomTab;
 use burstscope::{Detection, Monitor};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};

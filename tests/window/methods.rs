@@ -2,9 +2,9 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
+use burstscope::app::document::method::MethodId;
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::Over;
-use burstscope::app::project::compare::MethodId;
-use burstscope::app::project::pair::Side;
 use burstscope::detect;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::inspect::words::counted;

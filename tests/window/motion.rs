@@ -1,8 +1,8 @@
 //! Motion in the window: that of the features and that of their places, with the uncertainty.
 
 use crate::support::{Start, Window};
-use burstscope::app::project::filter::{moves_by, near_slope};
-use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::document::filter::{moves_by, near_slope};
+use burstscope::app::document::look::FeaturesShown;
 use burstscope::app::session::Session;
 use burstscope::app::view::{View, Zoom, layer_text, motion_text};
 use burstscope::detector::{Moves, Slope};

@@ -2,14 +2,15 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::pair::MatchColumn;
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::{Content, Over, PaneId};
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::pair::{MatchColumn, Side};
-use burstscope::app::project::workspace::Workspace;
 use burstscope::dataset::{DetectedBurst, match_bursts};
 use burstscope::detector::Slope;
 use burstscope::matching::Geometry;
 use burstscope::requests::{BurstSource, PictureKind};
+use burstscope::teach::Workspace;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;

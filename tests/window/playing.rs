@@ -100,7 +100,7 @@ fn what_is_played_shows_its_errors_and_needs_no_session_file() {
     std::fs::remove_file(&path).unwrap();
     let again = played(Start::default(), steps);
     assert_same(&window, &again);
-    let gone = Action::OpenFeatures(burstscope::app::project::side::Side::A, home.path().join("gone.csv"));
+    let gone = Action::OpenFeatures(burstscope::app::document::side::Side::A, home.path().join("gone.csv"));
     let again = played(Start::default(), Steps::from([vec![gone]]));
     assert!(again.app().is_settled());
 }

@@ -2,8 +2,8 @@
 //! winning slopes.
 
 use crate::support::{Start, Window};
+use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::pane::{Content, SliceAxis};
-use burstscope::app::project::cursor::ViewKind;
 use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
 use burstscope::inspect::candidates::winning_slopes;
 use burstscope::synth::random::Stream;

@@ -1,10 +1,8 @@
 //! Things planted in the open burst, the set-up from which slopes are computed, and cases.
 
 use crate::support::{Start, Window};
-use burstscope::app::project::BottomTab;
-use burstscope::app::project::comparison::Reference;
-use burstscope::app::project::film::FilmContent;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::comparison::Reference;
+use burstscope::app::document::export::FilmContent;
 use burstscope::app::session::Session;
 use burstscope::app::view::ColourBy;
 use burstscope::detector::{DetectorParams, NoiseGate, SlopeChoice, SlopeGrid};
@@ -13,6 +11,8 @@ use burstscope::inspect::set_up::SetUp;
 use burstscope::requests::BurstSource;
 use burstscope::study::StudyReport;
 use burstscope::synth::{ChartParams, synth_chart};
+use burstscope::teach::BottomTab;
+use burstscope::teach::Workspace;
 use burstscope::{Burst, Monitor};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;

@@ -2,8 +2,8 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::Startup;
+use burstscope::app::document::side::Side;
 use burstscope::app::offscreen::Offscreen;
-use burstscope::app::project::side::Side;
 use burstscope::app::recovery::{KeptIn, Record};
 use burstscope::app::session::Session;
 use burstscope::app::{BurstscopeApp, EndRequest, gpu};

@@ -3,8 +3,8 @@
 use crate::datasets::{click_burst, start, walk};
 use crate::support::{Start, Window};
 use burstscope::Monitor;
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::datasets::BurstState;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::results::datasets::BurstState;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
 use egui::Key;

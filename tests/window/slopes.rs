@@ -3,15 +3,15 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
-use burstscope::app::project::BottomTab;
-use burstscope::app::project::cursor::slope_limit;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::staged::Reselect;
+use burstscope::app::document::action::Reselect;
+use burstscope::app::document::cursor::slope_limit;
+use burstscope::app::document::side::Side;
 use burstscope::app::session::Session;
 use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::verdict::judged;
 use burstscope::synth::random::Stream;
+use burstscope::teach::BottomTab;
 use egui::accesskit::Role;
 use egui::{Key, pos2, vec2};
 use egui_kittest::kittest::Queryable;

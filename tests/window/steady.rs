@@ -2,11 +2,12 @@
 
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
+use burstscope::app::document::pair::MatchesAs;
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::PaneId;
-use burstscope::app::project::pair::{MatchesAs, Side};
-use burstscope::app::project::workspace::Workspace;
 use burstscope::detector::{DetectorParams, SlopeGrid};
 use burstscope::requests::BurstSource;
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui::{Key, Rect};
 use egui_kittest::kittest::Queryable;

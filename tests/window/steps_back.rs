@@ -1,7 +1,7 @@
 //! Undo and redo, the clipboard, context menus, and keys while a dialog is open.
 
 use crate::support::{Start, Window};
-use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::document::cursor::ViewKind;
 use burstscope::detector::{Method, Slope};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, OutputCommand, Pos2, pos2};

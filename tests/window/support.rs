@@ -2,12 +2,12 @@
 
 use crate::{harness as common, pictures};
 use burstscope::app::dialogs::{FileDialogs, Question};
-use burstscope::app::project::Panels;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::panes::Panels;
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::detector::DetectorParams;
 use burstscope::requests::BurstSource;
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;

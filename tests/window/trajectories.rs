@@ -1,9 +1,9 @@
 //! An estimated trajectory beside the true one.
 
 use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::project::trajectories::Which;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::datasets::Which;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use std::fmt::Write;

@@ -1,7 +1,7 @@
 //! The values that the user sets and the answers about them, as plain values: without a window.
 
 mod cursor {
-    use burstscope::app::project::cursor::*;
+    use burstscope::app::document::cursor::*;
     use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
 
     #[test]
@@ -42,7 +42,7 @@ mod cursor {
 }
 
 mod method {
-    use burstscope::app::project::method::*;
+    use burstscope::app::document::method::*;
     use burstscope::detector::{DetectorParams, Method, SlopeGrid};
 
     #[test]
@@ -67,7 +67,7 @@ mod method {
 }
 
 mod lab {
-    use burstscope::app::project::lab::*;
+    use burstscope::app::document::lab::*;
     use burstscope::detector::{SearchParams, SlopeChoice};
     use burstscope::evaluate::BurstMethod;
     use burstscope::study::Study;
@@ -108,7 +108,7 @@ mod lab {
 }
 
 mod trajectories {
-    use burstscope::app::project::trajectories::*;
+    use burstscope::app::results::trajectories::*;
     use burstscope::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, Pose, evaluate_poses, read_trajectory};
     use burstscope::evaluate::poses::{PoseStudy, Projection, Trajectory};
     use burstscope::requests::ComparedPoses;

@@ -3,9 +3,9 @@
 use crate::cut::cut_off;
 use crate::steps_back::second_click_at;
 use crate::support::{Start, Window, given};
-use burstscope::app::project::BottomTab;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
+use burstscope::teach::BottomTab;
 use egui::{Key, ThemePreference, pos2, vec2};
 
 const SIZES: [[f32; 2]; 3] = [[960.0, 640.0], [1280.0, 800.0], [1920.0, 1080.0]];
@@ -155,7 +155,7 @@ fn the_slope_of_features_is_said_with_their_own() {
     let model = &window.app().model;
     let found = model.results.slots.a.found.as_ref().unwrap();
     let slope: Slope = model.document.cursor().slope;
-    let [all, own] = burstscope::app::project::filter::at_slope(&found.detection, slope);
+    let [all, own] = burstscope::app::document::filter::at_slope(&found.detection, slope);
     assert!(note.contains(&format!("({all})")) && note.contains(&format!("{own} by")), "{note} {all} {own}");
     window.app_mut().model.document.bottom_tab = BottomTab::Table;
     window.app_mut().model.document.filter.near_slope = Some(window.app().model.near_slope());
@@ -200,7 +200,7 @@ fn the_legend_of_a_figure_names_what_is_drawn() {
     assert!(text.contains(&format!(">{here}<")), "{here}");
     assert_eq!(others.iter().filter(|other| text.contains(*other)).count(), 0, "no other slope is drawn");
     // Of many slopes it is the wheel, as in the window.
-    window.app_mut().model.document.look.overlay = burstscope::app::project::look::FeaturesShown::All;
+    window.app_mut().model.document.look.overlay = burstscope::app::document::look::FeaturesShown::All;
     window.settle();
     let text = figure_texts(&mut window, folder.path());
     assert!(text.contains("slope up to ") && !others.iter().any(|other| text.contains(other)));

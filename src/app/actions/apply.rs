@@ -2,12 +2,13 @@
 
 use super::change::change;
 use super::registry::ActionId;
+use crate::app::document::look::Look;
+use crate::app::document::pair::PairTab;
+use crate::app::document::panes::Visibility;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Document};
 use crate::app::pane::Content;
-use crate::app::project::look::Look;
-use crate::app::project::pair::PairTab;
-use crate::app::project::side::Side;
-use crate::app::project::{Effect, Model, Visibility};
+use crate::app::results::{Effect, Model};
 use crate::app::view::View;
 use crate::engine::Engine;
 use crate::requests::ViewKind;
@@ -195,7 +196,7 @@ fn set_pane(action: Action, document: &mut Document) {
 mod tests {
     use super::*;
     use crate::app::document::Pointed;
-    use crate::app::project::tests::Bench;
+    use crate::app::results::tests::Bench;
 
     #[test]
     fn what_is_pointed_at_is_no_step_and_leaves_the_document_as_it_is() {

@@ -3,19 +3,20 @@
 use super::ActionId;
 use super::registry::Does;
 use crate::app::canvas::overlay::ColourBy;
+use crate::app::document::comparison::Reference;
+use crate::app::document::export::Purpose;
+use crate::app::document::method::plane_of;
+use crate::app::document::panes::Change;
+use crate::app::document::panes::Visibility;
+use crate::app::document::side::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::Tool;
 use crate::app::pane::Pane;
-use crate::app::project::comparison::Reference;
-use crate::app::project::effect::Purpose;
-use crate::app::project::method::plane_of;
-use crate::app::project::panes::Change;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Effect, Model, Visibility};
+use crate::app::results::{Effect, Model};
 use crate::detector::{Method, SlopeChoice, SlopeGrid};
 use crate::engine::Engine;
 use crate::requests::{BurstSource, ViewKind};
+use crate::teach::{BottomTab, Workspace};
 
 pub(super) fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
     let focus = model.document.focus();
@@ -163,7 +164,7 @@ pub fn place_to_probe(model: &Model, widgets: &PaneWidgets) -> Option<(Side, [f3
 mod tests {
     use super::*;
     use crate::app::actions::apply;
-    use crate::app::project::tests::Bench;
+    use crate::app::results::tests::Bench;
 
     #[test]
     fn a_plane_keeps_the_slopes_that_were_found_and_one_step_back_returns_to_them() {

@@ -2,8 +2,9 @@
 
 use super::{ACTIONS, ActionId, ActionRow, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::document::Action;
-use crate::app::project::side::Side;
-use crate::app::project::{Model, Panels};
+use crate::app::document::panes::Panels;
+use crate::app::document::side::Side;
+use crate::app::results::Model;
 use crate::app::settings::Settings;
 use crate::app::words::explained;
 use crate::dataset::DatasetSource;
@@ -412,7 +413,7 @@ mod tests {
         assert_eq!(swap, [Entry::Action(A::SwapSides)]);
         assert!(!is_possible(&swap[0], &model));
         assert_eq!(why_not(A::SwapSides.action(), &model), "open a burst first");
-        model.take_burst(crate::app::project::tests::open((64, 48), 5));
+        model.take_burst(crate::app::results::tests::open((64, 48), 5));
         assert_eq!(why_not(A::SwapSides.action(), &model), "open a second burst first");
     }
 }

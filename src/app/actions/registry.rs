@@ -1,19 +1,19 @@
 //! Registry of the actions: one row each.
 
 use crate::app::document::Document;
+use crate::app::document::comparison::Reference;
+use crate::app::document::cursor::{Cursor, snapped, stepped};
+use crate::app::document::export::{ExportKind, Purpose};
+use crate::app::document::side::Side;
 use crate::app::measure::Tool;
 use crate::app::pane::{Direction, Link, Preset};
-use crate::app::project::Model;
-use crate::app::project::comparison::Reference;
-use crate::app::project::cursor::{Cursor, snapped, stepped};
-use crate::app::project::effect::{ExportKind, Purpose};
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::app::view::View;
 use crate::detector::{Method, SearchParams, Slope, SlopeGrid};
 use crate::engine::Engine;
 use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
 use crate::synth::Example;
+use crate::teach::Workspace;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use serde::{Deserialize, Serialize};
 

@@ -1,15 +1,15 @@
 //! State of the actions: which are enabled, and which switches are on.
 
 use super::registry::{ActionId, Does};
+use crate::app::document::comparison::Reference;
+use crate::app::document::look::FeaturesShown;
 use crate::app::measure::Tool;
 use crate::app::pane::{Link, MAX_PANES, Over};
-use crate::app::project::Model;
-use crate::app::project::comparison::Reference;
-use crate::app::project::look::FeaturesShown;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::detector::{Method, SearchParams};
 use crate::matching::MatchParams;
 use crate::requests::BurstSource;
+use crate::teach::Workspace;
 
 pub fn enabled(id: ActionId, model: &Model) -> bool {
     use ActionId as A;

@@ -3,12 +3,12 @@
 
 use super::{ActionId, apply};
 use crate::app::document::journal::read_steps;
+use crate::app::document::panes::{Change, Destination};
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Document, Journal};
 use crate::app::pane::{Direction, Link, PaneId, Preset};
-use crate::app::project::Model;
-use crate::app::project::panes::{Change, Destination};
-use crate::app::project::side::Side;
-use crate::app::project::tests::{Bench, open};
+use crate::app::results::Model;
+use crate::app::results::tests::{Bench, open};
 use crate::app::view::{View, Zoom};
 use crate::detector::{DetectorParams, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;

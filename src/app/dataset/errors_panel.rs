@@ -2,10 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::datasets::Trajectories;
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
-use crate::app::project::Model;
-use crate::app::project::datasets::Dataset;
-use crate::app::project::trajectories::Trajectories;
+use crate::app::results::Model;
+use crate::app::results::datasets::Dataset;
 use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
 use egui::{DragValue, Grid, Label, RichText, Ui};

@@ -2,18 +2,18 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{middle_elided, named, paint, progress_text};
-use crate::app::project::Model;
-use crate::app::project::datasets::{BurstState, Dataset, Datasets};
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::datasets::{BurstState, Dataset, Datasets};
 use crate::app::style;
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::BurstPicture;
 use crate::engine::{Engine, Wanted};
 use crate::inspect::words::counted;
 use crate::requests::ThumbnailsRequest;
+use crate::teach::Workspace;
 use egui::{
     Align, Align2, Color32, ColorImage, Context, FontId, Label, Layout, Pos2, ProgressBar, Rect, Response, RichText,
     ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, pos2, vec2,

@@ -2,8 +2,8 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
-use crate::app::project::Model;
-use crate::app::project::film::{FilmChoice, FilmContent};
+use crate::app::document::export::{FilmChoice, FilmContent};
+use crate::app::results::Model;
 use crate::detector::Detection;
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
 use crate::plane::Plane;

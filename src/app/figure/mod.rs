@@ -9,31 +9,32 @@ mod raster;
 pub use film::FilmDialog;
 pub use raster::rasterise;
 
-use pdf::write_drawing_pdf;
-
 use crate::app::actions::{ActionId, Queue};
+use crate::app::canvas;
+use crate::app::canvas::number;
 use crate::app::canvas::overlay::{ColourBy, ColourScale};
-use crate::app::canvas::{self, number};
+use crate::app::document::export::{FigureChoice, ONE_COLUMN_MM, TWO_COLUMNS_MM};
+use crate::app::document::look::RangeClass;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
-use crate::app::project::Model;
-use crate::app::project::compare::MethodId;
-use crate::app::project::figure::{FigureChoice, ONE_COLUMN_MM, TWO_COLUMNS_MM};
-use crate::app::project::look::RangeClass;
-use crate::app::project::pair::{MatchRow, Matches};
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::pair::{MatchRow, Matches};
 use crate::detector::Feature;
+use crate::export;
 use crate::export::{
-    self, ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel,
-    FigureWidth, LegendEntry, MatchKind, lay_out, motion_over, write_drawing_svg,
+    ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
+    LegendEntry, MatchKind, lay_out, motion_over, write_drawing_svg,
 };
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::requests::{Picture, slope_legend, titled};
+use crate::teach::Workspace;
 use egui::{DragValue, Ui};
+use pdf::write_drawing_pdf;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -67,7 +68,7 @@ fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &F
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .map(|(method, matches)| {
-                let rows = matches.rows().filter(|row| model.document.match_look.shows_row(row)).map(|row| row.index);
+                let rows = matches.rows().filter(|row| row.is_shown(&model.document.match_look)).map(|row| row.index);
                 (Some(method), matches, rows.collect())
             })
             .collect(),
@@ -413,7 +414,7 @@ fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, label: egui::Id) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
     use crate::requests::{Picture, PictureKind, PictureRequest};
     use egui::{Rect, pos2, vec2};
 

@@ -5,14 +5,14 @@ use super::pane_ui::filter_of;
 use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
+use crate::app::document::look::FeaturesShown;
+use crate::app::document::panes::Change;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
 use crate::app::panel::widgets::named;
-use crate::app::project::Model;
-use crate::app::project::look::FeaturesShown;
-use crate::app::project::panes::Change;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::app::{canvas, style};
+use crate::teach::Workspace;
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
     Ui, pos2, vec2,

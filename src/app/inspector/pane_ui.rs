@@ -5,22 +5,23 @@ use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::document::Action;
+use crate::app::document::filter::Filter;
+use crate::app::document::look::RangeClass;
+use crate::app::document::panes::Visibility;
+use crate::app::document::side::Side;
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::named;
-use crate::app::project::filter::Filter;
-use crate::app::project::look::RangeClass;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{Model, Visibility};
+use crate::app::results::Model;
 use crate::app::{canvas, style};
 use crate::detector::Slope;
 use crate::inspect::shares::Slice;
 use crate::inspect::words::{counted, number};
 use crate::plane::Plane;
 use crate::requests::Probed;
+use crate::teach::Workspace;
 use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };

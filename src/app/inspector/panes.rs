@@ -7,6 +7,8 @@ use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, slice
 use super::widgets::{PaneWidgets, canvas_name, compact_description};
 use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::document::Action;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::measure::{draw_ui, hidden_ui, measure_ui};
 use crate::app::pane::{Content, PaneId, arrangement_of, tree_of};
 use crate::app::panel::display::colour_bar_ui;
@@ -14,10 +16,8 @@ use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::stale_ui;
 use crate::app::panel::tally::candidates_ui;
 use crate::app::panel::widgets::{progress_ui, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::method::MethodId;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::teach::Workspace;
 use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 

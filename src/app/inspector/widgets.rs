@@ -4,16 +4,16 @@
 use super::aside::HeldPlace;
 use crate::app::canvas;
 use crate::app::canvas::{Readout, RectTransform};
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::panel::display::DisplayState;
 use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::probe::PlaneTexture;
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::method::MethodId;
-use crate::app::project::pair::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::requests::PictureKind;
+use crate::teach::Workspace;
 use egui::{Pos2, Rect};
 use std::collections::HashMap;
 

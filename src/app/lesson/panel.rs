@@ -4,11 +4,11 @@
 use super::snr::{shown_spot, snr_ui};
 use super::state::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
+use crate::app::document::side::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{named, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::app::{parts, style};
 use crate::teach::Lesson;
 use crate::teach::glossary::glossary;

@@ -2,11 +2,11 @@
 
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::cursor::ViewKind;
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{CursorRow, still_plot};
 use crate::app::parts;
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
+use crate::app::results::Model;
 use crate::detector::Slope;
 use crate::inspect::spot::{SpotSnr, spot_snr};
 use crate::requests::PictureKind;

@@ -2,12 +2,12 @@
 
 use super::snr::SnrTrace;
 use super::steps;
-use crate::app::project::side::{Side, Sides};
-use crate::app::project::staged::Staged;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{Model, Panels};
+use crate::app::document::action::Staged;
+use crate::app::document::panes::Panels;
+use crate::app::document::side::{Side, Sides};
+use crate::app::results::Model;
 use crate::requests::BurstSource;
-use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
+use crate::teach::{Lesson, Part, Step, Workspace, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

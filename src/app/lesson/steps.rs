@@ -2,14 +2,15 @@
 
 use crate::app::canvas::{View, Zoom};
 use crate::app::document::Document;
+use crate::app::document::action::Staged;
+use crate::app::document::cursor::{Cursor, ViewKind};
+use crate::app::document::datasets::Trajectories;
+use crate::app::document::look::FeaturesShown;
+use crate::app::document::panes::Panels;
+use crate::app::document::probe::SetUpState;
+use crate::app::document::side::Side;
 use crate::app::pane::{Content, PaneId, PaneLinks, Panes};
-use crate::app::project::cursor::{Cursor, ViewKind};
-use crate::app::project::look::FeaturesShown;
-use crate::app::project::pair::Side;
-use crate::app::project::set_up::SetUpState;
-use crate::app::project::staged::Staged;
-use crate::app::project::trajectories::Trajectories;
-use crate::app::project::{Model, Panels};
+use crate::app::results::Model;
 use crate::detector::DetectorParams;
 use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
 

@@ -4,9 +4,9 @@ use super::{Tool, strokes};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::pane::PaneId;
-use crate::app::project::Model;
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::burst::Burst;
 use egui::{Align, Frame, Layout, Margin, Pos2, Rect, Sense, Shape, Ui, UiBuilder, vec2};
 

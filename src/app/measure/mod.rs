@@ -4,7 +4,7 @@
 mod hidden;
 mod panels;
 
-pub use crate::app::project::measure::{Measure, MeasuredLine, MeasuredRegion, Tool};
+pub use crate::app::document::look::{Measure, MeasuredLine, MeasuredRegion, Tool};
 pub use hidden::{hidden_ui, mask_of};
 pub use panels::{RegionCache, profile_ui, region_ui};
 
@@ -13,10 +13,10 @@ use crate::app::canvas::{CanvasOutput, Picture};
 use crate::app::document::Action;
 use crate::app::inspector::{PaneWidgets, compact_description, same_place};
 use crate::app::pane::{Link, PaneId};
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model};
+use crate::app::results::Model;
 use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
+use crate::teach::{BottomTab, Workspace};
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -173,7 +173,7 @@ pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
 mod tests {
     use super::*;
     use crate::app::pane::Direction;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
 
     #[test]
     fn a_line_stays_when_other_panes_take_the_place_of_its_own() {

@@ -7,7 +7,7 @@ use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::project::Model;
+use crate::app::results::Model;
 use crate::app::ticks;
 use crate::app::view::fixed;
 use crate::plane::sample::{RegionStatistics, region_statistics};

@@ -3,6 +3,9 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
+use crate::app::document::comparison::{Kind, Reference};
+use crate::app::document::panes::Destination;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
@@ -10,12 +13,10 @@ use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
 use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
-use crate::app::project::Model;
-use crate::app::project::comparison::{Kind, Reference, Row, Shown};
-use crate::app::project::panes::Destination;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::comparison::{Row, Shown};
 use crate::app::view::{fixed, signed_slope};
+use crate::teach::Workspace;
 use egui::{Align, Button, Color32, Label, Layout, RichText, Sense, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder};
 
@@ -327,8 +328,8 @@ fn key_ui(ui: &mut Ui, shown: &Shown, kind: Kind) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::comparison::{Kind, Reference};
-    use crate::app::project::tests::{detected, feature, open};
+    use crate::app::document::comparison::{Kind, Reference};
+    use crate::app::results::tests::{detected, feature, open};
     use crate::detector::Slope;
     use std::time::Duration;
 

@@ -6,8 +6,8 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
 use crate::app::panel::{against, noise, slopes, status, table, tally};
 use crate::app::parts::mark;
-use crate::app::project::{BottomTab, Model};
-use crate::teach::Part;
+use crate::app::results::Model;
+use crate::teach::{BottomTab, Part};
 use egui::{Align, Layout, Ui};
 
 /// Minimum width with widely spaced tabs, in points.

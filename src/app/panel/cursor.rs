@@ -4,9 +4,9 @@
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::cursor::{level_range, octave_range, slope_limit};
 use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
-use crate::app::project::Model;
-use crate::app::project::cursor::{level_range, octave_range, slope_limit};
+use crate::app::results::Model;
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeChoice};
@@ -290,7 +290,7 @@ fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) 
 mod tests {
     use super::*;
     use crate::app::actions::apply;
-    use crate::app::project::tests::{Bench, open};
+    use crate::app::results::tests::{Bench, open};
     use egui::accesskit::Role;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;

@@ -4,13 +4,13 @@ use crate::app::actions::Queue;
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::document::Action;
+use crate::app::document::look::{FeaturesShown, Look, RangeClass, SMOOTHING_PX};
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
 use crate::app::panel::legend::{KEY_ROOM, ground, motion_key};
 use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui};
-use crate::app::project::Model;
-use crate::app::project::look::{FeaturesShown, Look, RangeClass, SMOOTHING_PX};
+use crate::app::results::Model;
 use crate::plane::display::Display;
 use crate::requests::line_of;
 use egui::{

@@ -2,23 +2,23 @@
 
 use crate::app::actions::Queue;
 use crate::app::canvas::{CanvasOutput, overlay, signed_number};
+use crate::app::document::filter::moves_by;
+use crate::app::document::look::FeaturesShown;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::pane::PaneId;
-use crate::app::panel::against::{self, RowsInPane, marks_ui};
-use crate::app::panel::legend;
+use crate::app::panel::against::{RowsInPane, marks_ui};
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
-use crate::app::project::Model;
-use crate::app::project::comparison::Row;
-use crate::app::project::explained::{coherence_words, verdict_words};
-use crate::app::project::filter::moves_by;
-use crate::app::project::look::FeaturesShown;
-use crate::app::project::method::MethodId;
-use crate::app::project::pair::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::panel::{against, legend};
+use crate::app::results::Model;
+use crate::app::results::comparison::Row;
+use crate::app::results::explained::{coherence_words, verdict_words};
 use crate::app::view::{Known, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Slope};
 use crate::inspect::spectrum::is_at_slope;
+use crate::teach::Workspace;
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 

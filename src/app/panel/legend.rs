@@ -4,7 +4,7 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::overlay::ColourScale;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::named;
-use crate::app::project::Model;
+use crate::app::results::Model;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
 #[derive(Debug, Clone, Copy)]

@@ -3,9 +3,9 @@
 use crate::app::actions::Queue;
 use crate::app::canvas::number as in_digits;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::{instead_ui, warning_ui};
-use crate::app::project::side::Side;
-use crate::app::project::{FoundFeatures, Model};
+use crate::app::results::{FoundFeatures, Model};
 use crate::detector::noise_model::NoiseModel;
 use crate::plane::display::ColourMap;
 use crate::requests::ViewKind;

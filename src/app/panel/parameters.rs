@@ -2,12 +2,12 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui, enabled};
 use crate::app::document::Action;
+use crate::app::document::panes::Panels;
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
-use crate::app::parts;
-use crate::app::project::{Model, Panels};
-use crate::app::style;
+use crate::app::results::Model;
+use crate::app::{parts, style};
 use crate::detector::params::{Param, doc};
 use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAxis, SlopeChoice, SlopeFinding, SlopeVerdict};
 use crate::inspect::words::{capitalised, number};

@@ -4,9 +4,8 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::signed_number;
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
-use crate::app::project::Model;
-use crate::app::project::explained::{coherence_words, verdict_words};
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::explained::{coherence_words, verdict_words};
 use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
 use crate::inspect::verdict::{Judged, Verdict};
@@ -14,6 +13,7 @@ use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch;
 use crate::requests::PictureKind;
+use crate::teach::Workspace;
 use egui::{
     Color32, Label, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2,
 };

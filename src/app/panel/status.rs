@@ -2,15 +2,15 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::side::Side;
+use crate::app::messages::Messages;
 use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width, with_whole_numbers};
-use crate::app::project::Model;
-use crate::app::project::messages::Messages;
-use crate::app::project::own::Own;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
 use crate::app::recovery::{Offer, RecoveryChoice};
+use crate::app::results::Model;
+use crate::app::results::own::Own;
 use crate::detector::ParamChange;
 use crate::inspect::words::counted;
+use crate::teach::Workspace;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
 use std::time::Duration;
 
@@ -224,7 +224,7 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
 
     #[test]
     fn the_burst_is_said_with_its_frames_size_and_levels() {

@@ -3,12 +3,12 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
+use crate::app::document::filter::{Filter, Interval, Order, at_slope};
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
-use crate::app::project::Model;
-use crate::app::project::filter::{Filter, Interval, Order, at_slope};
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::app::view::{layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
 use crate::detector::quantity::Record;

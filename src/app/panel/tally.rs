@@ -3,13 +3,13 @@
 use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
+use crate::app::document::panes::Destination;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
-use crate::app::project::Model;
-use crate::app::project::pair::Side;
-use crate::app::project::panes::Destination;
+use crate::app::results::Model;
 use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::advice::grouped;
@@ -327,7 +327,7 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
     use crate::detector::DetectorParams;
     use crate::detector::Sample;
     use crate::inspect::ProbeCache;

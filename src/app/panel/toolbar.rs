@@ -1,15 +1,14 @@
 //! Toolbar: open, the kind of picture, detect.
 
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, shown_by, tooltip};
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::{in_time, progress_text, progress_ui};
 use crate::app::parts::mark;
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::inspect::words::counted;
 use crate::requests::Running;
-use crate::teach::Part;
+use crate::teach::{Part, Workspace};
 use egui::{Align, Button, Color32, Layout, RichText, Ui};
 
 /// Minimum room for the button that finds actions, in points.

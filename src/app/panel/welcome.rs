@@ -4,14 +4,14 @@
 use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::lesson::{Chosen, Lessons};
 use crate::app::panel::widgets::{named, progress_ui};
-use crate::app::project::Model;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::app::settings::Settings;
 use crate::app::style;
 use crate::requests::BurstSource;
+use crate::teach::Workspace;
 use egui::{Align2, Area, Button, Color32, Context, Frame, Id, Rect, RichText, ScrollArea, Stroke, Ui, vec2};
 
 pub fn welcome_ui(ui: &mut Ui, model: &Model, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {

@@ -7,8 +7,8 @@ pub use record::Record;
 
 use super::document::Journal;
 use super::session::Session;
-use crate::app::project::Read;
-use crate::app::project::messages::Messages;
+use crate::app::messages::Messages;
+use crate::app::results::Read;
 use crate::engine::{Engine, TaskDone, TaskId};
 use crate::files::{MAX_SESSION_BYTES, read_text, written_by};
 use crate::requests::JobId;
@@ -200,8 +200,8 @@ impl Recovery {
 mod tests {
     use super::*;
     use crate::app::document::Action;
-    use crate::app::project::side::Side;
-    use crate::app::project::tests::{Bench, open};
+    use crate::app::document::side::Side;
+    use crate::app::results::tests::{Bench, open};
     use std::path::Path;
 
     fn kept_in(folder: &Path) -> KeptIn {

@@ -2,10 +2,10 @@
 
 use super::Session;
 use crate::app::actions::ActionId;
+use crate::app::document::action::{Reselect, Staged};
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Document};
-use crate::app::project::Model;
-use crate::app::project::side::Side;
-use crate::app::project::staged::{Reselect, Staged};
+use crate::app::results::Model;
 use crate::export::case::{is_case, read_about};
 use crate::requests::{BurstSource, JobId, OpenRequest};
 
@@ -111,7 +111,7 @@ pub fn of_case(source: &BurstSource) -> Option<OfCase> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::{Bench, open};
+    use crate::app::results::tests::{Bench, open};
 
     fn session(burst: BurstSource) -> Box<Session> {
         let mut model = Model::default();

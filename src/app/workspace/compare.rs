@@ -3,15 +3,15 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines, drawn_lines};
 use crate::app::document::Action;
+use crate::app::document::method::MethodId;
+use crate::app::document::panes::Change;
+use crate::app::document::side::Side;
 use crate::app::inspector::{Drawn, chip_ui, inspector_ui};
 use crate::app::pane::{MethodsPreset, Over, PaneId};
 use crate::app::panel;
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, progress_ui, section_ui};
-use crate::app::project::Model;
-use crate::app::project::compare::MethodId;
-use crate::app::project::pair::Side;
-use crate::app::project::panes::Change;
+use crate::app::results::Model;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
 use crate::evaluate::curves::percent;
@@ -139,7 +139,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
         let Some(matches) = model.method_matches(method) else { continue };
         let views = MatchViews::of(model, drawn, Some(method));
         for canvases in views.canvases(false).iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
-            let rows = matches.rows().filter(|row| look.shows_row(row));
+            let rows = matches.rows().filter(|row| row.is_shown(look));
             let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts, None)).collect();
             let flags = drawn_lines(&lines, &canvases.panes[0], false, |_| false);
             let lines: Vec<MatchLine> =

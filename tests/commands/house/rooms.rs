@@ -29,3 +29,16 @@ fn no_room_is_read_as_if_it_were_another() {
         }
     }
 }
+
+/// The document is values: nothing in it is computed, and nothing it is made of knows how answers come.
+#[test]
+fn the_document_imports_neither_results_nor_engine() {
+    let mut files = 0;
+    for (name, code) in window().iter().filter(|(name, _)| name.starts_with("document/") || name.starts_with("pane/")) {
+        files += 1;
+        for room in ["app::results", "engine::", "app::effects", "super::super"] {
+            assert!(!code.contains(room), "{name} uses {room}");
+        }
+    }
+    assert!(files > 20, "{files} files were read: too few to be all");
+}

@@ -2,10 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::lab::{Lab, LabSet};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::lab::{Lab, LabSet};
+use crate::app::results::Model;
 use crate::inspect::score::Judged;
 use crate::inspect::words::number;
 use crate::plane::display::Display;

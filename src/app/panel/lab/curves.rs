@@ -3,10 +3,12 @@
 use super::curve_colour;
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::lab::LabSet;
+use crate::app::document::method::CompareLook;
+use crate::app::document::method::MethodId;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::project::Model;
-use crate::app::project::compare::{CompareLook, MethodId};
-use crate::app::project::lab::{LabResult, LabSet};
+use crate::app::results::Model;
+use crate::app::results::lab::LabResult;
 use crate::evaluate::curves::{StudyCurve, StudyPlot, percent};
 use crate::export::SeriesPoint;
 use crate::inspect::words::number;
@@ -328,7 +330,7 @@ mod tests {
         (model.results.studies.current, model.document.lab.roc_row) = (Some(result()), 1);
         let plots = shown_plots(&model);
         assert_eq!(plots, [("This study".to_owned(), result().report.plots(1))]);
-        model.results.studies.kept.push(crate::app::project::lab::KeptCurves {
+        model.results.studies.kept.push(crate::app::results::lab::KeptCurves {
             name: "before".to_owned(),
             is_shown: false,
             result: result(),

@@ -15,9 +15,10 @@ pub mod planted;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::lab::{Lab, LabQuestion};
 use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui};
-use crate::app::project::Model;
-use crate::app::project::lab::{Lab, LabQuestion, Studies};
+use crate::app::results::Model;
+use crate::app::results::lab::Studies;
 use crate::evaluate::BurstMethod;
 use crate::synth::Motion;
 use egui::{Color32, DragValue, Grid, Label, RichText, TextEdit, Ui};

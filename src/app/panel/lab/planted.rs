@@ -2,10 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::lab::Lab;
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dots_ui, named, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::lab::Lab;
+use crate::app::results::Model;
 use crate::detector::Test;
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};

@@ -4,7 +4,7 @@ use super::{apply_ui, go_to_ui};
 use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::panel::widgets::{named, weak_ui};
-use crate::app::project::Model;
+use crate::app::results::Model;
 use crate::app::style;
 use crate::detector::Test;
 use crate::inspect::fate::{Outcome, TestReport};

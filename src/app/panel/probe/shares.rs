@@ -3,13 +3,12 @@
 use super::PlaneTexture;
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::panes::Destination;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::panes::Destination;
+use crate::app::results::Model;
 use crate::app::style::ACCENT;
-use crate::detector::coherence::FrameResponse;
-use crate::detector::coherence::Shape;
+use crate::detector::coherence::{FrameResponse, Shape};
 use crate::inspect::shares::Shares;
 use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;

@@ -2,9 +2,9 @@
 
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::error_ui;
-use crate::app::project::Model;
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::app::view::{number, signed_slope};
 use crate::detector::Slope;
 use crate::inspect::set_up::{SetUp, bounds};

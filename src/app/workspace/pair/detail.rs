@@ -3,10 +3,11 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side, lost_label};
+use crate::app::results::Model;
+use crate::app::results::pair::{MatchRow, Matches, PATCHES, lost_label};
 use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;

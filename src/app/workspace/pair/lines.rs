@@ -1,16 +1,18 @@
 //! Lines of the matches between panes of A and of B, and the marks of an unmatched feature and its candidates.
 
 use crate::app::actions::Queue;
-use crate::app::canvas::CanvasOutput;
-use crate::app::canvas::overlay::{self, ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
+use crate::app::canvas::overlay::{ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
+use crate::app::canvas::{CanvasOutput, overlay};
+use crate::app::document::method::MethodId;
+use crate::app::document::pair::MatchesAs;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::{Drawn, JoinedPanes, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
-use crate::app::project::Model;
-use crate::app::project::method::MethodId;
-use crate::app::project::pair::{MatchRow, Matches, MatchesAs, PATCHES, Side};
+use crate::app::results::Model;
+use crate::app::results::pair::{MatchRow, Matches, PATCHES};
 use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::Feature;

@@ -8,6 +8,8 @@ mod table;
 use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue, button_ui, checked, tooltip};
 use crate::app::canvas::overlay::rgb;
+use crate::app::document::pair::{MatchLook, MatchesAs, PairTab};
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::pane::PaneId;
@@ -15,8 +17,8 @@ use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
 use crate::app::panel::widgets::{label_ui, name_field, section_ui};
 use crate::app::parts::mark;
-use crate::app::project::Model;
-use crate::app::project::pair::{MatchLook, MatchesAs, PATCHES, PairTab, Side};
+use crate::app::results::Model;
+use crate::app::results::pair::PATCHES;
 use crate::app::workspace::{
     LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
 };

@@ -2,12 +2,13 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
-use crate::app::panel::parameter_rows::{self as rows, ParamTable};
+use crate::app::document::side::Side;
+use crate::app::panel::parameter_rows as rows;
+use crate::app::panel::parameter_rows::ParamTable;
 use crate::app::panel::parameters::fold_ui;
 use crate::app::panel::widgets::{name_field, section_ui};
 use crate::app::parts;
-use crate::app::project::Model;
-use crate::app::project::pair::Side;
+use crate::app::results::Model;
 use crate::dataset::CameraChoice;
 use crate::detector::params::Param;
 use crate::matching::params::doc;

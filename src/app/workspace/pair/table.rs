@@ -2,11 +2,13 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
+use crate::app::document::pair::{MatchColumn, PairTab};
+use crate::app::document::side::Side;
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
-use crate::app::project::Model;
-use crate::app::project::pair::{MatchColumn, Matches, PairTab, Side, lost_label};
+use crate::app::results::Model;
+use crate::app::results::pair::{Matches, lost_label};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::unmatched::Lost;
 use crate::matching::{Geometry, MatchCounts};
