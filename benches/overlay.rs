@@ -2,8 +2,8 @@
 //! with none drawn. What is drawn is tessellated too; the graphics card's part is left out.
 
 use burstscope::Monitor;
-use burstscope::app::project::Panels;
-use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::document::panes::Panels;
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::detector::{DetectorParams, NoiseGate, SlopeGrid};
@@ -55,19 +55,19 @@ fn overlay(criterion: &mut Criterion) {
     let ctx = egui::Context::default();
     let mut app = BurstscopeApp::new(&ctx, None, startup);
     let mut number = 0;
-    while !(app.is_settled() && app.model.slots.a.found.is_some()) {
+    while !(app.is_settled() && app.model.results.slots.a.found.is_some()) {
         number += 1;
         pass(&ctx, &mut app, number);
         std::thread::sleep(Duration::from_millis(5));
     }
-    let count = app.model.features().len();
+    let count = app.model.read().features().len();
     assert!(count >= FEATURES, "only {count} features to draw");
 
     let mut group = criterion.benchmark_group(format!("a pass with {count} features"));
     group.sample_size(40);
     let shown = [("all", FeaturesShown::All), ("this slope", FeaturesShown::ThisSlope), ("none", FeaturesShown::None)];
     for (name, shown) in shown {
-        app.model.look.overlay = shown;
+        app.model.document.look.overlay = shown;
         for warm_up in 0..5 {
             pass(&ctx, &mut app, warm_up);
         }

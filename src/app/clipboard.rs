@@ -3,14 +3,16 @@
 use super::canvas::Readout;
 use super::inspector::PaneWidgets;
 use super::pane::PaneId;
-use crate::app::project::Model;
-use crate::app::project::pair::{MatchColumn, MatchRow, Side};
-use crate::app::project::workspace::Workspace;
+use crate::app::document::pair::MatchColumn;
+use crate::app::document::side::Side;
+use crate::app::results::Model;
+use crate::app::results::pair::MatchRow;
 use crate::app::view::fixed;
 use crate::burst::OpenOptions;
 use crate::detector::{Feature, Quantity};
 use crate::export::feature_header;
 use crate::requests::{BurstSource, detect_line};
+use crate::teach::Workspace;
 
 pub fn feature_text(feature: &Feature) -> String {
     let values = Quantity::STORED.map(|quantity| quantity.cell(feature));
@@ -49,7 +51,7 @@ pub fn is_asked(ctx: &egui::Context) -> bool {
 
 /// Returns the note about what was copied.
 pub fn copy_row(ctx: &egui::Context, model: &Model, widgets: &PaneWidgets) -> Option<String> {
-    let readouts = model.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
+    let readouts = model.document.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
     let value = readouts.into_iter().next().map(|readout| value_text(&readout));
     let text = selected_text(model).or(value)?;
     let what = text.lines().last().unwrap_or_default().replace('\t', "  ");
@@ -58,9 +60,9 @@ pub fn copy_row(ctx: &egui::Context, model: &Model, widgets: &PaneWidgets) -> Op
 }
 
 fn selected_text(model: &Model) -> Option<String> {
-    match model.workspace {
-        Workspace::Pair => Some(match_text(&model.pair.matches.as_ref()?.row(model.selected_match?)?)),
-        _ => model.selected_feature().map(feature_text),
+    match model.document.workspace {
+        Workspace::Pair => Some(match_text(&model.results.pair.matches.as_ref()?.row(model.document.selected_match?)?)),
+        _ => model.read().selected_feature().map(feature_text),
     }
 }
 
@@ -89,7 +91,7 @@ fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<Strin
 }
 
 pub fn copy_picture(ctx: &egui::Context, model: &Model) -> Option<String> {
-    ctx.copy_image(picture_of(model, model.focus())?);
+    ctx.copy_image(picture_of(model, model.document.focus())?);
     Some("Copied the picture".to_owned())
 }
 
@@ -100,12 +102,12 @@ mod tests {
     #[test]
     fn the_command_has_the_calibration_with_which_files_were_opened() {
         let mut model = Model::default();
-        model.calibration.full_scale = Some(4095.0);
+        model.document.calibration.full_scale = Some(4095.0);
         let of_files = command_text(&BurstSource::Paths(vec!["a.npy".into()]), Side::A, &model).expect("files");
         assert!(of_files.contains("a.npy") && of_files.contains("4095"), "{of_files}");
         let built_in = command_text(&BurstSource::Demo, Side::A, &model).expect("built in");
         assert!(built_in.contains("demo") && !built_in.contains("4095"), "{built_in}");
-        let dark = BurstSource::DarkCopy { of: Box::new(BurstSource::Demo), noise: model.lab.dark_copy };
+        let dark = BurstSource::DarkCopy { of: Box::new(BurstSource::Demo), noise: model.document.lab.dark_copy };
         assert!(command_text(&dark, Side::A, &model).is_err_and(|why| why.contains("synth")));
     }
 }

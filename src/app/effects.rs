@@ -1,14 +1,15 @@
 //! Actions of the user and effects of the window's parts: applied here, and only here, to the part that they concern.
 
-use super::actions::{self, ActionId};
+use super::actions::ActionId;
 use super::dataset::CutDialog;
 use super::dialogs::Question;
 use super::document::Action;
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
-use super::{clipboard, files};
-use crate::app::project::effect::{ExportKind, Purpose};
-use crate::app::project::{Effect, side::Side};
+use super::{actions, clipboard, files};
+use crate::app::document::export::{ExportKind, Purpose};
+use crate::app::document::side::Side;
+use crate::app::results::Effect;
 use crate::engine::Ended;
 use crate::inspect::probe::Wanted as Subject;
 use crate::requests::{OpenRequest, ProbeQuestion};
@@ -66,7 +67,7 @@ impl BurstscopeApp {
         let Some(session) = session else { return };
         self.stage(session.after(side, is_open, &self.model.document));
         if side == Side::A && session.second.is_some() {
-            self.restoring.wait(Side::B, self.model.slots.b.opening.pending_id(), session);
+            self.restoring.wait(Side::B, self.model.results.slots.b.opening.pending_id(), session);
         }
     }
 
@@ -80,7 +81,7 @@ impl BurstscopeApp {
         match id {
             ActionId::Lessons => self.lessons.list_is_open = true,
             ActionId::Hall => {
-                let panels = self.lessons.panels_for_hall(&model.panels);
+                let panels = self.lessons.panels_for_hall(&model.document.panels);
                 self.stage(panels.map(Action::SetPanels));
             }
             ActionId::LeaveLesson => {
@@ -88,7 +89,7 @@ impl BurstscopeApp {
                 self.stage(staged);
             }
             ActionId::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            ActionId::OneToOne => model.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
+            ActionId::OneToOne => model.document.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
             ActionId::ProbePlace => {
                 if let Some((side, place)) = actions::place_to_probe(model, widgets) {
                     self.change(Action::StopFollowing);
@@ -163,10 +164,14 @@ impl BurstscopeApp {
         let Self { model, engine, .. } = self;
         let Some(first) = paths.first() else { return };
         match purpose {
-            Purpose::OpenBias => self.overlays.calibration_draft(&model.calibration).bias = Some(first.clone()),
-            Purpose::OpenFlat => self.overlays.calibration_draft(&model.calibration).flat = Some(first.clone()),
+            Purpose::OpenBias => {
+                self.overlays.calibration_draft(&model.document.calibration).bias = Some(first.clone())
+            }
+            Purpose::OpenFlat => {
+                self.overlays.calibration_draft(&model.document.calibration).flat = Some(first.clone())
+            }
             Purpose::OpenMask | Purpose::OpenMasks => {
-                self.overlays.calibration_draft(&model.calibration).mask = Some(first.clone());
+                self.overlays.calibration_draft(&model.document.calibration).mask = Some(first.clone());
             }
             Purpose::OpenLessons => model.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => model.make_figures(first.clone(), engine),

@@ -5,29 +5,29 @@
 use super::dialogs::Question;
 use super::document::Action;
 use super::session::Session;
+use crate::app::document::datasets::Which;
+use crate::app::document::export::{ExportKind, Purpose};
+use crate::app::document::side::Side;
 use crate::app::figure::{drawing_of, rasterise, write_drawing};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{mask_of, profiles_of};
+use crate::app::messages::Messages;
 use crate::app::panel::lab::curves::shown_plots;
-use crate::app::project::Model;
-use crate::app::project::effect::{ExportKind, Purpose};
-use crate::app::project::messages::Messages;
-use crate::app::project::side::Side;
-use crate::app::project::trajectories::Which;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::app::workspace::compare::methods_table;
 use crate::burst::OpenOptions;
 use crate::dataset::{DatasetSource, match_rows};
 use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::{curves_csv, curves_svg};
+use crate::export;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
-use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
+use crate::export::{ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::monitor::Monitor;
 use crate::requests::BurstSource;
-use crate::teach::{Lesson, sheet};
+use crate::teach::{Lesson, Workspace, sheet};
 use image::RgbaImage;
 use std::fmt::Display;
 use std::io::Write;
@@ -42,7 +42,7 @@ pub(super) fn question(purpose: Purpose, model: &Model) -> Question {
 }
 
 fn feature_folder(model: &Model) -> Option<PathBuf> {
-    model.datasets.open.as_ref()?.folder.clone()
+    model.results.datasets.open.as_ref()?.folder.clone()
 }
 
 fn suggested_name(purpose: Purpose, model: &Model) -> String {
@@ -59,7 +59,7 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
         Purpose::SaveSession => format!("{stem}.burstscope.toml"),
         Purpose::SaveParams => "params.toml".to_owned(),
         Purpose::Export(kind) => {
-            let (content, of_cursor) = (model.focused().content, model.cursor().kind);
+            let (content, of_cursor) = (model.document.focused().content, model.document.cursor().kind);
             let what = match kind {
                 ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz => "features",
                 ExportKind::Matches => "matches",
@@ -73,8 +73,11 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
                 ExportKind::Sheet => "lesson",
                 ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
             };
-            let extension =
-                if kind == ExportKind::Figure { model.figure.format.extension() } else { kind.extensions()[0] };
+            let extension = if kind == ExportKind::Figure {
+                model.document.figure.format.extension()
+            } else {
+                kind.extensions()[0]
+            };
             format!("{stem}-{what}.{extension}")
         }
         _ => String::new(),
@@ -82,17 +85,17 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
 }
 
 fn folder_of_burst(model: &Model) -> Option<PathBuf> {
-    let BurstSource::Paths(paths) = &model.slots.a.burst.as_ref()?.source else { return None };
+    let BurstSource::Paths(paths) = &model.results.slots.a.burst.as_ref()?.source else { return None };
     paths.first()?.parent().map(PathBuf::from).filter(|folder| folder.is_dir())
 }
 
 /// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.
 pub(super) fn drop_places(model: &Model, widgets: &PaneWidgets) -> Vec<(egui::Rect, Side)> {
-    if model.workspace != Workspace::Pair || model.slots.a.burst.is_none() {
+    if model.document.workspace != Workspace::Pair || model.results.slots.a.burst.is_none() {
         return Vec::new();
     }
-    let place = |id| Some((widgets.rect_ui(id)?, model.panes.get(id)?.side));
-    model.panes.shown().into_iter().filter_map(place).collect()
+    let place = |id| Some((widgets.rect_ui(id)?, model.document.panes.get(id)?.side));
+    model.document.panes.shown().into_iter().filter_map(place).collect()
 }
 
 /// `calibration` is the one that is being set, while its dialog is open.
@@ -111,9 +114,9 @@ pub(super) fn purpose_of_dropped(
             let is_session = read_text(one, MAX_SESSION_BYTES).is_ok_and(|text| Session::from_toml(&text).is_ok());
             if is_session { Purpose::RestoreSession } else { Purpose::LoadParams }
         }
-        ([_], _) if model.workspace == Workspace::Trajectories => {
+        ([_], _) if model.document.workspace == Workspace::Trajectories => {
             // The first file dropped is the estimate, the second the truth; a third replaces the estimate.
-            let compared = &model.poses.compared;
+            let compared = &model.results.poses.compared;
             let truth = compared.estimate.is_some() && compared.truth.is_none();
             if truth { Purpose::OpenTruth } else { Purpose::OpenEstimate }
         }
@@ -215,7 +218,7 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
     match purpose {
         Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),
         Purpose::SaveSession => {
-            let session = Session::of(model).ok_or("no burst is open; open one first")?;
+            let session = Session::of(model.read()).ok_or("no burst is open; open one first")?;
             Ok(settings_work(session.to_toml()))
         }
         Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
@@ -231,7 +234,7 @@ fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Wor
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(ExportKind::FilmGif) => {
             let film = model.film_to_export().ok_or("there is no burst; open one first")?;
-            let rate = model.film.rate;
+            let rate = model.document.film.rate;
             Ok(work(move |path| film.write(path, rate, &rasterise, &|| Ok(()), &Monitor::default())))
         }
         Purpose::Export(ExportKind::Figure) => figure_work(model, widgets),
@@ -257,13 +260,13 @@ fn settings_work(toml: String) -> Work {
 }
 
 fn case_work(model: &Model) -> Result<Work, String> {
-    let open = model.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
-    let is_of_a = model.probe.side == Side::A;
+    let open = model.results.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
+    let is_of_a = model.document.probe.side == Side::A;
     let place = model.probed_place().filter(|_| is_of_a);
-    let answer = model.probed.answer.as_ref().filter(|_| place.is_some());
+    let answer = model.results.probed.answer.as_ref().filter(|_| place.is_some());
     let note = answer.map_or_else(String::new, |answer| answer.probe.summary.clone());
     let search = model.asked();
-    let session = Session::of(model).map(|session| session.for_case().to_toml());
+    let session = Session::of(model.read()).map(|session| session.for_case().to_toml());
     Ok(Box::new(move |path| {
         if path.extension().is_none_or(|ending| ending != CASE_EXTENSION) {
             return Err(format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display()));
@@ -283,7 +286,7 @@ fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
 }
 
 fn matches_work(model: &Model) -> Result<Work, String> {
-    let matches = model.pair.matches.clone().ok_or(NO_MATCHES)?;
+    let matches = model.results.pair.matches.clone().ok_or(NO_MATCHES)?;
     Ok(work(move |path| {
         let [a, b] = [Side::A, Side::B].map(|side| matches.detection(side));
         export::write_matches_csv(path, &match_rows(&a.features, &b.features, &matches.result))
@@ -291,7 +294,7 @@ fn matches_work(model: &Model) -> Result<Work, String> {
 }
 
 fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
-    let line = model.measure.line.ok_or("there is no line; draw one with Q first")?;
+    let line = model.document.measure.line.ok_or("there is no line; draw one with Q first")?;
     let profiles: Vec<export::PictureProfile> = profiles_of(model, widgets, &line)
         .into_iter()
         .map(|profile| export::PictureProfile {
@@ -306,8 +309,8 @@ fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
 }
 
 fn mask_work(model: &Model) -> Result<Work, String> {
-    let open = model.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
-    let outlines = model.measure.hidden.clone();
+    let open = model.results.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
+    let outlines = model.document.measure.hidden.clone();
     Ok(work(move |path| {
         let greys = mask_of(&open.burst, &outlines);
         let ((width, height), pixels) = (open.burst.size(), greys.iter().flat_map(|grey| [*grey; 3]));
@@ -317,7 +320,8 @@ fn mask_work(model: &Model) -> Result<Work, String> {
 
 fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
     let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
-    let (display, features) = (model.display_of(model.focus()), model.features_of_motion(model.focus()).to_vec());
+    let (display, features) =
+        (model.display_of(model.document.focus()), model.features_of_motion(model.document.focus()).to_vec());
     Ok(match kind {
         ExportKind::Tiff => work(move |path| export::write_tiff(path, &picture.plane)),
         _ => work(move |path| export::write_png(path, picture_of(&picture.rgba(&display, &features)))),
@@ -325,7 +329,7 @@ fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
 }
 
 fn figure_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
-    let drawing = drawing_of(model, widgets, &model.figure)?;
+    let drawing = drawing_of(model, widgets, &model.document.figure)?;
     Ok(Box::new(move |path| write_drawing(path, &drawing)))
 }
 
@@ -354,7 +358,7 @@ fn picture_of(rgba: &RgbaImage) -> export::Picture<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::{detected, feature, open};
+    use crate::app::results::tests::{detected, feature, open};
     use crate::detector::{DetectorParams, SearchParams};
     use std::time::Duration;
 
@@ -374,7 +378,7 @@ mod tests {
         let (frames, params) = (file("x.npy", ""), file("params.toml", "levels = 3"));
         let mut model = Model::default();
         model.take_burst(open((64, 48), 5));
-        let session = file("s.toml", &Session::of(&model).expect("a burst is open").to_toml());
+        let session = file("s.toml", &Session::of(model.read()).expect("a burst is open").to_toml());
         let purpose = |paths: &[PathBuf], side, draft: Option<&OpenOptions>, model: &Model| {
             purpose_of_dropped(paths, side, draft, model)
         };
@@ -388,7 +392,7 @@ mod tests {
         assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenFlat);
         draft.flat = Some(frames[0].clone());
         assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenMask);
-        model.workspace = Workspace::Trajectories;
+        model.document.workspace = Workspace::Trajectories;
         assert_eq!(purpose(&frames, Side::A, None, &model), Purpose::OpenEstimate);
         let two = [frames, params].concat();
         assert_eq!(purpose(&two, Side::A, None, &model), Purpose::OpenFiles);
@@ -417,8 +421,8 @@ mod tests {
         let mut model = Model::default();
         let burst = open((64, 48), 5);
         model.take_burst(burst.clone());
-        let params = DetectorParams { levels: 3, ..model.params.clone() };
-        model.params = params.clone();
+        let params = DetectorParams { levels: 3, ..model.document.params.clone() };
+        model.document.params = params.clone();
         let features = vec![feature(10.0, 10.0, 4, &params.slopes), feature(30.0, 20.0, 2, &params.slopes)];
         let found = detected(&burst, &params, features);
         model.take_detection(Side::A, found.clone(), Duration::ZERO);
@@ -428,7 +432,7 @@ mod tests {
             .map(|(purpose, path)| (prepared(purpose, &model).expect("all is there"), path));
         // Later changes do not matter.
         model.take_burst(open((32, 32), 2));
-        model.params = DetectorParams::default();
+        model.document.params = DetectorParams::default();
         for (work, path) in work {
             work(path).expect("written");
         }

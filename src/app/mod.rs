@@ -1,8 +1,8 @@
 //! The window: panes, panels, overlays, shortcuts. It computes nothing that a command could not compute.
 //!
-//! [`project`] holds what is open as plain values. Each pass of [`window::BurstscopeApp`] lets it take what the workers
-//! of [`crate::engine`] have published, draws, runs the [`actions`] that were asked for, and lets it request what is
-//! missing. What a part changes beyond what it owns is a value, a [`project::Effect`]; `effects` applies all of them.
+//! [`document`] holds what is set, as plain values, and [`results`] what the workers of [`crate::engine`] answered about it.
+//! Each pass of [`window::BurstscopeApp`] takes what was published, draws, runs the [`actions`] that were asked for, and
+//! requests what is missing. What a part changes beyond what it owns is a value, a [`results::Effect`].
 //!
 //! A [`workspace`] arranges panes and panels; the [`inspector`] draws [panes](pane), [`canvas`] is a picture's widget.
 
@@ -20,14 +20,15 @@ pub mod histogram;
 pub mod inspector;
 pub mod lesson;
 pub mod measure;
+pub mod messages;
 pub mod offscreen;
 mod overlays;
 pub mod pane;
 pub mod panel;
 pub mod parts;
-pub mod project;
 pub mod recovery;
 mod render;
+pub mod results;
 mod run;
 pub mod session;
 pub mod settings;

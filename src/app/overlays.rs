@@ -8,11 +8,12 @@ use super::figure::FilmDialog;
 use super::files;
 use super::lesson::Lessons;
 use crate::app::document::Action;
+use crate::app::document::export::Purpose;
+use crate::app::document::side::Side;
 use crate::app::panel::glossary::GlossaryWindow;
 use crate::app::panel::modals::CalibrationChoice;
-use crate::app::project::Model;
-use crate::app::project::effect::{Effect, Purpose};
-use crate::app::project::side::Side;
+use crate::app::results::Effect;
+use crate::app::results::Model;
 use crate::burst::OpenOptions;
 use crate::requests::{BurstId, BurstSource};
 use std::path::PathBuf;
@@ -53,7 +54,7 @@ impl Overlays {
             ActionId::FigureOptions => self.figure_open = true,
             ActionId::FilmOptions => self.film.is_open = true,
             ActionId::Calibration => {
-                self.calibration_draft(&model.calibration);
+                self.calibration_draft(&model.document.calibration);
             }
             ActionId::OpenPath => self.open_path_field(Purpose::OpenPath, String::new(), false),
             ActionId::OpenPathB => self.open_path_field(Purpose::OpenPathB, String::new(), false),
@@ -67,12 +68,12 @@ impl Overlays {
     }
 
     pub fn offers_cut(&self, model: &Model) -> bool {
-        let open = model.slots.a.burst.as_ref().map(|open| open.id);
+        let open = model.results.slots.a.burst.as_ref().map(|open| open.id);
         model.is_film() && self.stays_whole != open && self.cut.is_none()
     }
 
     pub fn keep_whole(&mut self, model: &Model) {
-        self.stays_whole = model.slots.a.burst.as_ref().map(|open| open.id);
+        self.stays_whole = model.results.slots.a.burst.as_ref().map(|open| open.id);
     }
 
     pub fn are_modal(&self, lessons: &Lessons) -> bool {
@@ -100,9 +101,9 @@ impl Overlays {
         if lessons.open.is_some() && !self.are_modal(lessons) {
             super::lesson::highlights_ui(ctx);
         }
-        let mut figure = model.figure;
+        let mut figure = model.document.figure;
         super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut figure, queue);
-        queue.set(&model.figure, figure, Action::SetFigure);
+        queue.set(&model.document.figure, figure, Action::SetFigure);
         self.film.ui(ctx, model, queue);
         match crate::app::panel::modals::calibration_ui(ctx, &mut self.calibration) {
             Some(CalibrationChoice::Choose(purpose)) => effects.push(Effect::Ask(purpose)),
@@ -119,7 +120,7 @@ impl Overlays {
             queue.push(Action::Open(self.choice_side, burst));
         }
         if let Some((side, source, dump)) = self.shape.ui(ctx) {
-            queue.push(Action::Calibrate(OpenOptions { raw: Some(dump), ..model.calibration.clone() }));
+            queue.push(Action::Calibrate(OpenOptions { raw: Some(dump), ..model.document.calibration.clone() }));
             queue.push(Action::Open(side, source));
         }
         if let Some(dialog) = &mut self.cut {
@@ -131,10 +132,10 @@ impl Overlays {
                 queue.push(Action::OpenDataset(source));
             }
         }
-        if super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.datasets) {
+        if super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.results.datasets) {
             queue.push(Action::DetectAllAnyway);
         }
-        let has_filmstrip = model.datasets.open.is_some() && model.panels.filmstrip;
+        let has_filmstrip = model.results.datasets.open.is_some() && model.document.panels.filmstrip;
         let below = if has_filmstrip { super::dataset::filmstrip::HEIGHT } else { 0.0 };
         crate::app::panel::status::messages_ui(ctx, &model.messages, below, queue);
         effects

@@ -4,8 +4,8 @@ use super::offscreen::render_offscreen;
 use super::settings::Settings;
 use super::startup::Startup;
 use super::window::BurstscopeApp;
-use crate::app::project::Panels;
-use crate::app::project::cursor::ViewKind;
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::panes::Panels;
 use crate::burst::Burst;
 use crate::detector::view::check_level;
 use crate::detector::{Slope, SlopeGrid};
@@ -87,37 +87,37 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
         |ctx, _| BurstscopeApp::new(ctx, None, startup),
         |app, ui| {
             app.show(ui);
-            let is_open =
-                app.model.slots.a.burst.is_some() && (begin.second.is_none() || app.model.slots.b.burst.is_some());
+            let is_open = app.model.results.slots.a.burst.is_some()
+                && (begin.second.is_none() || app.model.results.slots.b.burst.is_some());
             if is_open && !placed {
                 if begin.session.is_none() && begin.lesson.is_none() && begin.play.is_none() {
                     place(app, options);
                     *unfit.borrow_mut() =
-                        app.model.slots.a.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
+                        app.model.results.slots.a.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
                 }
                 placed = true;
             }
             if is_open && path.exists() {
                 opened = app.model.opened_files();
             }
-            if options.select_strongest && app.model.selected_match.is_none() {
-                app.model.selected_match = app.model.pair.listed.first().copied();
+            if options.select_strongest && app.model.document.selected_match.is_none() {
+                app.model.document.selected_match = app.model.results.pair.listed.first().copied();
             }
-            if options.select_strongest && app.model.selected.is_none() && !app.model.listed.is_empty() {
-                app.model.selected = app.model.listed.first().copied();
+            if options.select_strongest && app.model.document.selected.is_none() && !app.model.results.listed.is_empty()
+            {
+                app.model.document.selected = app.model.results.listed.first().copied();
             }
-            problem =
-                app.model.messages.errors().first().map(|m| m.text.clone()).or_else(|| {
-                    app.model.slots.a.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string)
-                });
+            problem = app.model.messages.errors().first().map(|m| m.text.clone()).or_else(|| {
+                app.model.results.slots.a.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string)
+            });
         },
         |app| {
             let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
-            let answered = app.model.slots.a.burst.is_some() || failed || begin.play.is_some();
+            let answered = app.model.results.slots.a.burst.is_some() || failed || begin.play.is_some();
             if app.asks_for_shape() {
                 *unfit.borrow_mut() = Some(no_shape(options));
             }
-            let second = begin.second.is_none() || app.model.slots.b.burst.is_some() || failed;
+            let second = begin.second.is_none() || app.model.results.slots.b.burst.is_some() || failed;
             unfit.borrow().is_some() || (app.is_settled() && answered && second)
         },
     )?;
@@ -173,7 +173,7 @@ fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), Error> {
 
 fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     let model = &mut app.model;
-    let pane = model.focused_mut();
+    let pane = model.document.focused_mut();
     pane.show(options.kind);
     if let Some(slope) = options.slope {
         (pane.cursor.slope, pane.slope_chosen) = (slope, true);
@@ -182,7 +182,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     pane.cursor.octave = options.octave.unwrap_or(options.startup.params.detector.first_octave);
     pane.cursor.level = options.level;
     model.check_params();
-    if model.slots.b.burst.is_some() {
-        model.bring_cursors_together();
+    if model.results.slots.b.burst.is_some() {
+        model.document.bring_cursors_together();
     }
 }

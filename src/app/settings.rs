@@ -3,10 +3,10 @@
 use super::actions::ActionId;
 use super::document::{Action, Document, Queue};
 use super::lesson::Progress;
+use crate::app::document::export::FigureChoice;
+use crate::app::document::pair::MatchLook;
+use crate::app::document::panes::Panels;
 use crate::app::pane::PaneLinks;
-use crate::app::project::Panels;
-use crate::app::project::figure::FigureChoice;
-use crate::app::project::pair::MatchLook;
 use crate::dataset::DatasetSource;
 use crate::engine::DEFAULT_CACHE_BYTES;
 use crate::requests::BurstSource;

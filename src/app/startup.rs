@@ -3,9 +3,9 @@
 
 use super::dialogs::{FileDialogs, SystemDialogs};
 use super::document::{Action, Queue, Steps};
-use super::project::side::Side;
 use super::recovery::KeptIn;
 use super::settings::Settings;
+use crate::app::document::side::Side;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;

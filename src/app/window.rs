@@ -1,7 +1,8 @@
 //! The window: its state, the steps of each pass, and its layout. What a part changes beyond what it owns comes back as
 //! an [`Effect`], which `effects` applies.
 
-use super::actions::{self, ActionId, Queue, menu::menu_bar_ui};
+use super::actions::menu::menu_bar_ui;
+use super::actions::{ActionId, Queue};
 use super::canvas::Readout;
 use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
@@ -16,16 +17,16 @@ use super::pane::PaneId;
 use super::panel::modals::about_ui;
 use super::panel::probe::{PlaneTexture, ProbePanel};
 use super::panel::selection::SelectionState;
-use super::project::effect::{ExportKind, Purpose};
-use super::project::side::Side;
-use super::project::{Effect, Model, Project};
 use super::recovery::Recovery;
 use super::session::Restoring;
 use super::settings::Settings;
 use super::startup::{EndRequest, Startup};
 use super::workspace::pair::PairPanels;
 use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
-use super::{clipboard, panel, parts};
+use super::{actions, clipboard, panel, parts};
+use crate::app::document::export::{ExportKind, Purpose};
+use crate::app::document::side::Side;
+use crate::app::results::{Effect, Model};
 use crate::app::view::fixed;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;
@@ -99,7 +100,7 @@ impl BurstscopeApp {
             app.run(ctx, action);
             app.journal.close(false);
         }
-        app.model.slots.a.usable_params = app.model.params.clone();
+        app.model.results.slots.a.usable_params = app.model.document.params.clone();
         app.model.check_params();
         app.model.history.clear();
         if let Some(path) = startup.session {
@@ -130,12 +131,12 @@ impl BurstscopeApp {
 
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
-        ctx.set_theme(self.model.theme);
+        ctx.set_theme(self.model.document.theme);
         self.model.window_width_points = ctx.content_rect().width();
         self.model.refresh_workspace();
         self.take_answers(&ctx);
         self.take_dropped_files(&ctx);
-        let (mut queue, in_hall) = (Queue::default(), self.model.panels.hall);
+        let (mut queue, in_hall) = (Queue::default(), self.model.document.panels.hall);
         let mut asked = None;
         // While a dialog is open, or is being opened by the system, only the dialog gets keys.
         let recovery_asks = self.recovery.as_ref().is_some_and(Recovery::is_asking);
@@ -155,7 +156,7 @@ impl BurstscopeApp {
         if self.playback.is_none()
             && let Some((slope, rest)) = self.model.step_play()
         {
-            let focus = self.model.focus();
+            let focus = self.model.document.focus();
             slope.into_iter().for_each(|slope| queue.push(Action::PlaySlope(focus, slope)));
             ctx.request_repaint_after(rest);
         }
@@ -171,16 +172,16 @@ impl BurstscopeApp {
         self.model.check_params();
         let goes_on = plays_on || ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
         self.model.close_step(goes_on);
-        self.journal.close(goes_on || self.model.playing);
+        self.journal.close(goes_on || self.model.document.playing);
         self.model.refresh_listed();
         self.model.refresh_listed_matches();
         self.forget_closed_panes();
         self.model.ask(&self.engine, ctx.input(|i| i.pointer.any_down()));
-        if let Some(dataset) = &self.model.datasets.open {
+        if let Some(dataset) = &self.model.results.datasets.open {
             self.thumbnails.request(&self.engine, &dataset.open);
         }
         self.keep_session(&ctx);
-        if self.model.panels.hall != in_hall {
+        if self.model.document.panels.hall != in_hall {
             ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!in_hall));
         }
     }
@@ -215,7 +216,7 @@ impl BurstscopeApp {
     fn take_answers(&mut self, ctx: &egui::Context) {
         let effects = self.model.take_answers(&self.engine);
         self.apply(effects);
-        if let Some(dataset) = &self.model.datasets.open {
+        if let Some(dataset) = &self.model.results.datasets.open {
             self.thumbnails.take_made(ctx, &dataset.bursts);
         }
         for done in self.engine.take_tasks() {
@@ -229,7 +230,7 @@ impl BurstscopeApp {
                     if done.label == Purpose::Export(ExportKind::Mask).title()
                         && let Some(path) = self.overlays.mask.take()
                     {
-                        self.overlays.calibration_draft(&self.model.calibration).mask = Some(path);
+                        self.overlays.calibration_draft(&self.model.document.calibration).mask = Some(path);
                     }
                 }
                 Err(error) => messages.error(done.label, error.to_string()),
@@ -277,9 +278,9 @@ impl BurstscopeApp {
     }
 
     fn forget_closed_panes(&mut self) {
-        let Project { document, pictures, .. } = &mut self.model.project;
-        self.widgets.retain(|id| document.panes.get(id).is_some());
-        pictures.retain(|id, _| document.panes.get(*id).is_some());
+        let (panes, pictures) = (&self.model.document.panes, &mut self.model.results.pictures);
+        self.widgets.retain(|id| panes.get(id).is_some());
+        pictures.retain(|id, _| panes.get(*id).is_some());
     }
 
     fn keep_session(&mut self, ctx: &egui::Context) {
@@ -287,7 +288,7 @@ impl BurstscopeApp {
         let Some(recovery) = &mut self.recovery else { return };
         recovery.give_up_unless(waits_for);
         // A burst that is being opened would be missing; the session is saved in a pass after that.
-        if self.model.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
+        if self.model.results.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
         }
         if let Some(rest) = recovery.keep(self.model.project_of_user(), &self.journal, &self.engine) {
@@ -313,32 +314,32 @@ impl BurstscopeApp {
             });
         });
         let in_toolbar = |part: &Part| matches!(part, Part::Kinds | Part::Detect);
-        if !self.model.panels.hall || self.lessons.highlighted().iter().any(in_toolbar) {
+        if !self.model.document.panels.hall || self.lessons.highlighted().iter().any(in_toolbar) {
             Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &self.model, queue));
         }
         let status = Panel::bottom("status bar").frame(bar(ui));
         let readout = self.readout();
         let status_ui = |ui: &mut egui::Ui| panel::status::status_ui(ui, &self.model, readout.as_deref(), queue);
-        let types_path = !self.model.panels.hall && status.show(ui, status_ui).inner;
+        let types_path = !self.model.document.panels.hall && status.show(ui, status_ui).inner;
         if let Some((purpose, name)) = self.model.messages.unanswered().filter(|_| types_path).cloned() {
             self.overlays.open_path_field(purpose, name, false);
             self.model.messages.forget_note();
         }
         self.offers_ui(ui, bar(ui), queue);
-        if self.model.datasets.open.is_some() && self.model.panels.filmstrip {
+        if self.model.results.datasets.open.is_some() && self.model.document.panels.filmstrip {
             Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
                 filmstrip::filmstrip_ui(ui, &self.model, &mut self.thumbnails, queue);
             });
         }
         let asked = self.lesson_panel_ui(ui, queue);
         let mut start_lesson = None;
-        if self.model.slots.a.burst.is_none() && self.model.workspace.needs_burst() {
+        if self.model.results.slots.a.burst.is_none() && self.model.document.workspace.needs_burst() {
             CentralPanel::default().show(ui, |ui| {
                 start_lesson = panel::welcome::welcome_ui(ui, &self.model, &self.settings, &self.lessons, queue);
             });
         } else {
             self.workspace_ui(ui, queue);
-            if let Some(rect_ui) = self.widgets.get(self.model.focus()).and_then(|widgets| widgets.rect_ui) {
+            if let Some(rect_ui) = self.widgets.get(self.model.document.focus()).and_then(|widgets| widgets.rect_ui) {
                 let Self { model, lessons, .. } = self;
                 start_lesson = panel::welcome::card_ui(ui.ctx(), model, lessons, rect_ui, queue);
             }
@@ -362,7 +363,7 @@ impl BurstscopeApp {
                 }
             }
         }
-        if let Some(own) = &self.model.left_behind {
+        if let Some(own) = &self.model.results.left_behind {
             Panel::top("left behind").frame(bar).show(ui, |ui| panel::status::left_behind_ui(ui, own, queue));
         }
         if self.overlays.offers_cut(&self.model) {
@@ -378,7 +379,7 @@ impl BurstscopeApp {
 
     fn lesson_panel_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<LessonAction> {
         self.lessons.open.as_ref()?;
-        let (id, width) = if self.model.panels.hall {
+        let (id, width) = if self.model.document.panels.hall {
             ("lesson in hall", (0.35 * ui.available_width()).clamp(300.0, 520.0))
         } else {
             ("lesson", (0.27 * ui.available_width()).clamp(290.0, 360.0))
@@ -423,7 +424,7 @@ impl BurstscopeApp {
 
     /// Window place (points) of an image place (pixels) in the pane in focus, as last drawn.
     pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
-        self.widgets.pos_ui(self.model.focus(), pos_image)
+        self.widgets.pos_ui(self.model.document.focus(), pos_image)
     }
 
     pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
@@ -431,14 +432,15 @@ impl BurstscopeApp {
     }
 
     fn readout(&self) -> Option<String> {
-        if self.model.panes.are_many() {
+        if self.model.document.panes.are_many() {
             let first = &self.widgets.values.first()?.readout;
             let value = |v: &PlaceValue| format!("{}: {}", v.number, v.readout.short_text());
             let values: Vec<String> = self.widgets.values.iter().map(value).collect();
             let [u, v] = [first.u, first.v].map(|at| fixed(at, 1));
             return Some(format!("u {u}  v {v}   {}", values.join("  ")));
         }
-        let readouts = self.model.panes.shown().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
+        let readouts =
+            self.model.document.panes.shown().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
         readouts.into_iter().next().map(|readout: Readout| readout.to_string())
     }
 
@@ -504,8 +506,8 @@ impl eframe::App for BurstscopeApp {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         // Settings made by a lesson are not stored.
-        self.settings.take_from(self.model.project_of_user());
-        (self.settings.theme, self.settings.lessons) = (self.model.theme, self.lessons.progress.clone());
+        self.settings.take_from(self.model.project_of_user().document);
+        (self.settings.theme, self.settings.lessons) = (self.model.document.theme, self.lessons.progress.clone());
         self.settings.store(storage);
     }
 

@@ -3,7 +3,7 @@
 use super::support::{names, program, run_badly, run_well, stderr};
 use burstscope::app::document::Action;
 use burstscope::app::document::journal::Journal;
-use burstscope::app::project::side::Side;
+use burstscope::app::document::side::Side;
 use burstscope::detector::stack::motion_stack;
 use burstscope::detector::{Interpolation, Slope};
 use burstscope::requests::BurstSource;

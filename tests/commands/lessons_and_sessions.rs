@@ -4,8 +4,8 @@
 
 use super::support::{ended, program, run_badly, stderr};
 use crate::damage::{absurd, absurd_tomls, at, damage, damaged_text, numbers, says_something};
-use burstscope::app::project::Model;
-use burstscope::app::project::staged::Reselect;
+use burstscope::app::document::action::Reselect;
+use burstscope::app::results::Model;
 use burstscope::app::session::Session;
 use burstscope::detector::{SearchParams, SlopeAxis, SlopeGrid};
 use burstscope::inspect::set_up::SetUp;
@@ -30,7 +30,7 @@ fn model() -> Model {
 
 fn sound_session() -> &'static str {
     static SOUND: OnceLock<String> = OnceLock::new();
-    SOUND.get_or_init(|| Session::of(&model()).expect("a burst is open").to_toml())
+    SOUND.get_or_init(|| Session::of(model().read()).expect("a burst is open").to_toml())
 }
 
 /// Undamaged ones are read: the tests below begin with valid files.
@@ -160,9 +160,12 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
                 let mut model = model();
                 let document = session.over_second(&session.over_first(&model.document));
                 model.show_document(document, Reselect::Feature(session.selection));
-                let focus = model.focus();
-                model.panes.split(focus, burstscope::app::pane::Direction::Right);
-                assert!(model.cursor().slope.u.is_finite() && model.look.smoothing_px <= 8.0, "{path} = {value}");
+                let focus = model.document.focus();
+                model.document.panes.split(focus, burstscope::app::pane::Direction::Right);
+                assert!(
+                    model.document.cursor().slope.u.is_finite() && model.document.look.smoothing_px <= 8.0,
+                    "{path} = {value}"
+                );
                 if path.starts_with("burst.") {
                     // It is made or refused; what cannot be seen beforehand is said when it is opened.
                     let made = session.burst.burst(&Default::default(), &Monitor::default());
@@ -325,7 +328,7 @@ proptest! {
             Ok(session) => {
                 let mut model = model();
                 model.show_document(session.over_first(&model.document), Reselect::Feature(session.selection));
-                prop_assert!(model.cursor().slope.u.is_finite() && model.cursor().slope.v.is_finite());
+                prop_assert!(model.document.cursor().slope.u.is_finite() && model.document.cursor().slope.v.is_finite());
             }
             Err(error) => prop_assert!(says_something(&error)),
         }

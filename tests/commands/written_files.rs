@@ -1,12 +1,12 @@
 //! Files that the window writes of itself: sessions, and lists of what was done.
 
 use burstscope::app::actions::ActionId;
+use burstscope::app::document::action::Reselect;
 use burstscope::app::document::journal::{LAST_STEPS, MAX_STEPS, read_steps};
+use burstscope::app::document::side::Side;
 use burstscope::app::document::{Action, Journal, Steps};
 use burstscope::app::pane::PaneId;
-use burstscope::app::project::Model;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::staged::Reselect;
+use burstscope::app::results::Model;
 use burstscope::app::session::Session;
 use burstscope::burst::OpenOptions;
 use burstscope::detector::{SearchParams, Slope};
@@ -17,12 +17,12 @@ fn model() -> Model {
     let mut model = Model::default();
     let burst = Burst::from_planes("test", vec![Plane::zeros(64, 48), Plane::zeros(64, 48)]);
     model.take_burst(OpenBurst::new(burst, BurstSource::Paths(vec!["frames".into()])));
-    model.params.peak_threshold = 0.01;
-    model.focused_mut().cursor.slope = Slope::new(1.25, -0.5);
-    model.filter.hide_slope_limit = true;
-    model.look.motion_vectors = false;
+    model.document.params.peak_threshold = 0.01;
+    model.document.focused_mut().cursor.slope = Slope::new(1.25, -0.5);
+    model.document.filter.hide_slope_limit = true;
+    model.document.look.motion_vectors = false;
     let bias = Some("dark.tiff".into());
-    model.calibration = OpenOptions { bias, black_level: Some(64.0), ..OpenOptions::default() };
+    model.document.calibration = OpenOptions { bias, black_level: Some(64.0), ..OpenOptions::default() };
     model
 }
 
@@ -34,12 +34,12 @@ fn what_is_probed_and_compared_in_b_comes_back_with_b() {
         OpenBurst::new(burst, BurstSource::Paths(vec!["others".into()]))
     };
     model.take_second_burst(second());
-    let before = Session::of(&model).expect("a burst is open");
+    let before = Session::of(model.read()).expect("a burst is open");
     let text = before.to_toml();
     assert!(!text.contains("theirs.csv"), "{text}");
     model.probe_place(Side::B, [70.0, 20.0]);
     model.lay_over(Side::B, "theirs.csv".into());
-    let session = Session::of(&model).expect("a burst is open");
+    let session = Session::of(model.read()).expect("a burst is open");
     let text = session.to_toml();
     assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
     let mut restored = self::model();
@@ -47,13 +47,13 @@ fn what_is_probed_and_compared_in_b_comes_back_with_b() {
     restored.show_document(session.over_first(&restored.document), nothing);
     restored.take_second_burst(second());
     restored.show_document(session.over_second(&restored.document), nothing);
-    assert_eq!((restored.probe.side, restored.probed_place()), (Side::B, Some([70.0, 20.0])));
-    let file = restored.comparisons.b.file.clone().expect("it was opened");
+    assert_eq!((restored.document.probe.side, restored.probed_place()), (Side::B, Some([70.0, 20.0])));
+    let file = restored.document.comparisons.b.file.clone().expect("it was opened");
     assert!(file.is_absolute() && file.ends_with("theirs.csv"));
-    assert_eq!(Session::of(&restored).expect("a burst is open").document, session.document);
+    assert_eq!(Session::of(restored.read()).expect("a burst is open").document, session.document);
     // The session of before says nothing of B's probe, and takes it away.
     restored.show_document(before.over_second(&restored.document), nothing);
-    assert!(!restored.probe.is_on() && restored.comparisons == Default::default());
+    assert!(!restored.document.probe.is_on() && restored.document.comparisons == Default::default());
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn what_is_not_a_session_is_said() {
 
 #[test]
 fn unknown_keys_are_named_wherever_they_are() {
-    let text = Session::of(&model()).expect("a burst is open").to_toml();
+    let text = Session::of(model().read()).expect("a burst is open").to_toml();
     let tables: Vec<&str> = text.lines().filter(|line| line.starts_with('[')).collect();
     assert!(tables.len() > 20, "{tables:?}");
     let mut of_one_kinds = 0;

@@ -2,7 +2,7 @@
 //! to which a line offers them. Sessions, and the same burst opened again, keep theirs.
 
 use crate::support::{Start, Window};
-use burstscope::app::project::side::Side;
+use burstscope::app::document::side::Side;
 use burstscope::burst::TimesChoice;
 use burstscope::detector::{FrameRange, SearchParams, SlopeChoice};
 use burstscope::inspect::verdict::Verdict;
@@ -50,7 +50,7 @@ fn set_mask(window: &mut Window, mask: &Path) {
 }
 
 fn is_masked(window: &Window) -> bool {
-    window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].weight_at(3, 30) == 0.0
+    window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].weight_at(3, 30) == 0.0
 }
 
 #[test]
@@ -61,27 +61,36 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     set_mask(&mut window, &mask);
     assert!(is_masked(&window));
     let model = &mut window.app_mut().model;
-    model.params.frames = Some(FrameRange { start: 1, end: 3 });
-    model.slopes = SlopeChoice::Given;
-    model.filter.verdict = Some(Verdict::Ghost);
-    let search = model.search();
+    model.document.params.frames = Some(FrameRange { start: 1, end: 3 });
+    model.document.slopes = SlopeChoice::Given;
+    model.document.filter.verdict = Some(Verdict::Ghost);
+    let search = model.document.search();
     // The same burst again keeps all.
     open(&mut window, &slider);
-    assert!(is_masked(&window) && window.app().model.search() == search && !window.app().model.filter.is_open());
+    assert!(
+        is_masked(&window)
+            && window.app().model.document.search() == search
+            && !window.app().model.document.filter.is_open()
+    );
     assert!(!window.shows("not used here"));
     open(&mut window, &cube);
     let model = &window.app().model;
     assert!(!is_masked(&window), "the mask of another burst");
-    assert_eq!((model.calibration.mask.clone(), model.params.frames, model.slopes), (None, None, SlopeChoice::AUTO));
-    assert!(model.filter.is_open());
+    assert_eq!(
+        (model.document.calibration.mask.clone(), model.document.params.frames, model.document.slopes),
+        (None, None, SlopeChoice::AUTO)
+    );
+    assert!(model.document.filter.is_open());
     assert!(window.shows("The mask, frames used, slopes and filter of slider are not used here."));
     window.click("Use them");
     window.settle();
     let model = &window.app().model;
     assert!(
-        is_masked(&window) && model.search().slopes == search.slopes && model.params.frames == search.detector.frames
+        is_masked(&window)
+            && model.document.search().slopes == search.slopes
+            && model.document.params.frames == search.detector.frames
     );
-    assert!(!model.filter.is_open() && !window.shows("not used here"));
+    assert!(!model.document.filter.is_open() && !window.shows("not used here"));
     // Back again without it, and for good.
     open(&mut window, &slider);
     assert!(!is_masked(&window));
@@ -137,7 +146,7 @@ fn every_way_to_another_burst_drops_the_mask() {
         window.settle();
         let model = &window.app().model;
         assert!(model.messages.errors().is_empty(), "{name}: {:?}", model.messages.errors());
-        assert_eq!(model.calibration.mask, None, "{name}");
+        assert_eq!(model.document.calibration.mask, None, "{name}");
         assert!(window.shows("The mask of slider is not used here."), "{name}");
     }
 }
@@ -181,11 +190,11 @@ fn a_refused_calibration_changes_nothing_and_other_bursts_still_open() {
     window.click("Apply");
     window.wait("a message", |app| !app.model.messages.errors().is_empty());
     window.settle();
-    assert_eq!(window.app().model.calibration.times, None);
+    assert_eq!(window.app().model.document.calibration.times, None);
     open(&mut window, &cube);
     let model = &window.app().model;
     assert_eq!((model.frame_count(), model.messages.errors()), (4, &[][..]), "it opens");
-    let open = model.slots.a.burst.as_ref().unwrap();
+    let open = model.results.slots.a.burst.as_ref().unwrap();
     assert_eq!(open.source, BurstSource::Paths(vec![cube]));
 }
 
@@ -194,7 +203,7 @@ fn a_step_back_takes_times_back_and_says_so() {
     let home = tempfile::tempdir().unwrap();
     let (slider, ..) = bursts(home.path());
     let mut window = start(&slider).open();
-    let names = |window: &Window| window.app().model.calibration.times.clone();
+    let names = |window: &Window| window.app().model.document.calibration.times.clone();
     window.run_action("calibration");
     // The views have such a choice as well, below.
     window.harness.query_all_by_role_and_label(Role::RadioButton, "Names").next().unwrap().click();
@@ -220,7 +229,7 @@ fn a_filter_is_seen_above_the_picture_until_it_is_gone() {
     let chip = "Show all features again";
     let has_chip = |window: &Window| window.harness.query_by_role_and_label(Role::Button, chip).is_some();
     assert!(!has_chip(&window));
-    window.app_mut().model.filter.verdict = Some(Verdict::Ghost);
+    window.app_mut().model.document.filter.verdict = Some(Verdict::Ghost);
     window.settle();
     // Also where no table is open, and in each of several panes.
     window.run_action("table and tally");
@@ -231,5 +240,5 @@ fn a_filter_is_seen_above_the_picture_until_it_is_gone() {
     assert_eq!(window.harness.query_all_by_role_and_label(Role::Button, chip).count(), 2);
     window.harness.query_all_by_role_and_label(Role::Button, chip).next().unwrap().click();
     window.settle();
-    assert!(window.app().model.filter.is_open() && !has_chip(&window));
+    assert!(window.app().model.document.filter.is_open() && !has_chip(&window));
 }

@@ -31,7 +31,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     frames(home.path());
     let mut window = Start::of(&home.path().join("night")).open();
     let value = |window: &Window, u: usize, v: usize| {
-        window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
+        window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
     };
     assert!((value(&window, 0, 0) - 1300.0).abs() < 3.0 && (value(&window, 90, 1) - 900.0).abs() < 3.0);
     // The suggestion about the values was noted when the burst was opened.
@@ -39,6 +39,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
         window
             .app()
             .model
+            .results
             .slots
             .a
             .burst
@@ -63,7 +64,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     window.snapshot("calibration");
     window.click("Apply");
     window.settle();
-    let masked = window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
+    let masked = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
     assert_eq!([masked.weight_at(7, 30), masked.weight_at(8, 30)], [0.0, 1.0]);
     // Both halves are as bright, and there are no stripes.
     for (u, v) in [(0, 0), (0, 1), (90, 0), (90, 1)] {
@@ -72,7 +73,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     let file = home.path().join("night.burstscope.toml");
     let mut other = window.kept_and_opened_in_another(&file);
     assert!((value(&other, 90, 1) - 900.0).abs() < 4.0);
-    let kept = other.app().model.calibration.clone();
+    let kept = other.app().model.document.calibration.clone();
     assert!(kept.bias.is_some_and(|path| path.ends_with("bias.png")) && kept.flat.is_some() && kept.mask.is_some());
     // Without calibration, values are as in the files.
     other.run_action("calibration");
@@ -96,7 +97,7 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
     window.click("Apply");
     window.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(window.shows("the bias frame is 8×8"));
-    assert_eq!(window.app().model.slots.a.burst.as_ref().unwrap().burst.len(), 4);
+    assert_eq!(window.app().model.results.slots.a.burst.as_ref().unwrap().burst.len(), 4);
 }
 
 /// Drags along the places of the focused pane's image.
@@ -121,14 +122,14 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     window.key(Key::Num1);
     window.run_action("calibration");
     window.click("Draw");
-    assert_eq!(window.app().model.measure.tool, Tool::Mask);
+    assert_eq!(window.app().model.document.measure.tool, Tool::Mask);
     assert!(window.shows("Drag around what is not to be seen"));
     let arm = [pos2(2.0, 20.0), pos2(30.0, 30.0), pos2(26.0, 40.0), pos2(2.0, 50.0)];
     drag_along(&mut window, &arm);
     drag_along(&mut window, &[pos2(60.0, 52.0), pos2(90.0, 52.0), pos2(90.0, 60.0), pos2(60.0, 60.0)]);
-    assert_eq!(window.app().model.measure.hidden.len(), 2);
+    assert_eq!(window.app().model.document.measure.hidden.len(), 2);
     window.click("Take back");
-    assert_eq!(window.app().model.measure.hidden.len(), 1);
+    assert_eq!(window.app().model.document.measure.hidden.len(), 1);
     let file = home.path().join("arm.png");
     window.dialogs.will_choose(&file);
     window.click("Use as mask…");
@@ -138,12 +139,12 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     assert!(window.shows("arm.png"));
     window.click("Apply");
     window.settle();
-    let frame = window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
+    let frame = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
     assert_eq!(
         [frame.is_hidden_at(10, 35), frame.is_hidden_at(10, 15), frame.is_hidden_at(80, 56)],
         [true, false, false]
     );
-    assert!(window.app().model.measure.is_empty(), "what was drawn is in the mask");
+    assert!(window.app().model.document.measure.is_empty(), "what was drawn is in the mask");
     // Another outline is added to it.
     window.run_action("draw mask");
     drag_along(&mut window, &[pos2(60.0, 52.0), pos2(90.0, 52.0), pos2(90.0, 60.0), pos2(60.0, 60.0)]);
@@ -167,6 +168,6 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     window.wait("the dialog names the folder", |app| app.is_settled());
     window.click("Apply");
     window.settle();
-    let frame = window.app().model.slots.a.burst.as_ref().unwrap().burst.frames[3].clone();
+    let frame = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[3].clone();
     assert!(frame.is_hidden_at(10, 35) && !frame.is_hidden_at(80, 56));
 }

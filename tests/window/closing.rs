@@ -3,7 +3,7 @@
 
 use crate::lab::run_small_study;
 use crate::support::{Start, Window};
-use burstscope::app::project::measure::MeasuredLine;
+use burstscope::app::document::look::MeasuredLine;
 use burstscope::engine::Wanted;
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
 use burstscope::requests::{BurstSource, JobError, Request, Urgency, Work};
@@ -106,7 +106,7 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
     let mut window = Start::without_auto_detect().open();
     window.click("Detect");
     window.settle();
-    let count = window.app().model.features().len();
+    let count = window.app().model.read().features().len();
     let closing = hold_files_until_closing(&window);
     let exports = [
         ("features as csv", "f.csv"),
@@ -138,7 +138,7 @@ fn what_was_matched_and_measured_is_whole_too() {
     let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
     start.startup.second = Some(BurstSource::DemoLater);
     let mut window = start.open();
-    let matches = window.app().model.pair.matches.as_ref().unwrap().result.counts.putative;
+    let matches = window.app().model.results.pair.matches.as_ref().unwrap().result.counts.putative;
     run_small_study(&mut window);
     let closing = hold_files_until_closing(&window);
     let of_lab = [("export curves as csv", "c.csv"), ("export curves as svg", "c.svg")];
@@ -147,9 +147,9 @@ fn what_was_matched_and_measured_is_whole_too() {
     let of_pair = [("export matches as csv", "m.csv"), ("figure as before", "m.png")];
     begin(&mut window, folder.path(), &of_pair);
     window.ctrl(egui::Key::Num1);
-    let pane = window.app().model.focus();
+    let pane = window.app().model.document.focus();
     let (from_image, to_image) = (egui::pos2(100.0, 80.0), egui::pos2(160.0, 80.0));
-    window.app_mut().model.measure.line = Some(MeasuredLine { pane, from_image, to_image });
+    window.app_mut().model.document.measure.line = Some(MeasuredLine { pane, from_image, to_image });
     window.wait("there is something to measure", |app| app.model.picture().is_some());
     let of_line = [("export line profile as csv", "l.csv")];
     begin(&mut window, folder.path(), &of_line);
@@ -168,7 +168,7 @@ fn figures_that_are_being_made_are_whole_or_not_there() {
     let only = vec![PaperFigure::Fig9, PaperFigure::Fig5];
     let app = window.app_mut();
     let job = FiguresJob { out: out.clone(), only, size: FigureSize::Quick, colmap: None };
-    app.model.figures.ask(&app.engine, job);
+    app.model.results.figures.ask(&app.engine, job);
     while files(&out).is_empty() {
         assert!(!window.app().engine.is_idle(), "it ended without a file");
         std::thread::sleep(Duration::from_millis(1));

@@ -1,8 +1,8 @@
 //! Comparison with earlier features and with those of others, and the command that finds the present ones.
 
 use crate::support::Start;
-use burstscope::app::project::comparison::{Kind, Reference};
-use burstscope::app::project::side::Side;
+use burstscope::app::document::comparison::{Kind, Reference};
+use burstscope::app::document::side::Side;
 use burstscope::export::{write_colmap, write_csv};
 use burstscope::inspect::changes::{Spot, compare};
 use egui::Key;
@@ -12,13 +12,13 @@ use egui_kittest::kittest::Queryable;
 #[test]
 fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    let before: Vec<Spot> = window.app().model.features().iter().map(Spot::from).collect();
+    let before: Vec<Spot> = window.app().model.read().features().iter().map(Spot::from).collect();
     window.run_action("pin this result");
-    window.app_mut().model.params.edge_threshold = 8.0;
-    window.app_mut().model.params.noise_gate = burstscope::detector::NoiseGate::Factor(5.5);
-    window.app_mut().model.params.levels = 4;
+    window.app_mut().model.document.params.edge_threshold = 8.0;
+    window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(5.5);
+    window.app_mut().model.document.params.levels = 4;
     window.settle();
-    let after: Vec<Spot> = window.app().model.features().iter().map(Spot::from).collect();
+    let after: Vec<Spot> = window.app().model.read().features().iter().map(Spot::from).collect();
     let expected = compare(&before, &after);
     assert!(!expected.lost.is_empty() && !expected.same.is_empty());
     let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
@@ -27,11 +27,11 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     assert!(window.shows(&expected.summary()), "the counts in a line");
     window.harness.get_by_role_and_label(Role::Row, "Lost 0").click();
     window.settle();
-    assert_eq!(window.app().model.comparisons.a.selected, Some(0));
-    assert_eq!(window.app().model.selected, None, "what is lost is none of ours");
+    assert_eq!(window.app().model.document.comparisons.a.selected, Some(0));
+    assert_eq!(window.app().model.document.selected, None, "what is lost is none of ours");
     window.snapshot("compared_with_pinned");
     window.key(Key::Escape);
-    assert_eq!(window.app().model.comparisons.a.selected, None);
+    assert_eq!(window.app().model.document.comparisons.a.selected, None);
     window.run_action("unpin");
     window.settle();
     assert!(window.app().model.shown_comparison(Side::A).is_none() && !window.shows("as before"));
@@ -40,7 +40,7 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
 #[test]
 fn pinning_a_result_and_changing_nothing_shows_no_change() {
     let mut window = Start::default().open();
-    let count = window.app().model.features().len();
+    let count = window.app().model.read().features().len();
     window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::D);
     window.settle();
     let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
@@ -53,7 +53,7 @@ fn pinning_a_result_and_changing_nothing_shows_no_change() {
 fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    let mut detection = (*window.app().model.slots.a.found.as_ref().unwrap().detection).clone();
+    let mut detection = (*window.app().model.results.slots.a.found.as_ref().unwrap().detection).clone();
     // The other features lack our strongest one, and have one where we have none.
     let lonely = burstscope::Feature { u: 5.0, v: 352.0, sigma: 1.7, ..detection.features[0] };
     detection.features.remove(0);
@@ -96,9 +96,9 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     let folder = tempfile::tempdir().unwrap();
     let (session, theirs) = (folder.path().join("compared.burstscope.toml"), folder.path().join("theirs.csv"));
     let mut window = Start::default().open();
-    write_csv(&theirs, &window.app().model.features()[5..]).unwrap();
+    write_csv(&theirs, &window.app().model.read().features()[5..]).unwrap();
     window.run_action("pin this result");
-    window.app_mut().model.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0);
+    window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0);
     window.settle();
     let pinned = window.app().model.shown_comparison(Side::A).expect("a comparison").clone();
     assert!(pinned.count(Kind::Theirs) > 0);
@@ -132,14 +132,14 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     std::fs::remove_file(&theirs).unwrap();
     let mut window = reopen();
     assert!(window.app().model.shown_comparison(Side::A).is_none() && window.shows("theirs.csv"));
-    assert_eq!(window.app().model.params.noise_gate, burstscope::detector::NoiseGate::Factor(6.0));
+    assert_eq!(window.app().model.document.params.noise_gate, burstscope::detector::NoiseGate::Factor(6.0));
     shows_pinned(&mut window);
 }
 
 #[test]
 fn what_is_seen_is_copied_as_a_command() {
     let mut window = Start::default().open();
-    window.app_mut().model.params.max_features = 25;
+    window.app_mut().model.document.params.max_features = 25;
     window.settle();
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);

@@ -3,10 +3,10 @@
 use crate::datasets::{chosen, click_burst, dataset, few_slopes, start, walk};
 use crate::support::Window;
 use burstscope::Monitor;
-use burstscope::app::project::workspace::Workspace;
 use burstscope::burst::OpenOptions;
 use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, KeptBursts, MatchedPair, match_pairs};
 use burstscope::matching::{MatchCounts, MatchParams};
+use burstscope::teach::Workspace;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -68,10 +68,10 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     window.click("Side by side");
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.workspace, Workspace::Pair);
-    assert_eq!(dataset(&window).place_of(model.slots.a.burst.as_ref()), Some(0));
-    assert_eq!(dataset(&window).place_of(model.slots.b.burst.as_ref()), Some(2));
-    assert_eq!(model.slots.b.burst.as_ref().unwrap().burst.name, "frame_012");
+    assert_eq!(model.document.workspace, Workspace::Pair);
+    assert_eq!(dataset(&window).place_of(model.results.slots.a.burst.as_ref()), Some(0));
+    assert_eq!(dataset(&window).place_of(model.results.slots.b.burst.as_ref()), Some(2));
+    assert_eq!(model.results.slots.b.burst.as_ref().unwrap().burst.name, "frame_012");
 }
 
 #[test]
@@ -80,13 +80,13 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     let mut window = detected(home.path());
     window.harness.get_by_role_and_label(Role::RadioButton, "Each with the next").click();
     window.harness.run_steps(2);
-    window.app_mut().model.pairs.overlap = 1;
+    window.app_mut().model.document.pairs.overlap = 1;
     window.click("Match pairs");
     window.settle();
     let matched = |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.get(pair).is_some());
     assert_eq!(matched(&window), [true, false, true]);
     // With other parameters, earlier matches are dropped as soon as pairs are matched again.
-    window.app_mut().model.matching.ratio = 0.7;
+    window.app_mut().model.document.matching.ratio = 0.7;
     window.harness.run_steps(3);
     assert!(window.shows("The matching parameters changed; match again"));
     click_burst(&mut window, "Use frame_002 as A");
@@ -114,7 +114,7 @@ fn without_a_dataset_the_room_says_how_to_open_one() {
     window.dialogs.will_choose("/no/such/dataset");
     window.click("Open dataset…");
     window.settle();
-    assert!(window.shows("/no/such/dataset") && window.app().model.datasets.open.is_none());
+    assert!(window.shows("/no/such/dataset") && window.app().model.results.datasets.open.is_none());
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn trajectory_matrix() {
     window.settle();
     window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_007").click();
     let model = &mut window.app_mut().model;
-    let open = model.datasets.open.as_mut().unwrap();
+    let open = model.results.datasets.open.as_mut().unwrap();
     // More bursts than a test has time for: copies of one film, the more matches the nearer they are.
     let many = 20;
     let (bursts, states) = (open.bursts.clone(), open.states.clone());
@@ -146,7 +146,7 @@ fn trajectory_matrix() {
         }
     }
     for state in &mut open.states {
-        if let burstscope::app::project::datasets::BurstState::Done(finished) = state {
+        if let burstscope::app::results::datasets::BurstState::Done(finished) = state {
             finished.seconds = 0.3;
             finished.features *= 9;
         }

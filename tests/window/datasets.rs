@@ -2,7 +2,7 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::Startup;
-use burstscope::app::project::datasets::{BurstState, Dataset};
+use burstscope::app::results::datasets::{BurstState, Dataset};
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::SlopeGrid;
 use burstscope::synth::{SceneParams, synth_scene, write_burst};
@@ -46,12 +46,12 @@ pub fn start(dataset: DatasetSource) -> Start {
 }
 
 pub fn dataset(window: &Window) -> &Dataset {
-    window.app().model.datasets.open.as_ref().expect("a dataset is open")
+    window.app().model.results.datasets.open.as_ref().expect("a dataset is open")
 }
 
 /// Places of the bursts chosen as A and as B.
 pub fn chosen(window: &Window) -> [Option<usize>; 2] {
-    window.app().model.dataset.as_ref().expect("a dataset is open").pair.both().map(|place| *place)
+    window.app().model.document.dataset.as_ref().expect("a dataset is open").pair.both().map(|place| *place)
 }
 
 fn features(window: &Window) -> Vec<Option<usize>> {
@@ -91,7 +91,7 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
     assert_eq!(window.app().remembered().datasets, [DatasetSource::of_bursts(vec![nights])]);
     assert!(window.app().recent().is_empty(), "bursts of a dataset are not remembered one by one");
     window.click("Close dataset");
-    assert!(window.app().model.datasets.open.is_none() && !window.shows("Burst second"));
+    assert!(window.app().model.results.datasets.open.is_none() && !window.shows("Burst second"));
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     assert!(window.shows("Burst frame_002: waiting") && window.shows("Burst frame_012: waiting"));
     assert!(window.shows("frame_002 · 5 frames"), "the burst that is open has its name in the dataset");
     window.click("Detect all");
-    assert!(window.app().model.datasets.work.is_some());
+    assert!(window.app().model.results.datasets.work.is_some());
     window.settle();
     let found = features(&window);
     let params = few_slopes();
@@ -131,8 +131,8 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     assert!(other.shows("The folder has features found with other parameters"));
     other.click("Use those");
     other.settle();
-    assert_eq!((features(&other), &other.app().model.params), (found, &params));
-    other.app_mut().model.params.edge_threshold *= 2.0;
+    assert_eq!((features(&other), &other.app().model.document.params), (found, &params));
+    other.app_mut().model.document.params.edge_threshold *= 2.0;
     other.settle();
     assert!(other.shows("The parameters changed"));
 }
@@ -188,14 +188,14 @@ fn what_is_done_stays_when_it_is_cancelled() {
     let mut window = start.open();
     window.click("Detect all");
     window.wait("the first burst is done", |app| {
-        app.model.datasets.open.as_ref().is_some_and(|d| matches!(d.states[0], BurstState::Done(_)))
+        app.model.results.datasets.open.as_ref().is_some_and(|d| matches!(d.states[0], BurstState::Done(_)))
     });
-    assert!(window.app().model.datasets.work.is_some(), "it must still run for this test to mean something");
+    assert!(window.app().model.results.datasets.work.is_some(), "it must still run for this test to mean something");
     // The inspector works meanwhile.
     window.slide("Slope u", 1.0);
     window.wait("the picture of the new slope", |app| app.model.picture_is_current());
     window.click("Cancel all");
-    window.wait("it ends", |app| app.model.datasets.work.is_none());
+    window.wait("it ends", |app| app.model.results.datasets.work.is_none());
     let done = dataset(&window).counts().done;
     assert!((1..3).contains(&done), "{done}");
     assert!(!dataset(&window).states.contains(&BurstState::Running));
@@ -208,7 +208,7 @@ fn a_long_sequence_is_cut_as_one_says() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
     window.dialogs.will_choose(film(home.path()));
     window.run_action("open dataset");
-    window.wait("the question", |app| app.model.datasets.work.is_none());
+    window.wait("the question", |app| app.model.results.datasets.work.is_none());
     assert!(window.shows("15 frames") && window.shows("1 burst, each named"));
     window.harness.get_by_role_and_label(Role::SpinButton, "Burst length").set_value_accesskit(6.0);
     window.harness.run_steps(2);
@@ -274,7 +274,7 @@ fn a_session_brings_the_dataset_back() {
     click_burst(&mut window, "Use frame_012 as B");
     let other = window.kept_and_opened_in_another(&file);
     assert_eq!((chosen(&other), dataset(&other).bursts.len()), ([None, Some(2)], 3));
-    assert_eq!(dataset(&other).place_of(other.app().model.slots.a.burst.as_ref()), Some(1));
+    assert_eq!(dataset(&other).place_of(other.app().model.results.slots.a.burst.as_ref()), Some(1));
 }
 
 #[test]
@@ -290,7 +290,7 @@ fn a_picture_beside_the_bursts_of_a_dataset_is_named() {
     }
     image::GrayImage::new(40, 30).save(nights.join("preview.png")).unwrap();
     let mut window = start(DatasetSource::of_bursts(vec![nights])).open_without_waiting();
-    window.wait("the dataset is open", |app| app.model.datasets.open.is_some());
+    window.wait("the dataset is open", |app| app.model.results.datasets.open.is_some());
     assert_eq!(dataset(&window).bursts.len(), 2);
     assert!(window.shows("belongs to none") && window.shows("preview.png"));
 }

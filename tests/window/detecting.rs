@@ -1,7 +1,7 @@
 //! Detecting, cancelling, selecting, sorting, filtering.
 
 use crate::support::{Start, noisy_stack};
-use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::document::look::FeaturesShown;
 use burstscope::detector::{Method, Quantity, SlopeGrid};
 use burstscope::inspect::words::counted;
 use egui::Key;
@@ -11,44 +11,44 @@ use egui_kittest::kittest::Queryable;
 #[test]
 fn detect_finds_what_the_detector_finds() {
     let mut window = Start::without_auto_detect().open();
-    assert!(window.app().model.slots.a.found.is_none());
+    assert!(window.app().model.results.slots.a.found.is_none());
     window.click("Detect");
     window.settle();
     let model = &window.app().model;
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let expected = burstscope::detect(burst, &model.params, &burstscope::Monitor::default()).unwrap();
-    assert_eq!(model.features(), expected.features);
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let expected = burstscope::detect(burst, &model.document.params, &burstscope::Monitor::default()).unwrap();
+    assert_eq!(model.read().features(), expected.features);
     assert!(window.shows(&format!("{} in", counted(expected.features.len(), "feature"))));
 }
 
 #[test]
 fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    window.app_mut().model.look.overlay = FeaturesShown::All;
+    window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.settle();
-    let strongest = &window.app().model.features()[0];
+    let strongest = &window.app().model.read().features()[0];
     let in_picture = window.app().ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
     let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 1").rect().center();
     let elsewhere = egui::pos2(640.0, 790.0);
     for (pos, wanted) in [(in_picture, true), (elsewhere, false), (in_table, true), (elsewhere, false)] {
         window.harness.hover_at(pos);
         window.harness.run_steps(3);
-        assert_eq!(window.app().model.hovered.is_some(), wanted, "{pos}");
+        assert_eq!(window.app().model.results.hovered.is_some(), wanted, "{pos}");
     }
     // A hidden table has no row under the pointer.
     window.harness.hover_at(in_table);
     window.harness.run_steps(3);
-    assert_eq!(window.app().model.hovered, Some(1));
+    assert_eq!(window.app().model.results.hovered, Some(1));
     window.ctrl(Key::J);
     window.harness.run_steps(3);
-    assert_ne!(window.app().model.hovered, Some(1));
+    assert_ne!(window.app().model.results.hovered, Some(1));
 }
 
 #[test]
 fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let mut window = Start::default().open();
-    window.app_mut().model.look.overlay = FeaturesShown::All;
-    let features = window.app().model.features().to_vec();
+    window.app_mut().model.document.look.overlay = FeaturesShown::All;
+    let features = window.app().model.read().features().to_vec();
     // Zoomed in enough to tell features apart, on one with no other nearby, so that the click is unambiguous.
     const POINTS_PER_PX: f32 = 8.0;
     let alone = |i: usize| {
@@ -60,11 +60,11 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     };
     let index = (0..features.len()).find(|&i| alone(i)).expect("the demo has a feature that stands alone");
     let feature = features[index];
-    window.app_mut().model.focused_mut().view.look_at(egui::pos2(feature.u, feature.v), POINTS_PER_PX);
+    window.app_mut().model.document.focused_mut().view.look_at(egui::pos2(feature.u, feature.v), POINTS_PER_PX);
     window.settle();
     let pos = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).unwrap();
     window.click_at(pos);
-    assert_eq!(window.app().model.selected, Some(index));
+    assert_eq!(window.app().model.document.selected, Some(index));
     window.settle();
     assert!(window.shows(&format!("{:.2}, {:.2} px", feature.u, feature.v)), "the panel shows its numbers");
     assert!(window.harness.query_by_role_and_label(Role::Image, "Descriptor").is_some());
@@ -74,13 +74,13 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let row = window.harness.get_by_role_and_label(Role::Row, &format!("Feature {}", index - 1)).rect();
     window.click_at(row.left_center() + egui::vec2(80.0, 0.0));
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.selected, Some(index - 1));
+    assert_eq!(window.app().model.document.selected, Some(index - 1));
     window.key(Key::N);
-    assert_eq!(window.app().model.selected, Some(index));
+    assert_eq!(window.app().model.document.selected, Some(index));
     window.key(Key::P);
-    assert_eq!(window.app().model.selected, Some(index - 1));
+    assert_eq!(window.app().model.document.selected, Some(index - 1));
     window.key(Key::Escape);
-    assert_eq!(window.app().model.selected, None);
+    assert_eq!(window.app().model.document.selected, None);
 }
 
 #[test]
@@ -90,10 +90,10 @@ fn nothing_found_says_which_setting_to_change() {
     let mut window = start.open();
     window.click("Detect");
     window.settle();
-    assert!(window.app().model.features().is_empty());
+    assert!(window.app().model.read().features().is_empty());
     assert!(window.shows("No feature was found") && window.shows("; try Peak threshold 0"));
     // The advice is shown only while it holds.
-    window.app_mut().model.params.peak_threshold = 0.0;
+    window.app_mut().model.document.params.peak_threshold = 0.0;
     window.harness.run_steps(2);
     assert!(!window.shows("; try Peak threshold 0"));
 }
@@ -105,17 +105,17 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     start.startup.params.detector.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
     let mut window = start.open();
     window.click("Detect");
-    window.wait("the detection runs", |app| app.model.slots.a.detecting.is_pending());
+    window.wait("the detection runs", |app| app.model.results.slots.a.detecting.is_pending());
     // Scrubbing works while the detection runs.
     window.slide("Slope u", 1.0);
     window.wait("the picture of the new slope", |app| app.model.picture_is_current());
     assert!(
-        window.app().model.slots.a.detecting.is_pending(),
+        window.app().model.results.slots.a.detecting.is_pending(),
         "the detection must still run for this test to mean something"
     );
     window.click("Cancel");
-    window.wait("the detection ends", |app| !app.model.slots.a.detecting.is_pending());
-    assert!(window.app().model.slots.a.found.is_none());
+    window.wait("the detection ends", |app| !app.model.results.slots.a.detecting.is_pending());
+    assert!(window.app().model.results.slots.a.found.is_none());
     assert!(window.shows("Detection cancelled"));
     window.settle();
 }
@@ -127,36 +127,36 @@ fn features_of_other_parameters_are_marked_as_stale_until_detected_again() {
     window.settle();
     window.click("SIFT");
     window.settle();
-    assert_eq!(window.app().model.params.method, Method::Sift);
+    assert_eq!(window.app().model.document.params.method, Method::Sift);
     assert!(window.shows("Stale features"));
     window.click("Detect again");
     window.settle();
     assert!(!window.shows("Stale features"));
-    assert_eq!(window.app().model.slots.a.found.as_ref().unwrap().detection.slopes.len(), 1);
+    assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().detection.slopes.len(), 1);
 }
 
 #[test]
 fn with_the_switch_on_a_change_is_detected_by_itself() {
     let mut window = Start::default().open();
-    let before = window.app().model.features().len();
-    window.app_mut().model.params.max_features = 3;
+    let before = window.app().model.read().features().len();
+    window.app_mut().model.document.params.max_features = 3;
     window.settle();
     assert!(before > 3);
-    assert_eq!(window.app().model.slots.a.found.as_ref().unwrap().params.max_features, 3);
+    assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().params.max_features, 3);
     assert!(window.app().model.stale().is_none());
 }
 
 #[test]
 fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
     let mut window = Start::default().open();
-    window.app_mut().model.params.slopes.u.count = 0;
+    window.app_mut().model.document.params.slopes.u.count = 0;
     window.settle();
     assert!(window.shows("the count is 0: give at least 1 slope"));
     assert!(window.shows("the parameters are invalid"));
     assert!(window.app().model.picture_is_current(), "pictures go on");
     window.click("Reset Slopes u");
     window.settle();
-    assert_eq!(window.app().model.slots.a.param_error, None);
+    assert_eq!(window.app().model.results.slots.a.param_error, None);
 }
 
 #[test]
@@ -165,34 +165,38 @@ fn headings_sort_and_the_filter_leaves_out() {
     window.click("Sort by σ");
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.order.column, Quantity::Sigma);
-    let sigmas: Vec<f32> = model.listed.iter().map(|&i| model.features()[i].sigma).collect();
+    assert_eq!(model.document.order.column, Quantity::Sigma);
+    let sigmas: Vec<f32> = model.results.listed.iter().map(|&i| model.read().features()[i].sigma).collect();
     assert!(sigmas.is_sorted() && sigmas.len() > 5);
     let total = sigmas.len();
     window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
     window.settle();
     let model = &window.app().model;
-    assert!(!model.listed.is_empty() && model.listed.len() < total);
-    assert!(window.shows(&format!("{} of {total}", model.listed.len())));
+    assert!(!model.results.listed.is_empty() && model.results.listed.len() < total);
+    assert!(window.shows(&format!("{} of {total}", model.results.listed.len())));
     window.click("Clear filter");
     window.settle();
-    assert_eq!(window.app().model.listed.len(), total);
+    assert_eq!(window.app().model.results.listed.len(), total);
 }
 
 #[test]
 fn looking_at_the_filter_changes_nothing_and_its_sliders_do() {
     let mut window = Start::default().open();
-    let total = window.app().model.features().len();
+    let total = window.app().model.read().features().len();
     window.click("Filter");
     window.harness.run_steps(3);
-    assert!(window.app().model.filter.is_open());
-    assert_eq!(window.app().model.listed.len(), total);
+    assert!(window.app().model.document.filter.is_open());
+    assert_eq!(window.app().model.results.listed.len(), total);
     // The first row with handles is slope u, the second the scale.
     window.harness.get_all_by_role_and_label(Role::Slider, "low").nth(1).unwrap().set_value_accesskit(4.0);
     window.settle();
     let model = &window.app().model;
-    let expected = model.features().iter().filter(|f| f.sigma >= 4.0).count();
-    assert!(expected < total && model.listed.len() == expected, "{} {expected} {total}", model.listed.len());
+    let expected = model.read().features().iter().filter(|f| f.sigma >= 4.0).count();
+    assert!(
+        expected < total && model.results.listed.len() == expected,
+        "{} {expected} {total}",
+        model.results.listed.len()
+    );
 }
 
 #[test]
@@ -214,5 +218,5 @@ fn a_key_pressed_twice_between_two_pictures_counts_twice() {
     window.harness.key_press(Key::ArrowRight);
     window.harness.key_press(Key::ArrowRight);
     window.harness.step();
-    assert_eq!(window.app().model.cursor().slope.u, 2.0);
+    assert_eq!(window.app().model.document.cursor().slope.u, 2.0);
 }

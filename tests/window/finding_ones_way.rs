@@ -2,8 +2,8 @@
 
 use crate::support::{Start, Window};
 use burstscope::app::actions::{ACTIONS, ActionId, Menu};
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::look::FeaturesShown;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
@@ -12,11 +12,11 @@ fn the_palette_finds_an_action_and_runs_it() {
     let mut window = Start::without_auto_detect().open();
     window.run_action("show dog");
     window.settle();
-    assert_eq!(window.app().model.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
     window.ctrl(Key::P);
     assert!(window.shows("Find an action"));
     window.key(Key::Escape);
-    assert_eq!(window.app().model.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
 }
 
 #[test]
@@ -46,13 +46,13 @@ fn the_question_mark_shows_every_action_that_has_keys_without_scrolling() {
 fn keys_typed_into_a_field_do_not_run_actions() {
     let mut window = Start::without_auto_detect().open();
     window.ctrl(Key::L);
-    let before = *window.app().model.cursor();
+    let before = *window.app().model.document.cursor();
     let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path");
     field.type_text("3");
     window.harness.run_steps(1);
     window.key(Key::Num3);
     window.key(Key::G);
-    assert_eq!(*window.app().model.cursor(), before);
+    assert_eq!(*window.app().model.document.cursor(), before);
 }
 
 #[test]
@@ -81,15 +81,15 @@ fn panels_can_be_hidden_and_shown() {
 fn escape_closes_a_drop_down_and_nothing_else() {
     let mut window = Start::default().open();
     window.key(Key::Home);
-    assert_eq!(window.app().model.selected, Some(0));
+    assert_eq!(window.app().model.document.selected, Some(0));
     window.click("Features");
     assert!(window.shows("Clear filter"), "the menu is open");
     window.key(Key::Escape);
     window.harness.run_steps(3);
     assert!(!window.shows("Clear filter"), "the menu is closed");
-    assert_eq!(window.app().model.selected, Some(0));
+    assert_eq!(window.app().model.document.selected, Some(0));
     window.key(Key::Escape);
-    assert_eq!(window.app().model.selected, None);
+    assert_eq!(window.app().model.document.selected, None);
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn a_slow_click_is_a_click() {
     }
     window.harness.drop_at(button);
     window.harness.run_steps(2);
-    assert!(window.app().model.playing);
+    assert!(window.app().model.document.playing);
 }
 
 #[test]
@@ -128,15 +128,15 @@ fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
     assert!(seen > 8, "{seen} rows");
     window.key(Key::Enter);
     window.settle();
-    assert!(window.app().model.slots.a.found.is_some(), "with nothing typed Enter detects");
+    assert!(window.app().model.results.slots.a.found.is_some(), "with nothing typed Enter detects");
 }
 
 #[test]
 fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
     let mut window = Start::default().open();
-    window.app_mut().model.look.overlay = FeaturesShown::All;
+    window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.settle();
-    let feature = window.app().model.features()[0];
+    let feature = window.app().model.read().features()[0];
     let place = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).expect("drawn");
     window.harness.hover_at(place);
     window.harness.run_steps(3);
@@ -197,7 +197,7 @@ fn menus_of_what_is_not_there_are_not_shown_and_groups_of_many_entries_are_folde
     window.harness.get_by_label_contains("Show DoG").click();
     window.harness.run_steps(3);
     window.settle();
-    assert_eq!(window.app().model.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
     window.ctrl(Key::Num2);
     assert!(has(&window, "Pair"));
 }

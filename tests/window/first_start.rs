@@ -1,7 +1,7 @@
 //! The first start: most of the window is picture, a card says how to go on, and panels come when they are asked for.
 
 use crate::support::{Memory, Start, Window};
-use burstscope::app::project::side::Side;
+use burstscope::app::document::side::Side;
 use burstscope::app::settings::Settings;
 use egui::Rect;
 use egui::accesskit::Role;
@@ -82,22 +82,22 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     let mut window = Start::first([1280.0, 800.0]).open();
     window.click("Explore");
     let model = &window.app().model;
-    let slope = model.cursor().slope;
+    let slope = model.document.cursor().slope;
     let moves = |f: &burstscope::Feature| (f.motion().0.u - slope.u).hypot(f.motion().0.v - slope.v) < 0.1;
     let is_here = |f: &&burstscope::Feature| moves(f) && (100.0..300.0).contains(&f.u);
-    let feature = *model.features().iter().find(is_here).expect("a feature of this slope");
+    let feature = *model.read().features().iter().find(is_here).expect("a feature of this slope");
     let place = egui::pos2(feature.u, feature.v);
     let before = window.app().ui_from_image(place).expect("drawn");
     window.click_at(before);
     window.settle();
-    assert!(window.app().model.selected.is_some() && window.app().model.shows_right());
+    assert!(window.app().model.document.selected.is_some() && window.app().model.shows_right());
     let after = window.app().ui_from_image(place).expect("drawn");
     assert!((after - before).length() < 1.0, "{after:?} instead of {before:?}");
     window.snapshot("first_selection");
     window.run_action("Clear selection");
     window.settle();
     assert!(!window.app().model.shows_right());
-    assert!(window.app().model.panes.of(Side::A).view.is_fit(), "as before");
+    assert!(window.app().model.document.panes.of(Side::A).view.is_fit(), "as before");
 }
 
 #[test]
@@ -128,14 +128,14 @@ fn a_narrow_window_folds_the_left_panel_into_a_strip() {
 fn advanced_parameters_are_folded_and_say_that_one_is_changed() {
     let mut window = Start::first([1280.0, 800.0]).open();
     assert!(!window.shows("Edge threshold"));
-    window.app_mut().model.params.edge_threshold = 15.0;
+    window.app_mut().model.document.params.edge_threshold = 15.0;
     window.harness.run_steps(2);
     assert!(window.shows("1 not the default"));
     window.click("Advanced");
     assert!(window.shows("Edge threshold"));
     window.click("Advanced");
     assert!(!window.shows("Edge threshold"));
-    window.app_mut().model.params.edge_threshold = -1.0;
+    window.app_mut().model.document.params.edge_threshold = -1.0;
     window.harness.run_steps(2);
     assert!(window.shows("Edge threshold"), "an error opens the fold");
 }
@@ -147,7 +147,7 @@ fn a_question_opens_the_probe_beside_the_picture() {
     let rect = picture(&window);
     window.shift_click_at(rect.min + 0.37 * rect.size());
     window.settle();
-    assert!(window.app().model.shows_right() && window.app().model.probe.is_open);
+    assert!(window.app().model.shows_right() && window.app().model.document.probe.is_open);
     window.snapshot("first_probe");
 }
 
@@ -160,7 +160,7 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
     };
     let (plane, drawn) = planes(&window);
     assert!(std::sync::Arc::ptr_eq(&plane, &drawn));
-    let range = window.app().model.look.ranges.intensity;
+    let range = window.app().model.document.look.ranges.intensity;
     window.slide("Smoothing", 2.0);
     window.settle();
     let (values, smooth) = planes(&window);
@@ -170,7 +170,7 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
         plane.data().iter().map(|x| (x - mean).powi(2)).sum::<f32>()
     };
     assert!(spread(&smooth) < 0.8 * spread(&values));
-    let narrower = window.app().model.look.ranges.intensity;
+    let narrower = window.app().model.document.look.ranges.intensity;
     assert!(narrower.max - narrower.min < range.max - range.min, "the range follows");
     let middle = picture(&window).center();
     window.harness.hover_at(middle);

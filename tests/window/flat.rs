@@ -3,13 +3,13 @@
 
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
-use burstscope::app::project::BottomTab;
-use burstscope::app::project::side::Side;
+use burstscope::app::document::side::Side;
 use burstscope::app::settings::Settings;
 use burstscope::burst::Positions;
 use burstscope::detector::noise_model::NoiseModel;
 use burstscope::detector::{Detection, Slope, SlopeGrid, Tally, Test};
 use burstscope::requests::{BurstSource, Detected, OpenBurst};
+use burstscope::teach::BottomTab;
 use burstscope::{Burst, Feature, Plane};
 use std::sync::Arc;
 use std::time::Duration;
@@ -109,7 +109,7 @@ pub fn with_features(mut window: Window) -> Window {
     let (params, searched) = (asked.detector.clone(), asked.detector.clone());
     let detected =
         Detected { burst, asked, params, searched, search_secs: 0.1, finding: None, detection, judgement: None };
-    model.bottom_tab = BottomTab::Tally;
+    model.document.bottom_tab = BottomTab::Tally;
     model.take_detection(Side::A, detected, Duration::from_millis(120));
     window.settle();
     window

@@ -2,13 +2,14 @@
 
 use crate::probe::answer;
 use crate::support::{Start, Window};
-use burstscope::app::project::filter::Order;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::{BottomTab, Visibility};
+use burstscope::app::document::filter::Order;
+use burstscope::app::document::panes::Visibility;
+use burstscope::app::document::side::Side;
 use burstscope::detector::{NoiseGate, Quantity, Test};
 use burstscope::inspect::verdict::Verdict;
 use burstscope::requests::BurstSource;
 use burstscope::synth::Example;
+use burstscope::teach::BottomTab;
 use egui::pos2;
 use egui_kittest::kittest::Queryable;
 
@@ -16,7 +17,7 @@ use egui_kittest::kittest::Queryable;
 fn with_table() -> Window {
     let mut window = Start { size: [1400.0, 900.0], ..Start::default() }.open();
     let model = &mut window.app_mut().model;
-    (model.panels.bottom, model.bottom_tab) = (Visibility::Open, BottomTab::Table);
+    (model.document.panels.bottom, model.document.bottom_tab) = (Visibility::Open, BottomTab::Table);
     window.settle();
     window
 }
@@ -25,14 +26,14 @@ fn with_table() -> Window {
 fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it() {
     let mut window = with_table();
     let judged = window.app().model.judged().expect("computed for the table").clone();
-    assert_eq!(judged.len(), window.app().model.features().len());
+    assert_eq!(judged.len(), window.app().model.read().features().len());
     let count = |verdict: Verdict| judged.iter().filter(|judged| judged.verdict == verdict).count();
     assert!(count(Verdict::Real) > 200 && count(Verdict::Ghost) > 10, "{}", count(Verdict::Ghost));
     assert!(window.shows("real"), "the first rows are seen");
     window.click("Sort by Coher.");
-    assert_eq!(window.app().model.order, Order { column: Quantity::Coherence, descending: false });
+    assert_eq!(window.app().model.document.order, Order { column: Quantity::Coherence, descending: false });
     let coherence = |index: &usize| judged[*index].coherence.unwrap_or(f32::INFINITY);
-    assert!(window.app().model.listed.iter().map(coherence).is_sorted());
+    assert!(window.app().model.results.listed.iter().map(coherence).is_sorted());
     // Only ghosts.
     window.harness.query_all_by_label_contains("Filter").next().expect("the filter").click();
     window.harness.run_steps(3);
@@ -40,21 +41,21 @@ fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it(
     window.harness.query_all_by_label("ghost").next().expect("a verdict").click();
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.filter.verdict, Some(Verdict::Ghost));
-    assert_eq!(model.listed.len(), count(Verdict::Ghost));
-    assert!(model.listed.iter().all(|&index| judged[index].verdict == Verdict::Ghost));
+    assert_eq!(model.document.filter.verdict, Some(Verdict::Ghost));
+    assert_eq!(model.results.listed.len(), count(Verdict::Ghost));
+    assert!(model.results.listed.iter().all(|&index| judged[index].verdict == Verdict::Ghost));
     // The selected one says why, and so does its tip.
     window.key(egui::Key::Escape);
-    let ghost = window.app().model.listed[0];
-    window.app_mut().model.selected = Some(ghost);
+    let ghost = window.app().model.results.listed[0];
+    window.app_mut().model.document.selected = Some(ghost);
     window.settle();
     assert!(window.shows("Likely a ghost: only some of the frames respond"), "in the panel");
     window.snapshot("verdicts");
-    let feature = window.app().model.features()[ghost];
+    let feature = window.app().model.read().features()[ghost];
     let at = window.app().ui_from_image(pos2(feature.u, feature.v)).expect("a picture");
     window.harness.hover_at(at);
     window.harness.run_steps(4);
-    assert!(window.app().model.hovered.is_some());
+    assert!(window.app().model.results.hovered.is_some());
 }
 
 #[test]
@@ -70,9 +71,9 @@ fn apply_says_its_price_before_it_is_pressed() {
     window.snapshot("probe_price");
     window.click(&format!("Apply {}", change.label()));
     window.settle();
-    let kept = window.app().model.features().len();
+    let kept = window.app().model.read().features().len();
     // A higher one is judged at once.
-    window.app_mut().model.params.noise_gate = NoiseGate::Factor(9.0);
+    window.app_mut().model.document.params.noise_gate = NoiseGate::Factor(9.0);
     window.settle();
     let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
     let change = fate.remedy.as_ref().expect("a lower gate").change.clone();
@@ -80,7 +81,7 @@ fn apply_says_its_price_before_it_is_pressed() {
     assert!(price.now < price.then && price.then <= kept && window.shows("Keeps this one, and "), "{price:?}");
     window.click(&format!("Apply {}", change.label()));
     window.settle();
-    assert_eq!(window.app().model.features().len(), price.then);
+    assert_eq!(window.app().model.read().features().len(), price.then);
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use crate::support::{Memory, Start, noisy_stack};
 use burstscope::app::Startup;
 use burstscope::app::canvas::View;
-use burstscope::app::project::look::FeaturesShown;
-use burstscope::app::project::pair::Side;
+use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::document::side::Side;
 use burstscope::app::settings::{MAX_RECENT, STORAGE_KEY, Settings};
 use burstscope::detector::{DetectorParams, Slope};
 use burstscope::requests::BurstSource;
@@ -17,18 +17,18 @@ fn parameters_are_saved_and_loaded() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("params.toml");
     let mut window = Start::without_auto_detect().open();
-    window.app_mut().model.params.peak_threshold = 0.0125;
+    window.app_mut().model.document.params.peak_threshold = 0.0125;
     window.dialogs.will_choose(&file);
     window.run_action("save parameters");
     window.settle();
     let saved = DetectorParams::from_toml(&std::fs::read_to_string(&file).unwrap()).unwrap();
     assert_eq!(saved.peak_threshold, 0.0125);
     window.click("Reset all");
-    assert_eq!(window.app().model.params, DetectorParams::default());
+    assert_eq!(window.app().model.document.params, DetectorParams::default());
     window.dialogs.will_choose(&file);
     window.run_action("load parameters");
     window.settle();
-    assert_eq!(window.app().model.params, saved);
+    assert_eq!(window.app().model.document.params, saved);
 }
 
 #[test]
@@ -37,12 +37,12 @@ fn a_parameter_file_with_a_mistake_is_named_and_changes_nothing() {
     let file = folder.path().join("wrong.toml");
     std::fs::write(&file, "peak_treshold = 0.1\n").unwrap();
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().model.params.clone();
+    let before = window.app().model.document.params.clone();
     window.dialogs.will_choose(&file);
     window.run_action("load parameters");
     window.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(window.shows("peak_treshold") && window.shows("wrong.toml"));
-    assert_eq!(window.app().model.params, before);
+    assert_eq!(window.app().model.document.params, before);
 }
 
 #[test]
@@ -53,23 +53,23 @@ fn a_session_brings_everything_back() {
     let mut window = Start::of(&stack).open();
     window.click("Detect");
     window.settle();
-    let features = window.app().model.features().to_vec();
+    let features = window.app().model.read().features().to_vec();
     assert!(features.len() >= 2, "{features:?}");
     window.slide("Slope u", 1.25);
-    window.app_mut().model.selected = Some(1);
+    window.app_mut().model.document.selected = Some(1);
     window.run_action("zoom in");
     window.run_action("motion vectors");
     window.settle();
-    let (view, scrub) = (window.app().model.focused().view, *window.app().model.cursor());
+    let (view, scrub) = (window.app().model.document.focused().view, *window.app().model.document.cursor());
     let other = window.kept_and_opened_in_another(&file);
     let model = &other.app().model;
     assert_eq!(model.size(), (128, 96));
-    assert_eq!(*model.cursor(), scrub);
-    assert_eq!(model.cursor().slope, Slope::new(1.25, 0.0));
-    assert_eq!(model.features(), features, "the same burst and parameters give the same bits");
-    assert_eq!(model.selected, Some(1));
-    assert!(!model.look.motion_vectors);
-    assert_eq!(other.app().model.focused().view, view, "also beside the panel of the selection");
+    assert_eq!(*model.document.cursor(), scrub);
+    assert_eq!(model.document.cursor().slope, Slope::new(1.25, 0.0));
+    assert_eq!(model.read().features(), features, "the same burst and parameters give the same bits");
+    assert_eq!(model.document.selected, Some(1));
+    assert!(!model.document.look.motion_vectors);
+    assert_eq!(other.app().model.document.focused().view, view, "also beside the panel of the selection");
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     window.click("One burst");
     window.key(egui::Key::Num9);
     window.key(egui::Key::S);
-    window.app_mut().model.focused_mut().side = Side::B;
+    window.app_mut().model.document.focused_mut().side = Side::B;
     window.settle();
     window.click("Link view of pane 1");
     window.dialogs.will_choose(&file);
@@ -92,14 +92,15 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     let mut other = Start { startup, ..Start::default() }.open();
     other.settle();
     let saved = |window: &crate::support::Window| {
-        let mut panes = window.app().model.panes.clone();
+        let mut panes = window.app().model.document.panes.clone();
         // The centre of a fitted view is computed anew.
         panes.iter_mut().for_each(|(_, pane)| pane.view = View::default());
         panes
     };
     assert_eq!(saved(&other), saved(&window));
     let model = &other.app().model;
-    let sides: Vec<Side> = model.panes.shown().iter().map(|id| model.panes.get(*id).unwrap().side).collect();
+    let sides: Vec<Side> =
+        model.document.panes.shown().iter().map(|id| model.document.panes.get(*id).unwrap().side).collect();
     assert_eq!(sides.iter().filter(|side| **side == Side::B).count(), 1);
     assert!(model.pictures_are_current() && model.burst_of(Side::B).is_some());
 }
@@ -110,7 +111,7 @@ fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
     let file = folder.path().join("handed_over.burstscope.toml");
     let mut window = Start::default().open();
     window.settle();
-    let pane = |window: &crate::support::Window| window.app().model.focused().clone();
+    let pane = |window: &crate::support::Window| window.app().model.document.focused().clone();
     let opened = pane(&window);
     let truth = "[document.comparisons.a]\nwith = \"truth\"\n[document.look]\noverlay = \"this_slope\"\n";
     let text = format!("version = 4\nburst = \"demo\"\ndetected = true\n{truth}");
@@ -151,12 +152,16 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
     window.settle();
     std::fs::remove_file(&stack).unwrap();
     let mut other = Start::without_auto_detect().open();
-    let before = (other.app().model.slots.a.burst.as_ref().unwrap().id, other.app().model.params.clone());
+    let before =
+        (other.app().model.results.slots.a.burst.as_ref().unwrap().id, other.app().model.document.params.clone());
     other.dialogs.will_choose(&file);
     other.run_action("open session");
     other.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(other.shows("noisy.npy"));
-    assert_eq!((other.app().model.slots.a.burst.as_ref().unwrap().id, other.app().model.params.clone()), before);
+    assert_eq!(
+        (other.app().model.results.slots.a.burst.as_ref().unwrap().id, other.app().model.document.params.clone()),
+        before
+    );
 }
 
 /// Files that would make a decoder end the program, and a picture that is no longer whole.
@@ -180,7 +185,7 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
     assert_eq!(window.app().model.size(), (48, 40));
     window.run_action("later demo burst as b");
     window.settle();
-    window.app_mut().model.params.peak_threshold = 0.0125;
+    window.app_mut().model.document.params.peak_threshold = 0.0125;
     window.dialogs.will_choose(&file);
     window.run_action("save session");
     window.settle();
@@ -190,15 +195,15 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
         assert!(session.contains("a.dng"));
         std::fs::write(&file, session.replace("a.dng", name)).unwrap();
         let mut other = Start::without_auto_detect().open();
-        let before = other.app().model.slots.a.burst.as_ref().unwrap().id;
+        let before = other.app().model.results.slots.a.burst.as_ref().unwrap().id;
         other.dialogs.will_choose(&file);
         other.run_action("open session");
         other.wait("a message", |app| !app.model.messages.errors().is_empty());
         other.settle();
         assert!(other.shows(name), "{name} is not named");
         let model = &other.app().model;
-        assert_eq!(model.slots.a.burst.as_ref().unwrap().id, before, "what was open stays");
-        assert_eq!(model.params.peak_threshold, 0.0125, "the rest of the session is there");
+        assert_eq!(model.results.slots.a.burst.as_ref().unwrap().id, before, "what was open stays");
+        assert_eq!(model.document.params.peak_threshold, 0.0125, "the rest of the session is there");
         assert!(model.burst_of(Side::B).is_some());
     }
 }
@@ -207,8 +212,8 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
 fn features_pictures_and_figures_are_exported() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::default().open();
-    window.app_mut().model.look.overlay = FeaturesShown::All;
-    let count = window.app().model.features().len();
+    window.app_mut().model.document.look.overlay = FeaturesShown::All;
+    let count = window.app().model.read().features().len();
     let exports = [
         ("features as csv", "f.csv"),
         ("features for colmap", "f.txt"),
@@ -244,8 +249,8 @@ fn figures_show_what_the_panes_show() {
     window.key(egui::Key::Num6);
     window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
     window.settle();
-    let listed = window.app().model.listed.len();
-    assert!(listed > 0 && listed < window.app().model.features().len());
+    let listed = window.app().model.results.listed.len();
+    assert!(listed > 0 && listed < window.app().model.read().features().len());
     // Zoomed in, so that a part of the picture is visible.
     window.run_action("zoom in");
     window.run_action("zoom in");
@@ -268,7 +273,7 @@ fn figures_show_what_the_panes_show() {
     window.settle();
     let image = image::open(&png).unwrap().to_rgb8();
     let model = &window.app().model;
-    let seen = window.app().widgets.get(model.focus()).unwrap().picture.visible_image.unwrap();
+    let seen = window.app().widgets.get(model.document.focus()).unwrap().picture.visible_image.unwrap();
     // Two pictures of the visible part, three pixels for each of its pixels, and their margins.
     let wide = 2.0 * 3.0 * seen.width();
     assert!((wide..wide + 60.0).contains(&(image.width() as f32)), "{} {wide}", image.width());

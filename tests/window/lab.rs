@@ -2,14 +2,14 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
-use burstscope::app::project::compare::MethodId;
-use burstscope::app::project::comparison::Reference;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::comparison::Reference;
+use burstscope::app::document::method::MethodId;
+use burstscope::app::document::side::Side;
 use burstscope::evaluate::curves::curves_csv;
 use burstscope::evaluate::{BurstMethod, ChartStudy, FramesStudy};
 use burstscope::study::{Study, StudyReport};
 use burstscope::synth::ChartParams;
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
@@ -27,9 +27,9 @@ fn lab(size: [f32; 2]) -> Window {
 
 fn go_to(window: &mut Window) {
     window.run_action("lab");
-    assert_eq!(window.app().model.workspace, Workspace::Lab);
-    window.app_mut().model.lab.chart = small_chart();
-    window.app_mut().model.lab.seeds = 3;
+    assert_eq!(window.app().model.document.workspace, Workspace::Lab);
+    window.app_mut().model.document.lab.chart = small_chart();
+    window.app_mut().model.document.lab.seeds = 3;
     type_snrs(window, "0.5, 0.9, 1.8");
 }
 
@@ -51,8 +51,8 @@ fn type_snrs(window: &mut Window, text: &str) {
 fn run(window: &mut Window) {
     window.click("Run study");
     window.wait("the study is finished", |app| {
-        !app.model.studies.wanted.is_pending()
-            && app.model.studies.current.as_ref().is_some_and(|result| result.is_whole)
+        !app.model.results.studies.wanted.is_pending()
+            && app.model.results.studies.current.as_ref().is_some_and(|result| result.is_whole)
     });
     window.settle();
 }
@@ -73,7 +73,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     let mut window = lab([1280.0, 800.0]);
     run(&mut window);
     let report = expected().run(&Monitor::default()).unwrap();
-    let result = window.app().model.studies.current.clone().unwrap();
+    let result = window.app().model.results.studies.current.clone().unwrap();
     assert_eq!(result.study, Study::Chart(Box::new(expected())));
     assert_eq!(result.report, StudyReport::Chart(Box::new(report.clone())));
     for plot in result.report.plots(0) {
@@ -102,8 +102,8 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     // The chart opens as a burst with known truth.
     window.click("Look at chart as burst");
     window.settle();
-    assert_eq!(window.app().model.workspace, Workspace::Inspect);
-    let frames = &window.app().model.slots.a.burst.as_ref().unwrap().burst.frames;
+    assert_eq!(window.app().model.document.workspace, Workspace::Inspect);
+    let frames = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames;
     assert_eq!(frames.len(), 10);
     window.run_action("compare with the truth");
     window.settle();
@@ -114,13 +114,13 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
 #[test]
 fn one_click_gives_every_method_the_same_false_rate() {
     let mut window = lab([1280.0, 800.0]);
-    window.app_mut().model.lab.methods.push(BurstMethod::Buff2d);
+    window.app_mut().model.document.lab.methods.push(BurstMethod::Buff2d);
     run(&mut window);
-    let result = window.app().model.studies.current.clone().unwrap();
-    let rate = result.report.same_false_rate(window.app().model.lab.roc_row).expect("a rate");
+    let result = window.app().model.results.studies.current.clone().unwrap();
+    let rate = result.report.same_false_rate(window.app().model.document.lab.roc_row).expect("a rate");
     let of = |method| rate.of(method).expect("a threshold");
     assert!(of(BurstMethod::SiftFrame) > of(BurstMethod::Buff1d), "one frame has more noise");
-    let before = window.app().model.params.peak_threshold;
+    let before = window.app().model.document.params.peak_threshold;
     window.click("Search at 10 % false");
     window.settle();
     let (sift, buff_1d) = (MethodId::Sift, MethodId::Buff1d);
@@ -132,12 +132,12 @@ fn one_click_gives_every_method_the_same_false_rate() {
     window.harness.get_by_role_and_label(Role::CheckBox, "At 10 % false on charts of SNR 0.5").click();
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.methods.same_false_rate, None);
+    assert_eq!(model.document.methods.same_false_rate, None);
     // The search keeps that of its own method, which one step back takes away.
-    let own = of(MethodId::of_search(&model.params).of_studies());
+    let own = of(MethodId::of_search(&model.document.params).of_studies());
     assert_eq!(model.method_params(sift, Side::A).peak_threshold, own);
     window.run_action("undo");
-    assert_eq!(window.app().model.params.peak_threshold, before);
+    assert_eq!(window.app().model.document.params.peak_threshold, before);
 }
 
 #[test]
@@ -145,8 +145,8 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     let mut window = lab([1280.0, 800.0]);
     run(&mut window);
     window.click("Keep curves");
-    window.app_mut().model.params.edge_threshold = 8.0;
-    window.app_mut().model.lab.methods = vec![BurstMethod::SiftMean];
+    window.app_mut().model.document.params.edge_threshold = 8.0;
+    window.app_mut().model.document.lab.methods = vec![BurstMethod::SiftMean];
     run(&mut window);
     let shown = window.app().model.lab_results().len();
     assert_eq!(shown, 2);
@@ -154,25 +154,25 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     assert!(window.harness.query_by_role_and_label(Role::Image, both).is_some());
     window.snapshot("lab_kept_curves");
     window.click("Remove");
-    assert!(window.app().model.studies.kept.is_empty());
+    assert!(window.app().model.results.studies.kept.is_empty());
     // A finished study is kept by itself when another one begins.
-    window.app_mut().model.lab.snrs_text = "0.9".to_owned();
+    window.app_mut().model.document.lab.snrs_text = "0.9".to_owned();
     run(&mut window);
-    assert_eq!((window.app().model.studies.kept.len(), window.app().model.lab_results().len()), (1, 2));
+    assert_eq!((window.app().model.results.studies.kept.len(), window.app().model.lab_results().len()), (1, 2));
 }
 
 #[test]
 fn a_study_that_is_cancelled_leaves_the_curves_so_far() {
     let mut window = lab([1280.0, 800.0]);
-    window.app_mut().model.lab.seeds = 500;
+    window.app_mut().model.document.lab.seeds = 500;
     window.click("Run study");
-    window.wait("some charts are finished", |app| app.model.studies.current.is_some());
+    window.wait("some charts are finished", |app| app.model.results.studies.current.is_some());
     window.run_action("cancel study");
-    window.wait("it has stopped", |app| !app.model.studies.wanted.is_pending());
-    let result = window.app().model.studies.current.as_ref().unwrap();
+    window.wait("it has stopped", |app| !app.model.results.studies.wanted.is_pending());
+    let result = window.app().model.results.studies.current.as_ref().unwrap();
     assert!(!result.is_whole && !result.report.plots(0).is_empty());
     assert!(window.shows("Curves so far"));
-    assert!(window.app().model.studies.problem.is_none());
+    assert!(window.app().model.results.studies.problem.is_none());
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn errors_have_plots_of_their_own_and_are_written_as_a_table() {
     window.click("Errors");
     type_snrs(&mut window, "1, 4");
     run(&mut window);
-    let result = window.app().model.studies.current.clone().unwrap();
+    let result = window.app().model.results.studies.current.clone().unwrap();
     let titles: Vec<String> = result.report.plots(0).into_iter().map(|plot| plot.title).collect();
     assert_eq!(titles, ["Errors of place", "Errors of scale", "Errors of slope"]);
     window.snapshot("lab_errors");
@@ -200,16 +200,16 @@ fn the_number_of_frames_is_studied_on_charts_and_on_the_open_burst() {
     window.click("Frames");
     assert!(window.shows("give one SNR"));
     type_snrs(&mut window, "0.9");
-    window.app_mut().model.lab.counts_text = "2, 4, 8".to_owned();
+    window.app_mut().model.document.lab.counts_text = "2, 4, 8".to_owned();
     run(&mut window);
     let study = FramesStudy { charts: ChartStudy { snrs: vec![0.9], ..expected() }, frame_counts: vec![2, 4, 8] };
     let report = StudyReport::Frames(Box::new(study.run(&Monitor::default()).unwrap()));
-    assert_eq!(window.app().model.studies.current.as_ref().unwrap().report, report);
+    assert_eq!(window.app().model.results.studies.current.as_ref().unwrap().report, report);
     window.snapshot("lab_frames");
 
     window.click("Frames of A");
     run(&mut window);
-    let StudyReport::BurstFrames(report) = window.app().model.studies.current.clone().unwrap().report else {
+    let StudyReport::BurstFrames(report) = window.app().model.results.studies.current.clone().unwrap().report else {
         panic!("a report on the open burst");
     };
     assert_eq!(report.rows.iter().map(|row| row.frames).collect::<Vec<_>>(), [2, 4, 8]);
@@ -231,17 +231,17 @@ fn nonsense_is_said_in_place_and_cannot_be_run() {
     type_snrs(&mut window, "0.5, dark");
     assert!(window.shows("'dark' is no ratio"));
     window.click("Run study");
-    assert!(!window.app().model.studies.wanted.is_pending());
+    assert!(!window.app().model.results.studies.wanted.is_pending());
 }
 
 #[test]
 fn a_dark_copy_of_the_open_burst_is_a_burst() {
     let mut window = lab([1280.0, 800.0]);
     let size = window.app().model.size();
-    window.app_mut().model.lab.dark_copy.snr = 0.4;
+    window.app_mut().model.document.lab.dark_copy.snr = 0.4;
     window.run_action("dark copy of a");
     window.settle();
     let model = &window.app().model;
-    assert!(model.slots.a.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
+    assert!(model.results.slots.a.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
     assert_eq!(model.size(), size);
 }

@@ -1,13 +1,13 @@
 //! Lessons: every step of each, played by its own data; leaving and coming back; lessons from files.
 
 use crate::support::{Memory, Start, Window};
+use burstscope::app::document::comparison::Kind;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::export::Purpose;
+use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::document::panes::Panels;
+use burstscope::app::document::side::Side;
 use burstscope::app::parts;
-use burstscope::app::project::Panels;
-use burstscope::app::project::comparison::Kind;
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::effect::Purpose;
-use burstscope::app::project::look::FeaturesShown;
-use burstscope::app::project::side::Side;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
@@ -103,7 +103,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
         window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
         window.harness.run_steps(2);
     }
-    if goal.features.is_some() && !window.app().model.auto_detect {
+    if goal.features.is_some() && !window.app().model.document.auto_detect {
         window.click("Detect");
     }
     if goal.selected == Some(true) || goal.selected_match == Some(true) {
@@ -129,7 +129,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             window.click("BuFF 2D");
         } else {
             let axis = fields(window, "Slopes u");
-            let rows = window.app().model.params.slopes.v.count as f64;
+            let rows = window.app().model.document.params.slopes.v.count as f64;
             set(window, axis[2], (f64::from(slopes.min) / rows).ceil());
         }
     }
@@ -225,7 +225,7 @@ fn play(name: &str) {
 /// Whether the pane in focus shows the image place.
 fn is_in_sight(window: &Window, place: [f32; 2]) -> bool {
     let app = window.app();
-    let pane = app.widgets.rect_ui(app.model.focus()).expect("a pane").expand(0.5);
+    let pane = app.widgets.rect_ui(app.model.document.focus()).expect("a pane").expand(0.5);
     app.ui_from_image(place.into()).is_some_and(|pos| pane.contains(pos))
 }
 
@@ -242,7 +242,7 @@ fn assert_in_sight(window: &Window, step: &Step, what: &str) {
     if state.workspace == Some(Workspace::Trajectories) {
         return;
     }
-    let plane = &window.app().model.slots.a.burst.as_ref().expect("open").burst.frames[0];
+    let plane = &window.app().model.results.slots.a.burst.as_ref().expect("open").burst.frames[0];
     let whole = [0.0, 0.0, plane.width() as f32 - 1.0, plane.height() as f32 - 1.0];
     let [left, top, right, bottom] = match state.view {
         Some(InView::Region(region)) => region,
@@ -264,9 +264,9 @@ fn play_at(name: &str, size: [f32; 2]) {
         assert!(open.step == place && open.is_ready, "{what}: {} {errors}", open.step);
         assert!(!open.is_done(), "{what}: done before anything was tried");
         assert!(
-            window.app().model.slots.a.param_error.is_none(),
+            window.app().model.results.slots.a.param_error.is_none(),
             "{what}: {:?}",
-            window.app().model.slots.a.param_error
+            window.app().model.results.slots.a.param_error
         );
         let drawn = parts::drawn(&window.harness.ctx);
         for part in &step.highlight {
@@ -289,7 +289,10 @@ fn play_at(name: &str, size: [f32; 2]) {
     }
     window.settle();
     ends(&mut window, &lesson, size == SIZES[0]);
-    assert!(window.app().lessons.open.is_none() && window.app().model.slots.a.burst.is_none(), "what was open is back");
+    assert!(
+        window.app().lessons.open.is_none() && window.app().model.results.slots.a.burst.is_none(),
+        "what was open is back"
+    );
     let progress = &window.app().lessons.progress[name];
     assert_eq!((progress.done.len(), progress.step), (lesson.steps.len(), 0), "it begins anew");
 }
@@ -391,24 +394,32 @@ fn nothing_is_lost_of_what_was_open() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.key(Key::Num6);
     window.slide("Slope u", 0.75);
-    window.app_mut().model.params.levels = 4;
+    window.app_mut().model.document.params.levels = 4;
     window.settle();
     window.key(Key::Home);
     window.run_action("light theme");
     window.settle();
     let state = |window: &Window| {
         let model = &window.app().model;
-        let mut panes = model.panes.clone();
+        let mut panes = model.document.panes.clone();
         panes.iter_mut().for_each(|(_, pane)| pane.view = Default::default());
-        let burst = model.slots.a.burst.as_ref().map(|burst| burst.id);
-        (burst, model.params.clone(), model.selected, model.features().to_vec(), panes, model.panels, model.theme)
+        let burst = model.results.slots.a.burst.as_ref().map(|burst| burst.id);
+        (
+            burst,
+            model.document.params.clone(),
+            model.document.selected,
+            model.read().features().to_vec(),
+            panes,
+            model.document.panels,
+            model.document.theme,
+        )
     };
     let before = state(&window);
     window.key(Key::F1);
     window.harness.run_steps(5);
     window.click("Lesson: Out of the dark");
     window.settle();
-    let (in_lesson, count) = (window.app().model.is_in_lesson(), window.app().model.features().len());
+    let (in_lesson, count) = (window.app().model.is_in_lesson(), window.app().model.read().features().len());
     assert!(in_lesson && count == 0, "{in_lesson} {count}");
     window.slide("Frame", 1.0);
     window.settle();
@@ -427,7 +438,7 @@ fn nothing_is_lost_of_what_was_open() {
     window.settle();
     let open = window.app().lessons.open.as_ref().expect("open");
     assert_eq!((open.step, open.done.clone()), (1, [0].into()));
-    assert!(window.app().model.focused().shows(ViewKind::Frame), "set up as the step begins");
+    assert!(window.app().model.document.focused().shows(ViewKind::Frame), "set up as the step begins");
     window.click("Step back");
     window.settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| (open.step, open.is_done())), Some((0, true)));
@@ -448,16 +459,16 @@ fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
     window.settle();
     window.click("Set the step up again");
     window.settle();
-    assert_eq!(window.app().model.cursor().slope, Slope::new(-2.1, 0.0));
+    assert_eq!(window.app().model.document.cursor().slope, Slope::new(-2.1, 0.0));
     // A step far away, by its dot.
     window.click("Step 3: A slice through time");
     window.settle();
-    let source = window.app().model.slots.a.burst.as_ref().map(|burst| burst.source.clone());
+    let source = window.app().model.results.slots.a.burst.as_ref().map(|burst| burst.source.clone());
     assert_eq!(source.and_then(|source| source.name()), Some("demo-depths"));
     window.run_action("open demo burst");
     window.settle();
     assert!(window.app().lessons.open.is_none() && !window.app().model.is_in_lesson());
-    assert_eq!(window.app().model.slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
+    assert_eq!(window.app().model.results.slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
     assert_eq!(window.app().lessons.progress["slope-is-depth"].step, 2);
 }
 
@@ -503,7 +514,8 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
                 "{what}"
             );
             let pane = |id| app.widgets.rect_ui(id).expect("drawn");
-            let panes = app.model.panes.shown().into_iter().map(pane).reduce(egui::Rect::union).expect("a pane");
+            let panes =
+                app.model.document.panes.shown().into_iter().map(pane).reduce(egui::Rect::union).expect("a pane");
             let drawn = parts::drawn(&window.harness.ctx);
             let has_plane = step.state.workspace == Some(Workspace::Trajectories);
             let plane = drawn.iter().find(|(part, _)| has_plane && *part == Part::Pictures);
@@ -524,7 +536,7 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
         assert_eq!(ended(&window), Some(false), "back to the last step");
         window.key(Key::F11);
         window.settle();
-        assert!(window.app().model.shows_left() && !window.app().model.panels.hall, "as before");
+        assert!(window.app().model.shows_left() && !window.app().model.document.panels.hall, "as before");
     }
 }
 
@@ -585,13 +597,13 @@ fn the_search_in_two_directions_circles_the_lanterns() {
     let mut window = at_step("slope-is-depth", 7, [1280.0, 800.0]);
     let near = |window: &Window| {
         let rising = |f: &&burstscope::Feature| (f.slope.u - 1.6).hypot(f.slope.v + 1.2) < 0.5;
-        window.app().model.features().iter().filter(rising).count()
+        window.app().model.read().features().iter().filter(rising).count()
     };
     assert_eq!(near(&window), 0, "no line holds them");
     window.click("BuFF 2D");
     window.settle();
     assert!(near(&window) >= 5, "{}", near(&window));
-    assert!(window.app().model.look.overlay == FeaturesShown::ThisSlope);
+    assert!(window.app().model.document.look.overlay == FeaturesShown::ThisSlope);
     window.snapshot("lesson_lanterns");
 }
 

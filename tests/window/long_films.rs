@@ -2,7 +2,7 @@
 
 use crate::datasets::{dataset, few_slopes, start, walk};
 use crate::support::{Start, noisy_stack};
-use burstscope::app::project::datasets::BurstState;
+use burstscope::app::results::datasets::BurstState;
 use egui_kittest::kittest::Queryable;
 
 #[test]
@@ -44,7 +44,7 @@ fn features_of_other_parameters_are_replaced_only_after_a_question() {
     };
     let before = features(&window);
     assert!(before.iter().all(|count| *count > 2), "{before:?}");
-    window.app_mut().model.params.max_features = 2;
+    window.app_mut().model.document.params.max_features = 2;
     window.harness.run_steps(2);
     window.click("Detect all");
     window.harness.run_steps(3);

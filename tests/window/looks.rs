@@ -3,9 +3,9 @@
 use crate::flat;
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
-use burstscope::app::project::BottomTab;
 use burstscope::app::settings::Settings;
 use burstscope::detector::{Slope, SlopeGrid};
+use burstscope::teach::BottomTab;
 use egui::Key;
 
 const PLAIN: [f32; 2] = [1280.0, 800.0];
@@ -33,7 +33,7 @@ fn dog_response() {
     // The axis of the histogram depends on earlier pictures, so each picture is waited for.
     window.settle();
     window.slide("Octave", 1.0);
-    window.app_mut().model.bottom_tab = BottomTab::Tally;
+    window.app_mut().model.document.bottom_tab = BottomTab::Tally;
     window.snapshot("dog_response");
 }
 
@@ -48,7 +48,7 @@ fn selected_feature() {
 #[test]
 fn parameter_error() {
     let mut window = flat::with_features(flat::open(PLAIN));
-    window.app_mut().model.params.slopes = SlopeGrid::line(3.0..=-3.0, 7);
+    window.app_mut().model.document.params.slopes = SlopeGrid::line(3.0..=-3.0, 7);
     window.snapshot("flat/parameter_error");
 }
 
@@ -90,7 +90,7 @@ fn small_hidpi() {
 fn plane_of_slopes() {
     let slopes = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
     let mut window = flat::with_features(flat::open_with(flat::at_slopes([1280.0, 720.0], slopes)));
-    window.app_mut().model.focused_mut().cursor.slope = Slope::new(1.6, -1.2);
+    window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(1.6, -1.2);
     window.snapshot("flat/plane_of_slopes");
 }
 
@@ -117,8 +117,8 @@ fn open_pair(size: [f32; 2]) -> Window {
     // The range of values depends on which picture came first: one before or after A's slope was found.
     let model = &mut window.app_mut().model;
     let picture = model.picture().cloned().expect("A is on show");
-    model.look.ranges.forget();
-    model.look.ranges.fix_once(&picture);
+    model.document.look.ranges.forget();
+    model.document.look.ranges.fix_once(&picture);
     window
 }
 

@@ -3,10 +3,10 @@
 use crate::support::{Start, Window, given};
 use burstscope::Monitor;
 use burstscope::app::Startup;
-use burstscope::app::project::pair::Side;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::side::Side;
 use burstscope::inspect::unmatched::{Losses, Lost};
 use burstscope::requests::BurstSource;
+use burstscope::teach::Workspace;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -14,7 +14,7 @@ use egui_kittest::kittest::Queryable;
 fn two_bursts() -> Window {
     let startup = Startup { second: Some(BurstSource::DemoLater), ..given() };
     let mut window = Start { size: [1280.0, 900.0], startup, ..Start::default() }.open();
-    window.app_mut().model.workspace = Workspace::Pair;
+    window.app_mut().model.document.workspace = Workspace::Pair;
     window.settle();
     window
 }
@@ -30,7 +30,7 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     window.click("Unmatched");
     window.settle();
     // Other orientations of a keypoint are told with the first one.
-    let lost = &window.app().model.pair.lost;
+    let lost = &window.app().model.results.pair.lost;
     let told = |step: Lost| lost.count(step);
     assert!(told(Lost::RatioTest) <= count(Lost::RatioTest) && told(Lost::MutualCheck) < count(Lost::MutualCheck));
     assert!(window.shows(&format!("ratio test {}", told(Lost::RatioTest))));
@@ -38,7 +38,10 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     let is_listed = |index: &usize| found.lost[*index] != Lost::Not && !lost.is_folded(*index);
     let index = (0..found.lost.len()).find(is_listed).expect("some have no match");
     let outliers = found.request.result.counts.putative - found.request.result.counts.inliers.unwrap();
-    assert_eq!((count(Lost::Geometry), window.app().model.pair.lost.count(Lost::Geometry)), (outliers, outliers));
+    assert_eq!(
+        (count(Lost::Geometry), window.app().model.results.pair.lost.count(Lost::Geometry)),
+        (outliers, outliers)
+    );
     window.harness.get_by_role_and_label(Role::Row, &format!("Unmatched feature {index}")).click();
     window.settle();
     assert_eq!(window.app().model.asked_feature(), Some(index));
@@ -62,25 +65,25 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let lost = (0..a.features.len()).filter(|&i| matches!(found.lost[i], Lost::RatioTest | Lost::NoKeypoint));
     let index = lost.max_by(|&i, &j| alone(i).total_cmp(&alone(j))).expect("some have no match");
     let f = a.features[index];
-    window.app_mut().model.match_look.inliers = false;
-    window.app_mut().model.match_look.outliers = false;
-    let pane = burstscope::app::pane::PaneId::of(burstscope::app::project::pair::Side::A);
-    window.app_mut().model.panes.get_mut(pane).unwrap().view.look_at(egui::pos2(f.u, f.v), 8.0);
+    window.app_mut().model.document.match_look.inliers = false;
+    window.app_mut().model.document.match_look.outliers = false;
+    let pane = burstscope::app::pane::PaneId::of(burstscope::app::document::side::Side::A);
+    window.app_mut().model.document.panes.get_mut(pane).unwrap().view.look_at(egui::pos2(f.u, f.v), 8.0);
     window.settle();
-    let side = burstscope::app::project::pair::Side::A;
+    let side = burstscope::app::document::side::Side::A;
     let pos = window.app().ui_from_image_of(side, egui::pos2(f.u, f.v)).unwrap();
     window.click_at(pos);
     window.settle();
     let asked = window.app().model.asked_feature().expect("a feature is asked about");
     assert_eq!((a.features[asked].u, a.features[asked].v), (f.u, f.v));
-    assert!(window.app().model.selected_match.is_none());
+    assert!(window.app().model.document.selected_match.is_none());
 }
 
 #[test]
 fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     let mut window = two_bursts();
     // The strongest of A are not all among the strongest of B.
-    window.app_mut().model.params.max_features = 300;
+    window.app_mut().model.document.params.max_features = 300;
     window.run_action("detect");
     window.settle();
     let found = window.app().model.losses().expect("the losses are known").clone();
@@ -96,13 +99,17 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     let place = window.app().model.expected_place().expect("a place in B");
     window.click("Probe its place in B");
     window.settle();
-    assert_eq!((window.app().model.workspace, names(&window)), (Workspace::Pair, before.clone()), "nothing is swapped");
+    assert_eq!(
+        (window.app().model.document.workspace, names(&window)),
+        (Workspace::Pair, before.clone()),
+        "nothing is swapped"
+    );
     let probed = |window: &Window| {
         let model = &window.app().model;
-        assert!(model.probe_is_current() && model.probe.is_open, "{:?}", model.probed.problem);
-        let answer = model.probed.answer.as_ref().unwrap();
+        assert!(model.probe_is_current() && model.document.probe.is_open, "{:?}", model.results.probed.problem);
+        let answer = model.results.probed.answer.as_ref().unwrap();
         assert_eq!(answer.probe.pos_image, place);
-        (model.probe.side, answer.request.traced.cache.burst.name.clone())
+        (model.document.probe.side, answer.request.traced.cache.burst.name.clone())
     };
     assert_eq!(probed(&window), (Side::B, before[1].clone()));
     assert!(window.shows(" of B"), "the panel says of which burst");
@@ -128,7 +135,7 @@ fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
         let Some(others) = price.strip_prefix("matches it and ") else { continue };
         let others: usize = others.split(' ').next().unwrap().parse().unwrap();
         let inliers =
-            |window: &Window| window.app().model.pair.matches.as_ref().unwrap().result.counts.inliers.unwrap();
+            |window: &Window| window.app().model.results.pair.matches.as_ref().unwrap().result.counts.inliers.unwrap();
         let before = inliers(&window);
         let apply = window.harness.get_by_label_contains("Apply ").rect().center();
         window.click_at(apply);
@@ -149,7 +156,7 @@ fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
 #[test]
 fn an_outlier_says_the_limit_and_motions_filter_the_matches() {
     let mut window = two_bursts();
-    let pair = &window.app().model.pair;
+    let pair = &window.app().model.results.pair;
     let matches = pair.matches.as_ref().unwrap();
     let outlier = matches.rows().find(|row| row.inlier == Some(false)).expect("some do not fit").index;
     let limits = matches.rows().map(|row| (row.inlier, row.error_px, matches.passed_limit(&row)));
@@ -158,12 +165,12 @@ fn an_outlier_says_the_limit_and_motions_filter_the_matches() {
         assert!(inlier != Some(true) || error.unwrap() <= matches.max_error_px());
     }
     let expected = matches.passed_limit(&matches.row(outlier).unwrap()).unwrap();
-    window.app_mut().model.selected_match = Some(outlier);
+    window.app_mut().model.document.selected_match = Some(outlier);
     window.settle();
     assert!(window.shows(&expected), "{expected}");
-    window.app_mut().model.match_look.max_motion = Some(0.2);
+    window.app_mut().model.document.match_look.max_motion = Some(0.2);
     window.settle();
-    let pair = &window.app().model.pair;
+    let pair = &window.app().model.results.pair;
     let apart = pair.listed.iter().map(|&i| pair.matches.as_ref().unwrap().row(i).unwrap().motion_apart());
     let (count, largest) = apart.fold((0, 0.0f32), |(count, largest), apart| (count + 1, largest.max(apart)));
     assert!(count > 20 && count < pair.matches.as_ref().unwrap().len() && largest <= 0.2, "{count} {largest}");
@@ -174,13 +181,13 @@ fn a_match_tells_its_second_best() {
     let mut window = two_bursts();
     // The nearest descriptor of all is the match of the ratio test; a predicted one is the nearest where it is
     // expected.
-    window.app_mut().model.matching.predict = false;
+    window.app_mut().model.document.matching.predict = false;
     window.settle();
     window.key(Key::Home);
     window.settle();
     let model = &window.app().model;
-    let row = model.pair.matches.as_ref().unwrap().row(model.selected_match.unwrap()).unwrap();
-    let why = model.pair.lost.why.as_ref().expect("it is known why");
+    let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
+    let why = model.results.pair.lost.why.as_ref().expect("it is known why");
     assert_eq!(why.feature, row.found.a);
     assert_eq!(why.unmatched.candidates[0].feature, row.found.b);
     let second = why.unmatched.candidates[1];

@@ -53,4 +53,5 @@ mod slopes;
 mod steady;
 mod steps_back;
 mod trajectories;
+mod values;
 mod whole;

@@ -55,16 +55,16 @@ fn the_local_noise_is_a_picture_of_its_own() {
     window.slide("Slope u", 1.0);
     shift(&mut window, Key::N);
     let model = &window.app().model;
-    let cursor = *model.cursor();
-    assert_eq!(model.focused().content, Content::Map(ViewKind::Noise));
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let (params, monitor) = (&model.slots.a.usable_params, Monitor::default());
+    let cursor = *model.document.cursor();
+    assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let (params, monitor) = (&model.results.slots.a.usable_params, Monitor::default());
     let expected = gate_noise_map(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
     let map = model.picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert!(map.at(180, 80) > 2.0 * map.at(30, 30), "it is stronger in the light");
     // Its range differs from that of the frames.
-    let (own, frames) = (model.display_of(model.focus()), model.look.ranges.intensity);
+    let (own, frames) = (model.display_of(model.document.focus()), model.document.look.ranges.intensity);
     assert!(own.max < 0.1 * frames.max && own.map != frames.map, "{own:?} {frames:?}");
     assert!(window.shows("One range for all noise maps") && window.shows("Local noise"));
     assert!(window.harness.query_by_label_contains("Colour bar: Noise (σ) of the response").is_some());
@@ -80,13 +80,13 @@ fn the_local_noise_is_a_picture_of_its_own() {
     window.key(Key::CloseBracket);
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.focused().content, Content::Map(ViewKind::Noise));
+    assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
     let coarser = &model.picture().unwrap().plane;
-    assert_eq!((coarser.width(), model.cursor().octave), (map.width() / 2, cursor.octave + 1));
+    assert_eq!((coarser.width(), model.document.cursor().octave), (map.width() / 2, cursor.octave + 1));
     // The frame slider shows frames again.
     window.key(Key::Num1);
     window.settle();
-    assert_eq!(window.app().model.focused().content, Content::Cursor);
+    assert_eq!(window.app().model.document.focused().content, Content::Cursor);
 }
 
 #[test]
@@ -96,13 +96,17 @@ fn coverage_is_a_share_of_the_frames() {
     window.slide("Slope u", 2.0);
     shift(&mut window, Key::C);
     let model = &window.app().model;
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected =
-        coverage_view(burst, &model.slots.a.usable_params, model.cursor().slope, &Monitor::default()).unwrap();
+        coverage_view(burst, &model.results.slots.a.usable_params, model.document.cursor().slope, &Monitor::default())
+            .unwrap();
     let map = model.picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert_eq!((map.at(120, 80), map.at(0, 80)), (1.0, 0.5), "half of the frames reach the left border");
-    assert_eq!((model.display_of(model.focus()).min, model.display_of(model.focus()).max), (0.0, 1.0));
+    assert_eq!(
+        (model.display_of(model.document.focus()).min, model.display_of(model.document.focus()).max),
+        (0.0, 1.0)
+    );
     let at = window.app().ui_from_image(pos2(0.0, 80.0)).unwrap();
     window.harness.hover_at(at);
     window.harness.run_steps(3);
@@ -125,11 +129,11 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     window.key(Key::Escape);
     window.settle();
     let model = &window.app().model;
-    let second = model.panes.shown()[1];
-    assert_eq!(model.panes.get(second).unwrap().content, Content::Map(ViewKind::Noise));
+    let second = model.document.panes.shown()[1];
+    assert_eq!(model.document.panes.get(second).unwrap().content, Content::Map(ViewKind::Noise));
     // The other pane still shows the stack.
-    assert_eq!(model.panes.get(model.panes.shown()[0]).unwrap().content, Content::Cursor);
-    let session = Session::of(model).unwrap();
+    assert_eq!(model.document.panes.get(model.document.panes.shown()[0]).unwrap().content, Content::Cursor);
+    let session = Session::of(model.read()).unwrap();
     let text = toml::to_string(&session).unwrap();
     let read: Session = toml::from_str(&text).unwrap();
     let contents = |session: &Session| -> Vec<Content> {

@@ -2,14 +2,14 @@
 //! truth is known.
 
 use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::document::comparison::{Kind, Reference};
+use burstscope::app::document::side::Side;
 use burstscope::app::measure::Tool;
-use burstscope::app::project::BottomTab;
-use burstscope::app::project::comparison::{Kind, Reference};
-use burstscope::app::project::side::Side;
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::truth::{against_truth, truth_of};
 use burstscope::plane::sample::{profile, region_statistics};
 use burstscope::plane::statistics::Region;
+use burstscope::teach::BottomTab;
 use burstscope::{Detection, Monitor};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
@@ -42,15 +42,15 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("profile.csv");
     let mut window = open();
-    let view = window.app().model.focused().view;
+    let view = window.app().model.document.focused().view;
     window.key(Key::Q);
     drag(&mut window, pos2(100.0, 80.0), pos2(220.0, 170.0));
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.focused().view.centre_image, view.centre_image, "the tool draws and does not pan");
-    let line = model.measure.line.expect("a line was drawn");
+    assert_eq!(model.document.focused().view.centre_image, view.centre_image, "the tool draws and does not pan");
+    let line = model.document.measure.line.expect("a line was drawn");
     assert!((line.from_image - pos2(100.0, 80.0)).length() < 1.5, "{line:?}");
-    assert_eq!(model.bottom_tab, BottomTab::Profile);
+    assert_eq!(model.document.bottom_tab, BottomTab::Profile);
     assert!(window.harness.query_by_role_and_label(Role::Image, "Profile of 2 pictures").is_some());
     window.dialogs.will_choose(&file);
     window.click("Export as CSV…");
@@ -69,7 +69,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     assert!((u(rows[0]) - u(of_stack[0]) + 1.0).abs() < 1e-3, "{} {}", rows[0], of_stack[0]);
     // Escape deselects the tool, and the pointer pans again.
     window.key(Key::Escape);
-    assert_eq!(window.app().model.measure.tool, Tool::Pan);
+    assert_eq!(window.app().model.document.measure.tool, Tool::Pan);
     window.click("Clear line");
     assert!(window.shows("Drag a line on a picture"));
 }
@@ -82,8 +82,8 @@ fn a_rectangle_is_measured_in_all_linked_panes() {
     drag(&mut window, pos2(200.0, 60.0), pos2(300.0, 130.0));
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.bottom_tab, BottomTab::Region);
-    let rect = model.measure.region.expect("a rectangle was drawn").rect_image;
+    assert_eq!(model.document.bottom_tab, BottomTab::Region);
+    let rect = model.document.measure.region.expect("a rectangle was drawn").rect_image;
     let stack = model.picture().unwrap().plane.clone();
     let pixels = |low: f32, high: f32| (low + 0.5).floor() as usize..(high + 0.5).ceil() as usize;
     let region = Region { columns: pixels(rect.min.x, rect.max.x), rows: pixels(rect.min.y, rect.max.y) };
@@ -118,11 +118,12 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     window.run_action("compare with the truth");
     window.settle();
     let model = &window.app().model;
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let cache = ProbeCache::new(burst, &model.slots.a.found.as_ref().unwrap().asked, &Monitor::default()).unwrap();
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let cache =
+        ProbeCache::new(burst, &model.results.slots.a.found.as_ref().unwrap().asked, &Monitor::default()).unwrap();
     let truth = truth_of(burst).unwrap().expect("the demo's truth is known");
     let expected = against_truth(&cache, &truth, &Monitor::default()).unwrap();
-    let detection: &Detection = &model.slots.a.found.as_ref().unwrap().detection;
+    let detection: &Detection = &model.results.slots.a.found.as_ref().unwrap().detection;
     assert_eq!(cache.detection().features, detection.features, "the truth is held against the features on show");
     let shown = model.shown_comparison(Side::A).expect("a comparison");
     assert_eq!(shown.with, Reference::Truth);
@@ -137,7 +138,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     assert!(otherwise.all(|row| row.note.starts_with("slope ") && row.note.contains(" instead of ")));
     // The truth of a scene lists only some of its features.
     assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
-    assert!(!shown.is_whole_truth && !window.app().model.comparisons.a.shows(Kind::Ours));
+    assert!(!shown.is_whole_truth && !window.app().model.document.comparisons.a.shows(Kind::Ours));
     // A miss tells its reason.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);
     // The row stays in its place when it is selected, and selected when it is clicked again.
@@ -145,7 +146,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     for _ in 0..2 {
         window.harness.get_by_role_and_label(Role::Row, "Missed 0").click();
         window.settle();
-        assert_eq!(window.app().model.comparisons.a.selected, Some(0));
+        assert_eq!(window.app().model.document.comparisons.a.selected, Some(0));
         assert_eq!(window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect(), place);
     }
     assert!(window.shows(&expected.missed[0].why));
@@ -166,5 +167,5 @@ fn a_burst_of_the_camera_has_no_truth_to_compare_with() {
     assert!(!window.app().model.has_reference(Side::A, Reference::Truth));
     window.run_action("compare with the truth");
     window.settle();
-    assert_eq!(window.app().model.comparisons.a.with, None);
+    assert_eq!(window.app().model.document.comparisons.a.with, None);
 }

@@ -2,9 +2,9 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
+use burstscope::app::document::method::MethodId;
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::Over;
-use burstscope::app::project::compare::MethodId;
-use burstscope::app::project::pair::Side;
 use burstscope::detect;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::inspect::words::counted;
@@ -26,10 +26,10 @@ fn methods(second: bool) -> Window {
 fn each_method_finds_what_the_library_finds() {
     let window = methods(false);
     let model = &window.app().model;
-    let burst = model.slots.a.burst.as_ref().unwrap().burst.clone();
+    let burst = model.results.slots.a.burst.as_ref().unwrap().burst.clone();
     for method in [MethodId::Sift, MethodId::Merge, MethodId::Buff1d, MethodId::Buff2d] {
         let found = model.method_found(method, Side::A).unwrap();
-        let expected = detect(&burst, &method.params(&model.params), &Monitor::default()).unwrap();
+        let expected = detect(&burst, &method.params(&model.document.params), &Monitor::default()).unwrap();
         assert_eq!(found.detection.features, expected.features, "{method:?}");
         assert!(window.shows(&format!("{}  ·  {}", method.label(), counted(expected.features.len(), "feature"))));
         let name = format!("A: {}", method.label());
@@ -47,7 +47,7 @@ fn with_a_second_burst_matches_are_compared_too() {
     assert!(window.shows(&inliers(MethodId::Buff1d).to_string()));
     window.click("Match lines");
     window.settle();
-    assert_eq!(window.app().model.panes.arrangement().in_rows().len(), 4, "a row for each");
+    assert_eq!(window.app().model.document.panes.arrangement().in_rows().len(), 4, "a row for each");
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "B: BuFF 1D").is_some());
 }
 
@@ -56,7 +56,7 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     let mut window = methods(false);
     window.click("Wipe");
     window.settle();
-    let [left, right] = window.app().model.panes.shown()[..] else { panic!("two in one place") };
+    let [left, right] = window.app().model.document.panes.shown()[..] else { panic!("two in one place") };
     let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
     window.harness.drag_at(handle);
     window.harness.run_steps(1);
@@ -64,10 +64,11 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     window.harness.run_steps(1);
     window.harness.drop_at(handle + egui::vec2(120.0, 0.0));
     window.harness.run_steps(2);
-    let over = window.app().model.panes.over(left);
+    let over = window.app().model.document.panes.over(left);
     assert!(matches!(over, Some(Over::Wipe { other, at }) if other == right && at > 0.55), "{over:?}");
     // The two methods are chosen beside the picture.
-    let methods = |window: &Window| [left, right].map(|id| window.app().model.panes.get(id).unwrap().method.unwrap());
+    let methods =
+        |window: &Window| [left, right].map(|id| window.app().model.document.panes.get(id).unwrap().method.unwrap());
     assert_eq!(methods(&window), [MethodId::Sift, MethodId::Buff1d]);
     window.harness.get_by_role_and_label(Role::ComboBox, "Right").click();
     window.harness.run_steps(2);
@@ -86,27 +87,27 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
 #[test]
 fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let mut window = methods(false);
-    let pane = |window: &Window, method: MethodId| window.app().model.panes.shown_of(Side::A, Some(method));
+    let pane = |window: &Window, method: MethodId| window.app().model.document.panes.shown_of(Side::A, Some(method));
     let [own] = pane(&window, MethodId::Buff1d)[..] else { panic!("one pane") };
-    let number = window.app().model.panes.number(own).unwrap();
+    let number = window.app().model.document.panes.number(own).unwrap();
     window.click(&format!("Split down {number}"));
     window.key(Key::Num3);
     window.settle();
     let [stack, dog] = pane(&window, MethodId::Buff1d)[..] else { panic!("two panes") };
     let model = &window.app().model;
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let params = MethodId::Buff1d.params(&model.params);
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let params = MethodId::Buff1d.params(&model.document.params);
     let plane = |id| model.picture_in(id).unwrap().plane.clone();
-    let cursor = model.panes.get(dog).unwrap().cursor;
+    let cursor = model.document.panes.get(dog).unwrap().cursor;
     let monitor = Monitor::default();
     assert_eq!(*plane(stack), stack_view(burst, &params, cursor.slope, &monitor).unwrap());
     assert_eq!(*plane(dog), dog_view(burst, &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap());
-    let name = format!("A: BuFF 1D, pane {}", model.panes.number(dog).unwrap());
+    let name = format!("A: BuFF 1D, pane {}", model.document.panes.number(dog).unwrap());
     assert!(window.harness.query_by_role_and_label(Role::Canvas, &name).is_some(), "{name}");
     // The other panes switched to the DoG of their inputs.
     let [sift] = pane(&window, MethodId::Sift)[..] else { panic!("one pane") };
     let model = &window.app().model;
-    let params = MethodId::Sift.params(&model.params);
+    let params = MethodId::Sift.params(&model.document.params);
     let plane = model.picture_in(sift).unwrap().plane.clone();
     let expected = dog_view(burst_of(&window), &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
     assert_eq!(*plane, expected);
@@ -114,7 +115,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
 }
 
 fn burst_of(window: &Window) -> &burstscope::burst::Burst {
-    &window.app().model.slots.a.burst.as_ref().unwrap().burst
+    &window.app().model.results.slots.a.burst.as_ref().unwrap().burst
 }
 
 #[test]
@@ -123,7 +124,7 @@ fn a_method_that_is_switched_off_loses_its_pane_and_the_others_stay() {
     window.click("Match lines");
     window.settle();
     let methods = |window: &Window| -> Vec<MethodId> {
-        let panes = &window.app().model.panes;
+        let panes = &window.app().model.document.panes;
         panes.shown().iter().filter_map(|id| panes.get(*id)?.method).collect()
     };
     let merge = "SIFT, merged";
@@ -168,8 +169,8 @@ fn the_comparison_is_kept_in_a_session() {
     other.dialogs.will_choose(&file);
     other.run_action("open session");
     other.settle();
-    assert_eq!(other.app().model.methods, window.app().model.methods);
-    let [before, after] = [&window, &other].map(|window| window.app().model.panes.arrangement().clone());
+    assert_eq!(other.app().model.document.methods, window.app().model.document.methods);
+    let [before, after] = [&window, &other].map(|window| window.app().model.document.panes.arrangement().clone());
     assert_eq!((after.panes().len(), &after), (3, &before));
     assert!(other.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
 }

@@ -1,8 +1,8 @@
 //! Motion in the window: that of the features and that of their places, with the uncertainty.
 
 use crate::support::{Start, Window};
-use burstscope::app::project::filter::{moves_by, near_slope};
-use burstscope::app::project::look::FeaturesShown;
+use burstscope::app::document::filter::{moves_by, near_slope};
+use burstscope::app::document::look::FeaturesShown;
 use burstscope::app::session::Session;
 use burstscope::app::view::{View, Zoom, layer_text, motion_text};
 use burstscope::detector::{Moves, Slope};
@@ -19,33 +19,36 @@ fn open() -> Window {
 fn one_count_of_the_features_at_this_slope() {
     let mut window = open();
     let model = &mut window.app_mut().model;
-    let id = model.focus();
+    let id = model.document.focus();
     model.go_to_busiest_slope(id);
     window.settle();
     let model = &window.app().model;
-    let slope = model.cursor().slope;
-    let near = near_slope(&model.slots.a.found.as_ref().unwrap().detection.slopes);
-    let grid = &model.slots.a.found.as_ref().unwrap().detection.slopes;
-    let here = model.features().iter().filter(|feature| moves_by(grid, feature, slope, near)).count();
+    let slope = model.document.cursor().slope;
+    let near = near_slope(&model.results.slots.a.found.as_ref().unwrap().detection.slopes);
+    let grid = &model.results.slots.a.found.as_ref().unwrap().detection.slopes;
+    let here = model.read().features().iter().filter(|feature| moves_by(grid, feature, slope, near)).count();
     let by_own = |f: &&burstscope::Feature| (f.slope.u - slope.u).hypot(f.slope.v - slope.v) <= near;
-    assert!(here > model.features().iter().filter(by_own).count(), "places that move so have features of other slopes");
+    assert!(
+        here > model.read().features().iter().filter(by_own).count(),
+        "places that move so have features of other slopes"
+    );
     let note = model.messages.last_note().expect("a note").to_owned();
     assert!(note.starts_with(&format!("Most features ({here}) are at slope (")), "{note}");
-    let total = model.features().len();
+    let total = model.read().features().len();
     window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
     window.settle();
     assert!(window.shows(&format!("{here} of {total}")));
-    assert!(window.app().model.look.overlay == FeaturesShown::ThisSlope, "and so many are drawn");
+    assert!(window.app().model.document.look.overlay == FeaturesShown::ThisSlope, "and so many are drawn");
 }
 
 #[test]
 fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep() {
     let mut window = open();
-    let field = window.app().model.slots.a.found.as_ref().unwrap().detection.field.clone().expect("a field");
+    let field = window.app().model.results.slots.a.found.as_ref().unwrap().detection.field.clone().expect("a field");
     let count = |window: &Window, wanted: &dyn Fn(&burstscope::Feature) -> bool| {
-        window.app().model.features().iter().filter(|feature| wanted(feature)).count()
+        window.app().model.read().features().iter().filter(|feature| wanted(feature)).count()
     };
-    let listed = |window: &Window| window.app().model.listed.len();
+    let listed = |window: &Window| window.app().model.results.listed.len();
     let (total, first) = (count(&window, &|_| true), count(&window, &|feature| feature.layer == 1));
     let none = count(&window, &|feature| feature.layer == 0);
     let alone = count(&window, &|feature| feature.layer == 1 && feature.moves == Moves::ByItself);
@@ -68,8 +71,11 @@ fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep(
     window.click("moves by itself");
     window.settle();
     assert_eq!(listed(&window), alone);
-    let session = Session::of(&window.app().model).expect("a burst is open");
-    assert_eq!(Session::from_toml(&session.to_toml()).expect("a session").document.filter, window.app().model.filter);
+    let session = Session::of(window.app().model.read()).expect("a burst is open");
+    assert_eq!(
+        Session::from_toml(&session.to_toml()).expect("a session").document.filter,
+        window.app().model.document.filter
+    );
     window.click("any way");
     window.click(&format!("Solo {name}"));
     window.settle();
@@ -84,7 +90,7 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
     window.run_action("show field of motion");
     window.settle();
     let shown = window.harness.render().expect("a picture");
-    window.app_mut().model.filter.solo_layer = Some(1);
+    window.app_mut().model.document.filter.solo_layer = Some(1);
     window.settle();
     let model = &window.app().model;
     let field = model.picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
@@ -109,11 +115,11 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
 #[test]
 fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
     let mut window = open();
-    let features = window.app().model.features().to_vec();
+    let features = window.app().model.read().features().to_vec();
     for moves in [Moves::WithSurroundings, Moves::ByItself, Moves::Edge, Moves::Ghost] {
         let index = features.iter().position(|f| f.moves == moves && f.layer > 0).expect("one moves so");
         let feature = features[index];
-        window.app_mut().model.selected = Some(index);
+        window.app_mut().model.document.selected = Some(index);
         window.settle();
         // The unit and the word stand in the names of the rows.
         let motions = [(feature.slope, feature.slope_sigma), (feature.field, feature.field_sigma)];
@@ -141,7 +147,7 @@ fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
     let known = |at: &[f32; 2]| field.known_at(at[0], at[1]).is_some_and(|motion| motion.slope != Slope::default());
     let [u, v] = (2..8).map(|i| [40.0 * i as f32, 100.0]).find(known).expect("a known motion");
     // Cells of 4 pixels are large enough for ellipses then.
-    window.app_mut().model.focused_mut().view = View::new(Zoom::PointsPerPixel(8.0), [u, v]);
+    window.app_mut().model.document.focused_mut().view = View::new(Zoom::PointsPerPixel(8.0), [u, v]);
     window.settle();
     let at = window.app().ui_from_image(egui::pos2(u, v)).expect("drawn");
     window.harness.hover_at(at);

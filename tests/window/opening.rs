@@ -11,11 +11,11 @@ fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
     let window = Start::default().open();
     let model = &window.app().model;
     assert_eq!(model.frame_count(), 10);
-    assert!(model.features().len() > 5, "{}", model.features().len());
+    assert!(model.read().features().len() > 5, "{}", model.read().features().len());
     assert!(
-        model.cursor().slope.magnitude() > 0.5,
+        model.document.cursor().slope.magnitude() > 0.5,
         "the slope with the most features is shown: {:?}",
-        model.cursor().slope
+        model.document.cursor().slope
     );
     assert!(window.shows("features in"));
     assert!(window.shows("10 frames"));
@@ -24,7 +24,7 @@ fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
 #[test]
 fn with_nothing_open_the_first_page_leads_on() {
     let mut window = Start::nothing_open().open();
-    assert!(window.app().model.slots.a.burst.is_none());
+    assert!(window.app().model.results.slots.a.burst.is_none());
     assert!(window.shows("or drop a folder"));
     window.click("Open demo burst");
     window.settle();
@@ -49,13 +49,13 @@ fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     let path = folder.path().join("broken-frame.png");
     std::fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().model.slots.a.burst.as_ref().unwrap().id;
+    let before = window.app().model.results.slots.a.burst.as_ref().unwrap().id;
     let plane = window.app().model.picture().cloned().unwrap().plane;
     window.dialogs.will_choose(&path);
     window.click("Open…");
     window.wait("a message", |app| !app.model.messages.errors().is_empty());
     assert!(window.shows("broken-frame.png"));
-    assert_eq!(window.app().model.slots.a.burst.as_ref().unwrap().id, before);
+    assert_eq!(window.app().model.results.slots.a.burst.as_ref().unwrap().id, before);
     assert_eq!(window.app().model.picture().unwrap().plane, plane);
     window.click("Dismiss: Open");
     assert!(!window.shows("broken-frame.png"));
@@ -125,7 +125,7 @@ fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
         window.run_action(example.label());
         window.settle();
         let source = BurstSource::Example(example);
-        assert_eq!(window.app().model.slots.a.burst.as_ref().map(|open| &open.source), Some(&source));
+        assert_eq!(window.app().model.results.slots.a.burst.as_ref().map(|open| &open.source), Some(&source));
         let frames = if example == Example::Views { 25 } else { burstscope::synth::examples::EXAMPLE_FRAMES };
         assert_eq!(window.app().model.frame_count(), frames);
         assert!(window.shows(example.name()), "the status line names it");
@@ -163,6 +163,9 @@ fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
     window.click("Open");
     window.settle();
     assert_eq!((window.app().model.frame_count(), window.app().model.size()), (20, (320, 240)));
-    assert_eq!(window.app().model.calibration.raw.map(|raw| raw.to_string()).as_deref(), Some("320x240:u16le"));
+    assert_eq!(
+        window.app().model.document.calibration.raw.map(|raw| raw.to_string()).as_deref(),
+        Some("320x240:u16le")
+    );
     assert!(window.app().model.messages.errors().is_empty());
 }

@@ -2,14 +2,15 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::Monitor;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::pair::MatchColumn;
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::{Content, Over, PaneId};
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::pair::{MatchColumn, Side};
-use burstscope::app::project::workspace::Workspace;
 use burstscope::dataset::{DetectedBurst, match_bursts};
 use burstscope::detector::Slope;
 use burstscope::matching::Geometry;
 use burstscope::requests::{BurstSource, PictureKind};
+use burstscope::teach::Workspace;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -24,7 +25,7 @@ fn pair() -> Window {
 /// Midpoint of the line of match `index`, in points.
 fn middle_of(window: &Window, index: usize) -> egui::Pos2 {
     let app = window.app();
-    let row = app.model.pair.matches.as_ref().unwrap().row(index).unwrap();
+    let row = app.model.results.pair.matches.as_ref().unwrap().row(index).unwrap();
     let a = app.ui_from_image_of(Side::A, egui::pos2(row.a.u, row.a.v)).unwrap();
     let b = app.ui_from_image_of(Side::B, egui::pos2(row.b.u, row.b.v)).unwrap();
     a + 0.5 * (b - a)
@@ -45,8 +46,12 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
         let (burst, found) = (&model.burst_of(side).unwrap().burst, model.found_of(side).unwrap());
         DetectedBurst { burst, params: &found.params, detection: &found.detection }
     });
-    let expected = match_bursts(sides, &model.matching, &Monitor::default()).unwrap();
-    assert_eq!(*model.pair.matches.as_ref().unwrap().result, expected, "the window matches as the library does");
+    let expected = match_bursts(sides, &model.document.matching, &Monitor::default()).unwrap();
+    assert_eq!(
+        *model.results.pair.matches.as_ref().unwrap().result,
+        expected,
+        "the window matches as the library does"
+    );
     let counts = expected.counts;
     assert!(counts.inliers.unwrap() > 50 && counts.inlier_ratio().unwrap() > 0.7, "{counts:?}");
     for text in [
@@ -68,18 +73,18 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     window.click("Sort by σ A");
     window.click("Sort by σ A");
     window.settle();
-    let index = window.app().model.pair.listed[0];
+    let index = window.app().model.results.pair.listed[0];
     let pos = middle_of(&window, index);
     window.click_at(pos);
     window.settle();
-    let chosen = window.app().model.selected_match.expect("a line is there");
+    let chosen = window.app().model.document.selected_match.expect("a line is there");
     assert!(window.shows(&format!("Match {chosen}: ")));
     for name in ["Patch in A", "Patch in B", "Descriptor in A", "Descriptor in B"] {
         assert!(window.harness.query_by_role_and_label(Role::Image, name).is_some(), "{name}");
     }
-    let patches = window.app().model.pair.patches.clone();
+    let patches = window.app().model.results.pair.patches.clone();
     let model = &window.app().model;
-    let row = model.pair.matches.as_ref().unwrap().row(chosen).unwrap();
+    let row = model.results.pair.matches.as_ref().unwrap().row(chosen).unwrap();
     assert_eq!(patches[0].request.kind, PictureKind::Stack { slope: row.a.slope }, "from its own motion stack");
     assert_eq!(patches[1].request.kind, PictureKind::Stack { slope: row.b.slope });
     let shown =
@@ -88,18 +93,25 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     // Rows and keys select too.
     window.harness.get_by_role_and_label(Role::Row, &format!("Match {chosen}")).click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.selected_match, Some(chosen), "a click on the selected row keeps it selected");
+    assert_eq!(
+        window.app().model.document.selected_match,
+        Some(chosen),
+        "a click on the selected row keeps it selected"
+    );
     window.key(Key::Home);
-    assert_eq!(window.app().model.selected_match, Some(index));
+    assert_eq!(window.app().model.document.selected_match, Some(index));
     window.key(Key::N);
-    assert_eq!(window.app().model.selected_match, Some(window.app().model.pair.listed[1]));
+    assert_eq!(window.app().model.document.selected_match, Some(window.app().model.results.pair.listed[1]));
     window.key(Key::Enter);
     window.settle();
     let model = &window.app().model;
-    let row = model.pair.matches.as_ref().unwrap().row(model.selected_match.unwrap()).unwrap();
-    assert_eq!((model.cursor_of(Side::A).slope, model.cursor_of(Side::B).slope), (row.a.slope, row.b.slope));
+    let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
+    assert_eq!(
+        (model.document.cursor_of(Side::A).slope, model.document.cursor_of(Side::B).slope),
+        (row.a.slope, row.b.slope)
+    );
     window.key(Key::Escape);
-    assert_eq!(window.app().model.selected_match, None);
+    assert_eq!(window.app().model.document.selected_match, None);
 }
 
 #[test]
@@ -108,13 +120,13 @@ fn headings_sort_and_switches_leave_out() {
     window.click("Sort by Ratio");
     window.settle();
     let ratios = |window: &Window| -> Vec<f32> {
-        let pair = &window.app().model.pair;
+        let pair = &window.app().model.results.pair;
         let matches = pair.matches.as_ref().unwrap();
         pair.listed.iter().map(|&i| matches.row(i).unwrap().found.ratio.unwrap_or(0.0)).collect()
     };
-    assert_eq!(window.app().model.match_order.column, MatchColumn::Ratio);
+    assert_eq!(window.app().model.document.match_order.column, MatchColumn::Ratio);
     assert!(ratios(&window).is_sorted());
-    let counts = window.app().model.pair.matches.as_ref().unwrap().result.counts;
+    let counts = window.app().model.results.pair.matches.as_ref().unwrap().result.counts;
     assert_eq!(ratios(&window).len(), counts.putative);
     window.harness.get_by_role_and_label(Role::CheckBox, "Outliers").click();
     window.settle();
@@ -135,32 +147,36 @@ fn parameters_of_matching_are_live_documented_and_checked() {
         assert!(doc.unit.is_empty() || window.shows(doc.unit), "the unit of {}", doc.label);
     }
     // Predicted matches have a ratio of their own.
-    window.app_mut().model.matching.predict = false;
+    window.app_mut().model.document.matching.predict = false;
     window.settle();
-    let before = window.app().model.pair.matches.as_ref().unwrap().result.clone();
-    window.app_mut().model.matching.ratio = 0.6;
+    let before = window.app().model.results.pair.matches.as_ref().unwrap().result.clone();
+    window.app_mut().model.document.matching.ratio = 0.6;
     window.settle();
-    let after = window.app().model.pair.matches.as_ref().unwrap().result.clone();
+    let after = window.app().model.results.pair.matches.as_ref().unwrap().result.clone();
     assert!(
         after.matches.len() < before.matches.len()
             && after.matches.iter().all(|m| m.ratio.is_none_or(|ratio| ratio <= 0.6))
     );
-    window.app_mut().model.matching.ratio = -1.0;
+    window.app_mut().model.document.matching.ratio = -1.0;
     window.settle();
     assert!(window.shows("give more than 0 and at most 1"));
-    assert_eq!(window.app().model.pair.matches.as_ref().unwrap().result.counts, after.counts, "the last ones stay");
+    assert_eq!(
+        window.app().model.results.pair.matches.as_ref().unwrap().result.counts,
+        after.counts,
+        "the last ones stay"
+    );
     window.click("Reset Ratio test");
     window.settle();
-    assert_eq!(window.app().model.pair.matches.as_ref().unwrap().result.counts, before.counts);
+    assert_eq!(window.app().model.results.pair.matches.as_ref().unwrap().result.counts, before.counts);
     // The essential matrix needs the camera.
-    window.app_mut().model.matching.geometry = Geometry::Essential;
+    window.app_mut().model.document.matching.geometry = Geometry::Essential;
     window.settle();
     assert!(window.shows("the essential matrix needs the camera's intrinsics"));
     window.click("Guess");
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.matching.camera.as_ref().map(|c| (c.width, c.height)), Some((480, 360)));
-    assert!(model.pair.matches.as_ref().unwrap().model().is_some());
+    assert_eq!(model.document.matching.camera.as_ref().map(|c| (c.width, c.height)), Some((480, 360)));
+    assert!(model.results.pair.matches.as_ref().unwrap().model().is_some());
 }
 
 #[test]
@@ -168,7 +184,7 @@ fn hands_move_together_or_each_its_own() {
     let mut window = pair();
     window.slide("Slope u", 1.25);
     window.settle();
-    let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.cursor_of(side).slope.u);
+    let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.document.cursor_of(side).slope.u);
     assert_eq!(slopes(&window), [1.25, 1.25]);
     window.harness.get_by_role_and_label(Role::CheckBox, "Slope and scale together").click();
     window.harness.run_steps(2);
@@ -177,7 +193,10 @@ fn hands_move_together_or_each_its_own() {
     window.key(Key::Num3);
     window.settle();
     assert_eq!(slopes(&window), [1.25, -0.5]);
-    assert_eq!(Side::BOTH.map(|side| window.app().model.cursor_of(side).kind), [ViewKind::Stack, ViewKind::Dog]);
+    assert_eq!(
+        Side::BOTH.map(|side| window.app().model.document.cursor_of(side).kind),
+        [ViewKind::Stack, ViewKind::Dog]
+    );
     assert!(window.app().model.pictures_are_current());
     assert!(window.shows("A  Stack (1.25, 0)") && window.shows("B  DoG 0/0 (−0.5, 0)"));
     window.key(Key::T);
@@ -191,7 +210,7 @@ fn both_pictures_zoom_and_pan_together_when_asked() {
     let mut window = pair();
     let views = |window: &Window| {
         let app = window.app();
-        Side::BOTH.map(|side| app.model.panes.of(side).view).map(|view| (view.zoom, view.centre_image))
+        Side::BOTH.map(|side| app.model.document.panes.of(side).view).map(|view| (view.zoom, view.centre_image))
     };
     // Zooms as the wheel does, at a place of A.
     let pos = window.app().ui_from_image(egui::pos2(120.0, 90.0)).unwrap();
@@ -251,7 +270,7 @@ fn a_session_brings_the_pair_back() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("pair.burstscope.toml");
     let mut window = pair();
-    window.app_mut().model.matching.ratio = 0.7;
+    window.app_mut().model.document.matching.ratio = 0.7;
     window.settle();
     window.key(Key::Home);
     window.key(Key::N);
@@ -259,7 +278,7 @@ fn a_session_brings_the_pair_back() {
     window.click("Cursor of B");
     window.slide("Slope u", 0.75);
     window.settle();
-    let saved = window.app().model.saved_match().unwrap();
+    let saved = window.app().model.read().saved_match().unwrap();
     window.dialogs.will_choose(&file);
     window.run_action("save session");
     window.settle();
@@ -269,12 +288,12 @@ fn a_session_brings_the_pair_back() {
     other.run_action("open session");
     other.settle();
     let model = &other.app().model;
-    assert_eq!(model.workspace, Workspace::Pair);
+    assert_eq!(model.document.workspace, Workspace::Pair);
     assert_eq!(model.burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
-    assert_eq!(model.matching.ratio, 0.7);
-    assert_eq!(model.cursor_of(Side::B).slope, Slope::new(0.75, 0.0));
-    assert_eq!((model.active_side(), model.pair_links().cursor), (Side::B, false));
-    assert_eq!(model.saved_match(), Some(saved), "the same match is selected");
+    assert_eq!(model.document.matching.ratio, 0.7);
+    assert_eq!(model.document.cursor_of(Side::B).slope, Slope::new(0.75, 0.0));
+    assert_eq!((model.active_side(), model.document.pair_links().cursor), (Side::B, false));
+    assert_eq!(model.read().saved_match(), Some(saved), "the same match is selected");
 }
 
 #[test]
@@ -298,11 +317,11 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
         window.settle();
         assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
     }
-    let counts = window.app().model.pair.matches.as_ref().unwrap().result.counts;
+    let counts = window.app().model.results.pair.matches.as_ref().unwrap().result.counts;
     let csv = std::fs::read_to_string(folder.path().join("m.csv")).unwrap();
     assert_eq!(csv.lines().count(), counts.putative + 1);
     // A match has one number in the table, the panel, the tip's text and the file, and one ratio and error in each.
-    let matches = window.app().model.pair.matches.as_ref().unwrap();
+    let matches = window.app().model.results.pair.matches.as_ref().unwrap();
     let chosen = matches
         .rows()
         .find(|row| row.found.predicted.is_some() && row.aligned.is_some() && row.inlier == Some(true))
@@ -322,16 +341,16 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
         why.starts_with("Error aligned ") && why.ends_with("at most 1.40 px is allowed: 0.35 × the max error of 4 px"),
         "{why}"
     );
-    window.app_mut().model.selected_match = Some(index);
+    window.app_mut().model.document.selected_match = Some(index);
     window.settle();
     assert!(window.shows(&format!("Match {index}: ")) && window.shows("predicted by its motion"));
     for row in ["Ratio among all", "Error as found", " aligned"] {
         assert!(window.shows(row), "{row}");
     }
     // The explanation below says the same of it.
-    let ratios = window.app().model.pair.matches.as_ref().unwrap().row(index).unwrap().found.ratio_words();
+    let ratios = window.app().model.results.pair.matches.as_ref().unwrap().row(index).unwrap().found.ratio_words();
     assert!(window.shows(&format!("ratio {ratios}")), "{ratios}");
-    window.app_mut().model.selected_match = None;
+    window.app_mut().model.document.selected_match = None;
     window.settle();
     // 181 mm at 300 pixels an inch.
     assert_eq!(image::open(folder.path().join("m.png")).unwrap().width(), 2138);
@@ -349,7 +368,7 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
 
 /// Panes on the screen.
 fn shown(window: &Window) -> Vec<PaneId> {
-    window.app().model.panes.shown()
+    window.app().model.document.panes.shown()
 }
 
 /// Position of a feature in pane `id`, in points.
@@ -360,14 +379,14 @@ fn pos_in(window: &Window, id: PaneId, feature: &burstscope::detector::Feature) 
 /// Hovers over the line of the selected match between two panes; returns the hovered match.
 fn match_between(window: &mut Window, a: PaneId, b: PaneId) -> Option<usize> {
     let model = &window.app().model;
-    let row = model.pair.matches.as_ref().unwrap().row(model.selected_match.unwrap()).unwrap();
+    let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
     let (from, to) = (pos_in(window, a, row.a), pos_in(window, b, row.b));
     let mut found = None;
     // Part of the line is in the gap between the two pictures, where nothing is hovered.
     for part in [0.2, 0.4, 0.6, 0.8] {
         window.harness.hover_at(from + part * (to - from));
         window.harness.run_steps(2);
-        found = window.app().model.pair.hovered.or(found);
+        found = window.app().model.results.pair.hovered.or(found);
     }
     window.harness.remove_cursor();
     window.harness.run_steps(2);
@@ -379,7 +398,7 @@ fn a_pane_that_is_split_has_its_part_of_the_matches() {
     let mut window = pair();
     window.key(Key::Home);
     window.settle();
-    let selected = window.app().model.selected_match;
+    let selected = window.app().model.document.selected_match;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     assert_eq!(match_between(&mut window, a, b), selected);
     // A twice: the lines begin at the pane beside B, the other one keeps the ends.
@@ -387,16 +406,16 @@ fn a_pane_that_is_split_has_its_part_of_the_matches() {
     window.key(Key::Num3);
     window.settle();
     let [first, second, b] = shown(&window)[..] else { panic!("three panes") };
-    assert!(window.app().model.panes.get(second).unwrap().shows(ViewKind::Dog));
+    assert!(window.app().model.document.panes.get(second).unwrap().shows(ViewKind::Dog));
     for name in ["Picture A, pane 1", "Picture A, pane 2", "Picture B"] {
         assert!(window.harness.query_by_role_and_label(Role::Canvas, name).is_some(), "{name}");
     }
     assert_eq!(match_between(&mut window, second, b), selected);
-    let row = selected.and_then(|index| window.app().model.pair.matches.as_ref()?.row(index).map(|row| *row.a));
+    let row = selected.and_then(|index| window.app().model.results.pair.matches.as_ref()?.row(index).map(|row| *row.a));
     let end = pos_in(&window, first, &row.unwrap());
     window.harness.hover_at(end);
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.pair.hovered, selected);
+    assert_eq!(window.app().model.results.pair.hovered, selected);
     window.snapshot("two_bursts_split");
 }
 
@@ -405,7 +424,7 @@ fn matches_go_to_where_a_person_puts_the_panes() {
     let mut window = pair();
     window.key(Key::Home);
     window.settle();
-    let selected = window.app().model.selected_match;
+    let selected = window.app().model.document.selected_match;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     let middle = |window: &Window, id: PaneId| window.app().widgets.rect_ui(id).unwrap().center();
     assert!(middle(&window, a).x < middle(&window, b).x);
@@ -439,19 +458,19 @@ fn both_bursts_their_difference_a_wipe_and_a_flip() {
     window.settle();
     let [a, b, difference] = shown(&window)[..] else { panic!("three panes") };
     let model = &window.app().model;
-    assert_eq!(model.panes.get(difference).unwrap().content, Content::Difference(a, b));
+    assert_eq!(model.document.panes.get(difference).unwrap().content, Content::Difference(a, b));
     let plane = |id: PaneId| model.picture_in(id).unwrap().plane.clone();
     assert_eq!(plane(difference).at(90, 70), plane(a).at(90, 70) - plane(b).at(90, 70));
     window.snapshot("two_bursts_difference");
     // The pane of A with the picture of B over it.
-    window.app_mut().model.panes.set_focus(a);
+    window.app_mut().model.document.panes.set_focus(a);
     window.key(Key::W);
-    assert_eq!(window.app().model.panes.over(a), Some(Over::Wipe { other: b, at: 0.5 }));
+    assert_eq!(window.app().model.document.panes.over(a), Some(Over::Wipe { other: b, at: 0.5 }));
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
     window.key(Key::W);
     window.key(Key::Y);
-    assert_eq!(window.app().model.panes.over(a), Some(Over::Flip { other: b, flipped: true }));
+    assert_eq!(window.app().model.document.panes.over(a), Some(Over::Flip { other: b, flipped: true }));
 }
 
 #[test]
@@ -463,7 +482,7 @@ fn a_session_keeps_how_two_bursts_are_arranged() {
     window.harness.run_steps(2);
     window.key(Key::Num3);
     window.settle();
-    let arrangement = window.app().model.panes.arrangement().clone();
+    let arrangement = window.app().model.document.panes.arrangement().clone();
     assert_eq!(arrangement.panes().len(), 3);
     window.dialogs.will_choose(&file);
     window.run_action("save session");
@@ -472,7 +491,7 @@ fn a_session_keeps_how_two_bursts_are_arranged() {
     other.dialogs.will_choose(&file);
     other.run_action("open session");
     other.settle();
-    let panes = &other.app().model.panes;
-    assert_eq!((panes.arrangement(), panes.focus()), (&arrangement, window.app().model.panes.focus()));
+    let panes = &other.app().model.document.panes;
+    assert_eq!((panes.arrangement(), panes.focus()), (&arrangement, window.app().model.document.panes.focus()));
     assert!(panes.get(panes.focus()).unwrap().shows(ViewKind::Dog));
 }

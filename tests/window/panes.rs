@@ -5,9 +5,9 @@ use crate::flat;
 use crate::support::{Start, Window};
 use burstscope::Monitor;
 use burstscope::app::canvas::Zoom;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::{Content, Over, PaneId};
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::pair::Side;
 use burstscope::baseline::merge_burst;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
@@ -28,11 +28,11 @@ fn laid_out(mut window: Window, key: Key) -> Window {
 }
 
 fn shown(window: &Window) -> Vec<PaneId> {
-    window.app().model.panes.shown()
+    window.app().model.document.panes.shown()
 }
 
 fn slopes(window: &Window) -> Vec<f32> {
-    let panes = &window.app().model.panes;
+    let panes = &window.app().model.document.panes;
     panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
 }
 
@@ -52,9 +52,9 @@ fn zoom_at(window: &mut Window, pos: Pos2) {
 fn every_kind_of_picture_is_what_the_library_makes() {
     let window = laid_out(open(), Key::Num9);
     let model = &window.app().model;
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let planes: Vec<_> = shown(&window).iter().map(|id| model.picture_in(*id).unwrap().plane.clone()).collect();
-    let (cursor, params, monitor) = (*model.cursor(), &model.params, Monitor::default());
+    let (cursor, params, monitor) = (*model.document.cursor(), &model.document.params, Monitor::default());
     assert_eq!(planes[0], burst.frames[cursor.frame]);
     assert_eq!(*planes[1], stack_view(burst, params, cursor.slope, &monitor).unwrap());
     assert_eq!(*planes[2], dog_view(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap());
@@ -69,11 +69,11 @@ fn panes_are_split_by_buttons_and_keys_and_closed() {
     window.key(Key::S);
     window.settle();
     assert_eq!(shown(&window).len(), 2);
-    let new = window.app().model.panes.focus();
+    let new = window.app().model.document.panes.focus();
     assert_eq!(new, shown(&window)[1], "the new pane has the focus");
     window.key(Key::Num1);
     window.settle();
-    let panes = &window.app().model.panes;
+    let panes = &window.app().model.document.panes;
     assert!(panes.get(new).unwrap().shows(ViewKind::Frame) && panes.of(Side::A).shows(ViewKind::Stack));
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
     window.harness.run_steps(2);
@@ -97,7 +97,7 @@ fn a_click_gives_a_pane_the_focus_and_keys_move_it() {
     assert_eq!(slopes(&window), [-2.0, -1.0]);
     let pos = middle(&window, 2) + egui::vec2(0.0, 150.0);
     window.click_at(pos);
-    assert_eq!(window.app().model.panes.focus(), shown(&window)[1]);
+    assert_eq!(window.app().model.document.panes.focus(), shown(&window)[1]);
     window.key(Key::ArrowRight);
     window.settle();
     assert_eq!(slopes(&window), [-2.0, 0.0], "two slopes are moved each on its own");
@@ -121,8 +121,8 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
     assert_eq!(slopes(&window), [-0.5, 0.5, 1.5, 2.5, 2.0]);
     let model = &window.app().model;
     let last = model.picture_in(shown(&window)[0]).unwrap();
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let expected = stack_view(burst, &model.params, Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let expected = stack_view(burst, &model.document.params, Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
     assert_eq!(*last.plane, expected);
 }
 
@@ -130,7 +130,7 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
 fn views_move_together_where_they_are_linked() {
     let mut window = laid_out(open(), Key::Num6);
     let zooms = |window: &Window| -> Vec<Zoom> {
-        let panes = &window.app().model.panes;
+        let panes = &window.app().model.document.panes;
         panes.shown().iter().map(|id| panes.get(*id).unwrap().view.zoom).collect()
     };
     let pos = middle(&window, 1);
@@ -174,7 +174,10 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
     let [frame, stack] = shown(&window)[..] else { panic!("two panes") };
     let model = &window.app().model;
     assert_eq!(
-        (model.panes.get(frame).unwrap().cursor.frame, model.panes.get(stack).unwrap().cursor.slope.u),
+        (
+            model.document.panes.get(frame).unwrap().cursor.frame,
+            model.document.panes.get(stack).unwrap().cursor.slope.u
+        ),
         (9, -2.0)
     );
     let place = pos2(200.3, 150.2);
@@ -186,7 +189,7 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
     assert!((values[0].readout.u - 200.3).abs() < 0.6);
     let moved = values[1].readout.u - values[0].readout.u;
     assert!((moved + 9.0).abs() < 0.01, "{moved}");
-    let burst = &window.app().model.slots.a.burst.as_ref().unwrap().burst;
+    let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
     assert_eq!(values[1].readout.value, burst.frames[9].at(values[1].readout.pixel.0, values[1].readout.pixel.1));
     assert!(window.shows("v 150.") && window.shows("2: 0."), "the status bar has both values");
     window.click("Link place of pane 1");
@@ -198,9 +201,9 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
 #[test]
 fn a_pane_is_laid_over_another_as_a_wipe_and_as_a_flip() {
     let mut window = laid_out(open(), Key::Num6);
-    let focus = window.app().model.panes.focus();
+    let focus = window.app().model.document.panes.focus();
     let other = shown(&window)[0];
-    let over = |window: &Window| window.app().model.panes.get(focus).unwrap().over;
+    let over = |window: &Window| window.app().model.document.panes.get(focus).unwrap().over;
     window.key(Key::W);
     window.settle();
     assert_eq!(over(&window), Some(Over::Wipe { other, at: 0.5 }));
@@ -228,7 +231,7 @@ fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
     window.key(Key::S);
     window.settle();
     let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
-    let number = window.app().model.panes.number(window.app().model.panes.focus()).unwrap();
+    let number = window.app().model.document.panes.number(window.app().model.document.panes.focus()).unwrap();
     window.click(&format!("Menu of pane {number}"));
     window.harness.run_steps(3);
     window.click("Difference");
@@ -239,9 +242,9 @@ fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
     window.click(&format!("{} − {}", others[0], others[1]));
     window.settle();
     let model = &window.app().model;
-    let focus = model.panes.focus();
+    let focus = model.document.panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
-    assert_eq!(model.panes.get(focus).unwrap().content, Content::Difference(rest[0], rest[1]));
+    assert_eq!(model.document.panes.get(focus).unwrap().content, Content::Difference(rest[0], rest[1]));
     let plane = |id: PaneId| model.picture_in(id).unwrap().plane.clone();
     assert_eq!(plane(focus).at(100, 80), plane(rest[0]).at(100, 80) - plane(rest[1]).at(100, 80));
 }
@@ -261,7 +264,7 @@ fn a_pane_shows_the_other_burst() {
     window.settle();
     let model = &window.app().model;
     let id = shown(&window)[1];
-    assert_eq!(model.panes.get(id).unwrap().side, Side::B);
+    assert_eq!(model.document.panes.get(id).unwrap().side, Side::B);
     assert_eq!(model.picture_in(id).unwrap().request.burst.id, model.burst_of(Side::B).unwrap().id);
     // Closing B also closes the pane.
     window.run_action("close b");
@@ -321,9 +324,9 @@ fn wipe_and_difference() {
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
     window.harness.run_steps(2);
     let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
-    let focus = window.app().model.panes.focus();
+    let focus = window.app().model.document.panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
-    window.app_mut().model.panes.get_mut(focus).unwrap().content = Content::Difference(rest[0], rest[1]);
+    window.app_mut().model.document.panes.get_mut(focus).unwrap().content = Content::Difference(rest[0], rest[1]);
     window.settle();
     window.snapshot("flat/wipe_and_difference");
 }
@@ -344,7 +347,8 @@ fn at_1024_by_700_the_picture_and_the_columns_that_matter_are_seen() {
         let rect = rect_of(&window, Role::Button, &format!("Sort by {heading}"));
         assert!(rect.right() < right && rect.bottom() < 700.0, "{heading}: {rect:?}, but {right}");
     }
-    let visible = window.app().widgets.get(window.app().model.focus()).and_then(|w| w.picture.visible_image).unwrap();
+    let visible =
+        window.app().widgets.get(window.app().model.document.focus()).and_then(|w| w.picture.visible_image).unwrap();
     let (width, height) = window.app().model.size();
     assert!(visible.width() >= width as f32 && visible.height() >= height as f32, "the whole picture: {visible:?}");
 }

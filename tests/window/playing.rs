@@ -25,7 +25,7 @@ fn played(like: Start, steps: Steps) -> Window {
 fn assert_same(window: &Window, again: &Window) {
     let (model, other) = (&window.app().model, &again.app().model);
     assert_eq!(model.document, other.document);
-    assert_eq!(Session::of(model), Session::of(other));
+    assert_eq!(Session::of(model.read()), Session::of(other.read()));
     assert_eq!(model.history.can_undo(), other.history.can_undo());
 }
 
@@ -92,7 +92,7 @@ fn what_is_played_shows_its_errors_and_needs_no_session_file() {
     let mut window = Start::default().open();
     window.key(Key::ArrowRight);
     window.settle();
-    std::fs::write(&path, Session::of(&window.app().model).unwrap().to_toml()).unwrap();
+    std::fs::write(&path, Session::of(window.app().model.read()).unwrap().to_toml()).unwrap();
     let mut window = Start::nothing_open().open();
     window.drop_file(path.clone());
     window.settle();
@@ -100,7 +100,7 @@ fn what_is_played_shows_its_errors_and_needs_no_session_file() {
     std::fs::remove_file(&path).unwrap();
     let again = played(Start::default(), steps);
     assert_same(&window, &again);
-    let gone = Action::OpenFeatures(burstscope::app::project::side::Side::A, home.path().join("gone.csv"));
+    let gone = Action::OpenFeatures(burstscope::app::document::side::Side::A, home.path().join("gone.csv"));
     let again = played(Start::default(), Steps::from([vec![gone]]));
     assert!(again.app().is_settled());
 }

@@ -5,11 +5,10 @@ use crate::maps::lamp;
 use crate::support::{Start, Window, given};
 use burstscope::Monitor;
 use burstscope::app::Startup;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::{Content, SliceAxis};
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::look::FeaturesShown;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::workspace::Workspace;
 use burstscope::app::settings::Settings;
 use burstscope::detector::{DetectorParams, FrameRange, Slope, SlopeGrid, Test};
 use burstscope::inspect::candidates::{SurveyOptions, survey};
@@ -18,6 +17,7 @@ use burstscope::inspect::probe::Wanted;
 use burstscope::inspect::words::number;
 use burstscope::inspect::{ProbeCache, ProbeOptions, ReasonKind, probe};
 use burstscope::requests::{BurstSource, Probed};
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
@@ -29,8 +29,8 @@ fn demo() -> Window {
 
 pub fn answer(window: &Window) -> &Probed {
     let model = &window.app().model;
-    assert!(model.probe_is_current(), "{:?} {:?}", model.probe, model.probed.problem);
-    model.probed.answer.as_ref().unwrap()
+    assert!(model.probe_is_current(), "{:?} {:?}", model.document.probe, model.results.probed.problem);
+    model.results.probed.answer.as_ref().unwrap()
 }
 
 fn shift(window: &mut Window, key: Key) {
@@ -58,23 +58,23 @@ fn a_feature_says_why_it_was_kept() {
         rect_of(&window, image);
     }
     let traced = answer(&window).request.traced.cache.clone();
-    assert_eq!(traced.detection().features, window.app().model.features(), "one search, or the same bits");
+    assert_eq!(traced.detection().features, window.app().model.read().features(), "one search, or the same bits");
     window.snapshot("probe_feature");
     // A click in the map sets that slope and scale.
     let rect = rect_of(&window, "Response over slope and scale");
     window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height()));
     window.settle();
     let (model, map) = (&window.app().model, &answer(&window).probe.response);
-    assert!(model.focused().shows(ViewKind::Dog));
-    assert!(map.columns.contains(&model.cursor().slope), "{:?}", model.cursor().slope);
-    assert!(map.row_of(model.cursor().octave, model.cursor().level).is_some());
+    assert!(model.document.focused().shows(ViewKind::Dog));
+    assert!(map.columns.contains(&model.document.cursor().slope), "{:?}", model.document.cursor().slope);
+    assert!(map.row_of(model.document.cursor().octave, model.document.cursor().level).is_some());
 }
 
 #[test]
 fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     let mut window = demo();
     // Shown features would be probed instead of the places beside them.
-    window.app_mut().model.look.overlay = FeaturesShown::None;
+    window.app_mut().model.document.look.overlay = FeaturesShown::None;
     let ui = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).unwrap();
     let near = |window: &Window, u: f32, v: f32| {
         let place = window.app().model.probed_place().expect("a place");
@@ -111,14 +111,14 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     // In a frame the place under the pointer has moved since mid-burst.
     window.key(Key::Num1);
     window.settle();
-    let (cursor, used) = (*window.app().model.cursor(), window.app().model.frame_count());
+    let (cursor, used) = (*window.app().model.document.cursor(), window.app().model.frame_count());
     let later = cursor.frame as f32 - 0.5 * (used as f32 - 1.0);
     let pos = ui(&window, 240.0, 100.0);
     window.shift_click_at(pos);
     window.settle();
     near(&window, 240.0 - later * cursor.slope.u, 100.0 - later * cursor.slope.v);
     window.click("Clear probe");
-    assert!(window.app().model.probed.answer.is_none() && !window.app().model.probe.is_on());
+    assert!(window.app().model.results.probed.answer.is_none() && !window.app().model.document.probe.is_on());
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     let mut window = Start { size: [1400.0, 900.0], startup, ..Start::default() }.open();
     let names = |window: &Window| Side::BOTH.map(|side| window.app().model.burst_of(side).unwrap().burst.name.clone());
     assert_eq!(
-        (window.app().model.workspace, names(&window)),
+        (window.app().model.document.workspace, names(&window)),
         (Workspace::Pair, ["demo", "demo-later"].map(String::from))
     );
     for (side, u, v) in [(Side::B, 92.0, 58.0), (Side::A, 200.0, 90.0), (Side::B, 300.0, 40.0)] {
@@ -135,8 +135,8 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         window.shift_click_at(pos);
         window.settle();
         let (model, answer) = (&window.app().model, answer(&window));
-        assert_eq!((model.probe.side, model.workspace), (side, Workspace::Pair));
-        assert_eq!((model.selected_match, model.asked_feature()), (None, None), "nothing else was clicked");
+        assert_eq!((model.document.probe.side, model.document.workspace), (side, Workspace::Pair));
+        assert_eq!((model.document.selected_match, model.asked_feature()), (None, None), "nothing else was clicked");
         let place = answer.probe.pos_image;
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?}");
         // The answer is that of the library for this burst.
@@ -155,10 +155,12 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     window.settle();
     let (model, map) = (&window.app().model, &answer(&window).probe.response);
     assert_eq!(model.active_side(), Side::B);
-    assert!(model.focused().shows(ViewKind::Dog) && map.columns.contains(&model.cursor_of(Side::B).slope));
+    assert!(
+        model.document.focused().shows(ViewKind::Dog) && map.columns.contains(&model.document.cursor_of(Side::B).slope)
+    );
     // The other tab brings the match back.
     window.click("Match and display");
-    assert!(!window.app().model.probe.is_open && window.shows("Selected match"));
+    assert!(!window.app().model.document.probe.is_open && window.shows("Selected match"));
 }
 
 #[test]
@@ -181,7 +183,7 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     let mut window = start.open();
     window.click("Detect");
     window.settle();
-    assert!(window.app().model.features().is_empty());
+    assert!(window.app().model.read().features().is_empty());
     window.click("Probe the strongest candidate");
     window.settle();
     let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
@@ -190,8 +192,8 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     let change = fate.remedy.expect("a lower threshold").change;
     window.click(&format!("Apply {}", change.label()));
     window.settle();
-    assert!(!window.app().model.probe_is_stale() && !window.app().model.features().is_empty());
-    window.app_mut().model.params.edge_threshold = 5.0;
+    assert!(!window.app().model.probe_is_stale() && !window.app().model.read().features().is_empty());
+    window.app_mut().model.document.params.edge_threshold = 5.0;
     window.harness.run_steps(2);
     assert!(window.app().model.probe_is_stale() && window.shows("Stale: found with other parameters"));
 }
@@ -199,40 +201,43 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
 #[test]
 fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_found_at_another_slope() {
     let mut window = Start { size: [1280.0, 1100.0], ..Start::automatic() }.open();
-    window.app_mut().model.look.overlay = FeaturesShown::None;
+    window.app_mut().model.document.look.overlay = FeaturesShown::None;
     let probe = |window: &mut Window, u: f32, v: f32| {
         let pos = window.app().ui_from_image(pos2(u, v)).unwrap();
         window.shift_click_at(pos);
         window.settle();
     };
     // A star that was kept at slopes with which it does not move: a button goes to what was found.
-    window.app_mut().model.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
+    window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
     window.settle();
     probe(&mut window, 238.0, 36.0);
     let reasons = answer(&window).probe.reasons.clone();
     let other = reasons.iter().find(|reason| reason.kind == ReasonKind::AtAnotherSlope).expect("it was found");
     assert!(window.shows(&other.sentence["found ".len()..]), "{}", other.sentence);
     assert!(!window.shows("It is shown under All"), "no features are shown at all");
-    window.app_mut().model.look.overlay = FeaturesShown::ThisSlope;
+    window.app_mut().model.document.look.overlay = FeaturesShown::ThisSlope;
     window.harness.run_steps(2);
     assert!(window.shows("It is shown under All, not under This slope."));
     let feature = other.feature.expect("a feature");
     window.click(&format!("Go to feature {feature}"));
     window.settle();
     let model = &window.app().model;
-    assert_eq!((model.selected, model.cursor().slope), (Some(feature), model.features()[feature].slope));
+    assert_eq!(
+        (model.document.selected, model.document.cursor().slope),
+        (Some(feature), model.read().features()[feature].slope)
+    );
     // A star that is too small: the setting that finds it is a click away.
-    window.app_mut().model.look.overlay = FeaturesShown::None;
+    window.app_mut().model.document.look.overlay = FeaturesShown::None;
     window.run_action("fit picture");
     // At its own slope, where it is to be seen.
-    window.app_mut().model.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
+    window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
     window.settle();
     probe(&mut window, 159.9, 23.6);
     let small = answer(&window).probe.reasons.iter().find(|r| r.kind == ReasonKind::TooSmall).expect("it is").clone();
     assert!(window.shows("oo small for the smallest scale") && window.shows("first octave −1 finds it"));
     window.click(&format!("Apply {}", small.change.expect("a setting").label()));
     window.settle();
-    assert_eq!(window.app().model.params.first_octave, -1);
+    assert_eq!(window.app().model.document.params.first_octave, -1);
     let fate = answer(&window).probe.subject_fate().expect("it was found").clone();
     assert!(fate.is_kept() && (fate.slope.u - 0.95).abs() < 0.35 && fate.sigma < 1.7, "{fate:?}");
 }
@@ -240,18 +245,18 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
 #[test]
 fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
     let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
-    window.app_mut().model.look.overlay = FeaturesShown::All;
+    window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.settle();
     // Of so many features at one zoom some are dots; one of the weakest is asked about.
-    let count = window.app().model.features().len();
+    let count = window.app().model.read().features().len();
     let dot = (0..count).rev().find(|&index| {
-        let feature = window.app().model.features()[index];
+        let feature = window.app().model.read().features()[index];
         window.app_mut().model.probe_place(Side::A, [feature.u, feature.v]);
         window.settle();
-        !window.app().model.probed.as_dots.is_empty()
+        !window.app().model.results.probed.as_dots.is_empty()
     });
     assert!(dot.is_some(), "{count} features, none a dot");
-    let shown = window.app().model.probed.as_dots[0];
+    let shown = window.app().model.results.probed.as_dots[0];
     assert!(window.shows(&format!("Feature {} was found here, but is drawn as a dot", shown)));
     window.app_mut().model.clear_probe();
     window.settle();
@@ -262,16 +267,16 @@ fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
 fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     let mut window = demo();
     // The moon, which moves as the stars do.
-    window.app_mut().model.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
+    window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
     window.settle();
     let pos = window.app().ui_from_image(pos2(92.0, 58.0)).unwrap();
     window.shift_click_at(pos);
     window.settle();
     window.run_action("stack and slice");
     window.settle();
-    let shown = window.app().model.panes.shown();
+    let shown = window.app().model.document.panes.shown();
     let content = |window: &Window, place: usize| {
-        let panes = &window.app().model.panes;
+        let panes = &window.app().model.document.panes;
         panes.get(panes.shown()[place]).unwrap().content
     };
     assert_eq!(
@@ -282,9 +287,9 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     let rect = rect_of(&window, "Slice along the motion");
     // The first drag focuses the pane; the pointer is then where the line crosses the last row.
     window.click_at(rect.center());
-    assert_eq!(window.app().model.panes.focus(), shown[1]);
+    assert_eq!(window.app().model.document.panes.focus(), shown[1]);
     let slopes = |window: &Window| -> Vec<Slope> {
-        shown.iter().map(|id| window.app().model.panes.get(*id).unwrap().cursor.slope).collect()
+        shown.iter().map(|id| window.app().model.document.panes.get(*id).unwrap().cursor.slope).collect()
     };
     let before = slopes(&window);
     let (from, to) = (rect.center() + egui::vec2(0.0, 60.0), rect.center() + egui::vec2(60.0, 60.0));
@@ -320,9 +325,9 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     other.run_action("open session");
     other.settle();
     let model = &other.app().model;
-    assert!(place.is_some() && model.probed_place() == place && model.probe.is_open);
+    assert!(place.is_some() && model.probed_place() == place && model.document.probe.is_open);
     assert_eq!(answer(&other).probe.pos_image, place.unwrap());
-    assert!(model.panes.iter().any(|(_, pane)| pane.content == Content::Slice(SliceAxis::Along)));
+    assert!(model.document.panes.iter().any(|(_, pane)| pane.content == Content::Slice(SliceAxis::Along)));
 }
 
 fn open(folder: &Path) -> Window {
@@ -347,7 +352,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     let model = &window.app().model;
     let shown = model.survey().unwrap().clone();
     // The marks are those of the library.
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let cache = ProbeCache::new(burst, &model.asked(), &Monitor::default()).unwrap();
     let options = SurveyOptions { test: Some(Test::NoiseGate), ..SurveyOptions::default() };
     assert_eq!(*shown, survey(&cache.trail, &options, &Monitor::default()).unwrap());
@@ -368,7 +373,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     window.snapshot("candidates");
     window.click("Go to candidate");
     window.settle();
-    let cursor = *window.app().model.cursor();
+    let cursor = *window.app().model.document.cursor();
     assert_eq!((cursor.octave, cursor.level), (chosen.sample.octave, chosen.sample.level));
     // Another row replaces it; the same row again hides them.
     switch(&mut window, Test::Edge);
@@ -397,12 +402,12 @@ fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
     assert!(window.app().model.decoys().is_none() && !window.shows("Decoys: "), "nobody asked for them");
     press(&mut window, "False rate…");
     let shown = window.app().model.decoys().expect("they were asked for").clone();
-    let burst = &window.app().model.slots.a.burst.as_ref().unwrap().burst;
+    let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
     let cache = ProbeCache::new(burst, &window.app().model.asked(), &Monitor::default()).unwrap();
     assert_eq!(*shown, decoys(&cache.trail, &DecoyStudy::default(), &Monitor::default()).unwrap());
     assert!(shown.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.sentence())));
     // Other parameters are another search, whose decoys nobody asked for.
-    window.app_mut().model.params.slopes = SlopeGrid::line(-2.0..=2.0, 9);
+    window.app_mut().model.document.params.slopes = SlopeGrid::line(-2.0..=2.0, 9);
     window.settle();
     assert!(window.app().model.stale().is_some() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");
@@ -418,7 +423,7 @@ fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
 fn a_burst_too_short_for_decoys_says_why_each_time() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    window.app_mut().model.params.frames = Some(FrameRange { start: 0, end: 3 });
+    window.app_mut().model.document.params.frames = Some(FrameRange { start: 0, end: 3 });
     window.run_action("detect");
     window.settle();
     for _ in 0..2 {
@@ -436,7 +441,7 @@ fn candidates_follow_the_parameters() {
     window.click(Test::NoiseGate.reason());
     window.settle();
     let before = window.app().model.survey().unwrap().clone();
-    window.app_mut().model.params.octaves = 2;
+    window.app_mut().model.document.params.octaves = 2;
     window.run_action("detect");
     window.settle();
     let after = window.app().model.survey().unwrap().clone();

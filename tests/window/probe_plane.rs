@@ -2,8 +2,8 @@
 //! winning slopes.
 
 use crate::support::{Start, Window};
+use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::pane::{Content, SliceAxis};
-use burstscope::app::project::cursor::ViewKind;
 use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
 use burstscope::inspect::candidates::winning_slopes;
 use burstscope::synth::random::Stream;
@@ -58,7 +58,7 @@ fn probe_strongest(window: &mut Window) -> Feature {
     window.key(Key::Home);
     window.click("Why?");
     window.settle();
-    let feature = *window.app().model.selected_feature().expect("there is one");
+    let feature = *window.app().model.read().selected_feature().expect("there is one");
     let near = |slope: Slope| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) < 0.3;
     assert!(near(LEFT) || near(RIGHT), "{feature:?}");
     feature
@@ -78,7 +78,8 @@ fn the_probe_shows_the_response_over_both_slopes() {
     window.settle();
     let rect = rect_of(&window, "Response over both slopes");
     assert!(window.harness.ctx.content_rect().contains_rect(rect), "{rect:?}");
-    let plane = window.app().model.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
+    let plane =
+        window.app().model.results.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     let (columns, rows) = plane.snr.size();
     let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
     let (column, row) =
@@ -90,16 +91,17 @@ fn the_probe_shows_the_response_over_both_slopes() {
     window.click_at(rect.center());
     window.settle();
     let (model, scale) = (&window.app().model, plane.scale);
-    let cursor = *model.cursor();
+    let cursor = *model.document.cursor();
     let near_zero = |x: f32| x.abs() < 0.4; // A cell of the map is a third of a slope wide.
     assert!(near_zero(cursor.slope.u) && near_zero(cursor.slope.v), "{:?}", cursor.slope);
-    assert!(model.focused().shows(ViewKind::Dog));
+    assert!(model.document.focused().shows(ViewKind::Dog));
     assert_eq!((cursor.octave, cursor.level), (scale.octave, scale.level));
     // A click in a row of the upper map sets the scale of the lower one.
     let above = rect_of(&window, "Response over slope and scale");
     window.click_at(pos2(above.center().x, above.top() + 0.7 * above.height()));
     window.settle();
-    let coarser = window.app().model.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
+    let coarser =
+        window.app().model.results.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     assert!(coarser.scale.sigma > scale.sigma, "{} {}", coarser.scale.sigma, scale.sigma);
 }
 
@@ -110,11 +112,12 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     let feature = probe_strongest(&mut window);
     window.run_action("stack and slice");
     window.settle();
-    let shown = window.app().model.panes.shown();
-    let contents: Vec<Content> = shown.iter().map(|id| window.app().model.panes.get(*id).unwrap().content).collect();
+    let shown = window.app().model.document.panes.shown();
+    let contents: Vec<Content> =
+        shown.iter().map(|id| window.app().model.document.panes.get(*id).unwrap().content).collect();
     let slices = [Content::Slice(SliceAxis::Along), Content::Slice(SliceAxis::Across)];
     assert_eq!(contents, [Content::Cursor, slices[0], slices[1]]);
-    let probe = &window.app().model.probed.answer.as_ref().unwrap().probe;
+    let probe = &window.app().model.results.probed.answer.as_ref().unwrap().probe;
     let [along, across] = [0, 1].map(|axis| probe.slices[axis].direction);
     assert!((along[0] * across[0] + along[1] * across[1]).abs() < 1e-5, "at right angles");
     let on = |direction: [f32; 2], slope: Slope| slope.u * direction[0] + slope.v * direction[1];
@@ -123,7 +126,7 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     // The line of the slope is dragged sideways: only the slope's component across the motion changes.
     let rect = rect_of(&window, "Slice across the motion");
     window.click_at(rect.center());
-    let slope = |window: &Window| window.app().model.panes.get(shown[2]).unwrap().cursor.slope;
+    let slope = |window: &Window| window.app().model.document.panes.get(shown[2]).unwrap().cursor.slope;
     let before = slope(&window);
     // The slice has space for numbers on its left.
     let from = rect.center() + vec2(13.0, 45.0);
@@ -139,19 +142,19 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
     let feature = probe_strongest(&mut window);
-    window.app_mut().model.focused_mut().cursor.octave = feature.octave;
-    window.app_mut().model.focused_mut().cursor.level = feature.level;
+    window.app_mut().model.document.focused_mut().cursor.octave = feature.octave;
+    window.app_mut().model.document.focused_mut().cursor.level = feature.level;
     // The features would cover it.
     window.key(Key::O);
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::V);
     window.harness.run_steps(2);
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.focused().content, Content::Map(ViewKind::Motion));
+    assert_eq!(model.document.focused().content, Content::Map(ViewKind::Motion));
     let picture = model.picture().unwrap();
     let motion = picture.motion.clone().expect("a map of the motion");
     // It equals the library's map of this detection.
-    let trail = &model.probed.answer.as_ref().unwrap().request.traced.cache.trail;
+    let trail = &model.results.probed.answer.as_ref().unwrap().request.traced.cache.trail;
     let expected = winning_slopes(trail, feature.octave, feature.level, &Monitor::default()).unwrap();
     let slopes: Vec<Slope> = trail.params().used_slopes().slopes().collect();
     let (width, height) = expected.snr.size();

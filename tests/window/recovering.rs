@@ -1,10 +1,8 @@
 //! Things planted in the open burst, the set-up from which slopes are computed, and cases.
 
 use crate::support::{Start, Window};
-use burstscope::app::project::BottomTab;
-use burstscope::app::project::comparison::Reference;
-use burstscope::app::project::film::FilmContent;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::comparison::Reference;
+use burstscope::app::document::export::FilmContent;
 use burstscope::app::session::Session;
 use burstscope::app::view::ColourBy;
 use burstscope::detector::{DetectorParams, NoiseGate, SlopeChoice, SlopeGrid};
@@ -13,6 +11,8 @@ use burstscope::inspect::set_up::SetUp;
 use burstscope::requests::BurstSource;
 use burstscope::study::StudyReport;
 use burstscope::synth::{ChartParams, synth_chart};
+use burstscope::teach::BottomTab;
+use burstscope::teach::Workspace;
 use burstscope::{Burst, Monitor};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -45,8 +45,8 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     let mut window = with_case(home.path());
     let model = &window.app().model;
     let (burst, params) = small();
-    assert_eq!(model.slots.a.burst.as_ref().expect("open").burst.frames, burst.frames);
-    assert_eq!((model.params.slopes, model.slopes), (params.slopes, SlopeChoice::Given));
+    assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.frames, burst.frames);
+    assert_eq!((model.document.params.slopes, model.document.slopes), (params.slopes, SlopeChoice::Given));
     assert_eq!(model.probed_place(), Some([120.0, 90.0]));
     // Another ending is refused, as the file could not be opened again.
     window.dialogs.will_choose(home.path().join("again.png"));
@@ -70,11 +70,11 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     window.run_action("pin this result");
     window.settle();
     window.run_action("split right");
-    window.app_mut().model.filter.hide_slope_limit = true;
-    window.app_mut().model.params.edge_threshold = 8.0;
-    window.app_mut().model.lab.planted.copies = 3;
+    window.app_mut().model.document.filter.hide_slope_limit = true;
+    window.app_mut().model.document.params.edge_threshold = 8.0;
+    window.app_mut().model.document.lab.planted.copies = 3;
     window.settle();
-    let before = window.app().model.panes.arrangement().in_rows();
+    let before = window.app().model.document.panes.arrangement().in_rows();
     assert_eq!(before.iter().flatten().count(), 2);
     let kept = home.path().join("kept.burstcase");
     window.dialogs.will_choose(&kept);
@@ -90,18 +90,18 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     other.settle();
     let (model, was) = (&other.app().model, &window.app().model);
     assert_eq!(
-        model.slots.a.burst.as_ref().expect("open").burst.frames,
-        was.slots.a.burst.as_ref().expect("open").burst.frames
+        model.results.slots.a.burst.as_ref().expect("open").burst.frames,
+        was.results.slots.a.burst.as_ref().expect("open").burst.frames
     );
-    assert_eq!(model.panes.arrangement().in_rows(), before);
-    assert!(model.filter.hide_slope_limit);
-    assert_eq!((model.params.edge_threshold, model.lab.planted.copies), (8.0, 3));
+    assert_eq!(model.document.panes.arrangement().in_rows(), before);
+    assert!(model.document.filter.hide_slope_limit);
+    assert_eq!((model.document.params.edge_threshold, model.document.lab.planted.copies), (8.0, 3));
     assert_eq!(model.probed_place(), Some([120.0, 90.0]));
-    let pinned = model.comparisons.a.pinned.as_ref();
+    let pinned = model.document.comparisons.a.pinned.as_ref();
     assert!(pinned.is_some_and(|pinned| pinned.detector.edge_threshold != 8.0));
-    assert_eq!(model.comparisons, was.comparisons);
-    let shown = model.slots.a.comparison.shown.as_ref().expect("compared with the pinned result");
-    assert_eq!(shown.summary, was.slots.a.comparison.shown.as_ref().expect("compared").summary);
+    assert_eq!(model.document.comparisons, was.document.comparisons);
+    let shown = model.results.slots.a.comparison.shown.as_ref().expect("compared with the pinned result");
+    assert_eq!(shown.summary, was.results.slots.a.comparison.shown.as_ref().expect("compared").summary);
     // What names other files is left out, also where a case was changed to have some.
     let hostile = session.replacen("[document]", "[document.gold.a]\npaths = [\"/etc/passwd\"]\n\n[document]", 1);
     let (case, part) =
@@ -114,7 +114,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
         other.run_action("open files");
         other.settle();
         let model = &other.app().model;
-        assert_eq!(model.slots.a.burst.as_ref().expect("open").burst.sources, std::slice::from_ref(&path));
+        assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.sources, std::slice::from_ref(&path));
         assert!(!model.messages.errors().iter().any(|error| error.text.contains("passwd")));
     }
     let errors = other.app().model.messages.errors();
@@ -129,10 +129,10 @@ fn a_damaged_case_opens_a_window_that_says_so_once() {
     let mut window = Start::of(&path).open();
     let errors = window.app().model.messages.errors();
     assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
-    assert!(window.app().model.slots.a.burst.is_none());
+    assert!(window.app().model.results.slots.a.burst.is_none());
     window.run_action("Open demo burst");
     window.settle();
-    assert!(window.app().model.slots.a.burst.is_some());
+    assert!(window.app().model.results.slots.a.burst.is_some());
 }
 
 #[test]
@@ -144,9 +144,9 @@ fn a_film_says_its_size_and_rate() {
     assert!(window.shows("9 pictures of") && window.shows("10 a second: 0.9 s; about"));
     window.harness.get_by_label("Scales").click();
     window.settle();
-    assert_eq!(window.app().model.film.content, FilmContent::Scales);
+    assert_eq!(window.app().model.document.film.content, FilmContent::Scales);
     assert!(!window.shows("9 pictures of"));
-    window.app_mut().model.film.content = FilmContent::Slopes;
+    window.app_mut().model.document.film.content = FilmContent::Slopes;
     let path = home.path().join("sweep.gif");
     window.dialogs.will_choose(&path);
     window.click("GIF…");
@@ -163,14 +163,14 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     let mut window = with_case(home.path());
     window.run_action("lab");
     window.click("In this burst");
-    window.app_mut().model.lab.planted.copies = 6;
+    window.app_mut().model.document.lab.planted.copies = 6;
     window.click("Run study");
     window.wait("the study is finished", |app| {
-        !app.model.studies.wanted.is_pending()
-            && app.model.studies.current.as_ref().is_some_and(|result| result.is_whole)
+        !app.model.results.studies.wanted.is_pending()
+            && app.model.results.studies.current.as_ref().is_some_and(|result| result.is_whole)
     });
     window.settle();
-    let result = window.app().model.studies.current.clone().expect("a result");
+    let result = window.app().model.results.studies.current.clone().expect("a result");
     let StudyReport::Recover(report) = &result.report else { panic!("a report of planted things") };
     assert_eq!(report.copies_done, 6);
     let of_command = match &result.study {
@@ -193,8 +193,8 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     window.click("Probe planted thing");
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.workspace, Workspace::Inspect);
-    let source = &model.slots.a.burst.as_ref().expect("open").source;
+    assert_eq!(model.document.workspace, Workspace::Inspect);
+    let source = &model.results.slots.a.burst.as_ref().expect("open").source;
     assert!(matches!(source, BurstSource::Planted { seed, .. } if *seed == thing.seed), "{source:?}");
     let place = model.probed_place().expect("probed");
     assert!((f64::from(place[0]) - thing.truth.u).abs() < 0.01 && (f64::from(place[1]) - thing.truth.v).abs() < 0.01);
@@ -203,8 +203,8 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     window.settle();
     window.run_action("compare with the truth");
     window.settle();
-    let against = &window.app().model.slots.a.comparison;
-    assert_eq!(window.app().model.comparisons.a.with, Some(Reference::Truth));
+    let against = &window.app().model.results.slots.a.comparison;
+    assert_eq!(window.app().model.document.comparisons.a.with, Some(Reference::Truth));
     let of_copy = report.planted.iter().filter(|one| one.seed == thing.seed);
     // One that is found at a wrong motion only is not found for the truth, which says so.
     let found = of_copy.clone().filter(|one| one.found.is_some()).count();
@@ -223,7 +223,7 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     window.dialogs.will_choose(&kept);
     window.run_action("open files");
     window.settle();
-    let against = &window.app().model.slots.a.comparison;
+    let against = &window.app().model.results.slots.a.comparison;
     let (found, _) = shown.split_once(" missed").expect("counted");
     assert!(against.shown.as_ref().is_some_and(|against| against.summary.starts_with(found)), "{shown}");
 }
@@ -231,53 +231,54 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
 #[test]
 fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
     let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
-    window.app_mut().model.bottom_tab = BottomTab::Slopes;
+    window.app_mut().model.document.bottom_tab = BottomTab::Slopes;
     window.settle();
     window.run_action("slopes from the set-up");
     window.settle();
     let expected = {
         let model = &window.app().model;
-        model.set_up.values.slopes(&model.used_positions(), &model.params).expect("valid").grid
+        model.document.set_up.values.slopes(&model.used_positions(), &model.document.params).expect("valid").grid
     };
     window.harness.get_by_role_and_label(Role::Button, "Apply set-up").click();
     window.harness.run_steps(3);
     let model = &window.app().model;
-    assert_eq!((model.params.slopes, model.slopes), (expected, SlopeChoice::Given));
+    assert_eq!((model.document.params.slopes, model.document.slopes), (expected, SlopeChoice::Given));
 }
 
 #[test]
 fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
     // A camera that moves to the left with 6 cm/s: 2.4 px/frame is 1 m.
-    window.app_mut().model.set_up.values =
+    window.app_mut().model.document.set_up.values =
         SetUp { speed_m_s: 0.06, direction_deg: 180.0, depth_m: [0.5, 8.0], ..SetUp::default() };
     window.run_action("slopes from the set-up");
     window.settle();
     window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();
     window.settle();
     window.snapshot("slopes_from_set_up");
-    window.app_mut().model.bottom_tab = BottomTab::Table;
+    window.app_mut().model.document.bottom_tab = BottomTab::Table;
     window.settle();
     window.click("Sort by Depth");
     window.settle();
     let model = &window.app().model;
-    let depth_of =
-        |i: &usize| model.set_up.values.depth_at(model.features()[*i].motion().0).map(|metres| metres as f32);
-    let depths: Vec<Option<f32>> = model.listed.iter().map(depth_of).collect();
+    let depth_of = |i: &usize| {
+        model.document.set_up.values.depth_at(model.read().features()[*i].motion().0).map(|metres| metres as f32)
+    };
+    let depths: Vec<Option<f32>> = model.results.listed.iter().map(depth_of).collect();
     let known = depths.iter().take_while(|depth| depth.is_some()).count();
     assert!(known > 10 && known < depths.len(), "features of both directions: {known} of {}", depths.len());
     assert!(depths[..known].is_sorted() && depths[known..].iter().all(Option::is_none));
-    window.app_mut().model.colour_by = ColourBy::Depth;
+    window.app_mut().model.document.colour_by = ColourBy::Depth;
     window.settle();
     assert!(window.shows("Legend: depth from 0.5 to 8 m"));
     // As a session it is kept; switched off, the colours show slopes again.
-    let session = Session::of(&window.app().model).expect("a burst is open");
-    assert_eq!(session.document.set_up, window.app().model.set_up);
-    window.app_mut().model.bottom_tab = BottomTab::Slopes;
+    let session = Session::of(window.app().model.read()).expect("a burst is open");
+    assert_eq!(session.document.set_up, window.app().model.document.set_up);
+    window.app_mut().model.document.bottom_tab = BottomTab::Slopes;
     window.settle();
     window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();
     window.settle();
-    assert_eq!(window.app().model.colour_by, ColourBy::SlopeDirection);
+    assert_eq!(window.app().model.document.colour_by, ColourBy::SlopeDirection);
 }
 
 #[test]

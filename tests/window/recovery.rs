@@ -2,8 +2,8 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::Startup;
+use burstscope::app::document::side::Side;
 use burstscope::app::offscreen::Offscreen;
-use burstscope::app::project::side::Side;
 use burstscope::app::recovery::{KeptIn, Record};
 use burstscope::app::session::Session;
 use burstscope::app::{BurstscopeApp, EndRequest, gpu};
@@ -60,7 +60,7 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     next.settle();
     assert!(!next.shows(OFFER));
     assert_eq!(next.app().model.size(), (128, 96));
-    assert_eq!(next.app().model.cursor().slope, Slope::new(1.25, 0.0));
+    assert_eq!(next.app().model.document.cursor().slope, Slope::new(1.25, 0.0));
     // The session now belongs to this window: a crash right after loses nothing.
     assert!(kept_slope());
     drop(next);
@@ -216,7 +216,7 @@ fn the_window_is_the_same_on_a_new_device() {
     let mut settled = 0;
     while settled < 5 {
         offscreen.frame(Vec::new(), |ui| app.show(ui));
-        settled = if app.is_settled() && app.model.slots.a.burst.is_some() { settled + 1 } else { 0 };
+        settled = if app.is_settled() && app.model.results.slots.a.burst.is_some() { settled + 1 } else { 0 };
         std::thread::sleep(Duration::from_millis(2));
     }
     let before = offscreen.image().unwrap();

@@ -3,8 +3,8 @@
 use crate::datasets::{click_burst, start, walk};
 use crate::support::{Start, Window};
 use burstscope::Monitor;
-use burstscope::app::project::cursor::ViewKind;
-use burstscope::app::project::datasets::BurstState;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::results::datasets::BurstState;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
 use egui::Key;
@@ -20,10 +20,10 @@ fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
     let model = &window.app().model;
     let after = model.picture().cloned().unwrap();
     assert_ne!(before.plane, after.plane);
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let slope = Slope::new(model.cursor().slope.u, 0.0);
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let slope = Slope::new(model.document.cursor().slope.u, 0.0);
     assert!((slope.u - 1.37).abs() < 1e-6, "slopes between the grid's are shown");
-    let expected = stack_view(burst, &model.params, slope, &Monitor::default()).unwrap();
+    let expected = stack_view(burst, &model.document.params, slope, &Monitor::default()).unwrap();
     assert_eq!(*after.plane, expected);
     assert!(window.shows("slope (1.37, 0.00) px/frame"));
 }
@@ -32,14 +32,14 @@ fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
 fn keys_step_through_the_grid_and_snap_to_it() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::ArrowRight);
-    assert_eq!(window.app().model.cursor().slope, Slope::new(1.0, 0.0));
+    assert_eq!(window.app().model.document.cursor().slope, Slope::new(1.0, 0.0));
     window.key(Key::ArrowRight);
     window.key(Key::ArrowLeft);
     window.key(Key::ArrowLeft);
-    assert_eq!(window.app().model.cursor().slope, Slope::new(0.0, 0.0));
+    assert_eq!(window.app().model.document.cursor().slope, Slope::new(0.0, 0.0));
     window.slide("Slope u", 1.8);
     window.key(Key::G);
-    assert_eq!(window.app().model.cursor().slope, Slope::new(2.0, 0.0));
+    assert_eq!(window.app().model.document.cursor().slope, Slope::new(2.0, 0.0));
 }
 
 #[test]
@@ -48,33 +48,43 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     window.key(Key::Num1);
     window.settle();
     let model = &window.app().model;
-    let frame = model.slots.a.burst.as_ref().unwrap().burst.frames[model.cursor().frame].clone();
+    let frame = model.results.slots.a.burst.as_ref().unwrap().burst.frames[model.document.cursor().frame].clone();
     assert_eq!(model.picture().unwrap().plane, frame);
     window.key(Key::Num3);
     window.slide("Octave", 1.0);
     window.settle();
     let model = &window.app().model;
-    let burst = &model.slots.a.burst.as_ref().unwrap().burst;
-    let expected =
-        dog_view(burst, &model.params, model.cursor().slope, 1, model.cursor().level, &Monitor::default()).unwrap();
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let expected = dog_view(
+        burst,
+        &model.document.params,
+        model.document.cursor().slope,
+        1,
+        model.document.cursor().level,
+        &Monitor::default(),
+    )
+    .unwrap();
     assert_eq!(*model.picture().unwrap().plane, expected);
     assert!(window.shows("octave 1"));
     window.slide("Frame", 7.0);
     window.settle();
-    assert_eq!((window.app().model.cursor().kind, window.app().model.cursor().frame), (ViewKind::Frame, 7));
+    assert_eq!(
+        (window.app().model.document.cursor().kind, window.app().model.document.cursor().frame),
+        (ViewKind::Frame, 7)
+    );
 }
 
 #[test]
 fn the_range_stays_while_the_hand_moves() {
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().model.look.ranges.intensity;
+    let before = window.app().model.document.look.ranges.intensity;
     for slope in [-2.0, 0.7, 2.9] {
         window.slide("Slope u", slope);
         window.settle();
     }
     window.key(Key::Num1);
     window.settle();
-    assert_eq!(window.app().model.look.ranges.intensity, before);
+    assert_eq!(window.app().model.document.look.ranges.intensity, before);
 }
 
 #[test]
@@ -82,7 +92,7 @@ fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
     let mut window = Start::without_auto_detect().open();
     let help = "Index of the shown frame";
     let slider = window.harness.get_by_role_and_label(Role::Slider, "Frame").rect();
-    let (from, before) = (slider.center(), window.app().model.cursor().frame);
+    let (from, before) = (slider.center(), window.app().model.document.cursor().frame);
     window.harness.hover_at(from);
     window.harness.run_steps(60);
     assert!(window.shows(help), "whoever rests on a slider is told what it does");
@@ -96,20 +106,22 @@ fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
     }
     window.harness.drop_at(to);
     window.settle();
-    assert!(window.app().model.cursor().frame > before);
+    assert!(window.app().model.document.cursor().frame > before);
 }
 
 #[test]
 fn playing_runs_through_the_slopes_until_it_is_paused() {
     let mut window = Start::without_auto_detect().open();
-    let first = window.app().model.cursor().slope;
+    let first = window.app().model.document.cursor().slope;
     window.click("▶ Play");
-    window.wait("another slope", |app| app.model.cursor().slope != first);
-    let second = window.app().model.cursor().slope;
-    window.wait("a third slope", |app| app.model.cursor().slope != first && app.model.cursor().slope != second);
-    assert!(window.app().model.params.slopes.slopes().any(|s| s == second), "the grid's slopes are played");
+    window.wait("another slope", |app| app.model.document.cursor().slope != first);
+    let second = window.app().model.document.cursor().slope;
+    window.wait("a third slope", |app| {
+        app.model.document.cursor().slope != first && app.model.document.cursor().slope != second
+    });
+    assert!(window.app().model.document.params.slopes.slopes().any(|s| s == second), "the grid's slopes are played");
     window.click("⏸ Pause");
-    assert!(!window.app().model.playing);
+    assert!(!window.app().model.document.playing);
 }
 
 #[test]
@@ -123,7 +135,7 @@ fn filmstrip() {
     click_burst(&mut window, "Use frame_002 as A");
     click_burst(&mut window, "Use frame_007 as B");
     let model = &mut window.app_mut().model;
-    let dataset = model.datasets.open.as_mut().unwrap();
+    let dataset = model.results.datasets.open.as_mut().unwrap();
     // Times, and the place of this test's files, differ from run to run.
     for state in &mut dataset.states {
         if let BurstState::Done(finished) = state {

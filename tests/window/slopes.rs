@@ -3,15 +3,15 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
-use burstscope::app::project::BottomTab;
-use burstscope::app::project::cursor::slope_limit;
-use burstscope::app::project::side::Side;
-use burstscope::app::project::staged::Reselect;
+use burstscope::app::document::action::Reselect;
+use burstscope::app::document::cursor::slope_limit;
+use burstscope::app::document::side::Side;
 use burstscope::app::session::Session;
 use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::verdict::judged;
 use burstscope::synth::random::Stream;
+use burstscope::teach::BottomTab;
 use egui::accesskit::Role;
 use egui::{Key, pos2, vec2};
 use egui_kittest::kittest::Queryable;
@@ -19,16 +19,16 @@ use ndarray::Array3;
 use std::path::{Path, PathBuf};
 
 fn grid(window: &Window) -> SlopeGrid {
-    window.app().model.params.slopes
+    window.app().model.document.params.slopes
 }
 
 #[test]
 fn the_demo_opens_with_its_slopes_found_and_shown() {
     let window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
     let model = &window.app().model;
-    let found = model.slots.a.found.as_ref().unwrap();
+    let found = model.results.slots.a.found.as_ref().unwrap();
     let finding = found.finding.as_ref().unwrap();
-    assert_eq!((model.slopes, finding.verdict), (SlopeChoice::AUTO, SlopeVerdict::Found));
+    assert_eq!((model.document.slopes, finding.verdict), (SlopeChoice::AUTO, SlopeVerdict::Found));
     assert_eq!((grid(&window), found.params.slopes), (finding.grid, finding.grid));
     assert!(finding.grid.is_plane() && model.stale().is_none());
     let (u, v) = (finding.grid.u, finding.grid.v);
@@ -38,8 +38,8 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
     };
     assert!(window.shows(&format!("Found: {}, {}", text("u", u), text("v", v))));
     // The sliders range over the found slopes.
-    assert!(slope_limit(&model.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
-    assert_eq!(model.slots.a.usable_params.slopes, finding.grid);
+    assert!(slope_limit(&model.results.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
+    assert_eq!(model.results.slots.a.usable_params.slopes, finding.grid);
 }
 
 #[test]
@@ -48,20 +48,20 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     let found = grid(&window);
     window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
     window.settle();
-    assert_eq!((window.app().model.slopes, grid(&window)), (SlopeChoice::Given, found));
-    assert!(window.app().model.slots.a.found.as_ref().unwrap().finding.is_none());
+    assert_eq!((window.app().model.document.slopes, grid(&window)), (SlopeChoice::Given, found));
+    assert!(window.app().model.results.slots.a.found.as_ref().unwrap().finding.is_none());
     window.click("Reset Slopes");
     window.settle();
-    assert_eq!((window.app().model.slopes, grid(&window)), (SlopeChoice::AUTO, found));
+    assert_eq!((window.app().model.document.slopes, grid(&window)), (SlopeChoice::AUTO, found));
     // A range edited by hand is given. Those that are found have no fields.
     assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slopes v").is_none());
     window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
     window.settle();
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
-    assert_eq!((window.app().model.slopes, grid(&window).v.count), (SlopeChoice::Given, 3));
+    assert_eq!((window.app().model.document.slopes, grid(&window).v.count), (SlopeChoice::Given, 3));
     assert_eq!(
-        (grid(&window).u, window.app().model.slots.a.found.as_ref().unwrap().params.slopes.v.count),
+        (grid(&window).u, window.app().model.results.slots.a.found.as_ref().unwrap().params.slopes.v.count),
         (found.u, 3)
     );
 }
@@ -71,31 +71,34 @@ fn presets_give_ranges_and_reset_all_finds_them() {
     let mut window = Start::automatic().open();
     window.click("BuFF 1D");
     window.settle();
-    assert_eq!((window.app().model.slopes, grid(&window)), (SlopeChoice::Given, SlopeGrid::line(-3.0..=3.0, 7)));
+    assert_eq!(
+        (window.app().model.document.slopes, grid(&window)),
+        (SlopeChoice::Given, SlopeGrid::line(-3.0..=3.0, 7))
+    );
     window.click("Reset all");
     window.settle();
-    assert!(window.app().model.slopes.is_auto() && grid(&window).is_plane());
+    assert!(window.app().model.document.slopes.is_auto() && grid(&window).is_plane());
 }
 
 #[test]
 fn sessions_keep_the_switch_and_given_ranges() {
     let mut window = Start::automatic().open();
     let model = &window.app().model;
-    let session = Session::of(model).unwrap();
+    let session = Session::of(model.read()).unwrap();
     let text = session.to_toml();
     assert!(text.contains("[document.slopes.auto]"), "{text}");
     let mut restored = Start::without_auto_detect().open();
     let model = &mut restored.app_mut().model;
     model.show_document(Session::from_toml(&text).unwrap().over_first(&model.document), Reselect::Feature(None));
-    assert!(restored.app().model.slopes.is_auto());
+    assert!(restored.app().model.document.slopes.is_auto());
     // A session with given slopes.
     let given = "version = 4\nburst = \"demo\"\n[document]\nslopes = \"given\"\n[document.params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
     let model = &mut window.app_mut().model;
     model.show_document(Session::from_toml(given).unwrap().over_first(&model.document), Reselect::Feature(None));
     window.settle();
-    assert_eq!(window.app().model.slopes, SlopeChoice::Given);
+    assert_eq!(window.app().model.document.slopes, SlopeChoice::Given);
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));
-    assert!(window.app().model.slots.a.found.as_ref().unwrap().finding.is_none());
+    assert!(window.app().model.results.slots.a.found.as_ref().unwrap().finding.is_none());
     assert_eq!(grid(&window).v.value(0.0), Slope::default().v);
 }
 
@@ -114,10 +117,11 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     window.settle();
     // The values are those of the library.
     let model = &window.app().model;
-    let detection = model.slots.a.found.as_ref().unwrap().detection.clone();
-    let values = model.coherence.of(&detection).unwrap().clone();
+    let detection = model.results.slots.a.found.as_ref().unwrap().detection.clone();
+    let values = model.results.coherence.of(&detection).unwrap().clone();
     let cache =
-        ProbeCache::new(&model.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default()).unwrap();
+        ProbeCache::new(&model.results.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default())
+            .unwrap();
     assert_eq!(*values, judged(&cache.trail, &Monitor::default()).unwrap());
     assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not computed yet"));
     assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(|judged| judged.coherence.is_none()));
@@ -125,7 +129,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let index =
         (0..values.len()).find(|&i| values[i].coherence.is_some_and(|c| c < 0.995)).expect("one is not quite even");
     let text = format!("{:.2}", values[index].coherence.unwrap());
-    window.app_mut().model.selected = Some(index);
+    window.app_mut().model.document.selected = Some(index);
     window.harness.run_steps(2);
     window.settle();
     assert!(window.shows("Coherence") && window.shows(&text));
@@ -138,7 +142,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     // The figure has these colours too, with a legend.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("coherence.svg");
-    window.app_mut().model.figure.legend = true;
+    window.app_mut().model.document.figure.legend = true;
     window.dialogs.will_choose(&path);
     window.run_action("figure as before");
     window.settle();
@@ -151,22 +155,22 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     assert!(colours.len() > 5 && svg.contains(">0.75"), "{colours:?}");
     // Another detection has other values; unknown ones are grey, and choosing the quantity again restarts a cancelled
     // computation.
-    window.app_mut().model.params.octaves = 2;
+    window.app_mut().model.document.params.octaves = 2;
     window.run_action("detect");
     window.settle();
-    let now = window.app().model.slots.a.found.as_ref().unwrap().detection.clone();
+    let now = window.app().model.results.slots.a.found.as_ref().unwrap().detection.clone();
     let model = &mut window.app_mut().model;
-    assert!(model.coherence.of(&detection).is_none() && model.coherence.of(&now).is_some());
-    model.coherence = Default::default();
+    assert!(model.results.coherence.of(&detection).is_none() && model.results.coherence.of(&now).is_some());
+    model.results.coherence = Default::default();
     let missing = model.missing_coherence(Side::A).expect("it is shown, and was forgotten");
     let app = window.app_mut();
-    app.model.coherence.wanted.a.ask(&app.engine, missing);
-    app.model.coherence.wanted.a.cancel();
+    app.model.results.coherence.wanted.a.ask(&app.engine, missing);
+    app.model.results.coherence.wanted.a.cancel();
     window.settle();
     assert!(window.shows("Grey: cancelled"));
     colour_by_coherence(&mut window);
     window.settle();
-    assert!(window.app().model.coherence.of(&now).is_some() && !window.shows("Grey: cancelled"));
+    assert!(window.app().model.results.coherence.of(&now).is_some() && !window.shows("Grey: cancelled"));
 }
 
 /// Writes many discs that all move by (2.5, 0), with noise, as a `.npy` stack.
@@ -203,7 +207,7 @@ fn open(folder: &Path) -> Window {
 
 /// Opens the tab; slopes are analysed automatically, unless the detection took long.
 fn look_at_slopes(window: &mut Window) {
-    window.app_mut().model.bottom_tab = BottomTab::Slopes;
+    window.app_mut().model.document.bottom_tab = BottomTab::Slopes;
     window.settle();
     if window.shows("Analyse slopes") {
         window.click("Analyse slopes");
@@ -212,25 +216,25 @@ fn look_at_slopes(window: &mut Window) {
 }
 
 fn axis(window: &Window) -> SlopeAxis {
-    window.app().model.params.slopes.u
+    window.app().model.document.params.slopes.u
 }
 
 #[test]
 fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    let slope = window.app().model.cursor().slope;
+    let slope = window.app().model.document.cursor().slope;
     look_at_slopes(&mut window);
     let spectrum = window.app().model.spectrum().unwrap().clone();
     let advice = &spectrum.advice[0];
     assert!(!advice.changes.is_empty() && window.shows("moves beyond the range"), "{advice:?}");
     assert!(window.shows(&advice.changes[0].label()) && window.shows("at the limit"));
-    assert_eq!(window.app().model.cursor().slope, slope, "it never moves the slope by itself");
+    assert_eq!(window.app().model.document.cursor().slope, slope, "it never moves the slope by itself");
     window.snapshot("slopes_advice");
     let before = axis(&window);
     // The table says the same, and applies it too.
     let sentence = advice.sentence.clone();
-    window.app_mut().model.bottom_tab = BottomTab::Table;
+    window.app_mut().model.document.bottom_tab = BottomTab::Table;
     window.settle();
     assert!(window.shows(&sentence[1..]), "{sentence}");
     window.click("Apply slopes");
@@ -240,7 +244,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     window.click("Apply");
     let wider = axis(&window);
     assert!(wider.max >= 2.5 && wider.min > before.max, "straight to what was found: {wider:?}");
-    assert_eq!(window.app().model.slopes, SlopeChoice::Given);
+    assert_eq!(window.app().model.document.slopes, SlopeChoice::Given);
     window.ctrl(Key::Z);
     assert_eq!(axis(&window), before, "it is undone as any change of a parameter");
     window.click("Apply");
@@ -255,7 +259,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     };
     assert!(!told(&spectrum), "{:?}", spectrum.advice);
     window.key(Key::B);
-    assert!((window.app().model.cursor().slope.u - 2.5).abs() < 0.6);
+    assert!((window.app().model.document.cursor().slope.u - 2.5).abs() < 0.6);
 }
 
 #[test]

@@ -2,11 +2,12 @@
 
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
+use burstscope::app::document::pair::MatchesAs;
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::PaneId;
-use burstscope::app::project::pair::{MatchesAs, Side};
-use burstscope::app::project::workspace::Workspace;
 use burstscope::detector::{DetectorParams, SlopeGrid};
 use burstscope::requests::BurstSource;
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui::{Key, Rect};
 use egui_kittest::kittest::Queryable;
@@ -20,7 +21,7 @@ fn pair(size: [f32; 2], bursts: [BurstSource; 2]) -> Window {
     let [source, second] = bursts;
     let startup = Startup { source: Some(source), second: Some(second), params: given().params, ..Startup::default() };
     let mut window = Start { size, startup, ..Start::default() }.open();
-    window.app_mut().model.workspace = Workspace::Pair;
+    window.app_mut().model.document.workspace = Workspace::Pair;
     window.settle();
     window
 }
@@ -46,7 +47,7 @@ fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
         let place = window.app().ui_from_image_of(Side::B, egui::pos2(200.0, 150.0)).unwrap();
         window.shift_click_at(place);
         window.settle();
-        assert!(window.app().model.probe.is_open && window.shows("Candidates here"));
+        assert!(window.app().model.document.probe.is_open && window.shows("Candidates here"));
         assert_eq!(panes(&window), before, "{size:?}: the probe is open");
         window.key(Key::Escape);
         window.run_action("Clear probe");
@@ -62,7 +63,7 @@ fn in_a_narrow_window_two_bursts_stay_until_the_panel_is_asked_for() {
     let before = panes(&window);
     window.key(Key::Home);
     window.settle();
-    assert!(window.app().model.selected_match.is_some() && !window.shows("Selected match"));
+    assert!(window.app().model.document.selected_match.is_some() && !window.shows("Selected match"));
     assert_eq!(panes(&window), before, "a match is selected");
     window.click("Unfold Feature and display");
     window.settle();
@@ -81,18 +82,18 @@ fn wide_bursts_stand_one_above_the_other() {
 #[test]
 fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
     let mut window = demos([1280.0, 800.0]);
-    let drawn = |window: &Window| window.app().model.pair.lines_drawn;
+    let drawn = |window: &Window| window.app().model.results.pair.lines_drawn;
     let (lines, all) = drawn(&window);
     assert!((10..70).contains(&lines) && all > 3 * lines, "{lines} of {all}");
     window.harness.get_by_role_and_label(Role::RadioButton, "Vectors").click();
     window.settle();
     let (vectors, of) = drawn(&window);
-    assert_eq!((window.app().model.match_look.drawn_as, of), (MatchesAs::Vectors, all));
+    assert_eq!((window.app().model.document.match_look.drawn_as, of), (MatchesAs::Vectors, all));
     assert!(vectors > lines, "short ones take less room: {vectors}");
     window.harness.get_by_role_and_label(Role::RadioButton, "Near pointer").click();
     window.settle();
     assert_eq!(drawn(&window).1, 0, "the pointer is elsewhere");
-    let row = window.app().model.pair.matches.as_ref().unwrap().row(3).unwrap();
+    let row = window.app().model.results.pair.matches.as_ref().unwrap().row(3).unwrap();
     let end = egui::pos2(row.a.u, row.a.v);
     let end = window.app().ui_from_image_of(Side::A, end).unwrap();
     window.harness.hover_at(end);
@@ -137,10 +138,10 @@ fn the_filter_stays_under_the_pointer_when_it_hides_features() {
     window.click("Filter");
     window.harness.run_steps(3);
     let before = rect(&window, Role::CheckBox, "Hide features at the slope limit");
-    let total = window.app().model.listed.len();
-    window.app_mut().model.filter.hide_slope_limit = true;
+    let total = window.app().model.results.listed.len();
+    window.app_mut().model.document.filter.hide_slope_limit = true;
     window.settle();
-    assert!(window.app().model.listed.len() < total);
+    assert!(window.app().model.results.listed.len() < total);
     assert_eq!(rect(&window, Role::CheckBox, "Hide features at the slope limit"), before);
 }
 

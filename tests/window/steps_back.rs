@@ -1,7 +1,7 @@
 //! Undo and redo, the clipboard, context menus, and keys while a dialog is open.
 
 use crate::support::{Start, Window};
-use burstscope::app::project::cursor::ViewKind;
+use burstscope::app::document::cursor::ViewKind;
 use burstscope::detector::{Method, Slope};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, OutputCommand, Pos2, pos2};
@@ -51,7 +51,8 @@ fn parameters_and_slopes_are_taken_back_and_made_again() {
     window.click("SIFT");
     window.slide("Slope u", 2.5);
     window.settle();
-    let state = |window: &Window| (window.app().model.params.method, window.app().model.cursor().slope.u);
+    let state =
+        |window: &Window| (window.app().model.document.params.method, window.app().model.document.cursor().slope.u);
     assert_eq!(state(&window), (Method::Sift, 2.5));
     window.ctrl(Key::Z);
     assert_eq!(state(&window), (Method::Sift, 1.0));
@@ -74,7 +75,7 @@ fn a_strip_goes_back_as_a_strip() {
     window.key(Key::Num8);
     window.settle();
     let slopes = |window: &Window| -> Vec<f32> {
-        let panes = &window.app().model.panes;
+        let panes = &window.app().model.document.panes;
         panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
     };
     let before = slopes(&window);
@@ -89,7 +90,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.key(Key::Home);
     let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
-    let first = window.app().model.features()[window.app().model.selected.unwrap()];
+    let first = window.app().model.read().features()[window.app().model.document.selected.unwrap()];
     assert_eq!(texts.len(), 1);
     assert!(texts[0].starts_with("u\tv\tsigma") && texts[0].contains(&format!("\n{}\t{}", first.u, first.v)));
     // Without a selection, the value under the pointer is copied.
@@ -117,28 +118,28 @@ fn rows_and_features_have_menus() {
     window.click("Go to feature");
     window.settle();
     let model = &window.app().model;
-    assert_eq!((model.selected, model.cursor().slope), (Some(2), model.features()[2].slope));
-    let feature = model.features()[2];
+    assert_eq!((model.document.selected, model.document.cursor().slope), (Some(2), model.read().features()[2].slope));
+    let feature = model.read().features()[2];
     let at = window.app().ui_from_image(pos2(feature.u, feature.v)).unwrap();
     window.key(Key::Escape);
     second_click_at(&mut window, at);
-    let hovered = window.app().model.hovered.expect("the pointer is on a feature");
+    let hovered = window.app().model.results.hovered.expect("the pointer is on a feature");
     window.harness.get_all_by_role_and_label(Role::Button, "Select").next().unwrap().click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.selected, Some(hovered));
+    assert_eq!(window.app().model.document.selected, Some(hovered));
 }
 
 #[test]
 fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
     let mut window = Start::without_auto_detect().open();
-    let before = *window.app().model.cursor();
+    let before = *window.app().model.document.cursor();
     // The key that opens the dialog, and one after it in the same pass.
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
     window.harness.key_press(Key::Num3);
     window.harness.step();
     window.harness.key_press(Key::ArrowRight);
     window.harness.run_steps(2);
-    assert_eq!(*window.app().model.cursor(), before);
+    assert_eq!(*window.app().model.document.cursor(), before);
     assert!(window.shows("Open a path"));
     // The palette does not open over it.
     window.harness.key_press_modifiers(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::P);
@@ -146,6 +147,6 @@ fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
     assert!(!window.shows("Find an action"));
     window.key(Key::Escape);
     window.key(Key::Num3);
-    assert_eq!(window.app().model.cursor().kind, ViewKind::Dog);
-    assert_eq!(window.app().model.cursor().slope, Slope::default());
+    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.app().model.document.cursor().slope, Slope::default());
 }

@@ -2,12 +2,12 @@
 
 use crate::{harness as common, pictures};
 use burstscope::app::dialogs::{FileDialogs, Question};
-use burstscope::app::project::Panels;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::panes::Panels;
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::detector::DetectorParams;
 use burstscope::requests::BurstSource;
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -319,17 +319,17 @@ impl Window {
     fn compare(&mut self, name: &str) {
         self.settle();
         // Which of several bursts' or methods' answers comes last differs from run to run.
-        if matches!(self.app().model.workspace, Workspace::Pair | Workspace::Methods) {
+        if matches!(self.app().model.document.workspace, Workspace::Pair | Workspace::Methods) {
             self.app_mut().model.messages.note("");
         }
         // Durations differ from run to run.
-        if let Some(found) = &mut self.app_mut().model.slots.a.found {
+        if let Some(found) = &mut self.app_mut().model.results.slots.a.found {
             (found.elapsed, found.detected.search_secs) = (Duration::from_millis(120), 0.12);
         }
-        if let Some(matches) = &mut self.app_mut().model.pair.matches {
+        if let Some(matches) = &mut self.app_mut().model.results.pair.matches {
             matches.elapsed = Duration::from_millis(10);
         }
-        for found in self.app_mut().model.compare.all_found_mut() {
+        for found in self.app_mut().model.results.compare.all_found_mut() {
             found.elapsed = Duration::from_millis(120);
         }
         self.harness.run_steps(2);

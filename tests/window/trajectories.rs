@@ -1,9 +1,9 @@
 //! An estimated trajectory beside the true one.
 
 use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::project::trajectories::Which;
-use burstscope::app::project::workspace::Workspace;
+use burstscope::app::document::datasets::Which;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
+use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use std::fmt::Write;
@@ -64,8 +64,8 @@ fn open_both(home: &Path) -> (Window, PoseReport) {
 fn the_errors_are_those_of_the_library() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, report) = open_both(home.path());
-    assert_eq!(window.app().model.workspace, Workspace::Trajectories);
-    assert_eq!(window.app().model.poses.report().map(|r| (**r).clone()), Some(report.clone()));
+    assert_eq!(window.app().model.document.workspace, Workspace::Trajectories);
+    assert_eq!(window.app().model.results.poses.report().map(|r| (**r).clone()), Some(report.clone()));
     assert!(window.shows("13 of 14 (93 %)"));
     for errors in [&report.absolute, &report.relative] {
         assert!(window.shows(&format!("{:.4}", errors.translation.rmse)));
@@ -73,34 +73,34 @@ fn the_errors_are_those_of_the_library() {
     assert!(window.shows(&format!("{:.1}", report.model.unwrap().points_per_image)));
     window.harness.get_by_role_and_label(Role::Row, "Camera burst_04.png").click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.trajectories.selected, Some(4));
+    assert_eq!(window.app().model.document.trajectories.selected, Some(4));
     // Motions over three poses have other errors.
     window.harness.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
     window.settle();
-    let over_three = window.app().model.poses.report().unwrap().clone();
+    let over_three = window.app().model.results.poses.report().unwrap().clone();
     assert_eq!((over_three.step, over_three.relative.count), (3, 10));
     assert!(window.shows(&format!("{:.4}", over_three.relative.translation.rmse)));
     window.run_action("close trajectories");
     window.settle();
-    assert!(window.app().model.poses.is_empty() && window.shows("none yet"));
+    assert!(window.app().model.results.poses.is_empty() && window.shows("none yet"));
 }
 
 #[test]
 fn a_camera_is_pointed_at_in_the_plane() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
-    window.app_mut().model.trajectories.projection = Projection::Xz;
+    window.app_mut().model.document.trajectories.projection = Projection::Xz;
     window.settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let scene = window.app().model.poses.scene(window.app().model.trajectories.projection, false);
-    let view = window.app().model.trajectories.view;
+    let scene = window.app().model.results.poses.scene(window.app().model.document.trajectories.projection, false);
+    let view = window.app().model.document.trajectories.view;
     let at = canvas.center() + view.points_per_pixel() * (scene.estimate[6].pos - egui::Pos2::from(view.centre_image));
     window.harness.hover_at(at);
     window.harness.run_steps(30);
-    assert_eq!(window.app().model.poses.hovered, Some(6));
+    assert_eq!(window.app().model.results.poses.hovered, Some(6));
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
     window.click_at(at);
-    assert_eq!(window.app().model.trajectories.selected, Some(6));
+    assert_eq!(window.app().model.document.trajectories.selected, Some(6));
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
     let (mut window, _) = open_both(home.path());
     window.harness.get_by_role_and_label(Role::CheckBox, "3D points").click();
     window.settle();
-    assert!(window.app().model.trajectories.points && window.shows("3D points"));
+    assert!(window.app().model.document.trajectories.points && window.shows("3D points"));
     let app = window.app_mut();
     app.model.open_trajectory(Which::Estimate, home.path().join("truth.txt"), &app.engine);
     window.settle();
@@ -139,7 +139,7 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     let at = row(&window, "Camera burst_01.png");
     window.double_click_at(at);
     window.settle();
-    assert_eq!((window.app().model.workspace, window.app().model.frame_count()), (Workspace::Inspect, 5));
+    assert_eq!((window.app().model.document.workspace, window.app().model.frame_count()), (Workspace::Inspect, 5));
     window.run_action("trajectories");
     window.settle();
     let at = row(&window, "Camera burst_02.png");
@@ -157,14 +157,14 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     app.model.open_trajectory(Which::Truth, broken, &app.engine);
     window.settle();
     assert!(window.shows("broken.txt") && window.shows("line 1"));
-    assert!(window.app().model.poses.report().is_some());
+    assert!(window.app().model.results.poses.report().is_some());
     // A truth of other places: both are read, but nothing can be compared.
     let other = home.path().join("other.txt");
     std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
     window.drop_file(other);
     window.settle();
-    assert!(window.app().model.poses.report().is_none());
-    assert!(window.app().model.poses.problem().is_some());
+    assert!(window.app().model.results.poses.report().is_none());
+    assert!(window.app().model.results.poses.problem().is_some());
     assert!(window.shows("cannot be"));
 }
 
@@ -172,23 +172,26 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
 fn a_session_brings_the_trajectories_back() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, report) = open_both(home.path());
-    window.app_mut().model.trajectories.projection = Projection::Yz;
+    window.app_mut().model.document.trajectories.projection = Projection::Yz;
     let file = home.path().join("walk.burstscope.toml");
     let other = window.kept_and_opened_in_another(&file);
     let model = &other.app().model;
-    assert_eq!((model.workspace, model.trajectories.projection), (Workspace::Trajectories, Projection::Yz));
-    assert_eq!(model.poses.report().map(|r| r.absolute), Some(report.absolute));
+    assert_eq!(
+        (model.document.workspace, model.document.trajectories.projection),
+        (Workspace::Trajectories, Projection::Yz)
+    );
+    assert_eq!(model.results.poses.report().map(|r| r.absolute), Some(report.absolute));
 }
 
 #[test]
 fn trajectories() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
-    let compared = &mut window.app_mut().model.poses.compared;
+    let compared = &mut window.app_mut().model.results.poses.compared;
     // The place of this test's files differs from run to run.
     compared.estimate.as_mut().unwrap().0 = "/data/rec/sparse".into();
     compared.truth.as_mut().unwrap().0 = "/data/truth.txt".into();
-    window.app_mut().model.trajectories.selected = Some(3);
+    window.app_mut().model.document.trajectories.selected = Some(3);
     window.app_mut().model.messages.note("Opened demo");
     window.snapshot("trajectories");
 }

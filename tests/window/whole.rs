@@ -3,9 +3,9 @@
 use crate::cut::cut_off;
 use crate::steps_back::second_click_at;
 use crate::support::{Start, Window, given};
-use burstscope::app::project::BottomTab;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
+use burstscope::teach::BottomTab;
 use egui::{Key, ThemePreference, pos2, vec2};
 
 const SIZES: [[f32; 2]; 3] = [[960.0, 640.0], [1280.0, 800.0], [1920.0, 1080.0]];
@@ -15,7 +15,7 @@ const SIZES: [[f32; 2]; 3] = [[960.0, 640.0], [1280.0, 800.0], [1920.0, 1080.0]]
 fn assert_whole(window: &mut Window, screen: &str) {
     let mut told = Vec::new();
     for theme in [ThemePreference::Dark, ThemePreference::Light] {
-        window.app_mut().model.theme = theme;
+        window.app_mut().model.document.theme = theme;
         for [width, height] in SIZES {
             for scale in [1.0, 2.0] {
                 let viewports = &mut window.harness.set_size(vec2(width, height)).input_mut().viewports;
@@ -43,8 +43,8 @@ fn a_selected_feature_tells_all_its_numbers() {
     for size in SIZES {
         window.harness.set_size(size.into());
         window.harness.run_steps(4);
-        let index = window.app().model.selected.expect("the strongest");
-        let feature = window.app().model.features()[index];
+        let index = window.app().model.document.selected.expect("the strongest");
+        let feature = window.app().model.read().features()[index];
         for value in [format!("{:.1}", feature.snr), format!("{}, {}", feature.octave, feature.level)] {
             assert!(window.shows(&value), "{value} at {size:?}");
         }
@@ -57,7 +57,7 @@ fn a_selected_feature_tells_all_its_numbers() {
 fn tables_and_tabs_are_whole() {
     let mut window = open();
     for tab in [BottomTab::Table, BottomTab::Tally, BottomTab::Noise, BottomTab::Slopes] {
-        window.app_mut().model.bottom_tab = tab;
+        window.app_mut().model.document.bottom_tab = tab;
         window.settle();
         assert_whole(&mut window, &format!("{tab:?}"));
     }
@@ -102,10 +102,10 @@ fn the_menu_of_a_feature_is_whole_and_no_tip_lies_over_it() {
         let mut window = Start { size, ..Start::automatic() }.open();
         let feature = {
             let model = &window.app().model;
-            let index = model.listed[0];
-            model.features()[index]
+            let index = model.results.listed[0];
+            model.read().features()[index]
         };
-        window.app_mut().model.focused_mut().cursor.slope = feature.motion().0;
+        window.app_mut().model.document.focused_mut().cursor.slope = feature.motion().0;
         window.settle();
         let at = window.app().ui_from_image(pos2(feature.u, feature.v)).expect("drawn");
         window.harness.hover_at(at);
@@ -153,14 +153,14 @@ fn the_slope_of_features_is_said_with_their_own() {
     let note = window.app().model.messages.last_note().expect("a note").to_owned();
     assert!(note.contains(" by their own slope"), "{note}");
     let model = &window.app().model;
-    let found = model.slots.a.found.as_ref().unwrap();
-    let slope: Slope = model.cursor().slope;
-    let [all, own] = burstscope::app::project::filter::at_slope(&found.detection, slope);
+    let found = model.results.slots.a.found.as_ref().unwrap();
+    let slope: Slope = model.document.cursor().slope;
+    let [all, own] = burstscope::app::document::filter::at_slope(&found.detection, slope);
     assert!(note.contains(&format!("({all})")) && note.contains(&format!("{own} by")), "{note} {all} {own}");
-    window.app_mut().model.bottom_tab = BottomTab::Table;
-    window.app_mut().model.filter.near_slope = Some(window.app().model.near_slope());
+    window.app_mut().model.document.bottom_tab = BottomTab::Table;
+    window.app_mut().model.document.filter.near_slope = Some(window.app().model.near_slope());
     window.settle();
-    assert_eq!(window.app().model.listed.len(), all);
+    assert_eq!(window.app().model.results.listed.len(), all);
     assert!(window.shows(&format!("{own} by their own slope")));
     // The columns that decide stand beside one another.
     use egui_kittest::kittest::Queryable;
@@ -184,11 +184,11 @@ fn figure_texts(window: &mut Window, folder: &std::path::Path) -> String {
 fn the_legend_of_a_figure_names_what_is_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open();
-    window.app_mut().model.figure.legend = true;
-    window.app_mut().model.figure.format = burstscope::export::FigureFormat::Svg;
+    window.app_mut().model.document.figure.legend = true;
+    window.app_mut().model.document.figure.format = burstscope::export::FigureFormat::Svg;
     // Of one slope of a plane all features that are drawn move by it, or by few.
     let model = &window.app().model;
-    let (slope, grid) = (model.cursor().slope, model.slots.a.found.as_ref().unwrap().detection.slopes);
+    let (slope, grid) = (model.document.cursor().slope, model.results.slots.a.found.as_ref().unwrap().detection.slopes);
     assert!(grid.is_plane());
     let here = format!("{} px/frame", burstscope::inspect::words::slope_text(grid.slope(grid.nearest(slope))));
     let others: Vec<String> = grid
@@ -200,13 +200,13 @@ fn the_legend_of_a_figure_names_what_is_drawn() {
     assert!(text.contains(&format!(">{here}<")), "{here}");
     assert_eq!(others.iter().filter(|other| text.contains(*other)).count(), 0, "no other slope is drawn");
     // Of many slopes it is the wheel, as in the window.
-    window.app_mut().model.look.overlay = burstscope::app::project::look::FeaturesShown::All;
+    window.app_mut().model.document.look.overlay = burstscope::app::document::look::FeaturesShown::All;
     window.settle();
     let text = figure_texts(&mut window, folder.path());
     assert!(text.contains("slope up to ") && !others.iter().any(|other| text.contains(other)));
     // Words are said as such, and only those that are there.
-    window.app_mut().model.colour_by = burstscope::app::view::ColourBy::Moves;
-    window.app_mut().model.filter.moves = Some(burstscope::detector::Moves::ByItself);
+    window.app_mut().model.document.colour_by = burstscope::app::view::ColourBy::Moves;
+    window.app_mut().model.document.filter.moves = Some(burstscope::detector::Moves::ByItself);
     window.settle();
     let text = figure_texts(&mut window, folder.path());
     assert!(text.contains(">moves by itself<") && !text.contains(">ghost<"), "{text}");

@@ -2,12 +2,13 @@
 
 use super::change::change;
 use super::registry::ActionId;
+use crate::app::document::look::Look;
+use crate::app::document::pair::PairTab;
+use crate::app::document::panes::Visibility;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Document};
 use crate::app::pane::Content;
-use crate::app::project::look::Look;
-use crate::app::project::pair::PairTab;
-use crate::app::project::side::Side;
-use crate::app::project::{Effect, Model, Visibility};
+use crate::app::results::{Effect, Model};
 use crate::app::view::View;
 use crate::engine::Engine;
 use crate::requests::ViewKind;
@@ -47,7 +48,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::OpenGold(side, source) => model.open_gold(side, source, engine),
         A::OpenFeatures(side, path) => {
             model.lay_over(side, path);
-            model.bottom_tab = BottomTab::Compared;
+            model.document.bottom_tab = BottomTab::Compared;
         }
         A::OpenTrajectory(which, path) => model.open_trajectory(which, path, engine),
         A::OpenBurstAt(place) => model.open_burst_at(place, engine),
@@ -60,27 +61,27 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::Note(text) => model.messages.note(text),
         A::DismissMessage(id) => model.messages.dismiss(id),
         A::ColourBy(by) => {
-            model.colour_by = by;
+            model.document.colour_by = by;
             // Choosing a quantity again starts its computation again, if that was cancelled.
-            model.coherence.try_again();
+            model.results.coherence.try_again();
         }
         A::ToggleTab(tab) => {
-            model.panels.bottom = Visibility::from(!model.shows_bottom() || model.bottom_tab != tab);
-            model.bottom_tab = tab;
+            model.document.panels.bottom = Visibility::from(!model.shows_bottom() || model.document.bottom_tab != tab);
+            model.document.bottom_tab = tab;
         }
         A::SetPairTab(tab) => {
-            model.panels.bottom = Visibility::from(!model.shows_bottom() || model.pair_tab != tab);
-            model.pair_tab = tab;
+            model.document.panels.bottom = Visibility::from(!model.shows_bottom() || model.document.pair_tab != tab);
+            model.document.pair_tab = tab;
         }
         A::UseFrames(count) => model.use_frames(count),
         A::ApplyChanges(side, changes) => model.apply_advice(side, &changes),
         A::ApplySetUp => model.apply_set_up(),
-        A::ExamineSlopes => model.explained.slopes_wanted = true,
+        A::ExamineSlopes => model.results.explained.slopes_wanted = true,
         A::SearchDecoys => model.want_decoys(),
         A::Probe(side, question) => model.ask_probe(side, question),
         A::ProbeFeature(side, index) => model.probe_feature(side, index),
         // The open probe speaks of what is selected.
-        A::Select(Some(index)) if model.probe.is_open && model.probe.is_on() => {
+        A::Select(Some(index)) if model.document.probe.is_open && model.document.probe.is_on() => {
             model.probe_feature(Side::A, index);
         }
         A::ProbeSubject(subject) => model.look_at(subject),
@@ -88,13 +89,13 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::SelectRow(side, row) => model.select_row(side, row),
         A::AskFeature(index) => model.ask_feature(index),
         A::ShowKept(index, shown) => {
-            model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.is_shown = shown);
+            model.results.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.is_shown = shown);
         }
         A::NameKept(index, name) => {
-            model.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.name.clone_from(&name));
+            model.results.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.name.clone_from(&name));
         }
         A::ForgetKept(index) => model.forget_kept(index),
-        A::SortPairs(column) => model.datasets.open.iter_mut().for_each(|open| open.matches.sort_by(column)),
+        A::SortPairs(column) => model.results.datasets.open.iter_mut().for_each(|open| open.matches.sort_by(column)),
         A::ChangePanes(change) => model.change_panes(change),
         action => set(action, &mut model.document),
     }
@@ -195,7 +196,7 @@ fn set_pane(action: Action, document: &mut Document) {
 mod tests {
     use super::*;
     use crate::app::document::Pointed;
-    use crate::app::project::tests::Bench;
+    use crate::app::results::tests::Bench;
 
     #[test]
     fn what_is_pointed_at_is_no_step_and_leaves_the_document_as_it_is() {
@@ -206,6 +207,6 @@ mod tests {
         }
         model.close_step(false);
         assert!(model.document == before && !model.history.can_undo());
-        assert_eq!((model.hovered, model.slots.b.comparison.hovered), (Some(3), Some(1)));
+        assert_eq!((model.results.hovered, model.results.slots.b.comparison.hovered), (Some(3), Some(1)));
     }
 }

@@ -3,42 +3,43 @@
 use super::ActionId;
 use super::registry::Does;
 use crate::app::canvas::overlay::ColourBy;
+use crate::app::document::comparison::Reference;
+use crate::app::document::export::Purpose;
+use crate::app::document::method::plane_of;
+use crate::app::document::panes::Change;
+use crate::app::document::panes::Visibility;
+use crate::app::document::side::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::Tool;
 use crate::app::pane::Pane;
-use crate::app::project::comparison::Reference;
-use crate::app::project::effect::Purpose;
-use crate::app::project::method::plane_of;
-use crate::app::project::panes::Change;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Effect, Model, Visibility};
+use crate::app::results::{Effect, Model};
 use crate::detector::{Method, SlopeChoice, SlopeGrid};
 use crate::engine::Engine;
 use crate::requests::{BurstSource, ViewKind};
+use crate::teach::{BottomTab, Workspace};
 
 pub(super) fn change(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
-    let focus = model.focus();
+    let focus = model.document.focus();
     match id.action().does {
         Some(Does::Ask(purpose)) => return Some(Effect::Ask(purpose)),
         Some(Does::Open(source)) => _ = model.open(Side::A, source(), engine),
         Some(Does::LayOut(preset)) => model.change_panes(Change::LayOut(focus, preset)),
-        Some(Does::Workspace(workspace)) => model.open_workspace(workspace),
+        Some(Does::Workspace(workspace)) => model.document.open_workspace(workspace),
         Some(Does::Switch { turn: set, .. } | Does::Set(set)) => set(&mut model.document),
         Some(Does::Slope(of)) => {
-            let slope = of(&model.cursor_params().slopes, model.cursor().slope);
-            model.playing = false;
-            model.show_slope(focus, slope);
+            let slope = of(&model.cursor_params().slopes, model.document.cursor().slope);
+            model.document.playing = false;
+            model.document.show_slope(focus, slope);
         }
-        Some(Does::Frame(go)) => model.lead(focus, |pane| {
+        Some(Does::Frame(go)) => model.document.lead(focus, |pane| {
             go(&mut pane.cursor);
             pane.show(ViewKind::Frame);
         }),
-        Some(Does::Scale(go)) => model.lead(focus, |pane| {
+        Some(Does::Scale(go)) => model.document.lead(focus, |pane| {
             go(&mut pane.cursor);
             pane.show_scale();
         }),
-        Some(Does::Show(kind)) => model.lead(focus, |pane| pane.show(kind)),
+        Some(Does::Show(kind)) => model.document.lead(focus, |pane| pane.show(kind)),
         Some(Does::Run(run)) => run(model, engine),
         None => return change_by_hand(id, model, engine),
     }
@@ -55,28 +56,28 @@ fn change_by_hand(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Ef
         A::DetectAll => return model.ask_and_detect_all(engine),
         A::Detect => {
             model.start_detection(Side::A, engine);
-            if model.workspace == Workspace::Pair {
+            if model.document.workspace == Workspace::Pair {
                 model.start_detection(Side::B, engine);
             }
         }
         A::Match => {
             if let Some(wanted) = model.wanted_matches() {
-                model.pair.matching.ask(engine, wanted);
+                model.results.pair.matching.ask(engine, wanted);
             }
         }
         A::OpenChart => {
             if let Some(chart) = model.selected_chart().and_then(|chart| chart.params()) {
-                model.workspace = Workspace::Inspect;
+                model.document.workspace = Workspace::Inspect;
                 model.open(Side::A, BurstSource::Chart(Box::new(chart)), engine);
             }
         }
         A::OpenDarkCopy => {
-            if let Some(burst) = &model.slots.a.burst {
+            if let Some(burst) = &model.results.slots.a.burst {
                 let of = Box::new(burst.source.clone());
-                model.open(Side::A, BurstSource::DarkCopy { of, noise: model.lab.dark_copy }, engine);
+                model.open(Side::A, BurstSource::DarkCopy { of, noise: model.document.lab.dark_copy }, engine);
             }
         }
-        A::GoToFeature if model.workspace == Workspace::Pair => {
+        A::GoToFeature if model.document.workspace == Workspace::Pair => {
             model.go_to_match();
         }
         A::GoToFeature => model.go_to_selected(),
@@ -87,62 +88,62 @@ fn change_by_hand(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Ef
         }
         A::PinResult => {
             model.pin_result(model.active_side());
-            model.bottom_tab = BottomTab::Compared;
+            model.document.bottom_tab = BottomTab::Compared;
             model.messages.note("Pinned: later detections are compared with these features");
         }
         A::ShowTruth => {
             let side = model.active_side();
-            let on = model.comparisons[side].with == Some(Reference::Truth);
+            let on = model.document.comparisons[side].with == Some(Reference::Truth);
             model.show_comparison(side, (!on).then_some(Reference::Truth));
-            model.bottom_tab = BottomTab::Compared;
+            model.document.bottom_tab = BottomTab::Compared;
         }
-        A::ToggleLeft if model.shows_left() => model.panels.left = Visibility::Closed,
+        A::ToggleLeft if model.shows_left() => model.document.panels.left = Visibility::Closed,
         A::ToggleLeft => model.open_left(),
-        A::ToggleRight => model.panels.right = Visibility::from(!model.shows_right()),
-        A::ToggleBottom => model.panels.bottom = Visibility::from(!model.shows_bottom()),
-        A::NextFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(true),
-        A::PreviousFeature if model.workspace == Workspace::Pair => model.select_neighbouring_match(false),
-        A::StrongestFeature if model.workspace == Workspace::Pair => {
-            model.selected_match = model.pair.listed.first().copied();
+        A::ToggleRight => model.document.panels.right = Visibility::from(!model.shows_right()),
+        A::ToggleBottom => model.document.panels.bottom = Visibility::from(!model.shows_bottom()),
+        A::NextFeature if model.document.workspace == Workspace::Pair => model.select_neighbouring_match(true),
+        A::PreviousFeature if model.document.workspace == Workspace::Pair => model.select_neighbouring_match(false),
+        A::StrongestFeature if model.document.workspace == Workspace::Pair => {
+            model.document.selected_match = model.results.pair.listed.first().copied();
         }
         A::NextFeature => model.select_neighbour(true),
         A::PreviousFeature => model.select_neighbour(false),
-        A::StrongestFeature => model.selected = model.listed.first().copied(),
+        A::StrongestFeature => model.document.selected = model.results.listed.first().copied(),
         A::ProbeExpected => {
             if let Some(place) = model.expected_place() {
                 model.probe_place(Side::B, place);
             }
         }
         A::BusiestSlope => {
-            let focus = model.focus();
-            model.playing = false;
+            let focus = model.document.focus();
+            model.document.playing = false;
             model.go_to_busiest_slope(focus);
-            model.lead(focus, Pane::show_slope);
+            model.document.lead(focus, Pane::show_slope);
         }
-        A::ClearSelection if model.measure.tool != Tool::Pan => {
-            let tool = model.measure.tool;
-            model.measure.toggle(tool);
+        A::ClearSelection if model.document.measure.tool != Tool::Pan => {
+            let tool = model.document.measure.tool;
+            model.document.measure.toggle(tool);
         }
-        A::ToggleOverlay if model.workspace == Workspace::Methods => model.methods.features ^= true,
-        A::ToggleOverlay if model.workspace == Workspace::Pair => model.match_look.features ^= true,
-        A::ToggleOverlay => model.look.overlay = model.look.overlay.next(),
+        A::ToggleOverlay if model.document.workspace == Workspace::Methods => model.document.methods.features ^= true,
+        A::ToggleOverlay if model.document.workspace == Workspace::Pair => model.document.match_look.features ^= true,
+        A::ToggleOverlay => model.document.look.overlay = model.document.look.overlay.next(),
         A::NextColouring => {
-            let choices = || ColourBy::choices(model.set_up.reads_depths);
-            let next = choices().skip_while(|by| *by != model.colour_by).nth(1);
-            model.colour_by = next.unwrap_or_default();
+            let choices = || ColourBy::choices(model.document.set_up.reads_depths);
+            let next = choices().skip_while(|by| *by != model.document.colour_by).nth(1);
+            model.document.colour_by = next.unwrap_or_default();
         }
         A::Preset1d => {
-            (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
-            model.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
+            (model.document.params.method, model.document.slopes) = (Method::Buff, SlopeChoice::Given);
+            model.document.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
         }
         A::Preset2d => {
-            (model.params.method, model.slopes) = (Method::Buff, SlopeChoice::Given);
-            model.params.slopes = plane_of(model.params.slopes);
+            (model.document.params.method, model.document.slopes) = (Method::Buff, SlopeChoice::Given);
+            model.document.params.slopes = plane_of(model.document.params.slopes);
         }
-        A::ClearSelection if model.workspace == Workspace::Pair => {
-            (model.selected_match, model.asked_about) = (None, None);
+        A::ClearSelection if model.document.workspace == Workspace::Pair => {
+            (model.document.selected_match, model.document.asked_about) = (None, None);
         }
-        A::ClearSelection => (model.selected, model.comparisons.a.selected) = (None, None),
+        A::ClearSelection => (model.document.selected, model.document.comparisons.a.selected) = (None, None),
         _ => {}
     }
     None
@@ -151,32 +152,32 @@ fn change_by_hand(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Ef
 /// The place under the pointer, or else the middle of what is seen of the picture in focus; with its side.
 pub fn place_to_probe(model: &Model, widgets: &PaneWidgets) -> Option<(Side, [f32; 2])> {
     let middle = || {
-        let visible = widgets.get(model.focus())?.picture.visible_image?.center();
+        let visible = widgets.get(model.document.focus())?.picture.visible_image?.center();
         let (width, height) = model.focused_size();
         let within = |x: f32, n: usize| x.clamp(0.0, n.saturating_sub(1) as f32);
-        Some((model.focused().side, [within(visible.x, width), within(visible.y, height)]))
+        Some((model.document.focused().side, [within(visible.x, width), within(visible.y, height)]))
     };
-    model.probed.pointer.or_else(middle)
+    model.results.probed.pointer.or_else(middle)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::actions::apply;
-    use crate::app::project::tests::Bench;
+    use crate::app::results::tests::Bench;
 
     #[test]
     fn a_plane_keeps_the_slopes_that_were_found_and_one_step_back_returns_to_them() {
         let Bench { mut model, engine } = Bench::new();
-        (model.slopes, model.params.slopes) = (SlopeChoice::AUTO, SlopeGrid::line(-6.0..=-3.0, 4));
-        let found = (model.params.clone(), model.slopes);
+        (model.document.slopes, model.document.params.slopes) = (SlopeChoice::AUTO, SlopeGrid::line(-6.0..=-3.0, 4));
+        let found = (model.document.params.clone(), model.document.slopes);
         assert!(apply(ActionId::Preset2d.into(), &mut model, &engine).is_empty());
         model.close_step(false);
-        assert_eq!(model.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5));
-        assert!(!model.slopes.is_auto());
+        assert_eq!(model.document.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5));
+        assert!(!model.document.slopes.is_auto());
         model.undo(&engine);
-        assert!((model.params.clone(), model.slopes) == found && !model.history.can_undo());
+        assert!((model.document.params.clone(), model.document.slopes) == found && !model.history.can_undo());
         model.redo(&engine);
-        assert!(model.params.slopes.is_plane() && !model.slopes.is_auto());
+        assert!(model.document.params.slopes.is_plane() && !model.document.slopes.is_auto());
     }
 }

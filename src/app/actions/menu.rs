@@ -2,8 +2,9 @@
 
 use super::{ACTIONS, ActionId, ActionRow, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::document::Action;
-use crate::app::project::side::Side;
-use crate::app::project::{Model, Panels};
+use crate::app::document::panes::Panels;
+use crate::app::document::side::Side;
+use crate::app::results::Model;
 use crate::app::settings::Settings;
 use crate::app::words::explained;
 use crate::dataset::DatasetSource;
@@ -181,7 +182,7 @@ fn parameter(name: &str) -> &'static Param<DetectorParams> {
 
 /// The search with a parameter set, as an option of a command sets it.
 fn with_value(name: &str, value: &str, model: &Model) -> Option<SearchParams> {
-    let search = SearchParams { detector: model.params.clone(), slopes: model.slopes };
+    let search = SearchParams { detector: model.document.params.clone(), slopes: model.document.slopes };
     search.with_texts([(*parameter(name), value)]).ok()
 }
 
@@ -196,7 +197,7 @@ fn is_possible(found: &Entry, model: &Model) -> bool {
 fn set_or_show(name: &str, value: Option<&str>, model: &Model, queue: &mut Queue) {
     match value.and_then(|value| with_value(name, value, model)) {
         Some(search) => queue.push(Action::SetSearch(Box::new(search))),
-        None => queue.push(Action::SetPanels(Panels { left: true.into(), advanced: true, ..model.panels })),
+        None => queue.push(Action::SetPanels(Panels { left: true.into(), advanced: true, ..model.document.panels })),
     }
 }
 
@@ -216,7 +217,7 @@ fn palette_row_ui(ui: &mut egui::Ui, model: &Model, found: &Entry, chosen: bool)
             let right = match value {
                 Some(_) if !is_possible => "not a value of it".to_owned(),
                 Some(value) => format!("set to {value}"),
-                None => record.text(&model.params),
+                None => record.text(&model.document.params),
             };
             ("Detector", record.label.to_owned(), right, record.help())
         }
@@ -284,8 +285,8 @@ fn rank(wanted: &str, label: &str, help: &str) -> Option<u8> {
 fn why_not(action: &ActionRow, model: &Model) -> &'static str {
     match action.menu {
         Menu::Dataset => "open a dataset first",
-        _ if model.slots.a.burst.is_none() => "open a burst first",
-        Menu::Pair if model.slots.b.burst.is_none() => "open a second burst first",
+        _ if model.results.slots.a.burst.is_none() => "open a burst first",
+        Menu::Pair if model.results.slots.b.burst.is_none() => "open a second burst first",
         Menu::Pair => "in Two bursts",
         Menu::Detect if action.group == 4 => "in the Lab, after a study",
         Menu::Panes => "in One burst, or with several panes",
@@ -412,7 +413,7 @@ mod tests {
         assert_eq!(swap, [Entry::Action(A::SwapSides)]);
         assert!(!is_possible(&swap[0], &model));
         assert_eq!(why_not(A::SwapSides.action(), &model), "open a burst first");
-        model.take_burst(crate::app::project::tests::open((64, 48), 5));
+        model.take_burst(crate::app::results::tests::open((64, 48), 5));
         assert_eq!(why_not(A::SwapSides.action(), &model), "open a second burst first");
     }
 }

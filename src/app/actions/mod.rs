@@ -14,7 +14,7 @@ pub use change::place_to_probe;
 pub use registry::{ACTIONS, ActionId, ActionRow, Menu, shown_by, workspaces};
 pub use state_of::{checked, enabled};
 
-use crate::app::project::Model;
+use crate::app::results::Model;
 use crate::app::words::explained;
 use crate::teach::glossary::{Word, glossary};
 

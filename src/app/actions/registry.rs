@@ -1,19 +1,19 @@
 //! Registry of the actions: one row each.
 
 use crate::app::document::Document;
+use crate::app::document::comparison::Reference;
+use crate::app::document::cursor::{Cursor, snapped, stepped};
+use crate::app::document::export::{ExportKind, Purpose};
+use crate::app::document::side::Side;
 use crate::app::measure::Tool;
 use crate::app::pane::{Direction, Link, Preset};
-use crate::app::project::Model;
-use crate::app::project::comparison::Reference;
-use crate::app::project::cursor::{Cursor, snapped, stepped};
-use crate::app::project::effect::{ExportKind, Purpose};
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::app::view::View;
 use crate::detector::{Method, SearchParams, Slope, SlopeGrid};
 use crate::engine::Engine;
 use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
 use crate::synth::Example;
+use crate::teach::Workspace;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use serde::{Deserialize, Serialize};
 
@@ -73,9 +73,10 @@ impl Menu {
     /// Whether there is what the menu is about. Its actions are found by their names, or by their keys, in any case.
     pub fn has_content(self, model: &Model) -> bool {
         match self {
-            Self::Pair => model.workspace == Workspace::Pair || model.slots.b.burst.is_some(),
+            Self::Pair => model.document.workspace == Workspace::Pair || model.results.slots.b.burst.is_some(),
             Self::Dataset => {
-                model.datasets.open.is_some() || matches!(model.workspace, Workspace::Matches | Workspace::Trajectories)
+                model.results.datasets.open.is_some()
+                    || matches!(model.document.workspace, Workspace::Matches | Workspace::Trajectories)
             }
             _ => true,
         }
@@ -284,14 +285,14 @@ actions! {
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame";
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them";
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline" => Set(|document| document.params.method = Method::Sift);
-    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.compare.forget_failures());
+    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.forget_failures());
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::A));
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::B));
     SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths" => Set(|document| document.show_set_up());
     ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default" => Set(|document| document.set_search(SearchParams::default()));
     RunStudy, Detect 4, "Run study", [], "Make the Lab's charts, run the methods on them, and draw the curves as they grow" => Run(|model, engine| model.run_study(engine));
-    CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay" => Run(|model, _| model.studies.wanted.cancel());
-    KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones" => Run(|model, _| model.studies.keep_current());
+    CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay" => Run(|model, _| model.results.studies.wanted.cancel());
+    KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones" => Run(|model, _| model.results.studies.keep_current());
     OpenChart, Detect 4, "Look at chart as burst", [], "Open the Lab's chart as a burst, with its truth";
     OpenPlanted, Detect 4, "Probe planted thing", [], "Open the copy of the burst with the selected planted thing, and say what became of it" => Run(|model, engine| model.open_planted(engine));
     OpenDarkCopy, Detect 4, "Dark copy of A", [], "Open a copy of the burst with less light; the Lab sets its SNR";
@@ -334,7 +335,7 @@ actions! {
     ToggleEpipolar, Pair 3, "Epipolar lines", [NONE E], "Show or hide the lines of the other picture on which the partners must lie" => Switch(match_look.geometry);
 
     DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts with these parameters, except of those that are done";
-    CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop the work on all bursts; finished bursts and pairs are kept" => Run(|model, _| model.datasets.wanted.cancel());
+    CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop the work on all bursts; finished bursts and pairs are kept" => Run(|model, _| model.results.datasets.wanted.cancel());
     PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one" => Run(|model, engine| model.step_burst(-1, engine));
     NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one" => Run(|model, engine| model.step_burst(1, engine));
     BurstAsA, Dataset 1, "Use burst as A", [], "Make the open burst the first of a pair" => Run(|model, _| model.choose_open_burst(Side::A));
@@ -369,7 +370,7 @@ actions! {
     OpenTripod, Help 1, "Example: still tripod", [], "Open a burst of a camera that does not move: less noise, but no depth" => Open(|| BurstSource::Example(Example::Tripod));
     OpenHotPixels, Help 1, "Example: hot pixels", [], "Open a burst with sixty pixels that are bright without light" => Open(|| BurstSource::Example(Example::HotPixels));
     PaperFigures, Help 2, "Figures of the paper…", [], "Remake every figure and table of the paper into a folder, in the background; finished ones are kept" => Ask(Purpose::PaperFigures);
-    CancelFigures, Help 2, "Cancel figures of the paper", [], "Stop remaking the figures; finished ones are kept" => Run(|model, _| model.figures.cancel());
+    CancelFigures, Help 2, "Cancel figures of the paper", [], "Stop remaking the figures; finished ones are kept" => Run(|model, _| model.results.figures.cancel());
     Cite, Help 3, "How to cite", [], "Copy the program and the method's paper as BibTeX";
     CopyActions, Help 3, "Copy what I did", [], "Copy what you did since the window was opened, as a text for a report; 'burstscope render --play' repeats it";
     About, Help 3, "About Burstscope", [], "Version of this program, and the method's paper";

@@ -3,12 +3,12 @@
 
 use super::{ActionId, apply};
 use crate::app::document::journal::read_steps;
+use crate::app::document::panes::{Change, Destination};
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Document, Journal};
 use crate::app::pane::{Direction, Link, PaneId, Preset};
-use crate::app::project::Model;
-use crate::app::project::panes::{Change, Destination};
-use crate::app::project::side::Side;
-use crate::app::project::tests::{Bench, open};
+use crate::app::results::Model;
+use crate::app::results::tests::{Bench, open};
 use crate::app::view::{View, Zoom};
 use crate::detector::{DetectorParams, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
@@ -98,13 +98,13 @@ fn assert_valid(model: &Model) {
     assert!(!shown.is_empty() && shown.contains(&panes.focus()), "{:?} of {shown:?}", panes.focus());
     let followers = panes.followers();
     for (id, pane) in panes.iter() {
-        let slot = &model.slots[pane.side];
+        let slot = &model.results.slots[pane.side];
         if let Some(burst) = slot.burst.as_ref().filter(|_| !followers.contains(&id)) {
             assert_eq!(pane.cursor, pane.cursor_within(burst, &slot.usable_params), "the cursor of pane {id:?}");
         }
         assert!(pane.others().iter().all(|other| panes.get(*other).is_some()), "{pane:?} shows a pane that is closed");
     }
-    assert!(model.matching.ratio > 0.0);
+    assert!(model.document.matching.ratio > 0.0);
 }
 
 proptest! {
@@ -119,7 +119,7 @@ proptest! {
         }
         // What is still asked for ends, and is not asked for again; studies take long.
         for id in [ActionId::CancelStudy, ActionId::Cancel, ActionId::AutoDetect] {
-            if id != ActionId::AutoDetect || bench.model.auto_detect {
+            if id != ActionId::AutoDetect || bench.model.document.auto_detect {
                 pass(&mut bench, id.into());
             }
         }
@@ -156,7 +156,7 @@ proptest! {
         }
         let undone = &bench.model.document;
         prop_assert_eq!((&undone.params, undone.slopes), (&before.params, before.slopes));
-        prop_assert_eq!(bench.model.matching.clone(), MatchParams::default());
+        prop_assert_eq!(bench.model.document.matching.clone(), MatchParams::default());
         let slopes = |document: &Document| -> Vec<_> { document.panes.iter().map(|(_, p)| p.cursor.slope).collect() };
         prop_assert_eq!(slopes(undone), slopes(&before));
         while bench.model.history.can_redo() {

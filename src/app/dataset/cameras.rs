@@ -6,8 +6,8 @@ use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::document::{Action, Pointed};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::instead_ui;
-use crate::app::project::Model;
-use crate::app::project::trajectories::{PlaneScene, Spot};
+use crate::app::results::Model;
+use crate::app::results::trajectories::{PlaneScene, Spot};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
 use crate::export::round_length;
@@ -35,14 +35,14 @@ pub fn plane_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Trajectories"));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, backdrop(ui));
-    let scene = model.poses.scene(model.trajectories.projection, model.trajectories.points);
+    let scene = model.results.poses.scene(model.document.trajectories.projection, model.document.trajectories.points);
     if scene.truth.is_empty() && scene.estimate.is_empty() {
-        let text = model.poses.problem().unwrap_or("Open an estimated and a true trajectory to compare them");
+        let text = model.results.poses.problem().unwrap_or("Open an estimated and a true trajectory to compare them");
         message(ui, &painter, rect, text);
         return;
     }
     let pixels_per_point = ui.ctx().pixels_per_point();
-    let mut view = model.trajectories.view;
+    let mut view = model.document.trajectories.view;
     view.settle(rect, scene.size, pixels_per_point);
     let before = view;
     navigate(ui, &response, rect, &mut view, true);
@@ -50,7 +50,7 @@ pub fn plane_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let pointed = response.hover_pos().and_then(|pos| nearest(&scene, &ui_from_plane, pos));
     let pair = pointed.and_then(|(_, spot)| spot.pair);
     if response.hovered() {
-        queue.point(&model.poses.hovered, pair, Pointed::Camera);
+        queue.point(&model.results.poses.hovered, pair, Pointed::Camera);
     }
     if response.clicked() {
         queue.push(Action::SelectCamera(pair));
@@ -60,7 +60,7 @@ pub fn plane_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         // A double click fits the view, except on a camera.
         view = before;
     }
-    if !view.is_drawn_as(&model.trajectories.view) {
+    if !view.is_drawn_as(&model.document.trajectories.view) {
         queue.push(Action::MoveCameras(view));
     }
     draw(ui, &painter, model, &scene, &ui_from_plane);
@@ -81,17 +81,17 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
 }
 
 fn label_of<'t>(model: &'t Model, of_truth: bool, spot: &Spot) -> &'t str {
-    let compared = &model.poses.compared;
+    let compared = &model.results.poses.compared;
     let read = if of_truth { &compared.truth } else { &compared.estimate };
     read.as_ref().and_then(|(_, t)| t.poses.get(spot.index)).map_or("", |p| p.label.as_str())
 }
 
 fn spot_text(model: &Model, of_truth: bool, spot: &Spot) -> String {
-    if let (Some(report), Some(pair)) = (model.poses.report(), spot.pair) {
+    if let (Some(report), Some(pair)) = (model.results.poses.report(), spot.pair) {
         return pair_text(model, &report.pairs[pair]);
     }
     let label = label_of(model, of_truth, spot);
-    let is_missing = of_truth && model.poses.report().is_some();
+    let is_missing = of_truth && model.results.poses.report().is_some();
     format!("{label}{}", if is_missing { "\nnot registered: the estimate has no camera here" } else { "" })
 }
 
@@ -105,7 +105,7 @@ pub fn pair_text(model: &Model, pair: &PairReport) -> String {
 
 /// Number of 3D points that image `index` of the estimate sees; `None` if the estimate is no sparse model.
 pub fn points_of(model: &Model, index: usize) -> Option<usize> {
-    let (_, estimate): &(_, std::sync::Arc<Trajectory>) = model.poses.compared.estimate.as_ref()?;
+    let (_, estimate): &(_, std::sync::Arc<Trajectory>) = model.results.poses.compared.estimate.as_ref()?;
     Some(estimate.model.as_ref()?.images.get(index)?.points)
 }
 
@@ -119,7 +119,7 @@ fn draw(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_from_p
         dots.add_colored_rect(Rect::from_center_size(ui_from_plane.pos(*point), vec2(2.0, 2.0)), point_colour(ui));
     }
     painter.add(dots);
-    if let Some(report) = model.poses.report() {
+    if let Some(report) = model.results.poses.report() {
         for pair in &report.pairs {
             let ends = [truth[pair.truth], estimate[pair.estimate]];
             painter.line_segment(ends, Stroke::new(1.5, error_colour));
@@ -128,10 +128,11 @@ fn draw(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_from_p
     painter.line(truth.clone(), Stroke::new(1.5, true_colour));
     painter.extend(Shape::dashed_line(&estimate, Stroke::new(1.5, estimated_colour), 6.0, 4.0));
     let marked = |spot: &Spot| {
-        spot.pair.is_some() && (spot.pair == model.poses.hovered || spot.pair == model.trajectories.selected)
+        spot.pair.is_some()
+            && (spot.pair == model.results.poses.hovered || spot.pair == model.document.trajectories.selected)
     };
     for (spot, at) in scene.truth.iter().zip(&truth) {
-        let missing = model.poses.report().is_some() && spot.pair.is_none();
+        let missing = model.results.poses.report().is_some() && spot.pair.is_none();
         let colour = if missing { error_colour } else { true_colour };
         painter.circle_stroke(*at, if marked(spot) { 7.0 } else { 4.0 }, Stroke::new(1.5, colour));
     }
@@ -173,7 +174,7 @@ fn frame_ui(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_fr
     if !scene.estimate.is_empty() {
         entry("Estimate, aligned", estimated_colour, Entry::Estimate);
     }
-    if model.poses.report().is_some() && scene.truth.iter().any(|s| s.pair.is_none()) {
+    if model.results.poses.report().is_some() && scene.truth.iter().any(|s| s.pair.is_none()) {
         entry("Not registered", ui.visuals().error_fg_color, Entry::Missing);
     }
     if !scene.points.is_empty() {
@@ -189,14 +190,14 @@ fn frame_ui(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_fr
     let whose = if scene.truth.is_empty() { "estimate" } else { "truth" };
     let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
-    let [right, up] = model.trajectories.projection.axis_names();
+    let [right, up] = model.document.trajectories.projection.axis_names();
     let text = format!("{right}: to the right,  {up}: up");
     painter.text(rect.right_bottom() + vec2(-10.0, -8.0), Align2::RIGHT_BOTTOM, text, font, weak);
 }
 
 /// The number of points, and how many of them are drawn if not all are.
 fn points_text(model: &Model, scene: &PlaneScene) -> String {
-    let estimate = model.poses.compared.estimate.as_ref();
+    let estimate = model.results.poses.compared.estimate.as_ref();
     let all = estimate.and_then(|(_, estimate)| estimate.model.as_ref()).map_or(0, |model| model.points.len());
     match scene.points.len() {
         drawn if drawn < all => format!("3D points, {drawn} of {all} drawn"),
@@ -223,13 +224,13 @@ struct Bar {
 /// Makes a bar for each image: those of the truth in their order where there is a comparison, otherwise those of the
 /// estimate.
 fn bars(model: &Model) -> Vec<Bar> {
-    let compared = &model.poses.compared;
+    let compared = &model.results.poses.compared;
     let Some((_, estimate)) = &compared.estimate else { return Vec::new() };
     if estimate.model.is_none() {
         return Vec::new();
     }
     let bar = |label: &str, points, pair| Bar { label: label.to_owned(), points, pair };
-    let (Some((_, truth)), Some(report)) = (&compared.truth, model.poses.report()) else {
+    let (Some((_, truth)), Some(report)) = (&compared.truth, model.results.poses.report()) else {
         let poses = estimate.poses.iter().enumerate();
         return poses.map(|(index, pose)| bar(&pose.label, points_of(model, index), None)).collect();
     };
@@ -267,14 +268,15 @@ pub fn points_strip_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let pointed = response.hover_pos().filter(|p| plot.contains(*p)).map(|p| ((p.x - plot.left()) / step) as usize);
     let pair = pointed.and_then(|k| bars.get(k)?.pair);
     if response.hovered() {
-        queue.point(&model.poses.hovered, pair, Pointed::Camera);
+        queue.point(&model.results.poses.hovered, pair, Pointed::Camera);
     }
     if response.clicked() {
         queue.push(Action::SelectCamera(pair));
     }
     for (k, bar) in bars.iter().enumerate() {
         let column = bar_at(k);
-        let marked = bar.pair.is_some() && (bar.pair == model.poses.hovered || bar.pair == model.trajectories.selected);
+        let marked = bar.pair.is_some()
+            && (bar.pair == model.results.poses.hovered || bar.pair == model.document.trajectories.selected);
         if marked || pointed == Some(k) {
             painter.rect_filled(column.expand(gap), 0.0, visuals.widgets.hovered.weak_bg_fill);
         }
@@ -291,7 +293,7 @@ pub fn points_strip_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         }
     }
     if let Some(bar) = pointed.and_then(|k| bars.get(k)) {
-        let text = match (model.poses.report(), bar.pair, bar.points) {
+        let text = match (model.results.poses.report(), bar.pair, bar.points) {
             (Some(report), Some(pair), _) => pair_text(model, &report.pairs[pair]),
             (_, _, Some(points)) => format!("{}\n{points} 3D points", bar.label),
             _ => format!("{}\nnot registered", bar.label),
@@ -308,12 +310,13 @@ const HEADINGS: [(&str, &str); 4] = [
 ];
 
 pub fn camera_list_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let Some(report) = model.poses.report() else {
+    let Some(report) = model.results.poses.report() else {
         instead_ui(ui, "Cameras that have a true one are listed here");
         return;
     };
     let items: Vec<usize> = (0..report.pairs.len()).collect();
-    let listed = Listed { items: &items, selected: model.trajectories.selected, hovered: model.poses.hovered };
+    let listed =
+        Listed { items: &items, selected: model.document.trajectories.selected, hovered: model.results.poses.hovered };
     let heading = |(text, help)| {
         let is_left = text == HEADINGS[0].0;
         let width = if is_left { 120.0 } else { 84.0 };
@@ -331,7 +334,7 @@ pub fn camera_list_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let name = |index: usize| format!("Camera {}", report.pairs[index].label);
     rows_ui(ui, &HEADINGS.map(heading), None, &listed, text, name, |row, index| {
         if row.hovered() {
-            queue.point(&model.poses.hovered, Some(index), Pointed::Camera);
+            queue.point(&model.results.poses.hovered, Some(index), Pointed::Camera);
         }
         if row.clicked() {
             queue.push(Action::SelectCamera(Some(index)));

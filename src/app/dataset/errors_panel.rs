@@ -2,10 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::datasets::Trajectories;
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
-use crate::app::project::Model;
-use crate::app::project::datasets::Dataset;
-use crate::app::project::trajectories::Trajectories;
+use crate::app::results::Model;
+use crate::app::results::datasets::Dataset;
 use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
 use egui::{DragValue, Grid, Label, RichText, Ui};
@@ -13,17 +13,17 @@ use std::path::Path;
 
 pub fn errors_panel_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Trajectories", |ui| {
-        let compared = &model.poses.compared;
+        let compared = &model.results.poses.compared;
         let path = |read: &Option<(std::path::PathBuf, _)>| read.as_ref().map(|(path, _)| path.clone());
         let (estimate, truth) = (path(&compared.estimate), path(&compared.truth));
         file_ui(ui, model, queue, ActionId::OpenEstimate, "Estimate", estimate.as_deref());
         file_ui(ui, model, queue, ActionId::OpenTruth, "Truth", truth.as_deref());
         study_ui(ui, model, queue);
     });
-    if let Some(problem) = model.poses.problem() {
+    if let Some(problem) = model.results.poses.problem() {
         error_ui(ui, problem);
     }
-    if let Some(report) = model.poses.report() {
+    if let Some(report) = model.results.poses.report() {
         section_ui(ui, "Errors", |ui| errors_ui(ui, report));
     }
     section_ui(ui, "Reconstruction", |ui| reconstruction_ui(ui, model));
@@ -40,13 +40,13 @@ fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &s
 
 /// Draws the settings: the viewing side, and how poses are paired.
 fn study_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let trajectories: &Trajectories = &model.trajectories;
+    let trajectories: &Trajectories = &model.document.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);
     Grid::new("study").num_columns(2).show(ui, |ui| {
         let label = ui.label("Seen from").on_hover_text("The plane in which the cameras are drawn");
         choice_ui(ui, "projection", label.id, None, &mut projection, Projection::ALL, Projection::name);
         ui.end_row();
-        if model.poses.has_points() {
+        if model.results.poses.has_points() {
             let label = ui.label("3D points").on_hover_text("Draw the points of the estimate that the cameras saw");
             let mut points = trajectories.points;
             ui.checkbox(&mut points, "").labelled_by(label.id);
@@ -105,10 +105,10 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
 }
 
 fn reconstruction_ui(ui: &mut Ui, model: &Model) {
-    let estimate = model.poses.compared.estimate.as_ref();
+    let estimate = model.results.poses.compared.estimate.as_ref();
     let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());
-    let matched = model.datasets.open.as_ref().and_then(Dataset::image_counts);
-    let registered = match (model.poses.report(), &summary) {
+    let matched = model.results.datasets.open.as_ref().and_then(Dataset::image_counts);
+    let registered = match (model.results.poses.report(), &summary) {
         (Some(r), _) => Some(format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent())),
         (None, summary) => summary.as_ref().map(|s| s.registered_images.to_string()),
     };

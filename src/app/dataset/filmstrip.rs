@@ -2,18 +2,18 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{middle_elided, named, paint, progress_text};
-use crate::app::project::Model;
-use crate::app::project::datasets::{BurstState, Dataset, Datasets};
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::datasets::{BurstState, Dataset, Datasets};
 use crate::app::style;
 use crate::burst::{BurstFiles, OpenOptions};
 use crate::dataset::BurstPicture;
 use crate::engine::{Engine, Wanted};
 use crate::inspect::words::counted;
 use crate::requests::ThumbnailsRequest;
+use crate::teach::Workspace;
 use egui::{
     Align, Align2, Color32, ColorImage, Context, FontId, Label, Layout, Pos2, ProgressBar, Rect, Response, RichText,
     ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, pos2, vec2,
@@ -30,9 +30,9 @@ pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
 pub fn filmstrip_ui(ui: &mut Ui, model: &Model, thumbnails: &mut Thumbnails, queue: &mut Queue) {
     ui.horizontal(|ui| header_ui(ui, model, queue));
-    let shown = model.datasets.open.as_ref().and_then(|d| d.place_of(model.slots.a.burst.as_ref()));
-    let fraction = model.datasets.burst_fraction();
-    let Some(dataset) = &model.datasets.open else { return };
+    let shown = model.results.datasets.open.as_ref().and_then(|d| d.place_of(model.results.slots.a.burst.as_ref()));
+    let fraction = model.results.datasets.burst_fraction();
+    let Some(dataset) = &model.results.datasets.open else { return };
     ui.add_space(2.0);
     let count = dataset.bursts.len();
     let scroll_id = ui.scope_id().with("shown burst");
@@ -58,7 +58,7 @@ pub fn filmstrip_ui(ui: &mut Ui, model: &Model, thumbnails: &mut Thumbnails, que
                 queue.push(Action::OpenBurstAt(place));
             }
             for side in Side::BOTH {
-                let is_chosen = model.dataset.as_ref().is_some_and(|set| set.pair[side] == Some(place));
+                let is_chosen = model.document.dataset.as_ref().is_some_and(|set| set.pair[side] == Some(place));
                 side_ui(ui, dataset, place, side, is_chosen, cell(place), queue);
             }
             response.context_menu(|ui| menu_ui(ui, dataset, place, queue));
@@ -87,7 +87,7 @@ fn menu_ui(ui: &mut Ui, dataset: &Dataset, place: usize, queue: &mut Queue) {
 }
 
 fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let Some(dataset) = &model.datasets.open else { return };
+    let Some(dataset) = &model.results.datasets.open else { return };
     ui.label(RichText::new(dataset.source.label()).strong()).on_hover_ui(|ui| {
         for path in &dataset.source.paths {
             ui.label(path.display().to_string());
@@ -95,17 +95,17 @@ fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
     ui.weak(summary(dataset));
     ui.separator();
-    if model.datasets.work.is_some() {
-        working_ui(ui, &model.datasets);
+    if model.results.datasets.work.is_some() {
+        working_ui(ui, &model.results.datasets);
         button_ui(ui, model, queue, ActionId::CancelDataset, Some("Cancel all"));
     } else {
         button_ui(ui, model, queue, ActionId::DetectAll, None);
         notice_ui(ui, model, dataset, queue);
     }
-    if !dataset.matches.is_empty() && model.workspace != Workspace::Matches {
+    if !dataset.matches.is_empty() && model.document.workspace != Workspace::Matches {
         button_ui(ui, model, queue, ActionId::WorkspaceMatches, None);
     }
-    if model.dataset.as_ref().is_some_and(|set| set.selected().is_some()) {
+    if model.document.dataset.as_ref().is_some_and(|set| set.selected().is_some()) {
         button_ui(ui, model, queue, ActionId::ShowPair, Some("A | B"));
     }
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -4,11 +4,12 @@
 use super::filmstrip::side_colour;
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::datasets::{BurstPair, DatasetChoice, PairColumn, pair_of};
+use crate::app::document::side::Side;
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::{instead_ui, middle_elided};
-use crate::app::project::datasets::pairs::{BurstPair, PairColumn, PairTable, pair_of};
-use crate::app::project::datasets::{BurstState, Dataset, DatasetChoice};
-use crate::app::project::side::Side;
+use crate::app::results::datasets::pairs::PairTable;
+use crate::app::results::datasets::{BurstState, Dataset};
 use crate::app::style;
 use crate::plane::display::ColourMap;
 use egui::epaint::TextShape;

@@ -1,7 +1,7 @@
 //! Field to type a path into, and the question whether a file there may be replaced.
 
+use crate::app::document::export::Purpose;
 use crate::app::panel::widgets::{confirm_ui, name_field};
-use crate::app::project::effect::Purpose;
 use crate::export::is_ours;
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! Question for the shape of a file without header: the first frame in each likely shape, or a shape that is typed.
 
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::{error_ui, named, weak_ui};
-use crate::app::project::side::Side;
 use crate::burst::Dump;
 use crate::inspect::words::counted;
 use crate::requests::{BurstSource, PossibleShape};

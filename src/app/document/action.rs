@@ -2,24 +2,20 @@
 //! drawn; they are applied after the drawing, by one function (`actions::apply`).
 
 use crate::app::actions::registry::ActionId;
-use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks};
-use crate::app::project::compare::{CompareLook, MethodId};
-use crate::app::project::comparison::{Kind, Reference};
-use crate::app::project::datasets::PairChoice;
-use crate::app::project::datasets::pairs::{BurstPair, PairColumn};
-use crate::app::project::figure::FigureChoice;
-use crate::app::project::film::FilmChoice;
-use crate::app::project::filter::{Filter, Order};
-use crate::app::project::lab::Lab;
-use crate::app::project::look::{Look, RangeClass};
-use crate::app::project::measure::Measure;
-use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
-use crate::app::project::panels::Panels;
-use crate::app::project::panes::{Change, Destination};
-use crate::app::project::set_up::SetUpState;
-use crate::app::project::side::Side;
-use crate::app::project::staged::Staged;
-use crate::app::project::trajectories::Which;
+use crate::app::document::Document;
+use crate::app::document::comparison::{Kind, Reference};
+use crate::app::document::datasets::{BurstPair, PairChoice, PairColumn, Which};
+use crate::app::document::export::{FigureChoice, FilmChoice};
+use crate::app::document::filter::{Filter, Order, SavedMatch, SavedSelection};
+use crate::app::document::lab::Lab;
+use crate::app::document::look::{Look, Measure, RangeClass};
+use crate::app::document::method::{CompareLook, MethodId};
+use crate::app::document::pair::{MatchColumn, MatchLook, PairTab};
+use crate::app::document::panes::Panels;
+use crate::app::document::panes::{Change, Destination};
+use crate::app::document::probe::SetUpState;
+use crate::app::document::side::{Side, Sides};
+use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks, Preset};
 use crate::app::session::Session;
 use crate::app::view::{ColourBy, View};
 use crate::burst::OpenOptions;
@@ -286,13 +282,48 @@ impl Action {
     }
 }
 
+/// Changes that a session or a lesson asks for, of values that are not written.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Staged {
+    /// Puts the project aside, and shows an empty one.
+    BeginLesson,
+    /// Shows the project that was put aside; a burst that is being opened is opened in it, if it `keeps_opening`.
+    EndLesson { keeps_opening: bool },
+    /// Opens the second burst of a session, with the options of the document.
+    Reopen(Side, BurstSource),
+    /// Opens the bursts of a lesson's step unless they are open, and the cameras that it speaks of.
+    Open { bursts: Sides<Option<BurstSource>>, cameras: bool },
+    /// Shows the document of a lesson's step as if nothing had been done before.
+    Begin {
+        document: Box<Document>,
+        layout: Option<Preset>,
+        /// Place in A that is probed, pixels at mid-burst.
+        probe: Option<[f32; 2]>,
+    },
+    /// Selects the first of the listed features or matches.
+    SelectFirst,
+    /// Shows a document of the bursts that are open.
+    Show(Box<Document>, Reselect),
+    /// Opens the dataset and the trajectories that the document names.
+    ReadNamed,
+    /// Probes a place as soon as this burst is open.
+    ProbeWhenOpen(BurstSource, [f32; 2]),
+}
+
+/// Feature or match that is selected as soon as it is found again.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reselect {
+    Feature(Option<SavedSelection>),
+    Match(Option<SavedMatch>),
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::document::datasets::DatasetChoice;
+    use crate::app::document::datasets::Which;
+    use crate::app::document::side::Side;
     use crate::app::document::{Document, Journal};
-    use crate::app::project::datasets::DatasetChoice;
-    use crate::app::project::side::Side;
-    use crate::app::project::trajectories::Which;
 
     #[test]
     fn what_was_done_and_what_is_set_name_files_from_any_folder() {

@@ -1,27 +1,40 @@
 //! The document of the window: all that the user has set, and nothing that was computed from it.
 
 pub mod action;
+pub mod comparison;
+pub mod cursor;
+pub mod datasets;
+pub mod export;
+pub mod filter;
+pub mod history;
 pub mod journal;
+pub mod lab;
+pub mod look;
+pub mod method;
+pub mod pair;
+pub mod panes;
+pub mod probe;
+pub mod side;
 
 pub use action::{Action, Pointed, Queue};
 pub use journal::{Journal, Playback, Steps};
 
+use crate::app::document::comparison::Comparison;
+use crate::app::document::datasets::Trajectories;
+use crate::app::document::datasets::{DatasetChoice, PairChoice};
+use crate::app::document::export::FigureChoice;
+use crate::app::document::export::FilmChoice;
+use crate::app::document::filter::{Filter, Order};
+use crate::app::document::lab::Lab;
+use crate::app::document::look::Look;
+use crate::app::document::look::Measure;
+use crate::app::document::method::CompareLook;
+use crate::app::document::pair::{MatchColumn, MatchLook, PairTab};
+use crate::app::document::panes::{Panels, Visibility};
+use crate::app::document::probe::Probe;
+use crate::app::document::probe::SetUpState;
+use crate::app::document::side::{Side, Sides};
 use crate::app::pane::Panes;
-use crate::app::project::compare::CompareLook;
-use crate::app::project::comparison::Comparison;
-use crate::app::project::datasets::{DatasetChoice, PairChoice};
-use crate::app::project::figure::FigureChoice;
-use crate::app::project::film::FilmChoice;
-use crate::app::project::filter::{Filter, Order};
-use crate::app::project::lab::Lab;
-use crate::app::project::look::Look;
-use crate::app::project::measure::Measure;
-use crate::app::project::pair::{MatchColumn, MatchLook, PairTab};
-use crate::app::project::panels::{Panels, Visibility};
-use crate::app::project::probe::Probe;
-use crate::app::project::set_up::SetUpState;
-use crate::app::project::side::{Side, Sides};
-use crate::app::project::trajectories::Trajectories;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice, Test};

@@ -2,8 +2,8 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
-use crate::app::project::Model;
-use crate::app::project::film::{FilmChoice, FilmContent};
+use crate::app::document::export::{FilmChoice, FilmContent};
+use crate::app::results::Model;
 use crate::detector::Detection;
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
 use crate::plane::Plane;
@@ -40,9 +40,9 @@ impl FilmDialog {
             ui.heading("Film");
             ui.weak("Each picture with its features, numbers, colours, and the response over all of them");
             ui.add_space(6.0);
-            let mut film = model.film;
+            let mut film = model.document.film;
             choice_ui(ui, &mut film);
-            queue.set(&model.film, film, Action::SetFilm);
+            queue.set(&model.document.film, film, Action::SetFilm);
             ui.add_space(4.0);
             ui.label(self.described(model));
             ui.add_space(8.0);
@@ -62,7 +62,7 @@ impl FilmDialog {
         let picture = model.picture().map(|picture| picture.plane.clone());
         let found = model.found_of(model.active_side()).map(|found| found.detection.clone());
         let is_same = |described: &&Described| {
-            described.choice == model.film
+            described.choice == model.document.film
                 && described.picture.as_ref().map(Arc::as_ptr) == picture.as_ref().map(Arc::as_ptr)
                 && described.found.as_ref().map(Arc::as_ptr) == found.as_ref().map(Arc::as_ptr)
         };
@@ -70,7 +70,7 @@ impl FilmDialog {
             return described.text.clone();
         }
         let text = tell(model);
-        self.described = Some(Described { choice: model.film, picture, found, text: text.clone() });
+        self.described = Some(Described { choice: model.document.film, picture, found, text: text.clone() });
         text
     }
 }
@@ -80,7 +80,7 @@ fn tell(model: &Model) -> String {
         return "There is nothing to film: open a burst".to_owned();
     };
     let (count, (width, height)) = (film.steps().len(), film.size());
-    let rate = model.film.rate;
+    let rate = model.document.film.rate;
     let bytes = bytes_per_pixel(model) * count as f64 * f64::from(width * height);
     format!(
         "{count} pictures of {width} × {height}, {rate} a second: {:.1} s; about {:.1} MB",
@@ -91,7 +91,7 @@ fn tell(model: &Model) -> String {
 
 fn bytes_per_pixel(model: &Model) -> f64 {
     let Some(picture) = model.picture() else { return 0.5 };
-    let rgba = to_rgba8(&picture.plane, &model.display_of(model.focus()));
+    let rgba = to_rgba8(&picture.plane, &model.display_of(model.document.focus()));
     let (width, height) = rgba.dimensions();
     let shrink = width.max(height).div_ceil(MEASURED_PX).max(1);
     let small = resize(&rgba, (width / shrink).max(1), (height / shrink).max(1), FilterType::Nearest);

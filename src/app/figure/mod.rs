@@ -9,31 +9,32 @@ mod raster;
 pub use film::FilmDialog;
 pub use raster::rasterise;
 
-use pdf::write_drawing_pdf;
-
 use crate::app::actions::{ActionId, Queue};
+use crate::app::canvas;
+use crate::app::canvas::number;
 use crate::app::canvas::overlay::{ColourBy, ColourScale};
-use crate::app::canvas::{self, number};
+use crate::app::document::export::{FigureChoice, ONE_COLUMN_MM, TWO_COLUMNS_MM};
+use crate::app::document::look::RangeClass;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
-use crate::app::project::Model;
-use crate::app::project::compare::MethodId;
-use crate::app::project::figure::{FigureChoice, ONE_COLUMN_MM, TWO_COLUMNS_MM};
-use crate::app::project::look::RangeClass;
-use crate::app::project::pair::{MatchRow, Matches};
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::pair::{MatchRow, Matches};
 use crate::detector::Feature;
+use crate::export;
 use crate::export::{
-    self, ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel,
-    FigureWidth, LegendEntry, MatchKind, lay_out, motion_over, write_drawing_svg,
+    ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
+    LegendEntry, MatchKind, lay_out, motion_over, write_drawing_svg,
 };
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::requests::{Picture, slope_legend, titled};
+use crate::teach::Workspace;
 use egui::{DragValue, Ui};
+use pdf::write_drawing_pdf;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -59,13 +60,15 @@ pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), String> {
 
 /// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
 fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
-    let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.workspace {
-        Workspace::Pair => model.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect(),
+    let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.document.workspace {
+        Workspace::Pair => {
+            model.results.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect()
+        }
         Workspace::Methods => MethodId::ALL
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .map(|(method, matches)| {
-                let rows = matches.rows().filter(|row| model.match_look.shows_row(row)).map(|row| row.index);
+                let rows = matches.rows().filter(|row| row.is_shown(&model.document.match_look)).map(|row| row.index);
                 (Some(method), matches, rows.collect())
             })
             .collect(),
@@ -81,7 +84,7 @@ fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &F
         drawn.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
         links.extend(links_between(model, widgets, panes, (method, matches), &rows));
     }
-    let label = |kind: MatchKind, drawn, all| match model.workspace {
+    let label = |kind: MatchKind, drawn, all| match model.document.workspace {
         // The title of each method has its count.
         Workspace::Methods => kind.label().to_owned(),
         _ => kind.counted(drawn, all),
@@ -116,7 +119,7 @@ fn links_between(
         for row in rows {
             let ends = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])].map(|feature| [feature.u, feature.v]);
             let link = FigureLink::of_match([panel(a), panel(b)], ends, MatchKind::of(row.inlier));
-            let is_selected = method.is_none() && model.selected_match == Some(row.index);
+            let is_selected = method.is_none() && model.document.selected_match == Some(row.index);
             links.push(FigureLink { weight: if is_selected { 2.0 } else { link.weight }, ..link });
         }
     }
@@ -124,10 +127,10 @@ fn links_between(
 }
 
 pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
-    let rows = if choice.all_panes && model.workspace.needs_burst() {
-        model.panes.arrangement().in_rows()
+    let rows = if choice.all_panes && model.document.workspace.needs_burst() {
+        model.document.panes.arrangement().in_rows()
     } else {
-        vec![vec![model.focus()]]
+        vec![vec![model.document.focus()]]
     };
     drawing_of_panes(model, widgets, &rows, choice)
 }
@@ -197,8 +200,8 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
 /// shown.
 fn title_of(model: &Model, id: PaneId, picture: &Picture) -> String {
     let shown = describe(picture);
-    let Some(pane) = model.panes.get(id) else { return shown };
-    match (model.workspace, pane.method, model.burst_of(pane.side)) {
+    let Some(pane) = model.document.panes.get(id) else { return shown };
+    match (model.document.workspace, pane.method, model.burst_of(pane.side)) {
         (Workspace::Methods, Some(method), _) => {
             let counts = model.method_matches(method).and_then(|matches| matches.result.counts.inliers);
             let inliers = counts.map_or_else(String::new, |count| format!(" · {count} inliers"));
@@ -411,7 +414,7 @@ fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, label: egui::Id) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
     use crate::requests::{Picture, PictureKind, PictureRequest};
     use egui::{Rect, pos2, vec2};
 

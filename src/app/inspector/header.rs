@@ -5,14 +5,14 @@ use super::pane_ui::filter_of;
 use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
+use crate::app::document::look::FeaturesShown;
+use crate::app::document::panes::Change;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
 use crate::app::panel::widgets::named;
-use crate::app::project::Model;
-use crate::app::project::look::FeaturesShown;
-use crate::app::project::panes::Change;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::app::{canvas, style};
+use crate::teach::Workspace;
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
     Ui, pos2, vec2,
@@ -42,9 +42,9 @@ pub fn header_ui(
     queue: &mut Queue,
 ) -> HeaderResponse {
     let mut answer = HeaderResponse::default();
-    let many = model.panes.are_many();
+    let many = model.document.panes.are_many();
     let width = ui.available_width();
-    let is_slice = matches!(model.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
+    let is_slice = matches!(model.document.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
     widgets.of(id).picture.refresh(model.picture_in(id));
     let margin = if many { Margin::symmetric(4, 1) } else { Margin::symmetric(8, 3) };
     Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill).show(ui, |ui| {
@@ -100,7 +100,7 @@ fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> He
     } else {
         long.clone()
     };
-    let text = match model.panes.number(id).filter(|_| many) {
+    let text = match model.document.panes.number(id).filter(|_| many) {
         Some(number) => format!("{number}   {text}"),
         None => text,
     };
@@ -120,11 +120,11 @@ fn drawn_ui(ui: &mut Ui, model: &Model, id: PaneId, widgets: &mut PaneWidgets, h
         ui.weak(format!("{drawn} of {in_view} drawn"))
             .on_hover_text("The strongest features of each part of the view; the others are dots. Zoom in for more");
     }
-    if has_switch && model.workspace == Workspace::Inspect {
+    if has_switch && model.document.workspace == Workspace::Inspect {
         // From the right end of the line the buttons are drawn in reverse.
-        let mut look = model.look.clone();
+        let mut look = model.document.look.clone();
         features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL.into_iter().rev(), model, id);
-        queue.set(&model.look, look, Action::SetLook);
+        queue.set(&model.document.look, look, Action::SetLook);
     }
 }
 
@@ -141,14 +141,14 @@ fn filter_chip_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mu
     let text = RichText::new(format!("Filter{short} ✖")).small().color(style::warning(ui));
     let chip = ui.add(Button::new(text).min_size(vec2(16.0, 16.0)));
     named(&chip, egui::Role::Button, "Show all features again");
-    let count = format!("{} of {} features pass", model.listed.len(), model.features().len());
+    let count = format!("{} of {} features pass", model.results.listed.len(), model.read().features().len());
     if chip.on_hover_text(format!("Filter: {}. {count}; a click shows all", words.join(", "))).clicked() {
         queue.push(ActionId::ClearFilter);
     }
 }
 
 fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId, has_range: bool) {
-    let Some(pane) = model.panes.get(id) else { return };
+    let Some(pane) = model.document.panes.get(id) else { return };
     let display = model.display_of(id);
     let percent = 100.0 * pane.view.points_per_pixel() * ui.ctx().pixels_per_point();
     ui.weak(format!("{percent:.0} %")).on_hover_text("Zoom: screen pixels per image pixel");
@@ -163,13 +163,13 @@ fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId, has_range: bool) {
 
 /// Draws a switch for each link. From the right end of a line they are drawn in reverse, so that their order stays.
 fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, from_the_right: bool, queue: &mut Queue) {
-    let number = model.panes.number(id).unwrap_or(0);
+    let number = model.document.panes.number(id).unwrap_or(0);
     let mut links = Link::ALL;
     if from_the_right {
         links.reverse();
     }
     for link in links {
-        let on = model.panes.get(id).is_some_and(|pane| pane.links.has(link));
+        let on = model.document.panes.get(id).is_some_and(|pane| pane.links.has(link));
         let button =
             Button::selectable(on, RichText::new(if from_the_right { link.word() } else { link.letter() }).small())
                 .min_size(vec2(16.0, 16.0));
@@ -186,8 +186,8 @@ fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, from_the_right: bool, queue:
 /// Draws the buttons from right to left: close, menu, split.
 fn buttons_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 1.0;
-    let many = model.panes.are_many();
-    let of = model.panes.number(id).filter(|_| many).map_or_else(String::new, |number| format!(" {number}"));
+    let many = model.document.panes.are_many();
+    let of = model.document.panes.number(id).filter(|_| many).map_or_else(String::new, |number| format!(" {number}"));
     if many && icon_button_ui(ui, Icon::Close, &format!("Close pane{of}"), "Close this pane  (Ctrl+W)", true).clicked()
     {
         queue.push(Action::ChangePanes(Change::Close(id)));
@@ -199,7 +199,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mut Qu
     if width < ROOM_FOR_SPLITS || !many {
         return;
     }
-    let room = model.panes.shown().len() < MAX_PANES;
+    let room = model.document.panes.shown().len() < MAX_PANES;
     for (icon, direction, name, key) in [
         (Icon::SplitDown, Direction::Down, "Split down", "Shift+S"),
         (Icon::SplitRight, Direction::Right, "Split right", "S"),

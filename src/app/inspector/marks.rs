@@ -4,18 +4,18 @@ use super::pane_ui::{Drawn, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};
 use crate::app::actions::Queue;
 use crate::app::canvas::CanvasOutput;
+use crate::app::document::cursor::Cursor;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::pane::{Link, PaneId, place_in};
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::dashed_circle;
-use crate::app::project::Model;
-use crate::app::project::cursor::Cursor;
-use crate::app::project::pair::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::burst::Positions;
 use crate::detector::{Feature, Slope};
 use crate::inspect::probe::{AT_PLACE_PX, Wanted};
 use crate::requests::{PictureKind, ProbeQuestion};
+use crate::teach::Workspace;
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
 use std::ops::Range;
 
@@ -24,7 +24,7 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
     let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
     let Some((from, first, pos_image)) = pointed else { return };
     widgets.values.extend(value_at(model, widgets, from, first.shown, pos_image));
-    let is_linked = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
+    let is_linked = |id: PaneId| model.document.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
     if !is_linked(from) {
         return;
     }
@@ -38,7 +38,7 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
 }
 
 pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
-    let (a, b) = (model.panes.get(from)?, model.panes.get(to)?);
+    let (a, b) = (model.document.panes.get(from)?, model.document.panes.get(to)?);
     let kinds = [from, to].map(|id| model.picture_in(id).map(|picture| picture.request.kind));
     Some(place_in(pos_image, kinds[0]?, &a.cursor, kinds[1]?, &b.cursor, used(model, a.side)?))
 }
@@ -47,7 +47,7 @@ fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos
     let picture = model.picture_in(shown)?;
     let canvas = widgets.get(shown)?.picture.shown()?;
     let readout = readout_of(picture, canvas, pos_image, full_scale(model, shown))?;
-    Some(PlaceValue { id, number: model.panes.number(id)?, readout })
+    Some(PlaceValue { id, number: model.document.panes.number(id)?, readout })
 }
 
 /// Draws a cross with a gap in its middle, so that the marked place can be seen, and a text beside it.
@@ -75,7 +75,7 @@ fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
 
 /// Maps a place of pane `id` to mid-burst of the pane's burst; `None` for panes without a picture.
 pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> Option<(Side, [f32; 2])> {
-    let pane = model.panes.get(id)?;
+    let pane = model.document.panes.get(id)?;
     let kind = model.picture_in(id)?.request.kind;
     let middle = PictureKind::Stack { slope: pane.cursor.slope };
     let place = place_in(pos_image, kind, &pane.cursor, middle, &pane.cursor, used(model, pane.side)?);
@@ -85,7 +85,7 @@ pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> O
 /// Maps a place of mid-burst of the probed burst that moves by `slope` to pane `id`; `None` for panes of the other
 /// burst.
 fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
-    let pane = model.panes.get(id).filter(|pane| pane.side == model.probe.side)?;
+    let pane = model.document.panes.get(id).filter(|pane| pane.side == model.document.probe.side)?;
     let kind = model.picture_in(id)?.request.kind;
     let cursor = Cursor { slope, ..pane.cursor };
     let [u, v] = place;
@@ -95,7 +95,7 @@ fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<P
 /// Positions of the frames of a burst, and those of them that are searched.
 fn used(model: &Model, side: Side) -> Option<(&Positions, Range<usize>)> {
     let positions = &model.burst_of(side)?.burst.positions;
-    Some((positions, model.slots[side].usable_params.used_frames(positions.len())))
+    Some((positions, model.results.slots[side].usable_params.used_frames(positions.len())))
 }
 
 /// Draws the marks over the drawn panes, and takes the place under the pointer: a click with Shift probes it, any click
@@ -110,13 +110,13 @@ pub(super) fn probe_ui(
     probe_marks_ui(model, drawn);
     let pointed = drawn.iter().find_map(|(_, drawn)| Some((drawn, drawn.output.hover_image?)));
     let pointer = pointed.and_then(|(drawn, pos)| mid_burst(model, drawn.shown, pos));
-    queue.set(&model.probed.pointer, pointer, |place| Action::Point(Pointed::Place(place)));
+    queue.set(&model.results.probed.pointer, pointer, |place| Action::Point(Pointed::Place(place)));
     let Some((drawn, _)) = pointed.filter(|(drawn, _)| drawn.output.response.clicked()) else { return };
     let with_shift = is_with_shift(ui);
-    if !with_shift && !model.probe.follows {
+    if !with_shift && !model.document.probe.follows {
         return;
     }
-    if model.probe.follows {
+    if model.document.probe.follows {
         queue.push(Action::StopFollowing);
     }
     let Some((side, place)) = pointer else { return };
@@ -124,7 +124,9 @@ pub(super) fn probe_ui(
     let feature = widgets.get(drawn.shown).and_then(|widget| widget.picture.pointed).filter(|index| {
         let [u, v] = place;
         let is_at = |feature: &Feature| (feature.u - u).hypot(feature.v - v) <= AT_PLACE_PX;
-        with_shift && model.workspace == Workspace::Inspect && model.features().get(*index).is_some_and(is_at)
+        with_shift
+            && model.document.workspace == Workspace::Inspect
+            && model.read().features().get(*index).is_some_and(is_at)
     });
     queue.push(match feature {
         Some(feature) => Action::ProbeFeature(Side::A, feature),
@@ -144,13 +146,14 @@ pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
 
 fn probe_marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
     let Some(place) = model.probed_place() else { return };
-    let answer = model.probed.answer.as_ref().filter(|_| model.probe_is_current());
-    let is_linked = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
-    let is_probed = |id: PaneId| model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
+    let answer = model.results.probed.answer.as_ref().filter(|_| model.probe_is_current());
+    let is_linked = |id: PaneId| model.document.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
+    let is_probed =
+        |id: PaneId| model.document.panes.get(id).is_some_and(|pane| pane.side == model.document.probe.side);
     // B's panes are not linked to A's; where none of the probed burst's panes is linked, all of them show the marks.
     let any_linked = drawn.iter().any(|(id, _)| is_probed(*id) && is_linked(*id));
     for (id, drawn) in drawn.iter().filter(|(id, _)| is_linked(*id) || !any_linked) {
-        let own = model.panes.get(*id).map_or_else(Slope::default, |pane| pane.cursor.slope);
+        let own = model.document.panes.get(*id).map_or_else(Slope::default, |pane| pane.cursor.slope);
         let slope = answer.map_or(own, |answer| answer.probe.subject.slope);
         if let Some(pos) = in_pane(model, drawn.shown, place, slope) {
             probe_mark(&drawn.output, pos);

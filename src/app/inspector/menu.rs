@@ -8,15 +8,16 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::number;
 use crate::app::clipboard;
 use crate::app::document::Action;
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::panes::Change;
+use crate::app::document::side::Side;
 use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, PaneId, Preset, SidesPreset, SliceAxis};
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::pair::{MatchRow, Side};
-use crate::app::project::panes::Change;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::pair::MatchRow;
 use crate::app::words::explained;
 use crate::inspect::probe::Wanted;
 use crate::requests::ProbeQuestion;
+use crate::teach::Workspace;
 use crate::teach::glossary::glossary;
 use egui::{Button, RichText, ScrollArea, Ui};
 
@@ -52,11 +53,11 @@ fn view_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
             queue.push(Action::ChangePanes(Change::Split(id, direction)));
         }
     }
-    if ui.add_enabled(model.panes.are_many(), Button::new("Close pane")).clicked() {
+    if ui.add_enabled(model.document.panes.are_many(), Button::new("Close pane")).clicked() {
         queue.push(Action::ChangePanes(Change::Close(id)));
     }
     ui.menu_button("Layout", |ui| {
-        let layouts: Vec<(&str, &str, Change)> = match model.workspace {
+        let layouts: Vec<(&str, &str, Change)> = match model.document.workspace {
             Workspace::Pair => {
                 SidesPreset::ALL.map(|preset| (preset.label(), preset.help(), Change::LayOutSides(preset))).to_vec()
             }
@@ -77,12 +78,12 @@ fn content_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     let mut others = other_panes(model, id);
     // A difference is made of panes that show pictures of their own.
     others.retain(|(other, _)| {
-        let pane = model.panes.get(*other);
+        let pane = model.document.panes.get(*other);
         pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
     });
     let both = model.burst_of(Side::B).is_some();
     let methods = model.methods_shown();
-    let Some(pane) = model.panes.get(id) else { return };
+    let Some(pane) = model.document.panes.get(id) else { return };
     for kind in ViewKind::ALL {
         let about = kind.about();
         let radio = ui.radio(pane.shows(kind), about.label);
@@ -132,13 +133,13 @@ fn content_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
 }
 
 fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
-    let others = model.panes.shown().into_iter().filter(|other| *other != id);
-    others.filter_map(|other| Some((other, model.panes.number(other)?))).collect()
+    let others = model.document.panes.shown().into_iter().filter(|other| *other != id);
+    others.filter_map(|other| Some((other, model.document.panes.number(other)?))).collect()
 }
 
 fn over_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     let others = other_panes(model, id);
-    let Some(pane) = model.panes.get(id) else { return };
+    let Some(pane) = model.document.panes.get(id) else { return };
     ui.add_enabled_ui(!others.is_empty(), |ui| {
         let wipe = |other| Over::Wipe { other, at: 0.5 };
         let flip = |other| Over::Flip { other, flipped: false };
@@ -159,10 +160,10 @@ fn over_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
 }
 
 fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
-    ui.add_enabled_ui(model.panes.are_many(), |ui| {
+    ui.add_enabled_ui(model.document.panes.are_many(), |ui| {
         ui.menu_button("Links", |ui| {
             for link in Link::ALL {
-                let mut on = model.panes.get(id).is_some_and(|pane| pane.links.has(link));
+                let mut on = model.document.panes.get(id).is_some_and(|pane| pane.links.has(link));
                 if ui.checkbox(&mut on, link.label()).on_hover_text(link.help()).changed() {
                     queue.push(Action::SetLink(id, link, on));
                 }
@@ -177,11 +178,11 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets:
         let shown = widgets.get(drawn.shown).map(|widget| &widget.picture);
         let (readout, feature) = shown.map_or((None, None), |shown| (shown.readout, shown.pointed));
         let mid_burst = drawn.output.hover_image.and_then(|pos| mid_burst(model, drawn.shown, pos));
-        let inspected = model.workspace == Workspace::Inspect;
-        let can_probe = inspected || model.workspace == Workspace::Pair;
+        let inspected = model.document.workspace == Workspace::Inspect;
+        let can_probe = inspected || model.document.workspace == Workspace::Pair;
         widgets.of(id).menu = MenuPlace {
             feature: feature.filter(|_| inspected),
-            matched: model.pair.hovered.filter(|_| model.workspace == Workspace::Pair),
+            matched: model.results.pair.hovered.filter(|_| model.document.workspace == Workspace::Pair),
             readout,
             mid_burst: mid_burst.filter(|_| can_probe),
         };
@@ -193,7 +194,7 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets:
                 feature_menu_ui(ui, model, index, queue);
                 ui.separator();
             }
-            if let Some(matches) = &model.pair.matches
+            if let Some(matches) = &model.results.pair.matches
                 && let Some(row) = place.matched.and_then(|index| matches.row(index))
             {
                 if match_menu_ui(ui, &row) {
@@ -227,7 +228,7 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets:
 }
 
 fn feature_menu_ui(ui: &mut Ui, model: &Model, index: usize, queue: &mut Queue) {
-    let Some(feature) = model.features().get(index).copied() else { return };
+    let Some(feature) = model.read().features().get(index).copied() else { return };
     ui.label(RichText::new(format!("Feature {index}")).small().weak());
     if ui.button("Select").clicked() {
         queue.push(Action::Select(Some(index)));

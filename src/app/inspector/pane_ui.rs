@@ -5,22 +5,23 @@ use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::document::Action;
+use crate::app::document::filter::Filter;
+use crate::app::document::look::RangeClass;
+use crate::app::document::panes::Visibility;
+use crate::app::document::side::Side;
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::named;
-use crate::app::project::filter::Filter;
-use crate::app::project::look::RangeClass;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{Model, Visibility};
+use crate::app::results::Model;
 use crate::app::{canvas, style};
 use crate::detector::Slope;
 use crate::inspect::shares::Slice;
 use crate::inspect::words::{counted, number};
 use crate::plane::Plane;
 use crate::requests::Probed;
+use crate::teach::Workspace;
 use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };
@@ -51,7 +52,7 @@ pub(super) fn picture_ui(
     name: &str,
     queue: &mut Queue,
 ) -> Drawn {
-    let over = model.panes.over(id);
+    let over = model.document.panes.over(id);
     let shown = match over {
         Some(Over::Flip { other, flipped: true }) => other,
         _ => id,
@@ -60,17 +61,17 @@ pub(super) fn picture_ui(
     let state = &mut widgets.of(shown).picture;
     state.refresh(picture);
     let problem = model.problem_of(shown);
-    let before = model.panes.get(id).map(|pane| pane.view).unwrap_or_default();
+    let before = model.document.panes.get(id).map(|pane| pane.view).unwrap_or_default();
     let mut view = before;
-    if !model.panes.are_many() {
-        let is_beside = model.panels.right == Visibility::Auto && model.shows_right();
+    if !model.document.panes.are_many() {
+        let is_beside = model.document.panels.right == Visibility::Auto && model.shows_right();
         widgets.of(id).aside.keep(&mut view, ui.available_rect_before_wrap(), is_beside);
     }
     let state = &mut widgets.of(shown).picture;
     let canvas = Canvas {
         picture: state.shown().filter(|_| problem.is_none()),
         empty_text: problem.unwrap_or("Computing the picture…"),
-        primary_pans: model.workspace != Workspace::Inspect || model.measure.tool == Tool::Pan,
+        primary_pans: model.document.workspace != Workspace::Inspect || model.document.measure.tool == Tool::Pan,
         ..canvas_of(model, shown, name)
     };
     let output = canvas.show(ui, &mut view);
@@ -100,7 +101,7 @@ pub(super) fn over_ui(
     drawn: &mut Drawn,
     queue: &mut Queue,
 ) {
-    let Some(Over::Wipe { other, at }) = model.panes.over(id) else { return };
+    let Some(Over::Wipe { other, at }) = model.document.panes.over(id) else { return };
     let rect = drawn.output.response.rect;
     let x = egui::lerp(rect.x_range(), at);
     let picture = model.picture_in(other);
@@ -117,10 +118,10 @@ pub(super) fn over_ui(
 
 pub(super) fn over_names_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn, queue: &mut Queue) {
     let name = |model: &Model, id: PaneId| {
-        let number = model.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
+        let number = model.document.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
         format!("{number}{}", super::compact_description(model, id))
     };
-    match model.panes.over(id) {
+    match model.document.panes.over(id) {
         None => {}
         Some(Over::Flip { .. }) => {
             chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(model, drawn.shown), ("flip", id));
@@ -139,9 +140,10 @@ pub(super) fn over_names_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn, q
 
 /// The filter that holds for pane `id`: where A is inspected.
 pub(super) fn filter_of(model: &Model, id: PaneId) -> Option<&Filter> {
-    let is_inspected = model.workspace == Workspace::Inspect;
-    let pane = model.panes.get(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
-    pane.map(|_| &model.filter)
+    let is_inspected = model.document.workspace == Workspace::Inspect;
+    let pane =
+        model.document.panes.get(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
+    pane.map(|_| &model.document.filter)
 }
 
 fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
@@ -158,7 +160,7 @@ pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
     if matches!(model.range_class(id), RangeClass::Share | RangeClass::Motion) {
         return 1.0;
     }
-    let burst = model.panes.get(id).and_then(|pane| model.burst_in(pane));
+    let burst = model.document.panes.get(id).and_then(|pane| model.burst_in(pane));
     burst.map_or(1.0, |open| open.burst.full_scale)
 }
 
@@ -226,21 +228,21 @@ pub(super) fn slice_ui(
     named(&response, egui::Role::Image, name);
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
-    let is_probed = model.panes.get(id).is_some_and(|pane| pane.side == model.probe.side);
-    let Some(answer) = model.probed.answer.as_ref().filter(|_| is_probed) else {
-        let text = if is_probed && model.probe.question.is_some() { "Probing the place…" } else { HOW };
+    let is_probed = model.document.panes.get(id).is_some_and(|pane| pane.side == model.document.probe.side);
+    let Some(answer) = model.results.probed.answer.as_ref().filter(|_| is_probed) else {
+        let text = if is_probed && model.document.probe.question.is_some() { "Probing the place…" } else { HOW };
         canvas::message(ui, ui.painter(), whole, text);
         return touched;
     };
     let slice = &answer.probe.slices[axis as usize];
-    let Some(pane) = model.panes.get(id) else { return touched };
-    let (slope, display) = (pane.cursor.slope, model.ranges_of(pane).intensity);
+    let Some(pane) = model.document.panes.get(id) else { return touched };
+    let (slope, display) = (pane.cursor.slope, model.document.ranges_of(pane).intensity);
     let area = Area::of(whole, slice);
     widgets.of(id).slice.draw(ui, area.rect, name, &answer.probe, display, || area.over_time.plane(slice));
     numbers_ui(ui, &area, slice);
     line(ui, &area, slice, answer.probe.subject.slope, false);
     line(ui, &area, slice, slope, true);
-    if model.panes.focus() == id {
+    if model.document.panes.focus() == id {
         let dragged = dragged_slope(&area, slice, slope, &response);
         dragged.into_iter().for_each(|slope| queue.push(Action::SetSlope(id, slope)));
     }
@@ -401,10 +403,10 @@ fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {
 }
 
 pub(super) fn method_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn) {
-    let Some(pane) = model.panes.get(id) else { return };
-    let Some(method) = pane.method.filter(|_| model.panes.over(id).is_none()) else { return };
+    let Some(pane) = model.document.panes.get(id) else { return };
+    let Some(method) = pane.method.filter(|_| model.document.panes.over(id).is_none()) else { return };
     let count = model.method_found(method, pane.side).map_or_else(
-        || if model.compare.problem(method).is_some() { "not searched".to_owned() } else { "…".to_owned() },
+        || if model.results.compare.problem(method).is_some() { "not searched".to_owned() } else { "…".to_owned() },
         |found| counted(found.detection.features.len(), "feature"),
     );
     let text = format!("{}  ·  {count}", method.label());

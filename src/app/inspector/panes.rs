@@ -7,6 +7,8 @@ use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, slice
 use super::widgets::{PaneWidgets, canvas_name, compact_description};
 use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::document::Action;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::measure::{draw_ui, hidden_ui, measure_ui};
 use crate::app::pane::{Content, PaneId, arrangement_of, tree_of};
 use crate::app::panel::display::colour_bar_ui;
@@ -14,25 +16,23 @@ use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::stale_ui;
 use crate::app::panel::tally::candidates_ui;
 use crate::app::panel::widgets::{progress_ui, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::method::MethodId;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::teach::Workspace;
 use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
 /// Draws the panes; returns those with a picture, in the order of drawing.
 pub fn inspector_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Vec<(PaneId, Drawn)> {
     widgets.begin_pass();
-    let mut tree = tree_of(model.panes.arrangement());
+    let mut tree = tree_of(model.document.panes.arrangement());
     let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new() };
     tree.ui(&mut inspector, ui);
     let Inspector { drawn, .. } = inspector;
     if let Some(arrangement) = arrangement_of(&tree) {
-        queue.set(model.panes.arrangement(), arrangement, Action::Rearrange);
+        queue.set(model.document.panes.arrangement(), arrangement, Action::Rearrange);
     }
     marks_ui(model, widgets, &drawn);
-    if matches!(model.workspace, Workspace::Inspect | Workspace::Pair) {
+    if matches!(model.document.workspace, Workspace::Inspect | Workspace::Pair) {
         probe_ui(ui, model, widgets, &drawn, queue);
     }
     drawn
@@ -56,7 +56,7 @@ fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.label(RichText::new("Open a second burst").size(18.0).strong());
         weak_ui(ui, "of the same place: its features are matched with those of the first");
         ui.add_space(12.0);
-        if let Some(running) = model.slots.b.opening.running() {
+        if let Some(running) = model.results.slots.b.opening.running() {
             progress_ui(ui, &running, Some(220.0), "Opening B…");
             return;
         }
@@ -84,7 +84,7 @@ struct Inspector<'a> {
 impl Behavior<PaneId> for Inspector<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, id: &mut PaneId) -> UiResponse {
         let id = *id;
-        let Some(pane) = self.model.panes.get(id) else { return UiResponse::None };
+        let Some(pane) = self.model.document.panes.get(id) else { return UiResponse::None };
         let (content, side, method) = (pane.content, pane.side, pane.method);
         let is_open = self.model.burst_in(pane).is_some();
         let whole = ui.max_rect();
@@ -102,10 +102,10 @@ impl Behavior<PaneId> for Inspector<'_> {
             }
             _ => self.picture_ui(ui, id),
         };
-        if (header.clicked || touched) && self.model.focus() != id {
+        if (header.clicked || touched) && self.model.document.focus() != id {
             self.queue.push(Action::Focus(id));
         }
-        if self.model.panes.are_many() && self.model.focus() == id {
+        if self.model.document.panes.are_many() && self.model.document.focus() == id {
             let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
             ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
         }
@@ -113,7 +113,7 @@ impl Behavior<PaneId> for Inspector<'_> {
     }
 
     fn tab_title_for_pane(&mut self, id: &PaneId) -> WidgetText {
-        let number = self.model.panes.number(*id).map_or_else(String::new, |number| format!("{number}  "));
+        let number = self.model.document.panes.number(*id).map_or_else(String::new, |number| format!("{number}  "));
         format!("{number}{}", compact_description(self.model, *id)).into()
     }
 
@@ -137,7 +137,8 @@ impl Inspector<'_> {
         let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name, self.queue);
         over_ui(ui, self.model, id, self.widgets, &mut drawn, self.queue);
         let rect = drawn.output.response.rect;
-        let (inspected, in_focus) = (self.model.workspace == Workspace::Inspect, self.model.focus() == id);
+        let (inspected, in_focus) =
+            (self.model.document.workspace == Workspace::Inspect, self.model.document.focus() == id);
         let has_legend = in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y;
         let state = &mut self.widgets.of(drawn.shown).picture;
         features_ui(ui, self.model, drawn.shown, state, &drawn.output, has_legend, self.queue);

@@ -4,16 +4,16 @@
 use super::aside::HeldPlace;
 use crate::app::canvas;
 use crate::app::canvas::{Readout, RectTransform};
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::panel::display::DisplayState;
 use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::probe::PlaneTexture;
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::method::MethodId;
-use crate::app::project::pair::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::requests::PictureKind;
+use crate::teach::Workspace;
 use egui::{Pos2, Rect};
 use std::collections::HashMap;
 
@@ -86,7 +86,7 @@ pub fn compact_description(model: &Model, id: PaneId) -> String {
 
 /// Describes the content of a pane in few words; with `tiny` only by what distinguishes it from its neighbours.
 pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
-    let Some(pane) = model.panes.get(id) else { return String::new() };
+    let Some(pane) = model.document.panes.get(id) else { return String::new() };
     let what = what(model, pane, id, tiny);
     match pane.method {
         Some(method) if tiny => format!("{}{}", side(model, pane), method.label()),
@@ -96,7 +96,7 @@ pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String
 }
 
 fn side(model: &Model, pane: &Pane) -> String {
-    let both = model.burst_of(Side::B).is_some() || model.workspace == Workspace::Pair;
+    let both = model.burst_of(Side::B).is_some() || model.document.workspace == Workspace::Pair;
     if both { format!("{}  ", pane.side.name()) } else { String::new() }
 }
 
@@ -106,7 +106,7 @@ fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
         None => pane.cursor,
     };
     let slope = format!("({}, {})", canvas::number(cursor.slope.u, 3), canvas::number(cursor.slope.v, 3));
-    let number = |id: PaneId| model.panes.number(id).unwrap_or(0);
+    let number = |id: PaneId| model.document.panes.number(id).unwrap_or(0);
     // The input of some methods is no motion stack.
     match (pane.method, model.wanted(id).map(|wanted| wanted.kind)) {
         (Some(_), Some(PictureKind::Frame(t))) => return format!("Frame {t}"),
@@ -133,10 +133,10 @@ fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
 
 /// Describes the pane's picture in full, with the burst's name where there are two; empty while there is no picture.
 pub(super) fn long_description(model: &Model, id: PaneId) -> String {
-    let Some(pane) = model.panes.get(id) else { return String::new() };
+    let Some(pane) = model.document.panes.get(id) else { return String::new() };
     let Some(picture) = model.picture_in(id) else { return String::new() };
     let what = describe(picture);
-    match (pane.method, model.workspace) {
+    match (pane.method, model.document.workspace) {
         (Some(method), _) => format!("{}{}  ·  {what}", side(model, pane), method.label()),
         (None, Workspace::Pair) => {
             let burst = model.burst_in(pane).map_or("", |open| open.burst.name.as_str());
@@ -148,9 +148,11 @@ pub(super) fn long_description(model: &Model, id: PaneId) -> String {
 
 /// By its number, or by its burst or method where these stand side by side; unique on the screen.
 pub(super) fn canvas_name(model: &Model, id: PaneId) -> String {
-    let (Some(pane), Some(number)) = (model.panes.get(id), model.panes.number(id)) else { return String::new() };
-    let alone = model.panes.shown_of(pane.side, pane.method).len() < 2;
-    let named = match (pane.method, model.workspace) {
+    let (Some(pane), Some(number)) = (model.document.panes.get(id), model.document.panes.number(id)) else {
+        return String::new();
+    };
+    let alone = model.document.panes.shown_of(pane.side, pane.method).len() < 2;
+    let named = match (pane.method, model.document.workspace) {
         (Some(method), _) => Some(format!("{}: {}", pane.side.name(), method.label())),
         (None, Workspace::Pair) => Some(format!("Picture {}", pane.side.name())),
         _ => None,
@@ -158,7 +160,7 @@ pub(super) fn canvas_name(model: &Model, id: PaneId) -> String {
     match named {
         Some(name) if alone => name,
         Some(name) => format!("{name}, pane {number}"),
-        None if model.panes.are_many() => format!("Picture {number}"),
+        None if model.document.panes.are_many() => format!("Picture {number}"),
         None => "Picture".to_owned(),
     }
 }
@@ -173,7 +175,7 @@ pub struct JoinedPanes {
 /// and their rectangles. Differences and slices show no places of one burst.
 pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<MethodId>) -> JoinedPanes {
     let is_of = |id: PaneId, side: Side| {
-        let pane = model.panes.get(id).filter(|pane| pane.side == side && pane.method == method);
+        let pane = model.document.panes.get(id).filter(|pane| pane.side == side && pane.method == method);
         pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
     };
     let sides = Side::BOTH.map(|side| (0..places.len()).filter(|i| is_of(places[*i].0, side)).collect::<Vec<_>>());

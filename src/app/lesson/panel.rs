@@ -4,11 +4,11 @@
 use super::snr::{shown_spot, snr_ui};
 use super::state::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
+use crate::app::document::side::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{named, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::app::{parts, style};
 use crate::teach::Lesson;
 use crate::teach::glossary::glossary;
@@ -43,7 +43,7 @@ pub fn lesson_ui(
     let mut clicks = LessonClicks::default();
     let next = lessons.next_lesson();
     let Some(open) = &mut lessons.open else { return clicks };
-    if model.panels.hall {
+    if model.document.panels.hall {
         ui.style_mut().text_styles.values_mut().for_each(|font| font.size *= LETTERS_IN_HALL);
     }
     header_ui(ui, open, &mut clicks);
@@ -315,7 +315,7 @@ pub fn rows_ui(ui: &mut Ui, lessons: &Lessons) -> Chosen {
 
 /// Steps that are asked for by keys in a hall: those of a presenter, and the arrows.
 pub fn take_hall_keys(ctx: &Context, lessons: &Lessons, model: &Model) -> Option<LessonAction> {
-    let open = lessons.open.as_ref().filter(|_| model.panels.hall && !ctx.egui_wants_keyboard_input())?;
+    let open = lessons.open.as_ref().filter(|_| model.document.panels.hall && !ctx.egui_wants_keyboard_input())?;
     let pressed = |keys: [Key; 2]| {
         ctx.input_mut(|input| keys.into_iter().filter(|key| input.consume_key(Modifiers::NONE, *key)).count() > 0)
     };
@@ -339,8 +339,8 @@ pub fn rings_ui(ctx: &Context, lessons: &Lessons, model: &Model, widgets: &PaneW
     {
         rings.extend([spot.inner, spot.ground[0], spot.ground[1]].map(|radius| (place, radius)));
     }
-    for id in model.panes.shown() {
-        let is_picture = model.panes.get(id).is_some_and(|pane| {
+    for id in model.document.panes.shown() {
+        let is_picture = model.document.panes.get(id).is_some_and(|pane| {
             pane.side == Side::A && !matches!(pane.content, Content::Slice(_) | Content::Difference(..))
         });
         let (Some(ui_from_image), Some(rect_ui)) = (widgets.ui_from_image(id), widgets.rect_ui(id)) else { continue };

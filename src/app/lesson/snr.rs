@@ -2,11 +2,11 @@
 
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::cursor::ViewKind;
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{CursorRow, still_plot};
 use crate::app::parts;
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
+use crate::app::results::Model;
 use crate::detector::Slope;
 use crate::inspect::spot::{SpotSnr, spot_snr};
 use crate::requests::PictureKind;
@@ -81,7 +81,11 @@ pub(super) fn snr_ui(ui: &mut Ui, model: &Model, trace: &mut SnrTrace, spot: Spo
     let top = ui.cursor().min;
     let now = measured(model, spot, slope);
     if let Some((frames, snr)) = now {
-        let at = if frames == 1 { trace.slope.unwrap_or(model.cursor().slope) } else { model.cursor().slope };
+        let at = if frames == 1 {
+            trace.slope.unwrap_or(model.document.cursor().slope)
+        } else {
+            model.document.cursor().slope
+        };
         trace.take(at, frames, snr.ratio());
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(format!("SNR {:.2}", snr.ratio())).strong());
@@ -104,10 +108,10 @@ pub(super) fn snr_ui(ui: &mut Ui, model: &Model, trace: &mut SnrTrace, spot: Spo
 
 /// Number of frames in the shown picture; 1 for a single frame.
 fn frames_shown(model: &Model) -> usize {
-    let pane = model.focused();
+    let pane = model.document.focused();
     match pane.content {
         Content::Cursor if pane.cursor.kind == ViewKind::Frame => 1,
-        _ => model.params.used_frames(model.frame_count()).len(),
+        _ => model.document.params.used_frames(model.frame_count()).len(),
     }
 }
 

@@ -2,12 +2,12 @@
 
 use super::snr::SnrTrace;
 use super::steps;
-use crate::app::project::side::{Side, Sides};
-use crate::app::project::staged::Staged;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{Model, Panels};
+use crate::app::document::action::Staged;
+use crate::app::document::panes::Panels;
+use crate::app::document::side::{Side, Sides};
+use crate::app::results::Model;
 use crate::requests::BurstSource;
-use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
+use crate::teach::{Lesson, Part, Step, Workspace, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -97,10 +97,13 @@ impl OpenLesson {
 
     /// Selects the first of the listed features or matches, as soon as there is one.
     fn select_first(&mut self, model: &Model) -> Option<Staged> {
-        let of_match = model.workspace == Workspace::Pair;
-        let listed =
-            if of_match { !model.pair.listed.is_empty() } else { !model.listed.is_empty() && model.stale().is_none() };
-        let is_free = model.selected_match.is_none() && model.selected.is_none();
+        let of_match = model.document.workspace == Workspace::Pair;
+        let listed = if of_match {
+            !model.results.pair.listed.is_empty()
+        } else {
+            !model.results.listed.is_empty() && model.stale().is_none()
+        };
+        let is_free = model.document.selected_match.is_none() && model.document.selected.is_none();
         let selects = self.selects && is_free;
         self.selects = selects && !listed;
         (selects && listed).then_some(Staged::SelectFirst)
@@ -211,7 +214,7 @@ impl Lessons {
         }
         let Some(open) = &mut self.open else { return Vec::new() };
         let Sides { a: first, b: second } = open.bursts();
-        let opening = model.slots.a.opening.pending().map(|request| Some(request.source.clone()));
+        let opening = model.results.slots.a.opening.pending().map(|request| Some(request.source.clone()));
         if is_restoring || opening.is_some_and(|source| source != first && source != second) {
             return self.end(true);
         }

@@ -2,14 +2,15 @@
 
 use crate::app::canvas::{View, Zoom};
 use crate::app::document::Document;
+use crate::app::document::action::Staged;
+use crate::app::document::cursor::{Cursor, ViewKind};
+use crate::app::document::datasets::Trajectories;
+use crate::app::document::look::FeaturesShown;
+use crate::app::document::panes::Panels;
+use crate::app::document::probe::SetUpState;
+use crate::app::document::side::Side;
 use crate::app::pane::{Content, PaneId, PaneLinks, Panes};
-use crate::app::project::cursor::{Cursor, ViewKind};
-use crate::app::project::look::FeaturesShown;
-use crate::app::project::pair::Side;
-use crate::app::project::set_up::SetUpState;
-use crate::app::project::staged::Staged;
-use crate::app::project::trajectories::Trajectories;
-use crate::app::project::{Model, Panels};
+use crate::app::results::Model;
 use crate::detector::DetectorParams;
 use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
 
@@ -102,36 +103,37 @@ fn set_panes(panes: &mut Panes, state: &State, frames: usize) {
 }
 
 pub(super) fn seen(model: &Model) -> Situation<'_> {
-    let cursor = model.cursor();
-    let current = model.slots.a.found.is_some() && model.stale().is_none();
-    let matches = model.pair.matches.as_ref().filter(|_| !model.needs_matches());
+    let cursor = model.document.cursor();
+    let current = model.results.slots.a.found.is_some() && model.stale().is_none();
+    let matches = model.results.pair.matches.as_ref().filter(|_| !model.needs_matches());
     Situation {
         slope: cursor.slope,
-        show: model.focused().shown(),
+        show: model.document.focused().shown(),
         layout: layout(model),
         frame: cursor.frame,
         octave: cursor.octave,
         level: cursor.level,
-        frames_used: model.params.used_frames(model.frame_count()).len(),
-        features: current.then(|| model.features().len()),
-        selected: model.selected_feature().is_some(),
-        probe: model.probed_place().filter(|_| model.probe.side == Side::A && model.probe_is_current()),
-        params: &model.params,
-        matching: &model.matching,
-        tab: model.shows_bottom().then_some(model.bottom_tab),
-        workspace: model.workspace,
+        frames_used: model.document.params.used_frames(model.frame_count()).len(),
+        features: current.then(|| model.read().features().len()),
+        selected: model.read().selected_feature().is_some(),
+        probe: model.probed_place().filter(|_| model.document.probe.side == Side::A && model.probe_is_current()),
+        params: &model.document.params,
+        matching: &model.document.matching,
+        tab: model.shows_bottom().then_some(model.document.bottom_tab),
+        workspace: model.document.workspace,
         inliers: matches.and_then(|matches| matches.result.counts.inliers),
-        selected_match: model.selected_match.is_some(),
-        camera: model.trajectories.selected.is_some(),
-        reads_depths: model.set_up.reads_depths,
-        detects: model.auto_detect,
-        finds_slopes: model.slopes.is_auto(),
+        selected_match: model.document.selected_match.is_some(),
+        camera: model.document.trajectories.selected.is_some(),
+        reads_depths: model.document.set_up.reads_depths,
+        detects: model.document.auto_detect,
+        finds_slopes: model.document.slopes.is_auto(),
     }
 }
 
 /// Layout of the panes, as far as their contents determine it.
 fn layout(model: &Model) -> Option<Layout> {
-    let panes: Vec<_> = model.panes.shown().into_iter().filter_map(|id| model.panes.get(id)).collect();
+    let panes: Vec<_> =
+        model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id)).collect();
     let count = |content: fn(&Content) -> bool| panes.iter().filter(|pane| content(&pane.content)).count();
     let kinds = |kind: ViewKind| panes.iter().filter(|pane| pane.shows(kind)).count();
     let (slices, merges) = (count(|c| matches!(c, Content::Slice(_))), count(|c| *c == Content::Merge));

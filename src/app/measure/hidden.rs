@@ -4,9 +4,9 @@ use super::{Tool, strokes};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::pane::PaneId;
-use crate::app::project::Model;
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::burst::Burst;
 use egui::{Align, Frame, Layout, Margin, Pos2, Rect, Sense, Shape, Ui, UiBuilder, vec2};
 
@@ -42,10 +42,10 @@ fn inside(outline: &[Pos2], v: f32) -> Vec<[f32; 2]> {
 }
 
 pub(super) fn outlines_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
-    if model.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
+    if model.document.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
         return;
     }
-    for outline in &model.measure.hidden {
+    for outline in &model.document.measure.hidden {
         let points: Vec<Pos2> = outline.iter().map(|pos| output.ui_from_image.pos(*pos)).collect();
         for stroke in strokes() {
             output.painter.add(Shape::closed_line(points.clone(), stroke));
@@ -55,7 +55,7 @@ pub(super) fn outlines_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
 
 /// Says over the picture in `rect` how to draw, while the tool is chosen, and offers the mask.
 pub fn hidden_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
-    if model.measure.tool != Tool::Mask {
+    if model.document.measure.tool != Tool::Mask {
         return;
     }
     let room = Rect::from_min_max(rect.left_top() + vec2(10.0, 10.0), rect.right_top() + vec2(-10.0, 44.0));
@@ -67,12 +67,12 @@ pub fn hidden_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
             ui.horizontal_wrapped(|ui| {
                 ui.label("Drag around what is not to be seen");
                 button_ui(ui, model, queue, ActionId::UseMask, Some("Use as mask…"));
-                let mut measure = model.measure.clone();
+                let mut measure = model.document.measure.clone();
                 let back = egui::Button::new("Take back");
                 if ui.add_enabled(!measure.hidden.is_empty(), back).on_hover_text("Remove the last outline").clicked() {
                     measure.hidden.pop();
                 }
-                queue.set(&model.measure, measure, Action::SetMeasure);
+                queue.set(&model.document.measure, measure, Action::SetMeasure);
                 button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Close"));
             });
         });

@@ -4,7 +4,7 @@
 mod hidden;
 mod panels;
 
-pub use crate::app::project::measure::{Measure, MeasuredLine, MeasuredRegion, Tool};
+pub use crate::app::document::look::{Measure, MeasuredLine, MeasuredRegion, Tool};
 pub use hidden::{hidden_ui, mask_of};
 pub use panels::{RegionCache, profile_ui, region_ui};
 
@@ -13,10 +13,10 @@ use crate::app::canvas::{CanvasOutput, Picture};
 use crate::app::document::Action;
 use crate::app::inspector::{PaneWidgets, compact_description, same_place};
 use crate::app::pane::{Link, PaneId};
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model};
+use crate::app::results::Model;
 use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
+use crate::teach::{BottomTab, Workspace};
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -39,17 +39,18 @@ pub struct PaneRegion {
 
 /// The pane that was drawn on or, when other panes took its place, the one in focus, which shows the same burst.
 fn measured_on(model: &Model, drawn_on: PaneId) -> PaneId {
-    let is_replaced = model.workspace == Workspace::Inspect && !model.panes.shown().contains(&drawn_on);
-    if is_replaced { model.focus() } else { drawn_on }
+    let is_replaced =
+        model.document.workspace == Workspace::Inspect && !model.document.panes.shown().contains(&drawn_on);
+    if is_replaced { model.document.focus() } else { drawn_on }
 }
 
 /// The pane that was drawn on and those linked with it by place, in reading order.
 pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
-    let (shown, drawn_on) = (model.panes.shown(), measured_on(model, drawn_on));
+    let (shown, drawn_on) = (model.document.panes.shown(), measured_on(model, drawn_on));
     if !shown.contains(&drawn_on) {
         return Vec::new();
     }
-    let is_linked = |id: &PaneId| model.panes.get(*id).is_some_and(|pane| pane.links.has(Link::Place));
+    let is_linked = |id: &PaneId| model.document.panes.get(*id).is_some_and(|pane| pane.links.has(Link::Place));
     let alone = !is_linked(&drawn_on);
     shown.into_iter().filter(|id| *id == drawn_on || (!alone && is_linked(id))).collect()
 }
@@ -65,7 +66,12 @@ pub fn profiles_of(model: &Model, widgets: &PaneWidgets, line: &MeasuredLine) ->
         let ends = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos));
         let (from, to) = (ends[0]?, ends[1]?);
         let samples = profile(&picture.plane, from.into(), to.into(), picture.image_from_picture_scale);
-        Some(PaneProfile { id, number: model.panes.number(id)?, label: compact_description(model, id), samples })
+        Some(PaneProfile {
+            id,
+            number: model.document.panes.number(id)?,
+            label: compact_description(model, id),
+            samples,
+        })
     };
     measured_panes(model, line.pane).into_iter().filter_map(of).collect()
 }
@@ -76,7 +82,7 @@ pub fn region_in(model: &Model, widgets: &PaneWidgets, region: &MeasuredRegion, 
     let corners = [rect.min, rect.max].map(|pos| mapped(model, region.pane, id, pos));
     let rect = Rect::from_min_max(corners[0]?, corners[1]?);
     let region = picture.region(rect);
-    let (number, label) = (model.panes.number(id)?, compact_description(model, id));
+    let (number, label) = (model.document.panes.number(id)?, compact_description(model, id));
     Some(PaneRegion { id, number, label, picture, region })
 }
 
@@ -91,7 +97,7 @@ fn strokes() -> [Stroke; 2] {
 pub fn draw_ui(model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
     let response = &output.response;
     let place = |pos: Pos2| output.image_from_ui.pos(pos);
-    let mut measure = model.measure.clone();
+    let mut measure = model.document.measure.clone();
     if measure.tool == Tool::Pan {
         return;
     }
@@ -132,14 +138,14 @@ pub fn draw_ui(model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Que
             Tool::Pan => {}
         }
     }
-    queue.set(&model.measure, measure, Action::SetMeasure);
+    queue.set(&model.document.measure, measure, Action::SetMeasure);
 }
 
 pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
     let pos_ui = |pos: Pos2| output.ui_from_image.pos(pos);
     let strokes = strokes();
     hidden::outlines_ui(model, id, output);
-    if let Some(line) = model.measure.line
+    if let Some(line) = model.document.measure.line
         && measured_panes(model, line.pane).contains(&id)
         && let [Some(from), Some(to)] = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos))
     {
@@ -149,7 +155,7 @@ pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
         // A ring marks the start of the line.
         output.painter.circle_stroke(pos_ui(from), 3.5, strokes[1]);
     }
-    if let Some(region) = model.measure.region
+    if let Some(region) = model.document.measure.region
         && measured_panes(model, region.pane).contains(&id)
     {
         let rect = region.rect_image;
@@ -167,19 +173,19 @@ pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
 mod tests {
     use super::*;
     use crate::app::pane::Direction;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
 
     #[test]
     fn a_line_stays_when_other_panes_take_the_place_of_its_own() {
         let mut model = Model::default();
         model.take_burst(open((64, 48), 5));
-        let first = model.focus();
+        let first = model.document.focus();
         assert_eq!(measured_panes(&model, first), [first]);
-        let second = model.panes.split(first, Direction::Right).expect("there is space");
-        model.panes.close(first);
+        let second = model.document.panes.split(first, Direction::Right).expect("there is space");
+        model.document.panes.close(first);
         assert_eq!((measured_panes(&model, first), measured_on(&model, first)), (vec![second], second));
         // In another workspace it is not drawn.
-        model.open_workspace(Workspace::Pair);
+        model.document.open_workspace(Workspace::Pair);
         assert_eq!(measured_panes(&model, PaneId(99)), []);
     }
 }

@@ -7,7 +7,7 @@ use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::project::Model;
+use crate::app::results::Model;
 use crate::app::ticks;
 use crate::app::view::fixed;
 use crate::plane::sample::{RegionStatistics, region_statistics};
@@ -58,14 +58,14 @@ const COLUMNS: [(&str, &str); 7] = [
 ];
 
 pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut RegionCache, queue: &mut Queue) {
-    let Some(region) = model.measure.region else {
+    let Some(region) = model.document.measure.region else {
         ui.horizontal(|ui| {
             ui.weak("Drag a rectangle on a picture to measure the values in it.");
             button_ui(ui, model, queue, ActionId::MeasureRegion, Some("Draw a rectangle"));
         });
         return;
     };
-    if model.measure.drag.is_some() {
+    if model.document.measure.drag.is_some() {
         ui.weak("Let go to measure");
         return;
     }
@@ -82,7 +82,7 @@ pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut 
         let (from, to) = (place_text(rect.min), place_text(rect.max));
         ui.weak(format!("{from} to {to}: {:.1} × {:.1} px", rect.width(), rect.height()));
     });
-    let focused = regions.iter().find(|of| of.id == model.focus()).or(regions.first());
+    let focused = regions.iter().find(|of| of.id == model.document.focus()).or(regions.first());
     let histogram = focused.and_then(|of| Some((of.number, cache.of(of).histogram.clone()?)));
     ui.horizontal_top(|ui| {
         let width = (0.72 * ui.available_width()).max(300.0);
@@ -165,7 +165,7 @@ const CURVES: [Color32; 8] = [
 ];
 
 pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut Queue) {
-    let Some(line) = model.measure.line else {
+    let Some(line) = model.document.measure.line else {
         ui.horizontal(|ui| {
             ui.weak("Drag a line on a picture to see the values along it.");
             button_ui(ui, model, queue, ActionId::MeasureLine, Some("Draw a line"));

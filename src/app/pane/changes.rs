@@ -4,9 +4,9 @@
 use super::preset::Laid;
 use super::set::{PLACES, place_of};
 use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneId, Panes, Preset};
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::document::side::Side;
 use crate::detector::DetectorParams;
+use crate::teach::Workspace;
 use std::collections::BTreeMap;
 
 impl Panes {

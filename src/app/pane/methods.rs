@@ -3,10 +3,10 @@
 use super::preset::in_rows;
 use super::set::place_of;
 use super::{Arrangement, Content, Link, Over, Pane, PaneId, Panes};
-use crate::app::project::look::Ranges;
-use crate::app::project::method::MethodId;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::document::look::Ranges;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
+use crate::teach::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

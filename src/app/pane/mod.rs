@@ -24,10 +24,10 @@ pub use set::Panes;
 pub use sides::SidesPreset;
 pub use tiles::{arrangement_of, tree_of};
 
-use crate::app::project::cursor::{Cursor, ViewKind};
-use crate::app::project::look::Ranges;
-use crate::app::project::method::MethodId;
-use crate::app::project::side::Side;
+use crate::app::document::cursor::{Cursor, ViewKind};
+use crate::app::document::look::Ranges;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::view::View;
 use crate::detector::{DetectorParams, Method};
 use crate::requests::{OpenBurst, PictureKind, PictureRequest};

@@ -1,7 +1,7 @@
 //! Preset arrangements of *Inspect*.
 
 use super::{Content, Pane, SliceAxis};
-use crate::app::project::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
+use crate::app::document::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
 use crate::detector::{DetectorParams, Slope};
 
 pub use crate::teach::Layout as Preset;
@@ -168,7 +168,7 @@ fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::side::Side;
+    use crate::app::document::side::Side;
     use crate::detector::SlopeGrid;
 
     fn base(slope_u: f32) -> Pane {

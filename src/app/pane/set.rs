@@ -1,9 +1,9 @@
 //! All panes, their arrangement in each workspace, and the focus.
 
 use super::{Arrangement, Over, Pane, PaneId};
-use crate::app::project::method::MethodId;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
+use crate::teach::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -2,9 +2,9 @@
 
 use super::set::place_of;
 use super::{Arrangement, Content, Pane, PaneId, Panes};
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::side::Side;
+use crate::teach::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::app::canvas::Zoom;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::workspace::Workspace;
+use crate::app::document::cursor::ViewKind;
 use crate::detector::{DetectorParams, Slope};
+use crate::teach::Workspace;
 
 const A: PaneId = PaneId(0);
 

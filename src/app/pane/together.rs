@@ -1,7 +1,7 @@
 //! Linked panes: they follow one another, and lie over one another.
 
 use super::{Link, Over, Pane, PaneId, Panes};
-use crate::app::project::cursor::Cursor;
+use crate::app::document::cursor::Cursor;
 use crate::app::view::View;
 
 impl Panes {

@@ -3,6 +3,9 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
+use crate::app::document::comparison::{Kind, Reference};
+use crate::app::document::panes::Destination;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
@@ -10,12 +13,10 @@ use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
 use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
-use crate::app::project::Model;
-use crate::app::project::comparison::{Kind, Reference, Row, Shown};
-use crate::app::project::panes::Destination;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::comparison::{Row, Shown};
 use crate::app::view::{fixed, signed_slope};
+use crate::teach::Workspace;
 use egui::{Align, Button, Color32, Label, Layout, RichText, Sense, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder};
 
@@ -34,11 +35,11 @@ pub fn colour(with: Reference, kind: Kind) -> Color32 {
 }
 
 fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
-    if model.workspace == Workspace::Pair {
+    if model.document.workspace == Workspace::Pair {
         ui.label(RichText::new(format!("Features of {}", side.name())).strong());
     }
     for with in Reference::ALL {
-        let (on, there) = (model.comparisons[side].with == Some(with), model.has_reference(side, with));
+        let (on, there) = (model.document.comparisons[side].with == Some(with), model.has_reference(side, with));
         let button = Button::selectable(on, with.label()).frame_when_inactive(true);
         let response = ui.add_enabled(there, button).on_hover_text(with.help()).on_disabled_hover_text(with.help());
         if response.clicked() {
@@ -47,7 +48,7 @@ fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
     }
     ui.separator();
     button_ui(ui, model, queue, ActionId::PinResult, Some("Pin"));
-    let ends = match model.comparisons[side].with {
+    let ends = match model.document.comparisons[side].with {
         Some(Reference::Pinned) => Some((ActionId::UnpinResult, "Unpin")),
         Some(Reference::File) => Some((ActionId::CloseFeatures, "Close")),
         Some(Reference::Truth) | None => None,
@@ -55,7 +56,7 @@ fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
     if let Some((id, text)) = ends {
         button_ui(ui, model, queue, id, Some(text));
     }
-    if let Some(running) = &model.slots[side].comparison.wanted.running() {
+    if let Some(running) = &model.results.slots[side].comparison.wanted.running() {
         progress_ui(ui, running, Some(220.0), &progress_text(running));
     }
 }
@@ -65,8 +66,8 @@ const PROBE_HELP: &str = "Say why there is a feature at its place, or why there 
 pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut Queue) {
     let side = model.active_side();
     ui.horizontal_wrapped(|ui| switch_ui(ui, model, side, queue));
-    let Some(shown) = &model.slots[side].comparison.shown else {
-        ui.centered_and_justified(|ui| match &model.slots[side].comparison.problem {
+    let Some(shown) = &model.results.slots[side].comparison.shown else {
+        ui.centered_and_justified(|ui| match &model.results.slots[side].comparison.problem {
             Some(problem) => ui.label(RichText::new(problem).color(ui.visuals().error_fg_color)),
             None => ui.weak(what_to_do(model, side)),
         });
@@ -78,7 +79,7 @@ pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
             ui.weak("(of the earlier features)");
         }
         // The button is there without a selected row too, so that selecting one moves nothing under the pointer.
-        let selected = model.comparisons[side].selected.and_then(|row| shown.rows.get(row));
+        let selected = model.document.comparisons[side].selected.and_then(|row| shown.rows.get(row));
         let why = ui.add_enabled(selected.is_some(), Button::new("Why here?").small());
         let why = why.on_hover_text(PROBE_HELP).on_disabled_hover_text("Select a row first");
         if let Some(row) = selected.filter(|_| why.clicked()) {
@@ -86,7 +87,7 @@ pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
         }
         ui.separator();
         for &kind in Kind::of(shown.with) {
-            let mut on = model.comparisons[side].shows(kind);
+            let mut on = model.document.comparisons[side].shows(kind);
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
             key_ui(ui, shown, kind);
             if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
@@ -108,7 +109,7 @@ pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
 }
 
 fn what_to_do(model: &Model, side: Side) -> &'static str {
-    match model.comparisons[side].with {
+    match model.document.comparisons[side].with {
         Some(_) if model.found_of(side).is_none() => {
             model.without_features(side, "Press Detect to find features to compare")
         }
@@ -126,7 +127,7 @@ fn table_ui(
     queue: &mut Queue,
 ) -> (Option<usize>, Option<usize>) {
     let listed: Vec<usize> =
-        (0..shown.rows.len()).filter(|&row| model.comparisons[side].shows(shown.rows[row].kind)).collect();
+        (0..shown.rows.len()).filter(|&row| model.document.comparisons[side].shows(shown.rows[row].kind)).collect();
     let (mut clicked, mut hovered, mut probed) = (None, None, None);
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let table = TableBuilder::new(ui)
@@ -153,8 +154,8 @@ fn table_ui(
             body.rows(ROW_HEIGHT, listed.len(), |mut table_row| {
                 let index = listed[table_row.index()];
                 let row = &shown.rows[index];
-                table_row.set_selected(model.comparisons[side].selected == Some(index));
-                table_row.set_hovered(model.slots[side].comparison.hovered == Some(index));
+                table_row.set_selected(model.document.comparisons[side].selected == Some(index));
+                table_row.set_hovered(model.results.slots[side].comparison.hovered == Some(index));
                 table_row.col(|ui| {
                     key_ui(ui, shown, row.kind);
                     ui.add(Label::new(shown.label(row.kind)).selectable(false));
@@ -187,7 +188,7 @@ fn table_ui(
         });
     // The pointer may be over a picture instead, which then sets the hovered row.
     if is_pointed_at {
-        queue.point(&model.slots[side].comparison.hovered, hovered, |row| Pointed::Row(side, row));
+        queue.point(&model.results.slots[side].comparison.hovered, hovered, |row| Pointed::Row(side, row));
     }
     (clicked, probed)
 }
@@ -204,7 +205,7 @@ fn cells(row: &Row) -> [String; 5] {
 
 fn is_in_view(model: &Model, widgets: &PaneWidgets, row: &Row) -> bool {
     let [u, v] = row.pos_image;
-    let seen = widgets.get(model.focus()).and_then(|widget| widget.picture.visible_image);
+    let seen = widgets.get(model.document.focus()).and_then(|widget| widget.picture.visible_image);
     seen.is_some_and(|seen| seen.contains(pos2(u, v)))
 }
 
@@ -219,9 +220,9 @@ pub struct RowsInPane {
 fn marks_of(model: &Model, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, Vec<ComparedMark>) {
     let RowsInPane { side, id, .. } = *place;
     let dt = frames_from_middle(model.picture_in(id), &shown.detection).unwrap_or_default();
-    let pointed = [model.comparisons[side].selected, model.slots[side].comparison.hovered];
+    let pointed = [model.document.comparisons[side].selected, model.results.slots[side].comparison.hovered];
     let drawn = shown.rows.iter().enumerate().filter(|(index, row)| {
-        model.comparisons[side].shows(row.kind) && (place.drawn[*index] || pointed.contains(&Some(*index)))
+        model.document.comparisons[side].shows(row.kind) && (place.drawn[*index] || pointed.contains(&Some(*index)))
     });
     drawn
         .map(|(index, row)| {
@@ -245,22 +246,22 @@ pub fn marks_ui(ui: &Ui, model: &Model, shown: &Shown, place: &RowsInPane, outpu
     let (rows, marks) = marks_of(model, shown, place);
     let clip = output.painter.clip_rect();
     // Candidates and matches lie on top.
-    let is_over_match = model.workspace == Workspace::Pair && model.pair.hovered.is_some();
-    let on_top = model.explained.pointed.is_none() && !is_over_match;
+    let is_over_match = model.document.workspace == Workspace::Pair && model.results.pair.hovered.is_some();
+    let on_top = model.results.explained.pointed.is_none() && !is_over_match;
     let pointer = output.pointer_ui.filter(|pos| on_top && clip.contains(*pos));
     let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));
-    let hovered_before = model.slots[side].comparison.hovered;
+    let hovered_before = model.results.slots[side].comparison.hovered;
     let hovered = if pointer.is_some() { pointed.map(|mark| rows[mark]) } else { hovered_before };
     queue.point(&hovered_before, hovered, |row| Pointed::Row(side, row));
     if pointer.is_some() {
         // Features under the marks are not hovered.
-        queue.point(&model.hovered, None, Pointed::Feature);
+        queue.point(&model.results.hovered, None, Pointed::Feature);
     }
     // A feature selected or hovered elsewhere is one of ours.
     let of_ours = |feature: usize| rows.iter().position(|row| shown.rows[*row].feature == Some(feature));
-    let focus = hovered.or(model.comparisons[side].selected);
+    let focus = hovered.or(model.document.comparisons[side].selected);
     let highlighted = focus.and_then(|row| rows.iter().position(|r| *r == row));
-    let elsewhere = model.hovered.or(model.selected).filter(|_| side == Side::A);
+    let elsewhere = model.results.hovered.or(model.document.selected).filter(|_| side == Side::A);
     let highlighted = highlighted.or_else(|| elsewhere.and_then(of_ours));
     draw_compared(output, &marks, highlighted);
     if on_top
@@ -294,7 +295,7 @@ pub fn legend_ui(
 ) {
     let side = in_pane.side;
     let kinds: Vec<Kind> =
-        Kind::of(shown.with).iter().copied().filter(|kind| model.comparisons[side].shows(*kind)).collect();
+        Kind::of(shown.with).iter().copied().filter(|kind| model.document.comparisons[side].shows(*kind)).collect();
     let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: false };
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
     legend::legend_ui(ui, model, size, place, queue, |ui| {
@@ -327,8 +328,8 @@ fn key_ui(ui: &mut Ui, shown: &Shown, kind: Kind) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::comparison::{Kind, Reference};
-    use crate::app::project::tests::{detected, feature, open};
+    use crate::app::document::comparison::{Kind, Reference};
+    use crate::app::results::tests::{detected, feature, open};
     use crate::detector::Slope;
     use std::time::Duration;
 
@@ -353,19 +354,19 @@ mod tests {
     fn an_empty_list_says_the_next_step() {
         let mut model = Model::default();
         assert!(what_to_do(&model, Side::A).starts_with("Pin a result"));
-        model.comparisons.a.with = Some(Reference::Truth);
+        model.document.comparisons.a.with = Some(Reference::Truth);
         assert!(what_to_do(&model, Side::A).starts_with("Press Detect"));
         let burst = open((64, 48), 3);
         model.take_burst(burst.clone());
         let engine = crate::engine::Engine::new(std::sync::Arc::new(|| {}), 1 << 20);
         model.start_detection(Side::A, &engine);
         assert_eq!((what_to_do(&model, Side::A), model.takes_advice(Side::A)), ("Detecting…", false));
-        model.slots.a.detecting.forget();
+        model.results.slots.a.detecting.forget();
         assert!(model.takes_advice(Side::A));
-        let params = model.params.clone();
+        let params = model.document.params.clone();
         let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
         model.take_detection(Side::A, detected(&burst, &params, features), Duration::ZERO);
-        model.comparisons.a.with = Some(Reference::Truth);
+        model.document.comparisons.a.with = Some(Reference::Truth);
         assert_eq!(what_to_do(&model, Side::A), "Comparing…");
     }
 }

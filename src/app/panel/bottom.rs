@@ -6,8 +6,8 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
 use crate::app::panel::{against, noise, slopes, status, table, tally};
 use crate::app::parts::mark;
-use crate::app::project::{BottomTab, Model};
-use crate::teach::Part;
+use crate::app::results::Model;
+use crate::teach::{BottomTab, Part};
 use egui::{Align, Layout, Ui};
 
 /// Minimum width with widely spaced tabs, in points.
@@ -25,14 +25,14 @@ const TABS: [(BottomTab, &str, &str); 7] = [
 
 /// Whether `tab` has something to show, or is the chosen one.
 fn has_content(tab: BottomTab, model: &Model) -> bool {
-    let compared = &model.slots[model.active_side()].comparison;
+    let compared = &model.results.slots[model.active_side()].comparison;
     let is_filled = match tab {
-        BottomTab::Profile => model.measure.line.is_some(),
-        BottomTab::Region => model.measure.region.is_some(),
+        BottomTab::Profile => model.document.measure.line.is_some(),
+        BottomTab::Region => model.document.measure.region.is_some(),
         BottomTab::Compared => compared.shown.is_some() || compared.problem.is_some(),
         _ => true,
     };
-    is_filled || model.bottom_tab == tab
+    is_filled || model.document.bottom_tab == tab
 }
 
 /// Draws the tabs; the open one closes the panel, any other opens it.
@@ -42,7 +42,7 @@ fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         if !has_content(tab, model) {
             continue;
         }
-        if ui.selectable_label(is_open && model.bottom_tab == tab, name).on_hover_text(help).clicked() {
+        if ui.selectable_label(is_open && model.document.bottom_tab == tab, name).on_hover_text(help).clicked() {
             queue.push(Action::ToggleTab(tab));
         }
     }
@@ -68,7 +68,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, regions: &mu
         }
         tabs_ui(ui, model, queue);
         ui.separator();
-        match model.bottom_tab {
+        match model.document.bottom_tab {
             BottomTab::Table => table::filter_bar_ui(ui, model, queue),
             BottomTab::Tally => line_ui(ui, model, tally::summary_ui),
             BottomTab::Noise => line_ui(ui, model, noise::summary_ui),
@@ -79,7 +79,7 @@ pub fn bottom_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, regions: &mu
     mark(ui, Part::Tabs, tabs.response.rect);
     ui.separator();
     mark(ui, Part::Below, ui.available_rect_before_wrap());
-    match model.bottom_tab {
+    match model.document.bottom_tab {
         BottomTab::Table => {
             // Usually it stands below the parameters.
             if !model.shows_left() {

@@ -4,9 +4,9 @@
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::cursor::{level_range, octave_range, slope_limit};
 use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
-use crate::app::project::Model;
-use crate::app::project::cursor::{level_range, octave_range, slope_limit};
+use crate::app::results::Model;
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeChoice};
@@ -21,7 +21,7 @@ pub fn cursor_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         if shown(ui, model) == Below::Plane {
             slope_pad_ui(ui, model, queue);
         }
-        if model.cursor().kind.about().of_scale {
+        if model.document.cursor().kind.about().of_scale {
             scale_rows(ui, model, queue);
         }
     });
@@ -69,10 +69,10 @@ fn shown(ui: &Ui, model: &Model) -> Below {
 
 fn frame_row(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let last = model.focused_frame_count().saturating_sub(1) as f32;
-    let mut frame = model.cursor().frame as f32;
+    let mut frame = model.document.cursor().frame as f32;
     let help = "Index of the shown frame, from 0. Moving it shows the frame.";
     if CursorRow::whole("Frame", help, 0.0..=last).ui(ui, &mut frame) {
-        queue.push(Action::SetFrame(model.focus(), frame.max(0.0) as usize));
+        queue.push(Action::SetFrame(model.document.focus(), frame.max(0.0) as usize));
     }
 }
 
@@ -86,7 +86,7 @@ fn slope_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         marks.dedup();
         marks
     };
-    let before = model.cursor().slope;
+    let before = model.document.cursor().slope;
     let mut slope = before;
     let rows = [
         ("Slope u", "to the right", &mut slope.u, marks(|s| s.u)),
@@ -103,13 +103,13 @@ fn slope_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             strip_ui(ui, model, second, queue);
         }
     }
-    queue.set(&before, slope, |slope| Action::SetSlope(model.focus(), slope));
+    queue.set(&before, slope, |slope| Action::SetSlope(model.document.focus(), slope));
 }
 
 fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let play = if model.playing { "⏸ Pause" } else { "▶ Play" };
+        let play = if model.document.playing { "⏸ Pause" } else { "▶ Play" };
         button_ui(ui, model, queue, ActionId::Play, Some(play));
     });
 }
@@ -117,7 +117,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 fn scale_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let octaves = octave_range(model.cursor_params(), model.focused_size());
     let levels = level_range(model.cursor_params());
-    let (mut octave, mut level) = (model.cursor().octave as f32, model.cursor().level as f32);
+    let (mut octave, mut level) = (model.document.cursor().octave as f32, model.document.cursor().level as f32);
     let mut row = |label, help, range: std::ops::RangeInclusive<i32>, value| {
         CursorRow::whole(label, help, *range.start() as f32..=*range.end() as f32).ui(ui, value)
     };
@@ -126,10 +126,10 @@ fn scale_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let help =
         "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with.";
     if row("Level", help, levels, &mut level) || is_other_octave {
-        queue.push(Action::SetScale(model.focus(), octave as i32, level as i32));
+        queue.push(Action::SetScale(model.document.focus(), octave as i32, level as i32));
     }
     let space = ScaleSpace::of(model.cursor_params());
-    let sigma = space.sigma_image(model.cursor().octave, f64::from(model.cursor().level));
+    let sigma = space.sigma_image(model.document.cursor().octave, f64::from(model.document.cursor().level));
     let rim = rim_radius(sigma, space.levels);
     ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(format!(
         "In pixels of the input image. Discs with a radius of {rim:.1} px respond most strongly at this scale."
@@ -148,7 +148,7 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some(pos) = response.interact_pointer_pos() {
         let at = (pos - rect.center()) / scale;
         let slope = Slope::new(at.x.clamp(-limit, limit), at.y.clamp(-limit, limit));
-        queue.push(Action::SetSlope(model.focus(), slope));
+        queue.push(Action::SetSlope(model.document.focus(), slope));
     }
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
@@ -156,7 +156,7 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let axis = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
     painter.hline(rect.x_range(), rect.center().y, axis);
     painter.vline(rect.center().x, rect.y_range(), axis);
-    let found = model.found_of(model.focused().side).filter(|f| f.detection.slopes == grid);
+    let found = model.found_of(model.document.focused().side).filter(|f| f.detection.slopes == grid);
     let counts = found.map_or_else(|| vec![0; grid.len()], |found| features_at_slopes(&found.detection));
     let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
     let largest = (0.45 * grid.u.step().min(grid.v.step()) * scale).clamp(2.0, 8.0);
@@ -165,7 +165,7 @@ pub fn slope_pad_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let radius = 1.2 + (largest - 1.2) * (count as f32 / most).sqrt();
         painter.circle_filled(ui_from_slope(slope), radius, colour);
     }
-    let here = ui_from_slope(model.cursor().slope);
+    let here = ui_from_slope(model.document.cursor().slope);
     painter.circle_stroke(here, 5.5, Stroke::new(2.0, ui.visuals().strong_text_color()));
     named(&response, egui::Role::Canvas, "Slope plane");
     let help = "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both.";
@@ -244,7 +244,7 @@ fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
 }
 
 fn set_axis(model: &Model, second: bool, axis: SlopeAxis, queue: &mut Queue) {
-    let mut detector = model.params.clone();
+    let mut detector = model.document.params.clone();
     let own = if second { &mut detector.slopes.v } else { &mut detector.slopes.u };
     if *own != axis {
         *own = axis;
@@ -290,7 +290,7 @@ fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) 
 mod tests {
     use super::*;
     use crate::app::actions::apply;
-    use crate::app::project::tests::{Bench, open};
+    use crate::app::results::tests::{Bench, open};
     use egui::accesskit::Role;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
@@ -299,7 +299,7 @@ mod tests {
     fn a_drag_of_a_slider_is_one_action_a_pass_and_one_step_to_undo() {
         let mut bench = Bench::new();
         bench.model.take_burst(open((64, 48), 5));
-        let before = bench.model.cursor().slope;
+        let before = bench.model.document.cursor().slope;
         let draw = |ui: &mut Ui, (bench, actions): &mut (Bench, Vec<usize>)| {
             let mut queue = Queue::default();
             cursor_ui(ui, &bench.model, &mut queue);
@@ -325,9 +325,9 @@ mod tests {
         harness.step();
         let (bench, actions) = harness.state_mut();
         assert!(actions.iter().all(|pushed| *pushed <= 1) && actions.iter().sum::<usize>() >= 3, "{actions:?}");
-        assert!(bench.model.cursor().slope.u > before.u);
+        assert!(bench.model.document.cursor().slope.u > before.u);
         bench.model.undo(&bench.engine);
-        assert_eq!(bench.model.cursor().slope, before);
+        assert_eq!(bench.model.document.cursor().slope, before);
         assert!(!bench.model.history.can_undo());
     }
 

@@ -4,13 +4,13 @@ use crate::app::actions::Queue;
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::document::Action;
+use crate::app::document::look::{FeaturesShown, Look, RangeClass, SMOOTHING_PX};
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
 use crate::app::panel::legend::{KEY_ROOM, ground, motion_key};
 use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui};
-use crate::app::project::Model;
-use crate::app::project::look::{FeaturesShown, Look, RangeClass, SMOOTHING_PX};
+use crate::app::results::Model;
 use crate::plane::display::Display;
 use crate::requests::line_of;
 use egui::{
@@ -23,11 +23,11 @@ pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
 pub fn display_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
         range_ui(ui, model, widgets, queue);
-        let mut look = model.look.clone();
+        let mut look = model.document.look.clone();
         smoothing_ui(ui, &mut look);
         ui.add_space(4.0);
         overlay_ui(ui, model, &mut look);
-        queue.set(&model.look, look, Action::SetLook);
+        queue.set(&model.document.look, look, Action::SetLook);
         colouring_ui(ui, model, queue);
     });
 }
@@ -36,29 +36,29 @@ pub fn display_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: 
 pub fn ranges_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
         range_ui(ui, model, widgets, queue);
-        let mut look = model.look.clone();
+        let mut look = model.document.look.clone();
         smoothing_ui(ui, &mut look);
-        queue.set(&model.look, look, Action::SetLook);
+        queue.set(&model.document.look, look, Action::SetLook);
     });
 }
 
 fn range_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
-    let PaneWidget { picture: pictures, display: state, .. } = widgets.of(model.focus());
+    let PaneWidget { picture: pictures, display: state, .. } = widgets.of(model.document.focus());
     pictures.refresh(model.picture());
-    let class = model.range_class(model.focus());
-    let own = model.focused().own_ranges.is_some();
+    let class = model.range_class(model.document.focus());
+    let own = model.document.focused().own_ranges.is_some();
     let whose = if own { "This pane's range for" } else { "One range for all" };
     ui.weak(format!("{whose} {}", class.label()))
         .on_hover_text("It stays fixed until you change it, so that pictures can be compared");
     if class == RangeClass::Motion {
         let motion = model.picture().and_then(|picture| picture.motion.as_ref());
-        let features = model.features_of_motion(model.focus());
+        let features = model.features_of_motion(model.document.focus());
         let is_line = motion.is_some_and(|motion| line_of(&motion.grid, features).is_some());
         let what = if is_line { "slope along the line of the motions" } else { "direction and length of the motion" };
         ui.add(egui::Label::new(format!("Colour: {what}; bright where it is certain")).wrap());
         return;
     }
-    let mut display = model.ranges_of(model.focused()).display(class);
+    let mut display = model.document.ranges_of(model.document.focused()).display(class);
     if state.0[class as usize].ui(ui, pictures.shown(), pictures.visible_image, &mut display) {
         queue.push(Action::SetDisplay(class, display));
     }
@@ -92,7 +92,7 @@ fn overlay_ui(ui: &mut Ui, model: &Model, look: &mut Look) {
     });
     ui.horizontal(|ui| {
         label_ui(ui, "Features", 69.0);
-        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL, model, model.focus());
+        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL, model, model.document.focus());
     });
 }
 
@@ -120,8 +120,9 @@ pub fn features_shown_ui(
 fn colouring_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Colour by", 69.0);
-        let (width, choices) = (Some(ui.available_width() - 6.0), ColourBy::choices(model.set_up.reads_depths));
-        let mut by = model.colour_by;
+        let (width, choices) =
+            (Some(ui.available_width() - 6.0), ColourBy::choices(model.document.set_up.reads_depths));
+        let mut by = model.document.colour_by;
         if choice_ui(ui, "colour by", label.id, width, &mut by, choices, ColourBy::name) {
             queue.push(Action::ColourBy(by));
         }

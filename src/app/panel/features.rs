@@ -2,23 +2,23 @@
 
 use crate::app::actions::Queue;
 use crate::app::canvas::{CanvasOutput, overlay, signed_number};
+use crate::app::document::filter::moves_by;
+use crate::app::document::look::FeaturesShown;
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::pane::PaneId;
-use crate::app::panel::against::{self, RowsInPane, marks_ui};
-use crate::app::panel::legend;
+use crate::app::panel::against::{RowsInPane, marks_ui};
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
-use crate::app::project::Model;
-use crate::app::project::comparison::Row;
-use crate::app::project::explained::{coherence_words, verdict_words};
-use crate::app::project::filter::moves_by;
-use crate::app::project::look::FeaturesShown;
-use crate::app::project::method::MethodId;
-use crate::app::project::pair::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::panel::{against, legend};
+use crate::app::results::Model;
+use crate::app::results::comparison::Row;
+use crate::app::results::explained::{coherence_words, verdict_words};
 use crate::app::view::{Known, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Slope};
 use crate::inspect::spectrum::is_at_slope;
+use crate::teach::Workspace;
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
@@ -49,19 +49,19 @@ impl FeatureLayer {
     /// Features of pane `id`; `None` while none are drawn. In *Inspect* the table, the filter and the selection are
     /// A's; where two bursts or methods are compared, all features are drawn and none are listed.
     pub fn of(model: &Model, id: PaneId) -> Option<Self> {
-        let inspected = model.workspace == Workspace::Inspect;
-        let are_drawn = match model.workspace {
-            Workspace::Pair => model.match_look.features,
-            Workspace::Methods => model.methods.features,
-            _ => model.look.overlay != FeaturesShown::None,
+        let inspected = model.document.workspace == Workspace::Inspect;
+        let are_drawn = match model.document.workspace {
+            Workspace::Pair => model.document.match_look.features,
+            Workspace::Methods => model.document.methods.features,
+            _ => model.document.look.overlay != FeaturesShown::None,
         };
-        let pane = model.panes.get(id).filter(|_| are_drawn)?;
+        let pane = model.document.panes.get(id).filter(|_| are_drawn)?;
         let detection = model.detection_in(pane)?.clone();
         let is_listed = inspected && pane.side == Side::A && pane.method.is_none();
         let is_stale = pane.method.is_none() && !model.features_are_current(pane.side);
         let dt = frames_from_middle(model.picture_in(id), &detection);
         let slope = model.slope_in_picture(id).filter(|_| inspected);
-        let near = model.filter.near_slope.filter(|_| is_listed);
+        let near = model.document.filter.near_slope.filter(|_| is_listed);
         let is_at = |feature: &Feature, slope: Slope| match near {
             Some(limit) => moves_by(&detection.slopes, feature, slope, limit),
             None => is_at_slope(&detection.slopes, feature, slope),
@@ -74,14 +74,14 @@ impl FeatureLayer {
             shown,
             elsewhere,
             slope,
-            selected: model.selected.filter(|_| is_listed),
-            hovered: model.hovered.filter(|_| is_listed),
+            selected: model.document.selected.filter(|_| is_listed),
+            hovered: model.results.hovered.filter(|_| is_listed),
             stale: is_stale,
-            orientations: model.look.orientations && inspected,
-            motions: model.look.motion_vectors && (inspected || pane.method.is_some_and(MethodId::is_buff)),
+            orientations: model.document.look.orientations && inspected,
+            motions: model.document.look.motion_vectors && (inspected || pane.method.is_some_and(MethodId::is_buff)),
             is_listed,
             method: pane.method,
-            only_slope: model.look.overlay == FeaturesShown::ThisSlope,
+            only_slope: model.document.look.overlay == FeaturesShown::ThisSlope,
             detection,
         };
         if layer.slope.is_some() && layer.only_slope {
@@ -98,8 +98,10 @@ impl FeatureLayer {
 
     pub fn scale(&self, model: &Model) -> overlay::ColourScale {
         let (features, grid) = (&self.detection.features, &self.detection.slopes);
-        let scale = overlay::ColourScale::of(model.colour_by, features, grid);
-        scale.with_coherences(model.coherence.of(&self.detection)).with_set_up(model.set_up.depths_by())
+        let scale = overlay::ColourScale::of(model.document.colour_by, features, grid);
+        scale
+            .with_coherences(model.results.coherence.of(&self.detection))
+            .with_set_up(model.document.set_up.depths_by())
     }
 
     /// Choice of the features that are drawn in full over the canvas of `output`: the strongest of each part of it, and
@@ -147,12 +149,12 @@ pub fn features_ui(
 ) {
     (state.drawn_of, state.pointed) = (None, None);
     let is_probed = id == model.probed_pane_id();
-    if is_probed && !model.probed.as_dots.is_empty() {
+    if is_probed && !model.results.probed.as_dots.is_empty() {
         queue.push(Pointed::Dots(Vec::new()));
     }
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
-    let Some(pane) = model.panes.get(id) else { return };
-    let (side, is_of_burst) = (pane.side, matches!(model.workspace, Workspace::Inspect | Workspace::Pair));
+    let Some(pane) = model.document.panes.get(id) else { return };
+    let (side, is_of_burst) = (pane.side, matches!(model.document.workspace, Workspace::Inspect | Workspace::Pair));
     if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst) {
         // The colours now show the comparison's outcome.
         let drawn = shown.rows.iter().map(|row| layer.draws(row)).collect();
@@ -163,15 +165,16 @@ pub fn features_ui(
         }
         return;
     }
-    let scale = state.colour_scale(model.colour_by, &layer.detection, model.coherence.of(&layer.detection));
-    let scale = scale.with_set_up(model.set_up.depths_by());
+    let scale =
+        state.colour_scale(model.document.colour_by, &layer.detection, model.results.coherence.of(&layer.detection));
+    let scale = scale.with_set_up(model.document.set_up.depths_by());
     // Candidates lie above features.
-    let on_top = layer.is_listed && model.explained.pointed.is_none();
+    let on_top = layer.is_listed && model.results.explained.pointed.is_none();
     let can_be_pointed_at = on_top || layer.method.is_some();
     let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
     let mut in_full = layer.in_full(output);
     if is_probed && layer.method.is_none() {
-        let here = model.probed.features_here();
+        let here = model.results.probed.features_here();
         let dots: Vec<usize> = here.into_iter().filter(|feature| in_full.dots.contains(feature)).collect();
         if !dots.is_empty() {
             queue.push(Pointed::Dots(dots));
@@ -200,14 +203,14 @@ pub fn features_ui(
         && !output.response.dragged()
     {
         let name = layer.method.map_or_else(|| format!("#{i}"), |method| method.label().to_owned());
-        let judged = model.coherence.of(&layer.detection).and_then(|values| values.get(i));
+        let judged = model.results.coherence.of(&layer.detection).and_then(|values| values.get(i));
         let feature = &layer.placed()[i];
-        feature_tip_ui(ui, &name, feature, model.set_up.known(feature, judged));
+        feature_tip_ui(ui, &name, feature, model.document.set_up.known(feature, judged));
     }
     // Where one slope was searched, as by SIFT on a frame, no colour of a slope means anything.
     let has_meaning = !scale.by.is_of_slope() || layer.detection.slopes.len() > 1;
     if has_legend && has_meaning && !layer.placed().is_empty() {
-        let has_faint = layer.slope.is_some() && model.look.overlay == FeaturesShown::All;
+        let has_faint = layer.slope.is_some() && model.document.look.overlay == FeaturesShown::All;
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         let notes: Vec<String> = notes.into_iter().flatten().collect();
         let rect_ui = output.response.rect;
@@ -295,11 +298,12 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
         overlay::ColourBy::FieldU | overlay::ColourBy::FieldV => return grey("motion of the place unknown"),
         _ => {}
     }
-    let why = match (model.coherence.of(&layer.detection), model.coherence.failure_of(&layer.detection)) {
+    let why = match (model.results.coherence.of(&layer.detection), model.results.coherence.failure_of(&layer.detection))
+    {
         (Some(_), _) => "too noisy to tell".to_owned(),
         (None, Some(why)) => why.to_string(),
         (None, None) if layer.method.is_some() => "not computed for methods; see One burst".to_owned(),
-        (None, None) => match model.coherence.running().and_then(|running| running.progress) {
+        (None, None) => match model.results.coherence.running().and_then(|running| running.progress) {
             Some(progress) => format!("being computed, {:.0} %", 100.0 * progress.fraction),
             None => "not computed yet".to_owned(),
         },

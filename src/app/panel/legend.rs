@@ -4,7 +4,7 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::overlay::ColourScale;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::named;
-use crate::app::project::Model;
+use crate::app::results::Model;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +50,7 @@ pub fn legend_ui(
     queue: &mut Queue,
     add_contents: impl FnOnce(&mut Ui),
 ) {
-    let is_open = model.look.legend;
+    let is_open = model.document.look.legend;
     let rect = place.corner(if is_open { size } else { CHIP });
     let name = if is_open { "Fold the legend" } else { "Show the legend" };
     let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());

@@ -27,11 +27,12 @@ pub mod widgets;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::document::comparison::Reference;
     use crate::app::document::{Action, Document, Queue};
-    use crate::app::project::comparison::Reference;
-    use crate::app::project::{BottomTab, Model};
+    use crate::app::results::Model;
     use crate::app::{dataset, workspace};
     use crate::detector::{Quantity, SlopeChoice, SlopeGrid, Test};
+    use crate::teach::BottomTab;
     use egui::Ui;
     use egui_kittest::Harness;
 

@@ -3,9 +3,9 @@
 use crate::app::actions::Queue;
 use crate::app::canvas::number as in_digits;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::{instead_ui, warning_ui};
-use crate::app::project::side::Side;
-use crate::app::project::{FoundFeatures, Model};
+use crate::app::results::{FoundFeatures, Model};
 use crate::detector::noise_model::NoiseModel;
 use crate::plane::display::ColourMap;
 use crate::requests::ViewKind;
@@ -20,7 +20,7 @@ const PLOT: egui::Vec2 = vec2(280.0, 130.0);
 const MAP_CELLS: usize = 64;
 
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
-    let Some(found) = &model.slots.a.found else {
+    let Some(found) = &model.results.slots.a.found else {
         ui.weak("No detection yet");
         return;
     };
@@ -39,7 +39,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 }
 
 pub fn noise_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let Some(found) = &model.slots.a.found else {
+    let Some(found) = &model.results.slots.a.found else {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to measure the noise"));
         return;
     };
@@ -68,7 +68,7 @@ fn show_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel, queue: &mut Queue) {
         );
         let tip = format!("{} (Shift+N)", ViewKind::Noise.about().help);
         if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
-            queue.push(Action::Show(model.focus(), ViewKind::Noise));
+            queue.push(Action::Show(model.document.focus(), ViewKind::Noise));
         }
     });
 }
@@ -124,7 +124,7 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
 }
 
 fn map_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel) {
-    let Some(burst) = &model.slots.a.burst else { return };
+    let Some(burst) = &model.results.slots.a.burst else { return };
     let (width, height) = burst.burst.size();
     let hover = "σ of a frame's noise by place, at the finest octave: bright is more";
     let (rect, painter) = plot_frame(ui, "σ of a frame by place", hover);

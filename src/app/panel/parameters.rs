@@ -2,12 +2,12 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui, enabled};
 use crate::app::document::Action;
+use crate::app::document::panes::Panels;
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
-use crate::app::parts;
-use crate::app::project::{Model, Panels};
-use crate::app::style;
+use crate::app::results::Model;
+use crate::app::{parts, style};
 use crate::detector::params::{Param, doc};
 use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAxis, SlopeChoice, SlopeFinding, SlopeVerdict};
 use crate::inspect::words::{capitalised, number};
@@ -31,23 +31,29 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             }
         });
         ui.add_space(4.0);
-        let error = model.slots.a.param_error.as_ref();
-        let given = model.params.slopes;
-        let mut defaults = DetectorParams::implied_by(model.params.rules);
-        if model.slopes.is_auto() {
+        let error = model.results.slots.a.param_error.as_ref();
+        let given = model.document.params.slopes;
+        let mut defaults = DetectorParams::implied_by(model.document.params.rules);
+        if model.document.slopes.is_auto() {
             // Found slopes have no other default.
             defaults.slopes = given;
         }
         // The gate of the search whose features are shown, where it chose by itself.
-        let found = model.slots.a.found.as_ref().filter(|found| found.params.noise_gate == model.params.noise_gate);
+        let found = model
+            .results
+            .slots
+            .a
+            .found
+            .as_ref()
+            .filter(|found| found.params.noise_gate == model.document.params.noise_gate);
         let chosen = found.filter(|found| !matches!(found.params.noise_gate, NoiseGate::Factor(_)));
         let note = chosen.map(|found| (doc::NOISE_GATE.name, format!("{:.2}", found.detection.noise_gate_factor)));
         let table = rows::ParamTable { error, defaults, frame_count: model.frame_count(), note };
-        let before = SearchParams { detector: model.params.clone(), slopes: model.slopes };
+        let before = SearchParams { detector: model.document.params.clone(), slopes: model.document.slopes };
         let mut search = before.clone();
         let is_found = |record: &Param<DetectorParams>| {
             let has_fields = [doc::SLOPES_U, doc::SLOPES_V].contains(record);
-            has_fields && model.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
+            has_fields && model.document.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
         };
         // Slopes that are found stand above in words.
         for record in BASIC.into_iter().filter(|record| !is_found(record)).collect::<Vec<_>>() {
@@ -68,7 +74,7 @@ fn row_ui(
     table: &rows::ParamTable<'_, DetectorParams>,
     record: &Param<DetectorParams>,
 ) {
-    let finding = model.slots.a.found.as_ref().and_then(|found| found.finding.as_ref());
+    let finding = model.results.slots.a.found.as_ref().and_then(|found| found.finding.as_ref());
     let (p, choice) = (&mut search.detector, &mut search.slopes);
     let top = ui.next_widget_position();
     ui.add_enabled_ui((record.in_use)(p), |ui| {
@@ -112,7 +118,8 @@ fn advanced_ui(
     table: &rows::ParamTable<'_, DetectorParams>,
     queue: &mut Queue,
 ) {
-    let changed = advanced().filter(|record| record.text(&model.params) != record.text(&table.defaults)).count();
+    let changed =
+        advanced().filter(|record| record.text(&model.document.params) != record.text(&table.defaults)).count();
     let is_needed = |record: &Param<DetectorParams>| {
         table.error.is_some_and(|error| error.subject == record.name)
             || parts::is_wanted(ui.ctx(), Part::parameter(record))
@@ -125,7 +132,7 @@ fn advanced_ui(
 
 /// Draws the fold of the advanced parameters, of which `changed` are not at their defaults; returns whether it is open.
 pub fn fold_ui(ui: &mut Ui, model: &Model, is_needed: bool, changed: usize, queue: &mut Queue) -> bool {
-    let is_open = model.panels.advanced || is_needed;
+    let is_open = model.document.panels.advanced || is_needed;
     let toggled = ui.horizontal(|ui| {
         let (_, icon) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::click());
         egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
@@ -138,7 +145,7 @@ pub fn fold_ui(ui: &mut Ui, model: &Model, is_needed: bool, changed: usize, queu
         title.clicked() || icon.clicked()
     });
     if toggled.inner {
-        queue.push(Action::SetPanels(Panels { advanced: !is_open, ..model.panels }));
+        queue.push(Action::SetPanels(Panels { advanced: !is_open, ..model.document.panels }));
     }
     is_open
 }

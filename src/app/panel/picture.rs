@@ -1,14 +1,14 @@
 //! Picture of a pane on the canvas, its description, and the warning over it where its features are stale.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::{self, Quantity, Readout, overlay};
+use crate::app::canvas::{Quantity, Readout, overlay};
+use crate::app::document::filter::Filter;
+use crate::app::document::look::{FeaturesShown, RangeClass};
 use crate::app::measure::Tool;
 use crate::app::panel::widgets::paint;
-use crate::app::project::filter::Filter;
-use crate::app::project::look::{FeaturesShown, RangeClass};
-use crate::app::project::{Model, Stale};
-use crate::app::style;
+use crate::app::results::{Model, Stale};
 use crate::app::view::fixed;
+use crate::app::{canvas, style};
 use crate::burst::Offset;
 use crate::detector::{Detection, Feature, MotionField, Slope, SlopeAxis};
 use crate::inspect::verdict::Judged;
@@ -213,9 +213,9 @@ pub(in crate::app) fn at_time(feature: &Feature, from_middle: Offset<f32>) -> Fe
 
 pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
-    if model.measure.tool == Tool::Mask
-        || model.look.overlay == FeaturesShown::None
-        || model.slots.a.detecting.is_pending()
+    if model.document.measure.tool == Tool::Mask
+        || model.document.look.overlay == FeaturesShown::None
+        || model.results.slots.a.detecting.is_pending()
     {
         return;
     }
@@ -240,7 +240,7 @@ pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
     use crate::detector::{DetectorParams, FrameRange};
     use crate::monitor::Monitor;
     use crate::requests::{Request, ViewKind, Work};

@@ -4,9 +4,8 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::signed_number;
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
-use crate::app::project::Model;
-use crate::app::project::explained::{coherence_words, verdict_words};
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::explained::{coherence_words, verdict_words};
 use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
 use crate::inspect::verdict::{Judged, Verdict};
@@ -14,6 +13,7 @@ use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch;
 use crate::requests::PictureKind;
+use crate::teach::Workspace;
 use egui::{
     Color32, Label, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2,
 };
@@ -32,7 +32,7 @@ pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::NextFeature, Some("Next"));
         button_ui(ui, model, queue, ActionId::GoToFeature, Some("Go to"));
         button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
-        if model.workspace == Workspace::Inspect && model.selected.is_some() {
+        if model.document.workspace == Workspace::Inspect && model.document.selected.is_some() {
             button_ui(ui, model, queue, ActionId::ProbeFeature, Some("Why?"));
         }
     });
@@ -41,7 +41,7 @@ pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 pub fn selection_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, queue: &mut Queue) {
     section_ui(ui, "Selected feature", |ui| {
         walk_ui(ui, model, queue);
-        let (Some(index), Some(feature)) = (model.selected, model.selected_feature().copied()) else {
+        let (Some(index), Some(feature)) = (model.document.selected, model.read().selected_feature().copied()) else {
             ui.add_space(4.0);
             ui.weak("Click a feature in the picture or a row of the table.");
             return;
@@ -56,12 +56,12 @@ pub fn selection_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, queu
         if let Some(judged) = &judged {
             verdict_ui(ui, &feature, judged);
         }
-        let found = model.slots.a.found.as_ref();
+        let found = model.results.slots.a.found.as_ref();
         let layers = found.and_then(|found| found.detection.field.as_ref()).map_or(&[][..], |field| &field.layers);
-        let known = model.set_up.known(&feature, judged.as_ref());
+        let known = model.document.set_up.known(&feature, judged.as_ref());
         numbers_ui(ui, index, &feature, known, layers);
         ui.add_space(6.0);
-        let descriptor = model.slots.a.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
+        let descriptor = model.results.slots.a.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
         if let Some(descriptor) = descriptor {
             ui.label(RichText::new("Descriptor").small().weak());
             let side = ui.available_width().min(200.0);
@@ -145,13 +145,13 @@ fn without_unit(motion: &str) -> String {
 }
 
 fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &Feature) {
-    let Some(burst) = &model.slots.a.burst else { return };
-    let display = model.look.ranges.intensity;
+    let Some(burst) = &model.results.slots.a.burst else { return };
+    let display = model.document.look.ranges.intensity;
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
-    let stack = model
-        .patch
-        .as_ref()
-        .filter(|p| p.request.burst.id == burst.id && p.request.kind == PictureKind::Stack { slope: feature.slope });
+    let stack =
+        model.results.patch.as_ref().filter(|p| {
+            p.request.burst.id == burst.id && p.request.kind == PictureKind::Stack { slope: feature.slope }
+        });
     ui.horizontal(|ui| {
         ui.vertical(|ui| {
             ui.set_width(side);
@@ -161,8 +161,9 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
         });
         ui.vertical(|ui| {
             ui.set_width(side);
-            let t = model.cursor().frame.min(burst.burst.len() - 1);
-            let used = model.slots.a.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
+            let t = model.document.cursor().frame.min(burst.burst.len() - 1);
+            let used =
+                model.results.slots.a.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
             // In a frame the feature lies further along its motion, away from the middle of the frames used.
             let feature = at_time(feature, burst.burst.positions.offset_from(used, t).to_f32());
             let view = PatchView { name: "Patch in one frame", feature, turned: false, display };

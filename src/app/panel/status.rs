@@ -2,15 +2,15 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::side::Side;
+use crate::app::messages::Messages;
 use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width, with_whole_numbers};
-use crate::app::project::Model;
-use crate::app::project::messages::Messages;
-use crate::app::project::own::Own;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
 use crate::app::recovery::{Offer, RecoveryChoice};
+use crate::app::results::Model;
+use crate::app::results::own::Own;
 use crate::detector::ParamChange;
 use crate::inspect::words::counted;
+use crate::teach::Workspace;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
 use std::time::Duration;
 
@@ -23,12 +23,12 @@ const READOUT_REST: f32 = 300.0;
 pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) -> bool {
     let mut types_path = false;
     ui.horizontal(|ui| {
-        let hint = if model.slots.a.burst.is_some() { "Point at the picture to read values" } else { "" };
+        let hint = if model.results.slots.a.burst.is_some() { "Point at the picture to read values" } else { "" };
         let text = readout.unwrap_or(hint);
         let text = RichText::new(text);
         let text = if readout.is_some() { text.monospace() } else { text.weak() };
         // A long value takes more room in whole steps, so that nothing beside it moves with each of its digits.
-        let least = if model.panes.are_many() { 460.0 } else { 330.0 };
+        let least = if model.document.panes.are_many() { 460.0 } else { 330.0 };
         let steps = ((text_width(ui, text.clone()) - least) / READOUT_STEP).ceil().max(0.0);
         let width = (least + READOUT_STEP * steps).min(ui.available_width() - READOUT_REST).max(least);
         ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
@@ -42,19 +42,26 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add(Label::new(RichText::new(burst_text(model)).weak()).truncate());
             warnings_ui(ui, &warnings(model));
-            let opening =
-                [("Opening…", model.slots.a.opening.running()), ("Opening B…", model.slots.b.opening.running())];
+            let opening = [
+                ("Opening…", model.results.slots.a.opening.running()),
+                ("Opening B…", model.results.slots.b.opening.running()),
+            ];
             if let Some((what, running)) = opening.into_iter().find_map(|(what, busy)| Some((what, busy?))) {
                 let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
-                if model.slots.a.burst.is_some() && ui.small_button("Cancel opening").clicked() {
+                if model.results.slots.a.burst.is_some() && ui.small_button("Cancel opening").clicked() {
                     queue.push(ActionId::Cancel);
                 }
                 ui.label(format!("{what} {percent:.0} %"));
             }
             let coherence = "Computing how well the single frames agree on each feature";
             for (what, running, cancel, tip) in [
-                ("Coherence", model.coherence.running(), ActionId::Cancel, coherence),
-                ("Figures", model.figures.running(), ActionId::CancelFigures, "Remaking the figures of the paper"),
+                ("Coherence", model.results.coherence.running(), ActionId::Cancel, coherence),
+                (
+                    "Figures",
+                    model.results.figures.running(),
+                    ActionId::CancelFigures,
+                    "Remaking the figures of the paper",
+                ),
             ] {
                 let Some(running) = running else { continue };
                 if ui.small_button(format!("Cancel {}", what.to_lowercase())).clicked() {
@@ -98,7 +105,7 @@ fn burst_text(model: &Model) -> String {
     let side = model.active_side();
     let Some(open) = model.burst_of(side) else { return "No burst open".to_owned() };
     // With two bursts, the text names this one.
-    let which = if model.workspace == Workspace::Pair { format!("{}: ", side.name()) } else { String::new() };
+    let which = if model.document.workspace == Workspace::Pair { format!("{}: ", side.name()) } else { String::new() };
     let burst = &open.burst;
     let (width, height) = burst.size();
     let depth = if burst.quantisation_step > 0.0 {
@@ -191,8 +198,14 @@ fn ago(age: Duration) -> String {
 }
 
 pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let advice =
-        model.slots.a.found.as_ref().filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
+    let advice = model
+        .results
+        .slots
+        .a
+        .found
+        .as_ref()
+        .filter(|_| model.stale().is_none())
+        .and_then(|found| found.advice.as_ref());
     if let Some(advice) = advice {
         let text = RichText::new(with_whole_numbers(&advice.for_window())).color(crate::app::style::warning(ui));
         ui.horizontal_wrapped(|ui| {
@@ -201,7 +214,7 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             if let Some(price) = model.price_text(Side::A, &change) {
                 ui.weak(format!("({price})"));
             }
-            if model.features().is_empty() && model.workspace == Workspace::Inspect {
+            if model.read().features().is_empty() && model.document.workspace == Workspace::Inspect {
                 button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
             }
         });
@@ -211,7 +224,7 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
 
     #[test]
     fn the_burst_is_said_with_its_frames_size_and_levels() {
@@ -224,7 +237,7 @@ mod tests {
             burst.quantisation_step = quantisation_step;
             let mut model = Model::default();
             model.take_burst(crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
-            model.workspace = Workspace::Pair;
+            model.document.workspace = Workspace::Pair;
             burst_text(&model)
         };
         assert_eq!(with_step(1.0 / 255.0), "A: test · 1 frame · 64 × 48 · 256 levels");

@@ -3,12 +3,12 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
+use crate::app::document::filter::{Filter, Interval, Order, at_slope};
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
-use crate::app::project::Model;
-use crate::app::project::filter::{Filter, Interval, Order, at_slope};
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::app::view::{layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
 use crate::detector::quantity::Record;
@@ -26,7 +26,7 @@ impl SortedColumn for Quantity {
 }
 
 pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if model.slots.a.found.is_none() {
+    if model.results.slots.a.found.is_none() {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to find features"));
         return;
     }
@@ -35,15 +35,16 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         crate::app::panel::slopes::judgement_ui(ui, model, queue);
     }
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
-    let listed = Listed { items: &model.listed, selected: model.selected, hovered: model.hovered };
+    let listed =
+        Listed { items: &model.results.listed, selected: model.document.selected, hovered: model.results.hovered };
     let judged = model.judged().cloned();
     let text = |quantity, index: usize| {
-        let feature = &model.features()[index];
+        let feature = &model.read().features()[index];
         let judged = judged.as_ref().and_then(|judged| judged.get(index));
-        quantity_text(quantity, index, feature, model.set_up.known(feature, judged))
+        quantity_text(quantity, index, feature, model.document.set_up.known(feature, judged))
     };
-    let mut columns: Vec<Quantity> = shown_quantities(model.set_up.reads_depths).collect();
-    if model.filter.near_slope.is_some() {
+    let mut columns: Vec<Quantity> = shown_quantities(model.document.set_up.reads_depths).collect();
+    if model.document.filter.near_slope.is_some() {
         // What decides on it stands together.
         let decides = |column: &Quantity| matches!(column, Quantity::FieldU | Quantity::FieldV | Quantity::Moves);
         let (of_place, others): (Vec<_>, Vec<_>) = columns.into_iter().partition(decides);
@@ -52,7 +53,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
-        let Some(feature) = model.features().get(index) else { return };
+        let Some(feature) = model.read().features().get(index) else { return };
         let tip = "Show the motion stack at its slope, with it in the middle";
         if ui.button("Go to feature").on_hover_text(tip).clicked() {
             chosen = Some(index);
@@ -63,15 +64,15 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         copy_ui(ui, "Copy row", || feature_text(feature));
     };
     let name = |index: usize| format!("Feature {index}");
-    let pointed = sorted_table_ui(ui, &columns, model.order, &listed, text, name, menu);
-    queue.set(&model.order, pointed.order, Action::SetOrder);
-    queue.set(&model.selected, chosen.or(pointed.selected), Action::Select);
+    let pointed = sorted_table_ui(ui, &columns, model.document.order, &listed, text, name, menu);
+    queue.set(&model.document.order, pointed.order, Action::SetOrder);
+    queue.set(&model.document.selected, chosen.or(pointed.selected), Action::Select);
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
     // The pointer may be over a picture instead, which then sets the hovered feature.
     if is_pointed_at {
-        queue.point(&model.hovered, pointed.hovered, Pointed::Feature);
+        queue.point(&model.results.hovered, pointed.hovered, Pointed::Feature);
     }
     if let Some(index) = asked {
         queue.push(Action::ProbeFeature(Side::A, index));
@@ -233,19 +234,19 @@ pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText, is_left: bool) {
 }
 
 pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let (total, listed) = (model.features().len(), model.listed.len());
+    let (total, listed) = (model.read().features().len(), model.results.listed.len());
     if total == 0 {
-        ui.weak(if model.slots.a.found.is_some() { "No feature was found" } else { "No features yet" });
+        ui.weak(if model.results.slots.a.found.is_some() { "No feature was found" } else { "No features yet" });
         return;
     }
     let text = if listed == total { format!("{total}") } else { format!("{listed} of {total}") };
     // As wide as it gets, so that the filter's popup stays where it is.
     let width = text_width(ui, format!("{total} of {total}"));
     label_ui(ui, text, width).on_hover_text("Features that pass the filter");
-    let title = if model.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
+    let title = if model.document.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
     // It stays open, so that several of its switches can be set.
     let config = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
-    let mut filter = model.filter.clone();
+    let mut filter = model.document.filter.clone();
     MenuButton::new(title).config(config).ui(ui, |ui| {
         ui.set_min_width(330.0);
         ranges_ui(ui, model, &mut filter);
@@ -263,14 +264,14 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if ui.checkbox(&mut near, "At this slope").on_hover_text(AT_SLOPE_HELP).changed() {
         filter.near_slope = near.then(|| model.near_slope());
     }
-    if let Some(found) = model.slots.a.found.as_ref().filter(|_| near) {
-        let [all, own] = at_slope(&found.detection, model.cursor().slope);
+    if let Some(found) = model.results.slots.a.found.as_ref().filter(|_| near) {
+        let [all, own] = at_slope(&found.detection, model.document.cursor().slope);
         ui.weak(format!("{own} by their own slope")).on_hover_text(format!(
             "{all} move with what is sharp here; {own} of all features also by their own slope"
         ));
     }
-    queue.set(&model.filter, filter, Action::SetFilter);
-    if !model.filter.is_open() {
+    queue.set(&model.document.filter, filter, Action::SetFilter);
+    if !model.document.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     }
 }
@@ -278,7 +279,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 const AT_SLOPE_HELP: &str = "Show only features that move by the shown slope, as This slope does over the picture: with their surroundings (Field u, v) where they move with these, else by their own slope (Slope u, v)";
 
 fn ranges_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
-    let features: &[Feature] = model.features();
+    let features: &[Feature] = model.read().features();
     let of = |value: fn(&Feature) -> f32| ends(features.iter().map(value));
     range_ui(ui, "Slope u", "px/frame", of(|f| f.slope.u), &mut filter.slope_u);
     range_ui(ui, "Slope v", "px/frame", of(|f| f.slope.v), &mut filter.slope_v);
@@ -308,7 +309,9 @@ fn moves_ui(ui: &mut Ui, filter: &mut Filter) {
 /// Draws a switch for each layer, and one for the features of none, each with a button that shows it alone; nothing
 /// without a field.
 fn layers_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
-    let Some(field) = model.slots.a.found.as_ref().and_then(|found| found.detection.field.clone()) else { return };
+    let Some(field) = model.results.slots.a.found.as_ref().and_then(|found| found.detection.field.clone()) else {
+        return;
+    };
     ui.horizontal_top(|ui| {
         label_ui(ui, "Layers", 70.0).on_hover_text(Quantity::Layer.record().help);
         let names = (1..).zip(&field.layers).map(|(number, layer)| (number, layer_text(number, layer)));

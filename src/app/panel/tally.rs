@@ -3,13 +3,13 @@
 use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
+use crate::app::document::panes::Destination;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
-use crate::app::project::Model;
-use crate::app::project::pair::Side;
-use crate::app::project::panes::Destination;
+use crate::app::results::Model;
 use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::advice::grouped;
@@ -25,7 +25,7 @@ use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, 
 use std::sync::Arc;
 
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
-    let Some(found) = &model.slots.a.found else {
+    let Some(found) = &model.results.slots.a.found else {
         ui.weak("No detection yet");
         return;
     };
@@ -46,7 +46,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 
 /// Draws the bars. Rows of tests that reject candidates are switches: they show these candidates in the picture.
 pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let Some(found) = &model.slots.a.found else {
+    let Some(found) = &model.results.slots.a.found else {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to see what each test rejects"));
         return;
     };
@@ -71,7 +71,7 @@ pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 .and_then(|survey| survey.counts.iter().find(|count| count.test == test).map(|count| count.candidates));
             let bar = Some((most, false));
             let row = Row { name: test.reason(), samples: tally.rejected_by(test), candidates, bar };
-            let mut shown = model.shown_test == Some(test);
+            let mut shown = model.document.shown_test == Some(test);
             let before = shown;
             line_ui(ui, &row, test.takes_candidates().then_some(&mut shown));
             if shown != before {
@@ -98,8 +98,8 @@ fn decoys_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.add(Label::new(text).wrap()).on_hover_text(format!("{DECOYS_HELP}.{tip}"));
         return;
     }
-    let Some(found) = &model.slots.a.found else { return };
-    let asked = &model.explained.asked_decoys;
+    let Some(found) = &model.results.slots.a.found else { return };
+    let asked = &model.results.explained.asked_decoys;
     if asked.is_pending() {
         let progress = asked.running().map_or_else(|| "waiting".to_owned(), |running| progress_text(&running));
         ui.weak(format!("Decoys: {progress}")).on_hover_text(DECOYS_HELP);
@@ -190,14 +190,14 @@ const MAX_DRAWN: usize = 20_000;
 
 /// Draws the candidates over the picture of pane `id`, and lets the pointer choose one.
 pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
-    let Some(test) = model.shown_test else {
-        queue.point(&model.explained.pointed, None, Pointed::Candidate);
+    let Some(test) = model.document.shown_test else {
+        queue.point(&model.results.explained.pointed, None, Pointed::Candidate);
         return;
     };
-    if model.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
+    if model.document.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
         return;
     }
-    let Some(found) = model.slots.a.found.as_ref() else { return };
+    let Some(found) = model.results.slots.a.found.as_ref() else { return };
     let dt = frames_from_middle(model.picture_in(id), &found.detection).unwrap_or_default();
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey() else {
@@ -206,7 +206,7 @@ pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, 
     };
     let shown = strongest(survey);
     let circle = |mark: &CandidateMark| circle_of(mark, slopes.slope(mark.sample.slope_index), dt);
-    let selected = model.selected_candidate;
+    let selected = model.document.selected_candidate;
     let marks = shown.iter().map(|&index| {
         let mark = &survey.marks[index];
         let (centre, radius) = circle(mark);
@@ -223,7 +223,7 @@ pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, 
     let pointed = circle_at(shown.iter().map(|&index| circle(&survey.marks[index])), output.ui_from_image, pointer);
     let pointed = pointed.map(|place| shown[place]);
     // The pointer meets the topmost marks, not the features below them.
-    queue.point(&model.explained.pointed, pointed, Pointed::Candidate);
+    queue.point(&model.results.explained.pointed, pointed, Pointed::Candidate);
     if pointed.is_some() {
         queue.push(Pointed::Feature(None));
     }
@@ -278,7 +278,7 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
 
 pub fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let Some(mark) = model.selected_candidate().copied() else { return };
-    let Some(found) = &model.slots.a.found else { return };
+    let Some(found) = &model.results.slots.a.found else { return };
     let slope = found.detection.slopes.slope(mark.sample.slope_index);
     Frame::group(ui.style()).inner_margin(Margin::symmetric(6, 3)).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
@@ -327,7 +327,7 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
     use crate::detector::DetectorParams;
     use crate::detector::Sample;
     use crate::inspect::ProbeCache;

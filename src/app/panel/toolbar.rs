@@ -1,15 +1,14 @@
 //! Toolbar: open, the kind of picture, detect.
 
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, shown_by, tooltip};
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::{in_time, progress_text, progress_ui};
 use crate::app::parts::mark;
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::inspect::words::counted;
 use crate::requests::Running;
-use crate::teach::Part;
+use crate::teach::{Part, Workspace};
 use egui::{Align, Button, Color32, Layout, RichText, Ui};
 
 /// Minimum room for the button that finds actions, in points.
@@ -53,7 +52,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         return;
     }
     let action = ActionId::Detect.action();
-    let in_pair = model.workspace == Workspace::Pair;
+    let in_pair = model.document.workspace == Workspace::Pair;
     let needed = model.needs_detection(Side::A) || (in_pair && model.needs_detection(Side::B));
     let text = RichText::new("Detect");
     let button = if needed {
@@ -61,7 +60,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     } else {
         Button::new(text)
     };
-    let tip = match &model.slots.a.param_error {
+    let tip = match &model.results.slots.a.param_error {
         Some(error) => format!("{error}"),
         None => tooltip(ui.ctx(), action),
     };
@@ -77,8 +76,8 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
     if in_pair {
         pair_found_ui(ui, model);
-    } else if let Some(found) = &model.slots.a.found {
-        let text = format!("{}{}", counted(model.features().len(), "feature"), in_time(found.elapsed));
+    } else if let Some(found) = &model.results.slots.a.found {
+        let text = format!("{}{}", counted(model.read().features().len(), "feature"), in_time(found.elapsed));
         let times = &found.detection.times;
         let stages = format!(
             "Noise {:.2} s, search {:.2} s, descriptors {:.2} s",
@@ -90,12 +89,12 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 /// Running task, and the burst that it works on where there are two.
 fn activity(model: &Model) -> Option<(&'static str, Running)> {
-    let [a, b] = model.slots.both().map(|slot| slot.detecting.running());
-    if model.workspace != Workspace::Pair {
+    let [a, b] = model.results.slots.both().map(|slot| slot.detecting.running());
+    if model.document.workspace != Workspace::Pair {
         return Some(("", a?));
     }
     let in_a = a.map(|running| ("A: ", running));
-    in_a.or(b.map(|running| ("B: ", running))).or(model.pair.matching.running().map(|running| ("", running)))
+    in_a.or(b.map(|running| ("B: ", running))).or(model.results.pair.matching.running().map(|running| ("", running)))
 }
 
 fn pair_found_ui(ui: &mut Ui, model: &Model) {
@@ -108,7 +107,7 @@ fn pair_found_ui(ui: &mut Ui, model: &Model) {
     }
     let noun = if counts == ["1"] { "feature" } else { "features" };
     let mut text = format!("{} {noun}", counts.join(" + "));
-    if let Some(matches) = &model.pair.matches {
+    if let Some(matches) = &model.results.pair.matches {
         let noun = if matches.len() == 1 { "match" } else { "matches" };
         text += &format!(", {} {noun}{}", matches.len(), in_time(matches.elapsed));
     }
@@ -126,15 +125,15 @@ mod tests {
         let mut model = Model::default();
         let told = |model: &Model| activity(model).map(|(who, running)| (who, running.id.0));
         assert_eq!(told(&model), None);
-        model.pair.matching.set_running(running(3));
+        model.results.pair.matching.set_running(running(3));
         assert_eq!(told(&model), None, "matches belong to two bursts");
-        model.workspace = Workspace::Pair;
+        model.document.workspace = Workspace::Pair;
         assert_eq!(told(&model), Some(("", 3)));
-        model.slots.b.detecting.set_running(running(2));
+        model.results.slots.b.detecting.set_running(running(2));
         assert_eq!(told(&model), Some(("B: ", 2)), "matches wait for the features");
-        model.slots.a.detecting.set_running(running(1));
+        model.results.slots.a.detecting.set_running(running(1));
         assert_eq!(told(&model), Some(("A: ", 1)));
-        model.workspace = Workspace::Inspect;
+        model.document.workspace = Workspace::Inspect;
         assert_eq!(told(&model), Some(("", 1)));
     }
 }

@@ -4,14 +4,14 @@
 use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::lesson::{Chosen, Lessons};
 use crate::app::panel::widgets::{named, progress_ui};
-use crate::app::project::Model;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
 use crate::app::settings::Settings;
 use crate::app::style;
 use crate::requests::BurstSource;
+use crate::teach::Workspace;
 use egui::{Align2, Area, Button, Color32, Context, Frame, Id, Rect, RichText, ScrollArea, Stroke, Ui, vec2};
 
 pub fn welcome_ui(ui: &mut Ui, model: &Model, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {
@@ -22,7 +22,7 @@ pub fn welcome_ui(ui: &mut Ui, model: &Model, remembered: &Settings, lessons: &L
         ui.label(RichText::new("Burstscope").size(28.0).strong());
         ui.weak("See what a burst of dark, noisy frames shows at every slope and scale");
         ui.add_space(20.0);
-        if let Some(running) = model.slots.a.opening.running() {
+        if let Some(running) = model.results.slots.a.opening.running() {
             progress_ui(ui, &running, Some(280.0), "Opening…");
             if ui.button("Cancel").clicked() {
                 queue.push(ActionId::Cancel);
@@ -91,8 +91,8 @@ const CARD_WIDTH: f32 = 336.0;
 const CARD_ROOM: egui::Vec2 = vec2(400.0, 260.0);
 
 fn shows_card(model: &Model) -> bool {
-    let of_demo = model.slots.a.burst.as_ref().is_some_and(|open| open.source == BurstSource::Demo);
-    model.panels.welcome && of_demo && !model.is_in_lesson() && model.workspace == Workspace::Inspect
+    let of_demo = model.results.slots.a.burst.as_ref().is_some_and(|open| open.source == BurstSource::Demo);
+    model.document.panels.welcome && of_demo && !model.is_in_lesson() && model.document.workspace == Workspace::Inspect
 }
 
 /// Draws the card over the picture in `rect_ui`, if it is shown. Returns the chosen lesson.
@@ -100,7 +100,7 @@ pub fn card_ui(ctx: &Context, model: &Model, lessons: &Lessons, rect_ui: Rect, q
     if !shows_card(model) || rect_ui.width() < CARD_ROOM.x || rect_ui.height() < CARD_ROOM.y {
         return None;
     }
-    let (mut chosen, mut panels) = (None, model.panels);
+    let (mut chosen, mut panels) = (None, model.document.panels);
     let corner = rect_ui.left_bottom() + vec2(16.0, -16.0);
     Area::new(Id::unique("first start")).pivot(Align2::LEFT_BOTTOM).fixed_pos(corner).show(ctx, |ui| {
         let frame = Frame::popup(ui.style()).stroke(Stroke::new(1.0, style::ACCENT)).inner_margin(14).corner_radius(8);
@@ -122,6 +122,6 @@ pub fn card_ui(ctx: &Context, model: &Model, lessons: &Lessons, rect_ui: Rect, q
             ui.weak("Shift+click any place: why there is a feature, or none.");
         });
     });
-    queue.set(&model.panels, panels, Action::SetPanels);
+    queue.set(&model.document.panels, panels, Action::SetPanels);
     chosen
 }

@@ -7,8 +7,8 @@ pub use record::Record;
 
 use super::document::Journal;
 use super::session::Session;
-use crate::app::project::Project;
-use crate::app::project::messages::Messages;
+use crate::app::messages::Messages;
+use crate::app::results::Read;
 use crate::engine::{Engine, TaskDone, TaskId};
 use crate::files::{MAX_SESSION_BYTES, read_text, written_by};
 use crate::requests::JobId;
@@ -46,7 +46,7 @@ pub enum RecoveryChoice {
     Keep,
 }
 
-fn session_text(project: &Project, did: &Journal) -> Option<String> {
+fn session_text(project: Read<'_>, did: &Journal) -> Option<String> {
     Some(written_by() + &did.last_lines() + &Session::of(project)?.to_toml())
 }
 
@@ -91,7 +91,7 @@ impl Recovery {
     }
 
     /// Returns the time to wait before calling again, if nothing else happens.
-    pub fn keep(&mut self, project: &Project, did: &Journal, engine: &Engine) -> Option<Duration> {
+    pub fn keep(&mut self, project: Read<'_>, did: &Journal, engine: &Engine) -> Option<Duration> {
         if self.writing.is_some() || self.restoring.is_some() {
             return None;
         }
@@ -109,7 +109,7 @@ impl Recovery {
     }
 
     /// Another window goes on with it, and if that fails it is offered later. The error: title and text of a message.
-    pub fn keep_now(&self, project: &Project, did: &Journal) -> Result<(), (&'static str, String)> {
+    pub fn keep_now(&self, project: Read<'_>, did: &Journal) -> Result<(), (&'static str, String)> {
         session_text(project, did).map_or(Ok(()), |text| self.own.write(&text).map_err(|error| (TITLE, error)))
     }
 
@@ -200,8 +200,8 @@ impl Recovery {
 mod tests {
     use super::*;
     use crate::app::document::Action;
-    use crate::app::project::side::Side;
-    use crate::app::project::tests::{Bench, open};
+    use crate::app::document::side::Side;
+    use crate::app::results::tests::{Bench, open};
     use std::path::Path;
 
     fn kept_in(folder: &Path) -> KeptIn {
@@ -217,7 +217,7 @@ mod tests {
         journal.take(&Action::Select(Some(3)), false);
         for _ in 0..2 {
             let left = Record::new(home.path()).expect("made");
-            left.write(&session_text(&model, &journal).expect("a burst is open")).expect("written");
+            left.write(&session_text(model.read(), &journal).expect("a burst is open")).expect("written");
         }
         let kept = kept_in(home.path());
         let mut recovery = Recovery::begin(Some(&kept), &mut model.messages).expect("made");

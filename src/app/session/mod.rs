@@ -6,16 +6,17 @@ mod restoring;
 pub use restoring::{OfCase, Restoring, of_case};
 
 use super::document::{Document, Steps};
+use crate::app::document::comparison::{Comparison, Reference};
+use crate::app::document::filter::{SavedMatch, SavedSelection};
+use crate::app::document::probe::Probe;
+use crate::app::document::side::Side;
 use crate::app::pane::Panes;
-use crate::app::project::comparison::{Comparison, Reference};
-use crate::app::project::pair::{SavedMatch, Side};
-use crate::app::project::probe::Probe;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{Project, SavedSelection};
+use crate::app::results::Read;
 use crate::export::case::read_session;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
 use crate::requests::BurstSource;
+use crate::teach::Workspace;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -43,16 +44,16 @@ pub struct Session {
 }
 
 impl Session {
-    pub fn of(project: &Project) -> Option<Self> {
-        let burst = project.slots.a.burst.as_ref()?.source.absolute();
+    pub fn of(project: Read<'_>) -> Option<Self> {
+        let burst = project.results.slots.a.burst.as_ref()?.source.absolute();
         Some(Self {
             version: VERSION,
             did: Steps::new(),
             burst,
             document: sound(project),
-            detected: project.slots.a.found.is_some(),
+            detected: project.results.slots.a.found.is_some(),
             selection: project.saved_selection(),
-            second: project.slots.b.burst.as_ref().map(|open| open.source.absolute()),
+            second: project.results.slots.b.burst.as_ref().map(|open| open.source.absolute()),
             selected_match: project.saved_match(),
         })
     }
@@ -192,10 +193,10 @@ impl Session {
 
 /// The document with absolute paths; where what is typed makes no sense, the last that did: a session could not be
 /// opened again.
-fn sound(project: &Project) -> Document {
+fn sound(project: Read<'_>) -> Document {
     let mut document = project.document.clone().with_absolute_paths();
     if document.search().validate().is_err() {
-        document.params = project.slots.a.usable_params.clone();
+        document.params = project.results.slots.a.usable_params.clone();
     }
     document.set_up.reads_depths &= document.set_up.values.check().is_ok();
     for record in doc::ALL {

@@ -2,10 +2,10 @@
 
 use super::Session;
 use crate::app::actions::ActionId;
+use crate::app::document::action::{Reselect, Staged};
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Document};
-use crate::app::project::Model;
-use crate::app::project::side::Side;
-use crate::app::project::staged::{Reselect, Staged};
+use crate::app::results::Model;
 use crate::export::case::{is_case, read_about};
 use crate::requests::{BurstSource, JobId, OpenRequest};
 
@@ -31,7 +31,7 @@ impl Restoring {
     }
 
     pub fn waits_for(&mut self, model: &Model) -> Option<JobId> {
-        let [of_a, of_b] = model.slots.both().map(|slot| slot.opening.pending_id());
+        let [of_a, of_b] = model.results.slots.both().map(|slot| slot.opening.pending_id());
         self.session.take_if(|(id, _)| Some(*id) != of_a);
         self.second.take_if(|(id, _)| Some(*id) != of_b);
         of_a.filter(|_| self.session.is_some())
@@ -111,7 +111,7 @@ pub fn of_case(source: &BurstSource) -> Option<OfCase> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::{Bench, open};
+    use crate::app::results::tests::{Bench, open};
 
     fn session(burst: BurstSource) -> Box<Session> {
         let mut model = Model::default();
@@ -119,8 +119,8 @@ mod tests {
         a.source = burst;
         model.take_burst(a);
         model.take_second_burst(open((64, 48), 5));
-        model.params.levels = 3;
-        Box::new(Session::of(&model).expect("a burst is open"))
+        model.document.params.levels = 3;
+        Box::new(Session::of(model.read()).expect("a burst is open"))
     }
 
     #[test]
@@ -145,7 +145,7 @@ mod tests {
         };
         let [with, without] = [true, false].map(shown);
         assert_eq!((with.params.levels, without.params.levels), (3, 3));
-        assert_eq!((&with.panes, &without.panes), (&session.document.panes, &model.panes));
+        assert_eq!((&with.panes, &without.panes), (&session.document.panes, &model.document.panes));
         assert!(session.after(Side::B, false, &model.document).is_empty(), "without the second nothing follows");
     }
 }

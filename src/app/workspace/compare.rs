@@ -3,15 +3,15 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines, drawn_lines};
 use crate::app::document::Action;
+use crate::app::document::method::MethodId;
+use crate::app::document::panes::Change;
+use crate::app::document::side::Side;
 use crate::app::inspector::{Drawn, chip_ui, inspector_ui};
 use crate::app::pane::{MethodsPreset, Over, PaneId};
 use crate::app::panel;
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, progress_ui, section_ui};
-use crate::app::project::Model;
-use crate::app::project::compare::MethodId;
-use crate::app::project::pair::Side;
-use crate::app::project::panes::Change;
+use crate::app::results::Model;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
 use crate::evaluate::curves::percent;
@@ -50,12 +50,12 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
 fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Compare", |ui| {
         layout_ui(ui, model, queue);
-        if let Some(over) = model.panes.over(model.focus()) {
+        if let Some(over) = model.document.panes.over(model.document.focus()) {
             two_ui(ui, model, over, queue);
         }
-        let mut look = model.methods.clone();
+        let mut look = model.document.methods.clone();
         ui.checkbox(&mut look.features, "Features").on_hover_text("Draw the features of each method  (O)");
-        if let Some(rate) = &model.methods.same_false_rate {
+        if let Some(rate) = &model.document.methods.same_false_rate {
             let text = format!("At {} false on charts of SNR {}", percent(rate.false_fraction), rate.snr);
             let tip = "Each method has the peak threshold at which this share of its detections on the Lab's charts is false. \
                        Untick it for the peak threshold of the search";
@@ -64,13 +64,13 @@ fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 look.same_false_rate = None;
             }
         }
-        queue.set(&model.methods, look, Action::SetMethods);
+        queue.set(&model.document.methods, look, Action::SetMethods);
         gold_ui(ui, model, queue);
-        if let Some((method, running)) = model.compare.running() {
+        if let Some((method, running)) = model.results.compare.running() {
             let text = format!("{}: {}", method.label(), progress_text(&running));
             progress_ui(ui, &running, None, &text);
             button_ui(ui, model, queue, ActionId::Cancel, None);
-        } else if MethodId::ALL.iter().any(|method| model.compare.problem(*method).is_some()) {
+        } else if MethodId::ALL.iter().any(|method| model.results.compare.problem(*method).is_some()) {
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));
         }
     });
@@ -95,8 +95,8 @@ fn layout_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn two_ui(ui: &mut Ui, model: &Model, over: Over, queue: &mut Queue) {
     let methods_shown = model.methods_shown();
-    for (id, name) in [(model.focus(), "Left"), (over.other(), "Right")] {
-        let Some(before) = model.panes.get(id).and_then(|pane| pane.method) else { continue };
+    for (id, name) in [(model.document.focus(), "Left"), (over.other(), "Right")] {
+        let Some(before) = model.document.panes.get(id).and_then(|pane| pane.method) else { continue };
         let mut chosen = before;
         ui.horizontal(|ui| {
             let label = label_ui(ui, name, 52.0);
@@ -119,7 +119,7 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.weak("Gold standard");
         for (side, id) in [(Side::A, ActionId::OpenGoldA), (Side::B, ActionId::OpenGoldB)] {
-            let is_there = model.compare.gold[side].is_some();
+            let is_there = model.results.compare.gold[side].is_some();
             let mark = if is_there { " ✔" } else { "…" };
             button_ui(ui, model, queue, id, Some(&format!("{}{mark}", side.name())));
         }
@@ -127,7 +127,7 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
-    let look = &model.match_look;
+    let look = &model.document.match_look;
     let style = MatchLineStyle {
         opacity: MatchKind::OPACITY,
         selected: None,
@@ -139,7 +139,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
         let Some(matches) = model.method_matches(method) else { continue };
         let views = MatchViews::of(model, drawn, Some(method));
         for canvases in views.canvases(false).iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
-            let rows = matches.rows().filter(|row| look.shows_row(row));
+            let rows = matches.rows().filter(|row| row.is_shown(look));
             let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts, None)).collect();
             let flags = drawn_lines(&lines, &canvases.panes[0], false, |_| false);
             let lines: Vec<MatchLine> =
@@ -171,7 +171,7 @@ const COLUMNS: [(&str, &str); 9] = [
 
 pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 4.0;
-    let mut look = model.methods.clone();
+    let mut look = model.document.methods.clone();
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
         TableBuilder::new(ui)
             .striped(true)
@@ -194,7 +194,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                     body.row(ROW_HEIGHT, |mut row| {
                         row.col(|ui| {
                             let usable = model.method_burst(method, Side::A).is_some();
-                            let mut on = model.methods.shows(method);
+                            let mut on = model.document.methods.shows(method);
                             let tip = if usable { method.help() } else { "Open a sharp image of A's view first" };
                             let boxed = egui::Checkbox::new(&mut on, method.label());
                             ui.spacing_mut().interact_size.y = ROW_HEIGHT;
@@ -210,7 +210,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 }
             });
     });
-    queue.set(&model.methods, look, Action::SetMethods);
+    queue.set(&model.document.methods, look, Action::SetMethods);
 }
 
 fn cells(model: &Model, method: MethodId) -> [String; COLUMNS.len()] {
@@ -219,10 +219,10 @@ fn cells(model: &Model, method: MethodId) -> [String; COLUMNS.len()] {
     let count = |side| found(side).map(|f| f.detection.features.len().to_string());
     let counts = model.method_matches(method).map(|m| m.result.counts);
     let share = |x: f64| format!("{x:.3}");
-    let state = if model.compare.running().is_some_and(|(running, _)| running == method) {
+    let state = if model.results.compare.running().is_some_and(|(running, _)| running == method) {
         Some("…".to_owned())
     } else {
-        model.compare.problem(method).map(|_| "failed".to_owned())
+        model.results.compare.problem(method).map(|_| "failed".to_owned())
     };
     [
         or_dash(count(Side::A).or(state)),

@@ -5,15 +5,16 @@ use crate::app::dataset::filmstrip::working_ui;
 use crate::app::dataset::pairs;
 use crate::app::document::Action;
 use crate::app::panel::widgets::section_ui;
-use crate::app::project::Model;
+use crate::app::results::Model;
 use crate::app::style;
-use crate::app::workspace::pair::parameters::{self, CameraText};
+use crate::app::workspace::pair::parameters;
+use crate::app::workspace::pair::parameters::CameraText;
 use crate::app::workspace::{left_panel, right_panel, side_width};
 use crate::requests::next_commands;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
 pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut CameraText, queue: &mut Queue) {
-    let (Some(dataset), Some(set)) = (&model.datasets.open, &model.dataset) else {
+    let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else {
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;
     };
@@ -58,7 +59,7 @@ fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Pairs", |ui| {
-        let mut choice = model.pairs;
+        let mut choice = model.document.pairs;
         ui.radio_value(&mut choice.neighbours, false, "All pairs").on_hover_text("Each burst with every other one");
         ui.horizontal(|ui| {
             let help = "Each burst with the next few, for a camera path that does not return";
@@ -66,10 +67,10 @@ fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             let field = DragValue::new(&mut choice.overlap).range(1..=100_000).suffix(" bursts");
             ui.add_enabled(choice.neighbours, field).labelled_by(label.id);
         });
-        queue.set(&model.pairs, choice, Action::SetPairChoice);
+        queue.set(&model.document.pairs, choice, Action::SetPairChoice);
         ui.add_space(4.0);
-        if model.datasets.work.is_some() {
-            working_ui(ui, &model.datasets);
+        if model.results.datasets.work.is_some() {
+            working_ui(ui, &model.results.datasets);
             button_ui(ui, model, queue, ActionId::CancelDataset, None);
         } else {
             ui.horizontal(|ui| {
@@ -77,14 +78,14 @@ fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 button_ui(ui, model, queue, ActionId::DetectAll, None);
             });
         }
-        if let Some(dataset) = &model.datasets.open {
+        if let Some(dataset) = &model.results.datasets.open {
             let missing = dataset.bursts.len() - dataset.counts().done;
             if missing > 0 {
                 let count = dataset.bursts.len();
                 let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
                 ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
             }
-            if !dataset.matches.is_empty() && *dataset.matches.params() != model.matching {
+            if !dataset.matches.is_empty() && *dataset.matches.params() != model.document.matching {
                 let text = "The matching parameters changed; match again to update the matches";
                 ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
             }
@@ -96,7 +97,7 @@ fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 fn next_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Next", |ui| {
         button_ui(ui, model, queue, ActionId::ExportDatabase, None);
-        let Some(folder) = &model.datasets.exported else { return };
+        let Some(folder) = &model.results.datasets.exported else { return };
         let [make, map, python] = next_commands(folder);
         ui.add_space(4.0);
         let lines = [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)];
@@ -111,7 +112,7 @@ fn next_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Selected pair", |ui| {
-        let (Some(dataset), Some(set)) = (&model.datasets.open, &model.dataset) else { return };
+        let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
         match set.selected() {
             Some(pair) => {
                 ui.add(Label::new(pairs::pair_text(dataset, pair)).wrap());
@@ -129,7 +130,7 @@ fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn header_ui(ui: &mut Ui, model: &Model) {
-    let Some(dataset) = &model.datasets.open else { return };
+    let Some(dataset) = &model.results.datasets.open else { return };
     let matches = &dataset.matches;
     let verified = matches.listed().iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count();
     ui.horizontal(|ui| {

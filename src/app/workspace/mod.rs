@@ -8,6 +8,8 @@ use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue, button_ui, workspaces};
 use crate::app::dataset::{cameras, errors_panel};
 use crate::app::document::Pointed;
+use crate::app::document::lab::LabQuestion;
+use crate::app::document::side::Side;
 use crate::app::inspector::{PaneWidgets, inspector_ui};
 use crate::app::measure::RegionCache;
 use crate::app::panel;
@@ -16,10 +18,8 @@ use crate::app::panel::lab::{chart, curves, planted};
 use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
 use crate::app::panel::widgets::{named, section_ui};
-use crate::app::project::lab::LabQuestion;
-use crate::app::project::side::Side;
-use crate::app::project::workspace::Workspace;
-use crate::app::project::{BottomTab, Model};
+use crate::app::results::Model;
+use crate::teach::{BottomTab, Workspace};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
 use pair::PairPanels;
 
@@ -40,12 +40,12 @@ const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 /// Whether there is something for the workspace to show, or it is the open one.
 fn has_content(workspace: Workspace, model: &Model) -> bool {
     let is_filled = match workspace {
-        Workspace::Matches => model.datasets.open.is_some(),
-        Workspace::Trajectories => model.datasets.open.is_some() || !model.poses.is_empty(),
+        Workspace::Matches => model.results.datasets.open.is_some(),
+        Workspace::Trajectories => model.results.datasets.open.is_some() || !model.results.poses.is_empty(),
         Workspace::Lab => !model.lab_results().is_empty(),
         _ => true,
     };
-    is_filled || model.workspace == workspace
+    is_filled || model.document.workspace == workspace
 }
 
 /// Draws the switch between the workspaces, from the right end of a line: buttons, or a menu where there is no room.
@@ -55,7 +55,7 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 2.0;
         let first = ui.cursor().right();
         if is_narrow {
-            let open = workspaces().find(|(_, workspace)| *workspace == model.workspace);
+            let open = workspaces().find(|(_, workspace)| *workspace == model.document.workspace);
             let name = open.map_or("Workspace", |(id, _)| id.action().label);
             ui.menu_button(format!("{name} ⏷"), |ui| {
                 workspaces().for_each(|(id, _)| item_ui(ui, model, queue, id));
@@ -76,7 +76,7 @@ pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
 }
 
 pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
-    match parts.model.workspace {
+    match parts.model.document.workspace {
         Workspace::Inspect => inspect_workspace_ui(ui, parts),
         Workspace::Pair => pair::pair_workspace_ui(ui, parts),
         Workspace::Methods => compare::compare_workspace_ui(ui, parts),
@@ -110,7 +110,7 @@ const RIGHT_IN_HALL: [f32; 2] = [240.0, 120.0];
 /// `panel` at the side, which has the name `id`; below the pictures in a hall.
 fn side(ui: &Ui, model: &Model, (id, height): (&'static str, f32), panel: Panel) -> Panel {
     let below = || Panel::bottom(egui::Id::unique((id, "hall"))).exact_size(height).resizable(false);
-    if model.panels.hall { below() } else { panel }.frame(side_frame(ui))
+    if model.document.panels.hall { below() } else { panel }.frame(side_frame(ui))
 }
 
 fn left_side(ui: &Ui, model: &Model, id: &'static str, width: f32) -> Panel {
@@ -199,7 +199,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
         left_side(ui, model, "left", width).show(ui, |ui| {
             // The verdict stays in sight, and nothing above moves when it changes.
             let below = Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO });
-            if !model.panels.hall {
+            if !model.document.panels.hall {
                 Panel::bottom("verdict").frame(below).show_separator_line(false).show(ui, |ui| {
                     panel::slopes::verdict_ui(ui, model, queue);
                 });
@@ -218,11 +218,11 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
             }
             scroll_ui(ui, |ui| {
                 // What the panel came for is first.
-                if model.selected.is_some() {
+                if model.document.selected.is_some() {
                     panel::selection::selection_ui(ui, model, selection, queue);
                 }
                 panel::display::display_ui(ui, model, widgets, queue);
-                if model.selected.is_none() {
+                if model.document.selected.is_none() {
                     panel::selection::selection_ui(ui, model, selection, queue);
                 }
             });
@@ -232,8 +232,8 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     if model.shows_bottom() {
         let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue);
         let is_over = bottom_panel(ui, model, "bottom", 276.0, show);
-        over_rows = Some(model.bottom_tab).filter(|_| is_over);
-    } else if !model.panels.hall {
+        over_rows = Some(model.document.bottom_tab).filter(|_| is_over);
+    } else if !model.document.panels.hall {
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 2));
         Panel::bottom("bottom tabs").frame(frame).show(ui, |ui| panel::bottom::closed_ui(ui, model, queue));
     }
@@ -244,12 +244,12 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     // A hovered feature stays marked while the pointer is over it, in a picture or in a row of the open table.
     if pictures.inner.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
         if over_rows != Some(BottomTab::Table) {
-            queue.point(&model.hovered, None, Pointed::Feature);
+            queue.point(&model.results.hovered, None, Pointed::Feature);
         }
         if over_rows != Some(BottomTab::Compared) {
-            queue.point(&model.slots.a.comparison.hovered, None, |row| Pointed::Row(Side::A, row));
+            queue.point(&model.results.slots.a.comparison.hovered, None, |row| Pointed::Row(Side::A, row));
         }
-        queue.point(&model.explained.pointed, None, Pointed::Candidate);
+        queue.point(&model.results.explained.pointed, None, Pointed::Candidate);
     }
 }
 
@@ -259,7 +259,7 @@ fn lab_workspace_ui(ui: &mut Ui, model: &Model, picture: &mut PlaneTexture, queu
     }
     if model.shows_right() {
         right_panel(ui, model, "lab right", 1.3 * side_width(model), 250.0..=900.0, |ui| {
-            if model.lab.question == LabQuestion::InBurst {
+            if model.document.lab.question == LabQuestion::InBurst {
                 section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
             } else {
                 section_ui(ui, "Chart", |ui| chart::lab_chart_ui(ui, model, picture, queue));

@@ -9,5 +9,6 @@ mod floors;
 mod notices;
 mod opened_files;
 mod reading;
+mod rooms;
 mod screenshots;
 mod walls;

@@ -2,10 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::lab::{Lab, LabSet};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::lab::{Lab, LabSet};
+use crate::app::results::Model;
 use crate::inspect::score::Judged;
 use crate::inspect::words::number;
 use crate::plane::display::Display;
@@ -17,15 +17,15 @@ const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
 const FALSE: Color32 = Color32::from_rgb(213, 94, 0);
 
 pub fn lab_chart_ui(ui: &mut Ui, model: &Model, texture: &mut PlaneTexture, queue: &mut Queue) {
-    let mut lab = model.lab.clone();
+    let mut lab = model.document.lab.clone();
     choice_ui(ui, model, &mut lab);
     chosen_ui(ui, model, &mut lab, texture, queue);
-    queue.set(&model.lab, lab, |lab| Action::SetLab(Box::new(lab)));
+    queue.set(&model.document.lab, lab, |lab| Action::SetLab(Box::new(lab)));
 }
 
 fn chosen_ui(ui: &mut Ui, model: &Model, lab: &mut Lab, texture: &mut PlaneTexture, queue: &mut Queue) {
-    if model.lab.selected.is_none() {
-        let text = if model.lab.question.needs_charts() {
+    if model.document.lab.selected.is_none() {
+        let text = if model.document.lab.question.needs_charts() {
             "Click a point of a curve to look at its chart."
         } else {
             "These points are measured on the open burst, so there is no chart to show."
@@ -40,7 +40,7 @@ fn chosen_ui(ui: &mut Ui, model: &Model, lab: &mut Lab, texture: &mut PlaneTextu
         });
         return;
     };
-    let judged = shown.judged(model.lab.all_detected);
+    let judged = shown.judged(model.document.lab.all_detected);
     key_ui(ui, shown, &judged);
     picture_ui(ui, shown, &judged, texture);
     ui.horizontal(|ui| {
@@ -59,7 +59,7 @@ fn choice_ui(ui: &mut Ui, model: &Model, lab: &mut Lab) {
         .collect();
     let Some((first, _)) = sets.first() else { return };
     let set = lab.selected.map_or(*first, |(set, _)| set);
-    let Some(result) = model.studies.result(set) else { return };
+    let Some(result) = model.results.studies.result(set) else { return };
     let mut points: Vec<(StudyPoint, String)> = Vec::new();
     for plot in result.report.plots(usize::MAX) {
         for curve in &plot.curves {

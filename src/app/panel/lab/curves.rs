@@ -3,10 +3,12 @@
 use super::curve_colour;
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::lab::LabSet;
+use crate::app::document::method::CompareLook;
+use crate::app::document::method::MethodId;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::project::Model;
-use crate::app::project::compare::{CompareLook, MethodId};
-use crate::app::project::lab::{LabResult, LabSet};
+use crate::app::results::Model;
+use crate::app::results::lab::LabResult;
 use crate::evaluate::curves::{StudyCurve, StudyPlot, percent};
 use crate::export::SeriesPoint;
 use crate::inspect::words::number;
@@ -26,7 +28,7 @@ struct Drawn {
 }
 
 pub fn curves_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let mut lab = model.lab.clone();
+    let mut lab = model.document.lab.clone();
     let results = model.lab_results();
     let Some((.., first)) = results.first() else {
         empty_ui(ui);
@@ -83,11 +85,11 @@ pub fn curves_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if let Some(row) = chosen_row {
         lab.roc_row = row;
     }
-    let has_charts = |set| model.studies.result(set).is_some_and(|result| result.study.seeds().is_some());
+    let has_charts = |set| model.results.studies.result(set).is_some_and(|result| result.study.seeds().is_some());
     if let Some((set, point, true)) = pointed.filter(|(set, ..)| has_charts(*set)) {
         (lab.selected, lab.selected_chart) = (Some((set, point)), 0);
     }
-    queue.set(&model.lab, lab, |lab| Action::SetLab(Box::new(lab)));
+    queue.set(&model.document.lab, lab, |lab| Action::SetLab(Box::new(lab)));
 }
 
 /// Draws the button that makes all methods comparable, as the paper does: each at the peak threshold where the same
@@ -113,7 +115,7 @@ fn same_false_rate_ui(ui: &mut Ui, model: &Model, rate: SameFalseRate, queue: &m
                 queue.push(Action::SetSearch(Box::new(search)));
             }
             let same_false_rate = Some(rate);
-            queue.push(Action::SetMethods(CompareLook { same_false_rate, ..model.methods.clone() }));
+            queue.push(Action::SetMethods(CompareLook { same_false_rate, ..model.document.methods.clone() }));
         }
         if own.is_none() {
             ui.weak(format!("for Methods alone: the study has no {}", method.label()));
@@ -161,7 +163,7 @@ fn empty_ui(ui: &mut Ui) {
 pub fn shown_plots(model: &Model) -> Vec<(String, Vec<StudyPlot>)> {
     let results = model.lab_results();
     let rows = results.first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
-    let row_label = rows.get(model.lab.roc_row).or(rows.last());
+    let row_label = rows.get(model.document.lab.roc_row).or(rows.last());
     let set = |(_, name, result): &(LabSet, Option<&str>, &LabResult)| {
         let row = row_label.and_then(|label| result.report.roc_rows().iter().position(|row| row == label));
         (name.unwrap_or("This study").to_owned(), result.report.plots(row.unwrap_or(usize::MAX)))
@@ -325,16 +327,16 @@ mod tests {
     #[test]
     fn what_is_exported_is_what_is_drawn() {
         let mut model = Model::default();
-        (model.studies.current, model.lab.roc_row) = (Some(result()), 1);
+        (model.results.studies.current, model.document.lab.roc_row) = (Some(result()), 1);
         let plots = shown_plots(&model);
         assert_eq!(plots, [("This study".to_owned(), result().report.plots(1))]);
-        model.studies.kept.push(crate::app::project::lab::KeptCurves {
+        model.results.studies.kept.push(crate::app::results::lab::KeptCurves {
             name: "before".to_owned(),
             is_shown: false,
             result: result(),
         });
         assert_eq!(shown_plots(&model).len(), 1, "what is hidden is not written");
-        model.studies.kept[0].is_shown = true;
+        model.results.studies.kept[0].is_shown = true;
         assert_eq!(shown_plots(&model)[1].0, "before");
         assert!(shown_plots(&Model::default()).is_empty());
     }

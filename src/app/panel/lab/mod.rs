@@ -15,9 +15,10 @@ pub mod planted;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::lab::{Lab, LabQuestion};
 use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui};
-use crate::app::project::Model;
-use crate::app::project::lab::{Lab, LabQuestion, Studies};
+use crate::app::results::Model;
+use crate::app::results::lab::Studies;
 use crate::evaluate::BurstMethod;
 use crate::synth::Motion;
 use egui::{Color32, DragValue, Grid, Label, RichText, TextEdit, Ui};
@@ -29,29 +30,29 @@ fn curve_colour(ui: &Ui, colour: &str) -> Color32 {
 }
 
 pub fn lab_settings_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let mut lab = model.lab.clone();
+    let mut lab = model.document.lab.clone();
     section_ui(ui, "Study", |ui| {
         question_ui(ui, &mut lab);
         ui.add_space(4.0);
         start_ui(ui, model, queue);
     });
-    if !model.studies.kept.is_empty() {
-        section_ui(ui, "Kept curves", |ui| kept_ui(ui, &model.studies, queue));
+    if !model.results.studies.kept.is_empty() {
+        section_ui(ui, "Kept curves", |ui| kept_ui(ui, &model.results.studies, queue));
     }
-    if model.lab.question.counts_frames() {
+    if model.document.lab.question.counts_frames() {
         section_ui(ui, "Frames", |ui| counts_ui(ui, &mut lab));
     }
-    if model.lab.question.needs_charts() {
+    if model.document.lab.question.needs_charts() {
         section_ui(ui, "Charts", |ui| charts_ui(ui, &mut lab));
     }
-    if model.lab.question == LabQuestion::InBurst {
+    if model.document.lab.question == LabQuestion::InBurst {
         section_ui(ui, "Planted things", |ui| planted::planted_settings_ui(ui, &mut lab.planted));
     }
-    if model.lab.question.compares_methods() {
+    if model.document.lab.question.compares_methods() {
         section_ui(ui, "Methods", |ui| methods_ui(ui, &mut lab));
     }
     section_ui(ui, "Dark copy of A", |ui| dark_copy_ui(ui, model, &mut lab, queue));
-    queue.set(&model.lab, lab, |lab| Action::SetLab(Box::new(lab)));
+    queue.set(&model.document.lab, lab, |lab| Action::SetLab(Box::new(lab)));
     let text = "All methods use the detector's parameters of this window. Only the method 'slopes found' finds the slopes \
                 of each burst; the others search the given range, or ±3 px/frame.";
     ui.add(Label::new(RichText::new(text).small().weak()).wrap());
@@ -66,7 +67,7 @@ fn question_ui(ui: &mut Ui, lab: &mut Lab) {
 }
 
 fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if let Some(running) = model.studies.wanted.running() {
+    if let Some(running) = model.results.studies.wanted.running() {
         progress_ui(ui, &running, None, &progress_text(&running));
         button_ui(ui, model, queue, ActionId::CancelStudy, None);
         return;
@@ -75,7 +76,7 @@ fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::RunStudy, None);
         button_ui(ui, model, queue, ActionId::KeepCurves, None);
     });
-    if let Some(problem) = model.lab_study().err().or_else(|| model.studies.problem.clone()) {
+    if let Some(problem) = model.lab_study().err().or_else(|| model.results.studies.problem.clone()) {
         error_ui(ui, problem);
     }
 }

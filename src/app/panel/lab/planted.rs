@@ -2,10 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::lab::Lab;
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dots_ui, named, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::lab::Lab;
+use crate::app::results::Model;
 use crate::detector::Test;
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
@@ -68,27 +68,27 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
 }
 
 pub fn lab_planted_ui(ui: &mut Ui, model: &Model, texture: &mut PlaneTexture, queue: &mut Queue) {
-    let Some((_, report)) = model.studies.recovered() else {
+    let Some((_, report)) = model.results.studies.recovered() else {
         let text = "Press Run study: things are planted in copies of the open burst and searched for. Here is then how faint a thing is seen at each place.";
         weak_ui(ui, text);
         return;
     };
     key_ui(ui, report);
-    let chosen = map_ui(ui, report, model.lab.selected_thing, texture);
+    let chosen = map_ui(ui, report, model.document.lab.selected_thing, texture);
     if let Some(outlook) = report.outlook() {
         weak_ui(ui, outlook);
     }
     for fate in &report.fates {
         ui.label(RichText::new(format!("{} missed: {}", fate.count, fate.reason)).small());
     }
-    let mut selected = chosen.or(model.lab.selected_thing);
+    let mut selected = chosen.or(model.document.lab.selected_thing);
     let missed = next_missed(report, selected);
     let next = ui.add_enabled(missed.is_some(), egui::Button::new("Next missed"));
     if next.on_hover_text("Look at the next thing in the range of the slopes that was missed").clicked() {
         selected = missed;
     }
-    queue.set(&model.lab.selected_thing, selected, |selected_thing| {
-        Action::SetLab(Box::new(Lab { selected_thing, ..model.lab.clone() }))
+    queue.set(&model.document.lab.selected_thing, selected, |selected_thing| {
+        Action::SetLab(Box::new(Lab { selected_thing, ..model.document.lab.clone() }))
     });
     match model.selected_thing() {
         None => {

@@ -4,7 +4,7 @@ use super::{apply_ui, go_to_ui};
 use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::panel::widgets::{named, weak_ui};
-use crate::app::project::Model;
+use crate::app::results::Model;
 use crate::app::style;
 use crate::detector::Test;
 use crate::inspect::fate::{Outcome, TestReport};
@@ -55,7 +55,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut 
 
 fn scale_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
     let sigma_text = |sigma: f32| format!("Near σ {} px", number(sigma, 1));
-    let mut chosen = model.probe.near_sigma;
+    let mut chosen = model.document.probe.near_sigma;
     let text = chosen.map_or_else(|| "All scales".to_owned(), sigma_text);
     let combo = egui::ComboBox::from_id_salt("scale of candidates").selected_text(&text).show_ui(ui, |ui| {
         ui.selectable_value(&mut chosen, None, "All scales");
@@ -63,7 +63,7 @@ fn scale_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
             ui.selectable_value(&mut chosen, Some(scale.sigma), sigma_text(scale.sigma));
         }
     });
-    queue.set(&model.probe.near_sigma, chosen, Action::ProbeNear);
+    queue.set(&model.document.probe.near_sigma, chosen, Action::ProbeNear);
     let help = "Candidates near this scale come first; a probe begins with the scale of the DoG in view";
     named(&combo.response.on_hover_text(help), egui::Role::ComboBox, format!("Scale of candidates: {text}"));
 }

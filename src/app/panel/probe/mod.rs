@@ -7,15 +7,14 @@ mod shares;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
+use crate::app::document::look::FeaturesShown;
+use crate::app::document::panes::Destination;
+use crate::app::document::side::Side;
 use crate::app::panel::selection::texture_of;
 use crate::app::panel::widgets::{named, paint, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;
-use crate::app::project::Model;
-use crate::app::project::explained::verdict_words;
-use crate::app::project::look::FeaturesShown;
-use crate::app::project::pair::Side;
-use crate::app::project::panes::Destination;
-use crate::app::project::workspace::Workspace;
+use crate::app::results::Model;
+use crate::app::results::explained::verdict_words;
 use crate::app::style;
 use crate::app::view::signed;
 use crate::detector::{ParamChange, Slope};
@@ -26,7 +25,7 @@ use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::Probed;
-use crate::teach::Part;
+use crate::teach::{Part, Workspace};
 use egui::{Frame, Label, Margin, Rect, RichText, ScrollArea, Stroke, TextureHandle, Ui};
 use std::any::Any;
 use std::sync::Arc;
@@ -52,30 +51,30 @@ pub fn probe_tab_ui(
         return false;
     }
     if model.has_probe() {
-        let mut is_open = model.probe.is_open;
+        let mut is_open = model.document.probe.is_open;
         ui.horizontal(|ui| {
             ui.selectable_value(&mut is_open, false, other).on_hover_text(help);
             ui.selectable_value(&mut is_open, true, "Probe")
                 .on_hover_text("Why there is a feature at a place, or why there is none");
         });
-        queue.set(&model.probe.is_open, is_open, Action::OpenProbe);
+        queue.set(&model.document.probe.is_open, is_open, Action::OpenProbe);
         ui.separator();
     }
-    if model.probe.is_open {
+    if model.document.probe.is_open {
         probe_ui(ui, model, panel, queue);
     }
-    model.probe.is_open
+    model.document.probe.is_open
 }
 
 fn probe_ui(ui: &mut Ui, model: &Model, panel: &mut ProbePanel, queue: &mut Queue) {
     mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
-    if let Some(problem) = &model.probed.problem {
+    if let Some(problem) = &model.results.probed.problem {
         warning_ui(ui, problem);
     }
-    let Some(answer) = &model.probed.answer else {
-        if model.probe.question.is_none() {
+    let Some(answer) = &model.results.probed.answer else {
+        if model.document.probe.question.is_none() {
             ui.add_space(4.0);
             weak_ui(ui, HOW);
         }
@@ -83,8 +82,11 @@ fn probe_ui(ui: &mut Ui, model: &Model, panel: &mut ProbePanel, queue: &mut Queu
     };
     ScrollArea::vertical().id_salt("probe").auto_shrink(false).show(ui, |ui| {
         let [u, v] = answer.probe.pos_image;
-        let burst =
-            if model.workspace == Workspace::Pair { format!(" of {}", model.probe.side.name()) } else { String::new() };
+        let burst = if model.document.workspace == Workspace::Pair {
+            format!(" of {}", model.document.probe.side.name())
+        } else {
+            String::new()
+        };
         ui.label(RichText::new(format!("Place ({}, {}){burst}", number(u, 1), number(v, 1))).strong())
             .on_hover_text("At mid-burst, pixels; the centre of the first pixel is (0, 0)");
         stale_ui(ui, model, queue);
@@ -118,9 +120,14 @@ fn tools_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 fn busy_ui(ui: &mut Ui, model: &Model) {
-    let waits = model.probe.question.is_some() && model.probed.answer.is_none() && model.probed.problem.is_none();
-    match (model.probed.wanted_trail.running(), model.slots[model.probe.side].detecting.running()) {
-        (Some(running), _) | (None, Some(running)) if model.probe.is_on() => {
+    let waits = model.document.probe.question.is_some()
+        && model.results.probed.answer.is_none()
+        && model.results.probed.problem.is_none();
+    match (
+        model.results.probed.wanted_trail.running(),
+        model.results.slots[model.document.probe.side].detecting.running(),
+    ) {
+        (Some(running), _) | (None, Some(running)) if model.document.probe.is_on() => {
             let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
             progress_ui(ui, &running, None, &format!("Searching  {percent:.0} %"));
         }
@@ -132,7 +139,7 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
 }
 
 fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    if model.probe_is_stale() && !model.slots[model.probe.side].detecting.is_pending() {
+    if model.probe_is_stale() && !model.results.slots[model.document.probe.side].detecting.is_pending() {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Stale: found with other parameters").color(style::warning(ui)));
             if ui.small_button("Detect again").on_hover_text("Search with the parameters as they are now").clicked() {
@@ -161,11 +168,11 @@ fn reasons_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
                 }
             });
         }
-        if reason.kind == ReasonKind::AtAnotherSlope && model.look.overlay == FeaturesShown::ThisSlope {
+        if reason.kind == ReasonKind::AtAnotherSlope && model.document.look.overlay == FeaturesShown::ThisSlope {
             weak_ui(ui, "It is shown under All, not under This slope.");
         }
     }
-    for &feature in &model.probed.as_dots {
+    for &feature in &model.results.probed.as_dots {
         let text = format!("Feature {} was found here, but is drawn as a dot: stronger ones take the room.", feature);
         ui.add(Label::new(text).wrap()).on_hover_text("Zoom in, or select it, to see it in full");
         go_to_feature_ui(ui, model, answer, feature, queue);
@@ -183,7 +190,7 @@ fn go_to_ui(ui: &mut Ui, model: &Model, feature: Option<usize>, ([u, v], slope):
     let label = feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {index}"));
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(slope));
     if ui.button(label).on_hover_text(tip).clicked() {
-        let side = model.probe.side;
+        let side = model.document.probe.side;
         if feature.is_some() && side == Side::A {
             queue.push(Action::Select(feature));
         }
@@ -193,18 +200,18 @@ fn go_to_ui(ui: &mut Ui, model: &Model, feature: Option<usize>, ([u, v], slope):
 }
 
 fn apply_ui(ui: &mut Ui, model: &Model, change: &ParamChange, queue: &mut Queue) {
-    let button = ui.add_enabled(model.takes_advice(model.probe.side), egui::Button::new("Apply"));
+    let button = ui.add_enabled(model.takes_advice(model.document.probe.side), egui::Button::new("Apply"));
     let response =
         button.on_hover_text(format!("Set {} and detect again; Undo reverts it\n{}", change.label(), change.option()));
     named(&response, egui::Role::Button, format!("Apply {}", change.label()));
     if response.clicked() {
-        queue.push(Action::ApplyChanges(model.probe.side, vec![change.clone()]));
-        if !model.auto_detect {
+        queue.push(Action::ApplyChanges(model.document.probe.side, vec![change.clone()]));
+        if !model.document.auto_detect {
             queue.push(ActionId::Detect);
         }
     }
     ui.label(RichText::new(change.label()).weak());
-    if let Some(price) = model.price_text(model.probe.side, change) {
+    if let Some(price) = model.price_text(model.document.probe.side, change) {
         ui.add(Label::new(price).wrap());
     }
 }
@@ -288,7 +295,7 @@ fn suspicion_ui(ui: &mut Ui, model: &Model, suspicion: &Suspicion, queue: &mut Q
         if let Some(other) = suspicion.other
             && ui.button(format!("Probe feature {other}")).on_hover_text("Show why that feature was kept").clicked()
         {
-            queue.push(Action::ProbeFeature(model.probe.side, other));
+            queue.push(Action::ProbeFeature(model.document.probe.side, other));
         }
     });
 }

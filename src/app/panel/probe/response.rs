@@ -1,13 +1,13 @@
 //! Response over slope and scale, with the gate and the candidates of the search. A click moves the cursor there.
 
-use super::colour_bar::{self, ColourBar, range_of};
-use super::{PlaneTexture, strength_text};
+use super::colour_bar::{ColourBar, range_of};
+use super::{PlaneTexture, colour_bar, strength_text};
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::panes::Destination;
 use crate::app::panel::widgets::named;
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::panes::Destination;
+use crate::app::results::Model;
 use crate::detector::Slope;
 use crate::inspect::probe::Wanted;
 use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane, outline};
@@ -168,7 +168,7 @@ fn slopes_ui(
 fn go_to(model: &Model, slope: Slope, scale: &Scale) -> Action {
     let scale = Some((scale.octave, scale.level));
     let kind = Some(ViewKind::Dog);
-    Action::GoTo(model.probe.side, Destination { slope: Some(slope), scale, kind, ..Destination::default() })
+    Action::GoTo(model.document.probe.side, Destination { slope: Some(slope), scale, kind, ..Destination::default() })
 }
 
 fn reading(slope: Slope, scale: &Scale, value: &str) -> String {
@@ -309,7 +309,7 @@ fn square(painter: &Painter, at: Pos2) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::project::tests::open;
+    use crate::app::results::tests::open;
     use crate::detector::{DetectorParams, SlopeGrid};
     use crate::inspect::{ProbeCache, ProbeOptions, probe};
     use crate::monitor::Monitor;

@@ -3,13 +3,12 @@
 use super::PlaneTexture;
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::panes::Destination;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::project::Model;
-use crate::app::project::cursor::ViewKind;
-use crate::app::project::panes::Destination;
+use crate::app::results::Model;
 use crate::app::style::ACCENT;
-use crate::detector::coherence::FrameResponse;
-use crate::detector::coherence::Shape;
+use crate::detector::coherence::{FrameResponse, Shape};
 use crate::inspect::shares::Shares;
 use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
@@ -42,13 +41,13 @@ fn strip_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneText
     let shares = &answer.probe.shares;
     let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);
     // Views lie as in their grid.
-    let grid = model.burst_of(model.probe.side).and_then(|burst| burst.burst.positions.rows_and_columns());
+    let grid = model.burst_of(model.document.probe.side).and_then(|burst| burst.burst.positions.rows_and_columns());
     let grid = grid.filter(|(rows, columns)| rows * columns == shares.frames.len());
     let columns = grid.map_or(shares.frames.len().min(fits), |(_, columns)| columns);
     let rows = shares.frames.len().div_ceil(columns);
     let side = (ui.available_width() / columns as f32).min(44.0).floor();
     let (rect, response) = ui.allocate_exact_size(vec2(side * columns as f32, side * rows as f32), Sense::click());
-    let display = model.ranges_of_side(model.probe.side).intensity;
+    let display = model.document.ranges_of_side(model.document.probe.side).intensity;
     texture.draw(ui, rect, "probe patches", &answer.probe, display, || montage(&shares.patches, columns, rows));
     let frame_at = |pos: egui::Pos2| {
         let from = pos - rect.min;
@@ -77,7 +76,7 @@ fn strip_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneText
     if clicked {
         let (slope, frame) = (Some(shares.slope), Some(frame.frame));
         let to = Destination { slope, frame, kind: Some(ViewKind::Frame), ..Destination::default() };
-        queue.push(Action::GoTo(model.probe.side, to));
+        queue.push(Action::GoTo(model.document.probe.side, to));
     }
 }
 

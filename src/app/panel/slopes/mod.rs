@@ -6,10 +6,10 @@ mod set_up;
 use crate::app::actions::Queue;
 use crate::app::canvas::number;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::panel::status::advice_ui;
 use crate::app::panel::widgets::{named, warning_ui, weak_ui, with_whole_numbers};
-use crate::app::project::Model;
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::app::style;
 use crate::burst::OpenOptions;
 use crate::detector::Method;
@@ -23,7 +23,7 @@ const CHART_WIDTH: f32 = 400.0;
 
 pub fn summary_ui(ui: &mut Ui, model: &Model) {
     let Some(spectrum) = model.spectrum() else {
-        ui.weak(if model.slots.a.found.is_some() { "Not analysed yet" } else { "No detection yet" });
+        ui.weak(if model.results.slots.a.found.is_some() { "Not analysed yet" } else { "No detection yet" });
         return;
     };
     let judged = spectrum.judgement.as_ref().map_or("", |judgement| judgement.sentence.as_str());
@@ -45,7 +45,7 @@ pub fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         let width = CHART_WIDTH.min(0.55 * ui.available_width()).min(ui.available_width() - 175.0);
         ui.allocate_ui_with_layout(vec2(width, height), Layout::top_down(Align::Min), |ui| {
             ui.set_width(width);
-            let marks = chart::Marks { here: model.cursor().slope, expected: set_up::expected(model) };
+            let marks = chart::Marks { here: model.document.cursor().slope, expected: set_up::expected(model) };
             chart::chart_ui(ui, spectrum, &marks, height);
         });
         ui.vertical(|ui| advice_list_ui(ui, model, spectrum, queue));
@@ -55,15 +55,15 @@ pub fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 fn waiting_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space(16.0);
-        if model.slots.a.found.is_none() {
+        if model.results.slots.a.found.is_none() {
             ui.weak(model.without_features(Side::A, "Press Detect to see which slopes the burst needs"));
         } else if model.stale().is_some() {
             let press = "The parameters changed: press Detect to see which slopes the burst needs";
             ui.weak(model.without_features(Side::A, press));
-        } else if model.slots.a.found.as_ref().is_some_and(|found| found.params.method != Method::Buff) {
+        } else if model.results.slots.a.found.as_ref().is_some_and(|found| found.params.method != Method::Buff) {
             ui.weak("One image has no slopes: choose the method BuFF");
-        } else if model.slopes_take_long() && !model.explained.slopes_wanted {
-            let secs = model.slots.a.found.as_ref().map_or(0.0, |found| found.elapsed.as_secs_f32());
+        } else if model.slopes_take_long() && !model.results.explained.slopes_wanted {
+            let secs = model.results.slots.a.found.as_ref().map_or(0.0, |found| found.elapsed.as_secs_f32());
             let tip = format!("It takes about as long as the detection did, {secs:.0} s, in the background");
             if ui.button("Analyse slopes").on_hover_text(tip).clicked() {
                 queue.push(Action::ExamineSlopes);
@@ -145,7 +145,7 @@ fn apply_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue:
     if button.clicked() {
         queue.push(match &advice.times {
             None => Action::ApplyChanges(Side::A, advice.changes.clone()),
-            times => Action::Calibrate(OpenOptions { times: times.clone(), ..model.calibration.clone() }),
+            times => Action::Calibrate(OpenOptions { times: times.clone(), ..model.document.calibration.clone() }),
         });
     }
 }
@@ -154,7 +154,7 @@ fn apply_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue:
 /// slopes fit the burst, with the change that mends it; nothing while there are no features of the present parameters.
 pub fn verdict_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let has_advice =
-        model.stale().is_none() && model.slots.a.found.as_ref().is_some_and(|found| found.advice.is_some());
+        model.stale().is_none() && model.results.slots.a.found.as_ref().is_some_and(|found| found.advice.is_some());
     let judgement = model.slope_judgement();
     if !has_advice && judgement.is_none() {
         return;

@@ -2,9 +2,9 @@
 
 use crate::app::actions::Queue;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::error_ui;
-use crate::app::project::Model;
-use crate::app::project::side::Side;
+use crate::app::results::Model;
 use crate::app::view::{number, signed_slope};
 use crate::detector::Slope;
 use crate::inspect::set_up::{SetUp, bounds};
@@ -12,22 +12,22 @@ use egui::{Button, CollapsingHeader, DragValue, Grid, Label, Role, Ui, WidgetInf
 
 /// Slopes of the nearest and the farthest things, while the set-up is in use: unfolded, or read for depths.
 pub(super) fn expected(model: &Model) -> Option<[Slope; 2]> {
-    let state = &model.set_up;
+    let state = &model.document.set_up;
     let in_use = (state.is_open || state.reads_depths) && state.values.check().is_ok();
     in_use.then(|| state.values.depth_m.map(|metres| state.values.slope_at(metres)))
 }
 
 pub(super) fn set_up_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let mut state = model.set_up;
+    let mut state = model.document.set_up;
     let header = CollapsingHeader::new("Slopes from the set-up").id_salt("slopes from the set-up");
-    let unfolded = header.open(Some(model.set_up.is_open)).show(ui, |ui| {
+    let unfolded = header.open(Some(model.document.set_up.is_open)).show(ui, |ui| {
         fields_ui(ui, &mut state.values);
         slopes_ui(ui, model, queue);
     });
     if unfolded.header_response.clicked() {
         state.is_open ^= true;
     }
-    queue.set(&model.set_up, state, Action::SetSetUp);
+    queue.set(&model.document.set_up, state, Action::SetSetUp);
 }
 
 fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
@@ -66,8 +66,8 @@ fn depth_field(metres: &mut f64) -> DragValue<'_> {
 }
 
 fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let set_up = model.set_up.values;
-    let slopes = set_up.slopes(&model.used_positions(), &model.params);
+    let set_up = model.document.set_up.values;
+    let slopes = set_up.slopes(&model.used_positions(), &model.document.params);
     ui.horizontal(|ui| {
         let can_apply = slopes.is_ok() && model.takes_advice(Side::A);
         let apply = ui.add_enabled(can_apply, Button::new("Apply"));
@@ -75,7 +75,7 @@ fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         if apply.on_hover_text("Search these slopes; Ctrl+Z undoes it").clicked() {
             queue.push(Action::ApplySetUp);
         }
-        let mut reads = model.set_up.reads_depths;
+        let mut reads = model.document.set_up.reads_depths;
         let tip =
             "Give every feature the depth that its motion means, with its error: in the table, in the tips over the picture, and as colours";
         if ui.checkbox(&mut reads, "Read slopes as depths").on_hover_text(tip).changed() {
@@ -86,7 +86,7 @@ fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         Ok(slopes) => ui.add(Label::new(slopes.sentence(&set_up)).wrap()),
         Err(problem) => error_ui(ui, problem),
     };
-    let here = model.cursor().slope;
+    let here = model.document.cursor().slope;
     let depth = set_up.depth_at(here);
     let means = depth.map_or_else(|| "no depth".to_owned(), |metres| format!("{} m", number(metres as f32, 3)));
     ui.weak(format!("The slope on show, ({}), means {means}", signed_slope(here, 2)));

@@ -3,10 +3,11 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::document::Action;
+use crate::app::document::side::Side;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
-use crate::app::project::Model;
-use crate::app::project::pair::{MatchRow, Matches, PATCHES, Side, lost_label};
+use crate::app::results::Model;
+use crate::app::results::pair::{MatchRow, Matches, PATCHES, lost_label};
 use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
@@ -21,7 +22,7 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], q
     section_ui(ui, "Selected match", |ui| {
         walk_ui(ui, model, queue);
         ui.add_space(4.0);
-        let Some(matches) = &model.pair.matches else {
+        let Some(matches) = &model.results.pair.matches else {
             ui.weak("There are no matches yet.");
             return;
         };
@@ -29,7 +30,7 @@ pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], q
             ui.weak("Point at a line or a row of the table; click to keep it.");
             return;
         };
-        verdict_ui(ui, &row, model.selected_match.is_none());
+        verdict_ui(ui, &row, model.document.selected_match.is_none());
         if let Some(limit) = matches.passed_limit(&row) {
             weak_ui(ui, limit);
         }
@@ -65,13 +66,13 @@ fn patches_ui(ui: &mut Ui, model: &Model, row: &MatchRow<'_>, textures: &mut [Pa
         let aligned = row.aligned.map(|aligned| ("B, aligned", Side::B, aligned.b));
         for ((label, side, feature), texture) in found.into_iter().chain(aligned).zip(textures) {
             let wanted = PictureKind::Stack { slope: feature.slope };
-            let picture = model.pair.patches.get(side as usize).filter(|picture| {
+            let picture = model.results.pair.patches.get(side as usize).filter(|picture| {
                 let is_open = model.burst_of(side).is_some_and(|open| open.id == picture.request.burst.id);
                 is_open && picture.request.kind == wanted
             });
             ui.vertical(|ui| {
                 ui.set_width(width);
-                let (name, display) = (&format!("Patch in {label}"), model.ranges_of_side(side).intensity);
+                let (name, display) = (&format!("Patch in {label}"), model.document.ranges_of_side(side).intensity);
                 let view = PatchView { name, feature, turned: true, display };
                 view.ui(ui, picture.map(|picture| &picture.plane), texture, width);
                 let (text, help) = if label.len() == 1 {
@@ -185,7 +186,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
             ui.weak("There are no matches yet.");
             return;
         };
-        let Some(why) = &model.pair.lost.why else {
+        let Some(why) = &model.results.pair.lost.why else {
             weak_ui(ui, "Click a feature of A, a match, or a row of the unmatched features.");
             return;
         };
@@ -198,7 +199,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         for line in notes(own, unmatched, sides) {
             warning_ui(ui, line);
         }
-        if let Some(twin) = model.pair.lost.twin(why.feature) {
+        if let Some(twin) = model.results.pair.lost.twin(why.feature) {
             let is_matched = found.lost[twin] == Lost::Not;
             let fate = if is_matched { ", which is matched" } else { "" };
             weak_ui(ui, format!("Another orientation of feature {}{fate}.", twin));
@@ -211,7 +212,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
         if !unmatched.expected.is_empty() {
             button_ui(ui, model, queue, ActionId::ProbeExpected, None);
         }
-        if model.selected_match.is_none() {
+        if model.document.selected_match.is_none() {
             button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
         }
     });
@@ -220,9 +221,9 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
 /// Draws the change of the parameters that would match the feature, with what else it changes.
 fn remedy_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let Some(params) = model.remedy() else { return };
-    let change = if params.ratio != model.matching.ratio {
+    let change = if params.ratio != model.document.matching.ratio {
         format!("Ratio test {:.2}", params.ratio)
-    } else if params.mutual != model.matching.mutual {
+    } else if params.mutual != model.document.matching.mutual {
         "Without the mutual check".to_owned()
     } else {
         format!("Max error {:.1} px", params.max_error_px)
@@ -284,13 +285,19 @@ fn candidate_patches_ui(
         for (place, ((side, feature), texture)) in all.into_iter().zip(textures).enumerate() {
             let burst = model.burst_of(side).map(|open| open.id);
             let kind = PictureKind::Stack { slope: feature.slope };
-            let picture =
-                model.pair.lost.pictures.iter().find(|p| Some(p.request.burst.id) == burst && p.request.kind == kind);
+            let picture = model
+                .results
+                .pair
+                .lost
+                .pictures
+                .iter()
+                .find(|p| Some(p.request.burst.id) == burst && p.request.kind == kind);
             ui.vertical(|ui| {
                 ui.set_width(width);
                 let name =
                     &if place == 0 { "Patch of the feature".to_owned() } else { format!("Patch of candidate {place}") };
-                let view = PatchView { name, feature, turned: true, display: model.ranges_of_side(side).intensity };
+                let view =
+                    PatchView { name, feature, turned: true, display: model.document.ranges_of_side(side).intensity };
                 view.ui(ui, picture.map(|picture| &picture.plane), texture, width);
                 let label = if place == 0 {
                     RichText::new("A").small().weak()

@@ -1,16 +1,18 @@
 //! Lines of the matches between panes of A and of B, and the marks of an unmatched feature and its candidates.
 
 use crate::app::actions::Queue;
-use crate::app::canvas::CanvasOutput;
-use crate::app::canvas::overlay::{self, ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
+use crate::app::canvas::overlay::{ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
+use crate::app::canvas::{CanvasOutput, overlay};
+use crate::app::document::method::MethodId;
+use crate::app::document::pair::MatchesAs;
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::{Drawn, JoinedPanes, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
-use crate::app::project::Model;
-use crate::app::project::method::MethodId;
-use crate::app::project::pair::{MatchRow, Matches, MatchesAs, PATCHES, Side};
+use crate::app::results::Model;
+use crate::app::results::pair::{MatchRow, Matches, PATCHES};
 use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::Feature;
@@ -32,10 +34,10 @@ pub(super) fn motion_colour(part: f32) -> Color32 {
 pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Queue) -> Option<Option<usize>> {
     let views = MatchViews::of(model, drawn, None);
     let pointer = views.pointed();
-    let Some(matches) = &model.pair.matches else {
+    let Some(matches) = &model.results.pair.matches else {
         return pointer.map(|_| None);
     };
-    let look = model.match_look;
+    let look = model.document.match_look;
     let are_vectors = look.drawn_as == MatchesAs::Vectors;
     let largest = look.by_motion.then(|| model.largest_motion().max(f32::MIN_POSITIVE));
     let rows: Vec<MatchRow<'_>> = model.drawn_matches().into_iter().filter_map(|index| matches.row(index)).collect();
@@ -47,7 +49,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
             let is_on = |line: &MatchLine| match look.drawn_as {
                 MatchesAs::Near => {
                     let near = pointer.is_some_and(|(_, pos)| line.is_near(&canvases.panes, pos));
-                    near || [model.selected_match, model.pair.hovered].contains(&Some(line.index))
+                    near || [model.document.selected_match, model.results.pair.hovered].contains(&Some(line.index))
                 }
                 MatchesAs::Lines | MatchesAs::Vectors => true,
             };
@@ -58,18 +60,18 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
     let at = |pos| lines.iter().rev().find_map(|(canvases, lines)| overlay::match_at(lines, &canvases.panes, pos));
     let pointed = pointer.and_then(|(_, pos)| at(pos));
     let dragged = views.views.iter().any(|view| view.output.response.dragged());
-    let hovered = if pointer.is_some() { pointed } else { model.pair.hovered };
-    let focus = model.selected_match.or(hovered);
+    let hovered = if pointer.is_some() { pointed } else { model.results.pair.hovered };
+    let focus = model.document.selected_match.or(hovered);
     if look.geometry
         && let Some(row) = focus.and_then(|index| matches.row(index))
     {
         locus_ui(model, matches, &row, &views);
     }
-    let (opacity, selected, others_faint) = (MatchKind::OPACITY, model.selected_match, focus.is_some());
+    let (opacity, selected, others_faint) = (MatchKind::OPACITY, model.document.selected_match, focus.is_some());
     let style = MatchLineStyle { opacity, selected, hovered, others_faint, are_vectors };
-    let always = |index| [model.selected_match, hovered].contains(&Some(index));
+    let always = |index| [model.document.selected_match, hovered].contains(&Some(index));
     // An unmatched feature that is asked about stands alone.
-    let lines: Vec<_> = if model.asked_about.is_some() { Vec::new() } else { lines };
+    let lines: Vec<_> = if model.document.asked_about.is_some() { Vec::new() } else { lines };
     let mut numbers = (0, 0);
     for (canvases, lines) in &lines {
         let flags = overlay::drawn_lines(lines, &canvases.panes[0], are_vectors, always);
@@ -78,7 +80,7 @@ pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Q
         overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &drawn, &style);
         numbers = (numbers.0 + drawn.len(), numbers.1 + lines.len());
     }
-    queue.set(&model.pair.lines_drawn, numbers, |(drawn, all)| Action::Point(Pointed::Lines(drawn, all)));
+    queue.set(&model.results.pair.lines_drawn, numbers, |(drawn, all)| Action::Point(Pointed::Lines(drawn, all)));
     if let Some(row) = focus.and_then(|index| matches.row(index)) {
         for view in &views.views {
             let feature = if view.side == Side::A { row.a } else { row.b };
@@ -139,14 +141,14 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
         // Its position is that at another time.
         let same = |f: &Feature| Feature { u: feature.u, v: feature.v, ..*f } == feature;
         let index = found.detection.features.iter().position(same)?;
-        model.coherence.of(&found.detection)?.get(index).cloned()
+        model.results.coherence.of(&found.detection)?.get(index).cloned()
     });
-    let scale = overlay::ColourScale::of(model.colour_by, &detection.features, &detection.slopes)
+    let scale = overlay::ColourScale::of(model.document.colour_by, &detection.features, &detection.slopes)
         .with_coherences(coherence.map(|value| Arc::new(vec![value])).as_ref())
-        .with_set_up(model.set_up.depths_by());
+        .with_set_up(model.document.set_up.depths_by());
     let style = overlay::OverlayStyle {
         selected: Some(0),
-        motion: model.look.motion_vectors,
+        motion: model.document.look.motion_vectors,
         ..overlay::OverlayStyle::new(&scale, &detection.positions)
     };
     overlay::draw_features(output, &[feature], &style);
@@ -216,7 +218,7 @@ impl<'a> MatchViews<'a> {
             sides.iter().zip(Side::BOTH).flat_map(|(places, side)| places.iter().map(move |i| (*i, side))).collect();
         of_drawn.sort_by_key(|(place, _)| *place);
         let shift = |id: PaneId| {
-            let pane = model.panes.get(id)?;
+            let pane = model.document.panes.get(id)?;
             frames_from_middle(model.picture_in(id), model.detection_in(pane)?)
         };
         let view = |(place, side): &(usize, Side)| {
@@ -285,9 +287,9 @@ pub struct Canvases {
 }
 
 fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
-    let Some((why, found)) = model.pair.lost.why.as_ref().zip(model.losses()) else { return };
+    let Some((why, found)) = model.results.pair.lost.why.as_ref().zip(model.losses()) else { return };
     // A selected match draws its own circles.
-    if model.selected_match.is_some() {
+    if model.document.selected_match.is_some() {
         return;
     }
     let sides = &found.request.request;

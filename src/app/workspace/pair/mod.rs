@@ -8,6 +8,8 @@ mod table;
 use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue, button_ui, checked, tooltip};
 use crate::app::canvas::overlay::rgb;
+use crate::app::document::pair::{MatchLook, MatchesAs, PairTab};
+use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::pane::PaneId;
@@ -15,8 +17,8 @@ use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
 use crate::app::panel::widgets::{label_ui, name_field, section_ui};
 use crate::app::parts::mark;
-use crate::app::project::Model;
-use crate::app::project::pair::{MatchLook, MatchesAs, PATCHES, PairTab, Side};
+use crate::app::results::Model;
+use crate::app::results::pair::PATCHES;
 use crate::app::workspace::{
     LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
 };
@@ -83,7 +85,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             mark(ui, Part::Below, ui.max_rect());
             table::tabs_ui(ui, model, queue);
             ui.separator();
-            match model.pair_tab {
+            match model.document.pair_tab {
                 PairTab::Matches => in_table = table::table_ui(ui, model, queue),
                 PairTab::Unmatched => {
                     table::steps_ui(ui, model, queue);
@@ -92,20 +94,20 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
                 PairTab::Compared => panel::against::against_ui(ui, model, widgets, queue),
             }
         });
-        over_list = is_over && model.pair_tab == PairTab::Compared;
+        over_list = is_over && model.document.pair_tab == PairTab::Compared;
     }
     let between = ui.visuals().panel_fill;
     CentralPanel::default().frame(Frame::new().fill(between)).show(ui, |ui| {
         mark(ui, Part::Pictures, ui.max_rect());
         let drawn = inspector_ui(ui, model, widgets, queue);
         let over_pictures = lines::lines_ui(ui, model, &drawn, queue);
-        queue.point(&model.pair.hovered, over_pictures.unwrap_or(in_table), Pointed::Match);
+        queue.point(&model.results.pair.hovered, over_pictures.unwrap_or(in_table), Pointed::Match);
         for side in Side::BOTH {
             let is_over = |(id, drawn): &(PaneId, Drawn)| {
-                drawn.output.pointer_ui.is_some() && model.panes.get(*id).is_some_and(|pane| pane.side == side)
+                drawn.output.pointer_ui.is_some() && model.document.panes.get(*id).is_some_and(|pane| pane.side == side)
             };
             if !(drawn.iter().any(is_over) || (over_list && model.active_side() == side)) {
-                queue.point(&model.slots[side].comparison.hovered, None, |row| Pointed::Row(side, row));
+                queue.point(&model.results.slots[side].comparison.hovered, None, |row| Pointed::Row(side, row));
             }
         }
     });
@@ -148,7 +150,9 @@ pub fn sides_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
                 queue.push(id);
             }
         }
-        if let Some(error) = model.slots.b.param_error.as_ref().filter(|_| model.slots.a.param_error.is_none()) {
+        if let Some(error) =
+            model.results.slots.b.param_error.as_ref().filter(|_| model.results.slots.a.param_error.is_none())
+        {
             let text = egui::RichText::new(format!("The parameters do not fit B: {error}")).small();
             ui.add(egui::Label::new(text.color(ui.visuals().error_fg_color)).wrap());
         }
@@ -157,11 +161,11 @@ pub fn sides_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Matches", |ui| {
-        let verified = model.pair.matches.as_ref().is_none_or(|m| m.result.verification.is_some());
-        let counts = model.pair.matches.as_ref().map(|m| m.result.counts);
+        let verified = model.results.pair.matches.as_ref().is_none_or(|m| m.result.verification.is_some());
+        let counts = model.results.pair.matches.as_ref().map(|m| m.result.counts);
         let inliers = counts.map(|c| c.inliers.unwrap_or(c.putative));
         let outliers = counts.and_then(|c| c.inliers.map(|inliers| c.putative - inliers));
-        let mut changed = model.match_look;
+        let mut changed = model.document.match_look;
         let look = &mut changed;
         let (kind, label) = if verified { (MatchKind::Inlier, "Inliers") } else { (MatchKind::Unverified, "Putative") };
         let tip = "Matches that agree with the geometry of the two views  (I)";
@@ -189,7 +193,7 @@ pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         for (on, label, tip) in boxes {
             ui.checkbox(on, label).on_hover_text(tip);
         }
-        queue.set(&model.match_look, changed, Action::SetMatchLook);
+        queue.set(&model.document.match_look, changed, Action::SetMatchLook);
     });
 }
 

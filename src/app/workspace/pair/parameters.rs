@@ -2,12 +2,13 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
-use crate::app::panel::parameter_rows::{self as rows, ParamTable};
+use crate::app::document::side::Side;
+use crate::app::panel::parameter_rows as rows;
+use crate::app::panel::parameter_rows::ParamTable;
 use crate::app::panel::parameters::fold_ui;
 use crate::app::panel::widgets::{name_field, section_ui};
 use crate::app::parts;
-use crate::app::project::Model;
-use crate::app::project::pair::Side;
+use crate::app::results::Model;
 use crate::dataset::CameraChoice;
 use crate::detector::params::Param;
 use crate::matching::params::doc;
@@ -73,8 +74,8 @@ pub fn dataset_parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText
 
 fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
     let size = model.burst_of(Side::A).map(|open| open.burst.size());
-    let error = model.pair.param_error.as_ref();
-    let mut params = model.matching.clone();
+    let error = model.results.pair.param_error.as_ref();
+    let mut params = model.document.matching.clone();
     let p = &mut params;
     let table = ParamTable { error, defaults: MatchParams::default(), frame_count: 0, note: None };
     let is_advanced = |record: &&Param<MatchParams>| ADVANCED.contains(record);
@@ -99,7 +100,7 @@ fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut 
     if fold_ui(ui, model, needed, changed, queue) {
         ADVANCED.iter().for_each(|record| row(ui, record));
     }
-    queue.set(&model.matching, params, |params| Action::SetMatching(Box::new(params)));
+    queue.set(&model.document.matching, params, |params| Action::SetMatching(Box::new(params)));
 }
 
 fn camera_ui(

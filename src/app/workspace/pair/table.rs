@@ -2,11 +2,13 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
+use crate::app::document::pair::{MatchColumn, PairTab};
+use crate::app::document::side::Side;
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
-use crate::app::project::Model;
-use crate::app::project::pair::{MatchColumn, Matches, PairTab, Side, lost_label};
+use crate::app::results::Model;
+use crate::app::results::pair::{Matches, lost_label};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::unmatched::Lost;
 use crate::matching::{Geometry, MatchCounts};
@@ -30,9 +32,9 @@ impl SortedColumn for MatchColumn {
 
 /// Draws the table; returns the match whose row is under the pointer.
 pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> {
-    let pair = &model.pair;
+    let pair = &model.results.pair;
     let matches = pair.matches.as_ref()?;
-    let listed = Listed { items: &pair.listed, selected: model.selected_match, hovered: pair.hovered };
+    let listed = Listed { items: &pair.listed, selected: model.document.selected_match, hovered: pair.hovered };
     let text = |column: MatchColumn, index: usize| matches.row(index).map_or_else(String::new, |row| column.text(&row));
     let mut chosen = None;
     let menu = |ui: &mut Ui, index: usize| {
@@ -42,9 +44,9 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
         }
     };
     let name = |index: usize| format!("Match {index}");
-    let pointed = sorted_table_ui(ui, &MatchColumn::ALL, model.match_order, &listed, text, name, menu);
-    queue.set(&model.match_order, pointed.order, Action::SetMatchOrder);
-    queue.set(&model.selected_match, chosen.or(pointed.selected), Action::SelectMatch);
+    let pointed = sorted_table_ui(ui, &MatchColumn::ALL, model.document.match_order, &listed, text, name, menu);
+    queue.set(&model.document.match_order, pointed.order, Action::SetMatchOrder);
+    queue.set(&model.document.selected_match, chosen.or(pointed.selected), Action::SelectMatch);
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
@@ -55,7 +57,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
 pub fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     let row = |ui: &mut Ui| {
         (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
-        let is_compared = model.comparisons.both().into_iter().any(|set| set.with.is_some());
+        let is_compared = model.document.comparisons.both().into_iter().any(|set| set.with.is_some());
         let tabs = [
             (PairTab::Matches, "Matches", "A row for each match"),
             (
@@ -66,7 +68,7 @@ pub fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             (PairTab::Compared, "Compared", "Features of the burst in focus, compared with others"),
         ];
         for (tab, name, help) in tabs {
-            let is_open = model.pair_tab == tab && model.shows_bottom();
+            let is_open = model.document.pair_tab == tab && model.shows_bottom();
             if (tab != PairTab::Compared || is_compared || is_open)
                 && ui.selectable_label(is_open, name).on_hover_text(help).clicked()
             {
@@ -87,7 +89,7 @@ pub fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 /// Draws the steps at which features of A were lost, each with its count and its switch.
 pub fn steps_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
-        if let Some(running) = &model.pair.lost.wanted.running() {
+        if let Some(running) = &model.results.pair.lost.wanted.running() {
             ui.weak(progress_text(running));
             return;
         }
@@ -96,8 +98,8 @@ pub fn steps_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         }
         ui.label(RichText::new("Lost to").small().weak());
         for lost in Lost::ALL.into_iter().filter(|lost| *lost != Lost::Not) {
-            let text = format!("{} {}", lost_label(lost), model.pair.lost.count(lost));
-            let mut on = !model.hidden_losses.contains(&lost);
+            let text = format!("{} {}", lost_label(lost), model.results.pair.lost.count(lost));
+            let mut on = !model.document.hidden_losses.contains(&lost);
             if ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed() {
                 queue.push(Action::ShowLost(lost, on));
             }
@@ -125,17 +127,17 @@ pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         ui.weak("There are no matches yet.");
         return;
     };
-    let hidden = &model.hidden_losses;
+    let hidden = &model.document.hidden_losses;
     let listed: Vec<usize> = (0..found.lost.len())
         .filter(|&index| found.lost[index] != Lost::Not && !hidden.contains(&found.lost[index]))
-        .filter(|&index| !model.pair.lost.is_folded(index))
+        .filter(|&index| !model.results.pair.lost.is_folded(index))
         .collect();
     let mut clicked = None;
     let listed = Listed { items: &listed, selected: model.asked_feature(), hovered: None };
     let text = |column: usize, index: usize| {
         let f = &found.request.request.a.features[index];
         match column {
-            0 => match model.pair.lost.others(index) {
+            0 => match model.results.pair.lost.others(index) {
                 0 => index.to_string(),
                 more => format!("{index} +{more}"),
             },
@@ -162,7 +164,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 const NAME_GAP: f32 = 4.0;
 
 fn numbers_ui(ui: &mut Ui, model: &Model) {
-    let Some(matches) = &model.pair.matches else {
+    let Some(matches) = &model.results.pair.matches else {
         ui.add(Label::new(RichText::new(missing(model)).weak()).truncate());
         return;
     };
@@ -187,7 +189,7 @@ fn numbers_ui(ui: &mut Ui, model: &Model) {
         ui.add(Label::new(RichText::new(problem).color(crate::app::style::warning(ui))).truncate());
         return;
     }
-    let (drawn, lines) = model.pair.lines_drawn;
+    let (drawn, lines) = model.results.pair.lines_drawn;
     if drawn < lines {
         let tip = "A few for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line";
         ui.add(Label::new(RichText::new(format!("{drawn} of {lines} drawn")).weak()).truncate()).on_hover_text(tip);
@@ -223,13 +225,13 @@ fn missing(model: &Model) -> String {
     if model.burst_of(Side::B).is_none() {
         return "Open a second burst to match it with the first".into();
     }
-    if let Some(error) = &model.pair.param_error {
+    if let Some(error) = &model.results.pair.param_error {
         return format!("No matches: {error}");
     }
-    if model.pair.matching.is_pending() {
+    if model.results.pair.matching.is_pending() {
         return "Matching…".into();
     }
-    if Side::BOTH.into_iter().any(|side| model.slots[side].detecting.is_pending()) {
+    if Side::BOTH.into_iter().any(|side| model.results.slots[side].detecting.is_pending()) {
         return "Detecting…".into();
     }
     let without: Vec<&str> =

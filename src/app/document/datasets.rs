@@ -1,0 +1,111 @@
+//! The dataset and the trajectories as they are set.
+
+use crate::app::document::side::{Side, Sides};
+use crate::app::view::View;
+use crate::dataset::DatasetSource;
+use crate::evaluate::poses::{PoseStudy, Projection};
+use crate::matching::PairSelection;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Two bursts by their places, the earlier one first.
+pub type BurstPair = (usize, usize);
+
+/// The pair of the bursts at two places, the lower place first; `None` if the places are equal.
+pub fn pair_of(a: usize, b: usize) -> Option<BurstPair> {
+    (a != b).then_some((a.min(b), a.max(b)))
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PairColumn {
+    #[default]
+    Pair,
+    Putative,
+    Inliers,
+    Ratio,
+    Score,
+    #[serde(alias = "precision")]
+    InlierRatio,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PairChoice {
+    /// Whether each burst is matched with the next few only.
+    pub neighbours: bool,
+    /// Number of these next bursts, 1 or more.
+    pub overlap: usize,
+}
+
+impl Default for PairChoice {
+    fn default() -> Self {
+        Self { neighbours: false, overlap: 3 }
+    }
+}
+
+impl PairChoice {
+    pub fn selection(self) -> PairSelection {
+        if self.neighbours { PairSelection::Sequential(self.overlap) } else { PairSelection::All }
+    }
+}
+
+/// The dataset as it is set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DatasetChoice {
+    pub source: DatasetSource,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<PathBuf>,
+    /// Places of the bursts chosen as A and as B.
+    #[serde(default)]
+    pub pair: Sides<Option<usize>>,
+}
+
+impl DatasetChoice {
+    pub fn selected(&self) -> Option<BurstPair> {
+        pair_of(self.pair.a?, self.pair.b?)
+    }
+
+    /// Makes the earlier burst of a pair A and the later one B.
+    pub fn select(&mut self, (a, b): BurstPair) {
+        self.pair = Sides { a: Some(a), b: Some(b) };
+    }
+
+    /// Clears the choice if it is chosen already. A burst cannot be both.
+    pub fn choose(&mut self, side: Side, place: usize) {
+        let Self { pair, .. } = self;
+        pair[side] = (pair[side] != Some(place)).then_some(place);
+        pair[side.other()].take_if(|other| *other == place);
+    }
+
+    /// Without places that `count` bursts do not have.
+    pub fn within(mut self, count: usize) -> Self {
+        for side in Side::BOTH {
+            self.pair[side] = self.pair[side].filter(|place| *place < count);
+        }
+        self
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Which {
+    Estimate,
+    Truth,
+}
+
+/// The comparison of trajectories as it is set.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Trajectories {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth: Option<PathBuf>,
+    pub study: PoseStudy,
+    pub projection: Projection,
+    /// Whether the points of a sparse model are drawn.
+    pub points: bool,
+    pub view: View,
+    pub selected: Option<usize>,
+}

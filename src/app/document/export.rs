@@ -1,0 +1,270 @@
+//! What is exported: contents and style of a figure, the film, and the purposes for which the user is asked for files.
+
+use crate::app::document::side::Side;
+use crate::export::case::CASE_EXTENSION;
+use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};
+use serde::{Deserialize, Serialize};
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FigureChoice {
+    pub format: FigureFormat,
+    pub all_panes: bool,
+    pub whole_picture: bool,
+    pub width: FigureWidth,
+    /// In the unit of the width, as the height of letters.
+    pub stroke_width: f32,
+    pub font_size: f32,
+    pub features: FigureAmount,
+    pub matches: FigureAmount,
+    pub titles: bool,
+    pub letters: bool,
+    pub legend: bool,
+    pub colour_bar: bool,
+    pub scale_bar: bool,
+}
+
+impl Default for FigureChoice {
+    fn default() -> Self {
+        Self {
+            format: FigureFormat::Pdf,
+            all_panes: true,
+            whole_picture: false,
+            width: FigureWidth::Millimetres(TWO_COLUMNS_MM),
+            stroke_width: 0.75,
+            font_size: 8.0,
+            features: FigureAmount::All,
+            matches: FigureAmount::All,
+            titles: true,
+            letters: true,
+            legend: true,
+            colour_bar: true,
+            scale_bar: true,
+        }
+    }
+}
+
+/// Widths of one column and of two in journals.
+pub const ONE_COLUMN_MM: f32 = 88.0;
+
+pub const TWO_COLUMNS_MM: f32 = 181.0;
+
+impl FigureChoice {
+    pub fn options(&self) -> FigureOptions {
+        FigureOptions {
+            width: self.width,
+            stroke_width: self.stroke_width,
+            font_size: self.font_size,
+            letters: self.letters,
+            scale_bar: self.scale_bar,
+        }
+    }
+
+    /// Choice with another width, its letters and lines in the new unit.
+    #[must_use]
+    pub fn with_width(self, width: FigureWidth) -> Self {
+        if width.unit() == self.width.unit() {
+            return Self { width, ..self };
+        }
+        match width {
+            FigureWidth::PxPerPx(_) => Self { width, stroke_width: 1.5, font_size: 14.0, ..self },
+            FigureWidth::Millimetres(_) => Self { width, stroke_width: 0.75, font_size: 8.0, ..self },
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FilmContent {
+    /// Slopes of the grid and half-way between, along its first axis that has several.
+    #[default]
+    Slopes,
+    Scales,
+    Frames,
+}
+
+impl FilmContent {
+    pub const ALL: [Self; 3] = [Self::Slopes, Self::Scales, Self::Frames];
+
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Slopes => "Slopes",
+            Self::Scales => "Scales",
+            Self::Frames => "Frames added",
+        }
+    }
+
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Slopes => "The motion stack at the slopes of the search and half-way between",
+            Self::Scales => "D at the slope of the cursor, from the finest octave and level to the coarsest",
+            Self::Frames => "The motion stack at the slope of the cursor, of one frame to all",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FilmChoice {
+    pub content: FilmContent,
+    pub rate: u16,
+    pub max_side_px: usize,
+}
+
+impl Default for FilmChoice {
+    fn default() -> Self {
+        Self { content: FilmContent::default(), rate: 10, max_side_px: 640 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Purpose {
+    OpenFolder,
+    OpenFiles,
+    OpenDataset,
+    FeatureFolder,
+    PaperFigures,
+    ExportDatabase,
+    OpenEstimate,
+    OpenTruth,
+    OpenPath,
+    OpenFolderB,
+    OpenFilesB,
+    OpenPathB,
+    /// A sharp image of the view of a side, used as its gold standard.
+    OpenGold(Side),
+    OpenFeatures(Side),
+    OpenBias,
+    OpenFlat,
+    OpenMask,
+    OpenMasks,
+    OpenLessons,
+    RestoreSession,
+    SaveSession,
+    LoadParams,
+    SaveParams,
+    Export(ExportKind),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ExportKind {
+    Csv,
+    Colmap,
+    Npz,
+    Tiff,
+    Png,
+    Figure,
+    Matches,
+    Methods,
+    Profile,
+    CurvesCsv,
+    CurvesSvg,
+    Case,
+    FilmGif,
+    /// Mask of the outlines that were drawn.
+    Mask,
+    /// The open lesson's tasks, questions and answers.
+    Sheet,
+}
+
+impl ExportKind {
+    /// Extensions of the files that are written, the usual one first.
+    pub fn extensions(self) -> &'static [&'static str] {
+        self.words().0
+    }
+
+    pub fn label(self) -> &'static str {
+        self.words().1
+    }
+
+    fn words(self) -> (&'static [&'static str], &'static str) {
+        match self {
+            Self::Csv => (&["csv"], "Export features as CSV"),
+            Self::Colmap => (&["txt"], "Export features for COLMAP"),
+            Self::Npz => (&["npz"], "Export features as NPZ"),
+            Self::Tiff => (&["tiff"], "Export picture as TIFF"),
+            Self::Png => (&["png"], "Export picture as PNG"),
+            Self::Figure => (&["pdf", "svg", "png"], "Export figure as PDF, SVG or PNG"),
+            Self::Matches => (&["csv"], "Export matches as CSV"),
+            Self::Methods => (&["csv", "tex"], "Export table of methods as CSV or LaTeX"),
+            Self::Profile => (&["csv"], "Export line profile as CSV"),
+            Self::CurvesCsv => (&["csv"], "Export curves as CSV"),
+            Self::CurvesSvg => (&["svg"], "Export curves as SVG"),
+            Self::Case => (&[CASE_EXTENSION], "Save case"),
+            Self::FilmGif => (&["gif"], "Export film as GIF"),
+            Self::Mask => (&["png"], "Save the mask"),
+            Self::Sheet => (&["md"], "Export lesson sheet as Markdown"),
+        }
+    }
+}
+
+impl Purpose {
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::OpenFolder => "Open a folder of frames",
+            Self::OpenFiles => "Open image files",
+            Self::OpenDataset => "Open a folder of bursts, or a long sequence",
+            Self::FeatureFolder => "Choose a folder for the dataset's features",
+            Self::PaperFigures => "Choose a folder for the figures of the paper",
+            Self::ExportDatabase => "Choose a folder for COLMAP's database",
+            Self::OpenEstimate => "Open an estimated trajectory",
+            Self::OpenTruth => "Open a true trajectory",
+            Self::OpenPath => "Open a path",
+            Self::OpenFolderB => "Open a folder of frames as B",
+            Self::OpenFilesB => "Open image files as B",
+            Self::OpenPathB => "Open a path as B",
+            Self::OpenGold(Side::A) => "Open the gold standard of A",
+            Self::OpenGold(Side::B) => "Open the gold standard of B",
+            Self::OpenFeatures(_) => "Open features",
+            Self::OpenBias => "Choose a bias frame",
+            Self::OpenFlat => "Choose a flat frame",
+            Self::OpenMask => "Choose a mask",
+            Self::OpenMasks => "Choose a folder of masks",
+            Self::OpenLessons => "Open lessons",
+            Self::RestoreSession => "Open a session",
+            Self::SaveSession => "Save the session",
+            Self::LoadParams => "Load parameters",
+            Self::SaveParams => "Save parameters",
+            Self::Export(kind) => kind.label(),
+        }
+    }
+
+    pub fn saves(self) -> bool {
+        matches!(self, Self::SaveSession | Self::SaveParams | Self::Export(_))
+    }
+
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
+            Self::OpenEstimate | Self::OpenTruth => {
+                "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
+            }
+            Self::ExportDatabase => {
+                "A new or an empty folder, or one that was written so before: its features are not found again"
+            }
+            Self::PaperFigures => "A new or an empty folder, or one with figures: finished ones are kept",
+            Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
+            Self::OpenMasks => "A folder with a mask for each file of frames: NAME.EXT.png, or the frame's own name",
+            Self::OpenFeatures(_) => "A table of features (CSV), or the text that COLMAP imports",
+            Self::OpenLessons => "A folder of lessons (TOML files), or one of them",
+            Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
+            Self::LoadParams | Self::SaveParams => "A parameter file, such as params.toml",
+            Self::Export(_) => "The file to write",
+            _ => "A folder of frames, an image, a multi-page TIFF or a .npy stack",
+        }
+    }
+
+    pub fn extensions(self) -> Vec<&'static str> {
+        match self {
+            Self::OpenFiles | Self::OpenFilesB => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),
+            Self::OpenBias | Self::OpenFlat | Self::OpenMask | Self::OpenGold(_) => {
+                crate::burst::supported_extensions()
+            }
+            Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
+            Self::OpenFeatures(_) => vec!["csv", "txt"],
+            Self::Export(kind) => kind.extensions().to_vec(),
+            _ => Vec::new(),
+        }
+    }
+}

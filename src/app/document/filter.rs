@@ -1,0 +1,169 @@
+//! Filter and sort order of the features, and the selected one, by which it is found again.
+
+use crate::app::view::number;
+use crate::detector::{Detection, Feature, Moves, Slope, SlopeGrid};
+use crate::inspect::spectrum::is_at_slope;
+use crate::inspect::verdict::{Judged, Verdict};
+use crate::inspect::words::counted;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    pub min: f32,
+    pub max: f32,
+}
+
+impl Interval {
+    fn holds(self, x: f32) -> bool {
+        (self.min..=self.max).contains(&x)
+    }
+}
+
+/// Conditions that a feature must satisfy to be shown; `None` lets all features pass.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Filter {
+    /// Slope u, pixels per frame.
+    pub slope_u: Option<Interval>,
+    /// Slope v, pixels per frame.
+    pub slope_v: Option<Interval>,
+    /// Scale σ, input pixels.
+    pub sigma: Option<Interval>,
+    /// |response|, fraction of full scale.
+    pub response: Option<Interval>,
+    pub hide_slope_limit: bool,
+    /// Coherence of the frames' responses, 0 … 1. Features without one (too noisy to tell) pass.
+    pub coherence: Option<Interval>,
+    pub verdict: Option<Verdict>,
+    /// Motion layers that are switched off, by number from 1; 0 for what is in none.
+    pub hidden_layers: BTreeSet<i32>,
+    /// Motion layer that is shown alone, whatever is switched off.
+    pub solo_layer: Option<i32>,
+    pub moves: Option<Moves>,
+    /// Largest distance of a feature's motion from the slope on show, pixels per frame.
+    pub near_slope: Option<f32>,
+}
+
+/// Largest distance of the motions that belong to a slope of `grid`, pixels per frame: slightly more than half-way to
+/// the grid's next slope.
+pub fn near_slope(grid: &SlopeGrid) -> f32 {
+    (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
+}
+
+/// Whether the motion of `feature` differs from `slope` by at most `limit`; at the distance of [`near_slope`], whether it
+/// is at that slope of `grid`, so that there is one count of these.
+pub fn moves_by(grid: &SlopeGrid, feature: &Feature, slope: Slope, limit: f32) -> bool {
+    if limit == near_slope(grid) {
+        return is_at_slope(grid, feature, slope);
+    }
+    let (motion, _) = feature.motion();
+    (motion.u - slope.u).hypot(motion.v - slope.v) <= limit
+}
+
+/// Numbers of features at `slope` by the motion that they share with their surroundings or have alone, which is what is
+/// counted, drawn and filtered; and of those that are there by their own slope too.
+pub fn at_slope(detection: &Detection, slope: Slope) -> [usize; 2] {
+    let own = |feature: &Feature| Feature { slope: feature.slope, ..Feature::default() };
+    let count = |is_at: &dyn Fn(&Feature) -> bool| detection.features.iter().filter(|feature| is_at(feature)).count();
+    let grid = &detection.slopes;
+    let is_at = |f: &Feature| is_at_slope(grid, f, slope);
+    [count(&is_at), count(&|f| is_at(f) && is_at_slope(grid, &own(f), slope))]
+}
+
+impl Filter {
+    pub fn is_open(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Its conditions, each in a few words.
+    pub fn words(&self) -> Vec<String> {
+        let range = |name: &str, interval: Option<Interval>| {
+            interval.map(|Interval { min, max }| format!("{name} {} … {}", number(min, 3), number(max, 3)))
+        };
+        let hidden = self.hidden_layers.len();
+        let layers = (hidden > 0).then(|| format!("{} hidden", counted(hidden, "layer")));
+        let words = [
+            self.verdict.map(|verdict| verdict.word().to_owned()),
+            self.moves.map(|moves| moves.words().to_owned()),
+            self.near_slope.map(|_| "at this slope".to_owned()),
+            self.solo_layer.map(|number| format!("layer {number} alone")).or(layers),
+            range("slope u", self.slope_u),
+            range("slope v", self.slope_v),
+            range("σ", self.sigma),
+            range("|response|", self.response),
+            range("coherence", self.coherence),
+            self.hide_slope_limit.then(|| "not at the limit".to_owned()),
+        ];
+        words.into_iter().flatten().collect()
+    }
+
+    pub fn needs_verdicts(&self) -> bool {
+        self.coherence.is_some() || self.verdict.is_some()
+    }
+
+    /// Whether layer `number` is shown; 0 for what is in none.
+    pub fn shows_layer(&self, number: i32) -> bool {
+        self.solo_layer.map_or_else(|| !self.hidden_layers.contains(&number), |solo| number == solo)
+    }
+
+    /// When the slope on show, of `grid`, is `slope`; before `judged` is known, the feature passes.
+    pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, grid: &SlopeGrid, slope: Slope) -> bool {
+        let inside = |limit: Option<Interval>, x: f32| limit.is_none_or(|i| i.holds(x));
+        inside(self.slope_u, feature.slope.u)
+            && inside(self.slope_v, feature.slope.v)
+            && inside(self.sigma, feature.sigma)
+            && inside(self.response, feature.response.abs())
+            && judged.is_none_or(|judged| {
+                judged.coherence.is_none_or(|coherence| inside(self.coherence, coherence))
+                    && self.verdict.is_none_or(|verdict| judged.verdict == verdict)
+            })
+            && !(self.hide_slope_limit && feature.at_slope_limit)
+            && self.shows_layer(feature.layer)
+            && self.moves.is_none_or(|moves| feature.moves == moves)
+            && self.near_slope.is_none_or(|limit| moves_by(grid, feature, slope, limit))
+    }
+}
+
+/// The first (or last) if none is selected; the selected one at the end of the list.
+pub(crate) fn neighbour(listed: &[usize], selected: Option<usize>, forward: bool) -> Option<usize> {
+    let place = selected.and_then(|s| listed.iter().position(|&i| i == s));
+    let last = listed.len().saturating_sub(1);
+    let next = match (place, forward) {
+        (None, true) => 0,
+        (None, false) => last,
+        (Some(p), true) => (p + 1).min(last),
+        (Some(p), false) => p.saturating_sub(1),
+    };
+    listed.get(next).copied().or(selected)
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, bound(deserialize = "C: Default + Deserialize<'de>"))]
+pub struct Order<C> {
+    pub column: C,
+    pub descending: bool,
+}
+
+impl<C: PartialEq> Order<C> {
+    /// Ascending by it, or reversed if the table is sorted by it already.
+    #[must_use]
+    pub fn clicked(self, column: C) -> Self {
+        Self { descending: self.column == column && !self.descending, column }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SavedSelection {
+    pub index: usize,
+    pub u: f32,
+    pub v: f32,
+    pub sigma: f32,
+    pub slope: Slope,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SavedMatch {
+    pub a: [f32; 2],
+    pub b: [f32; 2],
+}

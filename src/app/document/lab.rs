@@ -1,0 +1,212 @@
+//! The Lab: its questions with the settings of their studies.
+
+use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
+use crate::evaluate::frames::FRAME_COUNTS;
+use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, FramesStudy, Searches};
+use crate::recover::RecoverStudy;
+use crate::study::{BurstsOfStudy, Study, StudyPoint, StudyReport};
+use crate::synth::{ChartParams, NoisyParams};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LabSet {
+    #[default]
+    Current,
+    Kept(usize),
+}
+
+/// Settings of the studies, and the choice among their results.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Lab {
+    pub question: LabQuestion,
+    /// The charts; ratio and seed are those of the fields below.
+    pub chart: ChartParams,
+    pub snrs_text: String,
+    pub counts_text: String,
+    pub seeds: u64,
+    pub first_seed: u64,
+    pub methods: Vec<BurstMethod>,
+    /// The ratio whose ROC curves are shown, as an index of the rows.
+    pub roc_row: usize,
+    pub hidden: BTreeSet<String>,
+    pub selected: Option<(LabSet, StudyPoint)>,
+    pub selected_chart: u64,
+    /// Whether all that was detected on it is marked, not only what lies above the threshold of the curves.
+    pub all_detected: bool,
+    pub dark_copy: NoisyParams,
+    pub planted: RecoverStudy,
+    /// The planted thing that is looked at: the seed of its copy, and its number in it.
+    pub selected_thing: Option<(u64, usize)>,
+}
+
+impl Default for Lab {
+    fn default() -> Self {
+        let study = ChartStudy::default();
+        Self {
+            question: LabQuestion::default(),
+            chart: study.chart,
+            snrs_text: "0.2, 0.35, 0.6".to_owned(),
+            counts_text: FRAME_COUNTS.map(|count| count.to_string()).join(", "),
+            seeds: study.seeds,
+            first_seed: study.first_seed,
+            methods: vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d],
+            roc_row: 0,
+            hidden: BTreeSet::new(),
+            selected: None,
+            selected_chart: 0,
+            all_detected: false,
+            dark_copy: NoisyParams::default(),
+            planted: RecoverStudy { copies: 12, ..RecoverStudy::default() },
+            selected_thing: None,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LabQuestion {
+    #[default]
+    Dark,
+    Frames,
+    Accuracy,
+    BurstFrames,
+    InBurst,
+}
+
+impl LabQuestion {
+    pub const ALL: [Self; 5] = [Self::Dark, Self::Frames, Self::Accuracy, Self::BurstFrames, Self::InBurst];
+
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Dark => "Found in the dark",
+            Self::Frames => "Frames",
+            Self::Accuracy => "Errors",
+            Self::BurstFrames => "Frames of A",
+            Self::InBurst => "In this burst",
+        }
+    }
+
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Dark => {
+                "ROC curves of the methods, the discs that each finds, and its false features, against the ratio of signal to noise"
+            }
+            Self::Frames => {
+                "ROC curves of the methods, the discs that each finds, and its false features, against the number of frames of a burst"
+            }
+            Self::BurstFrames => {
+                "What the middle frames of the open burst show, from two frames to all: features, those that all frames confirm, and the matches with as many frames of B"
+            }
+            Self::InBurst => {
+                "Would it have been seen? Things of known SNR, slope and size are planted in copies of the open burst, and searched for as it is set: the share found, why the others were missed, and how faint a thing is seen at each place"
+            }
+            Self::Accuracy => {
+                "How far place, scale and slope of the discs found are from the truth, against the ratio of signal to noise"
+            }
+        }
+    }
+
+    pub fn needs_charts(self) -> bool {
+        !matches!(self, Self::BurstFrames | Self::InBurst)
+    }
+
+    pub fn compares_methods(self) -> bool {
+        matches!(self, Self::Dark | Self::Frames)
+    }
+
+    pub fn counts_frames(self) -> bool {
+        matches!(self, Self::Frames | Self::BurstFrames)
+    }
+
+    pub fn asks_for(self, report: &StudyReport) -> bool {
+        matches!(
+            (self, report),
+            (Self::Dark, StudyReport::Chart(_))
+                | (Self::Frames, StudyReport::Frames(_))
+                | (Self::Accuracy, StudyReport::Accuracy(_))
+                | (Self::BurstFrames, StudyReport::BurstFrames(_))
+                | (Self::InBurst, StudyReport::Recover(_))
+        )
+    }
+}
+
+impl Lab {
+    pub fn snrs(&self) -> Result<Vec<f64>, String> {
+        let words = self.snrs_text.split(',').map(str::trim).filter(|word| !word.is_empty());
+        let mut snrs: Vec<f64> = Vec::new();
+        for word in words {
+            let snr = word.parse().ok().filter(|snr: &f64| *snr > 0.0);
+            let snr = snr.ok_or_else(|| format!("'{word}' is no ratio; give numbers above 0, separated by commas"))?;
+            if !snrs.contains(&snr) {
+                snrs.push(snr);
+            }
+        }
+        let none = "no ratio is given; give one or more, such as 0.2, 0.35";
+        if snrs.is_empty() { Err(none.to_owned()) } else { Ok(snrs) }
+    }
+
+    pub fn frame_counts(&self) -> Result<Vec<usize>, String> {
+        let words = self.counts_text.split(',').map(str::trim).filter(|word| !word.is_empty());
+        let count = |word: &str| {
+            word.parse()
+                .map_err(|_| format!("'{word}' is no number of frames; give whole numbers, separated by commas"))
+        };
+        words.map(count).collect()
+    }
+
+    pub fn study(&self, search: &SearchParams, bursts: Option<&BurstsOfStudy>) -> Result<Study, String> {
+        let given = (search.slopes == SlopeChoice::Given).then_some(search.detector.slopes);
+        Ok(match self.question {
+            LabQuestion::Dark => Study::Chart(Box::new(self.charts(search, given)?)),
+            LabQuestion::Frames => {
+                let charts = self.charts(search, given)?;
+                if charts.snrs.len() > 1 {
+                    return Err("give one SNR; the number of frames is what changes".to_owned());
+                }
+                Study::Frames(Box::new(FramesStudy { charts, frame_counts: self.frame_counts()? }))
+            }
+            LabQuestion::Accuracy => {
+                let slopes = given.unwrap_or(AccuracyStudy::with_motion(self.chart.motion).detector.slopes);
+                Study::Accuracy(Box::new(AccuracyStudy {
+                    chart: self.chart.clone(),
+                    snrs: self.snrs()?,
+                    first_seed: self.first_seed,
+                    seeds: self.seeds,
+                    detector: DetectorParams { slopes, ..search.detector.clone() },
+                }))
+            }
+            LabQuestion::BurstFrames => {
+                let bursts = bursts.ok_or("open a burst first")?.clone();
+                let all = bursts.burst.len();
+                let mut frame_counts = self.frame_counts()?;
+                frame_counts.retain(|count| (2..=all).contains(count));
+                let study = BurstFramesStudy { search: search.clone(), frame_counts, ..BurstFramesStudy::default() };
+                Study::BurstFrames(Box::new(study), bursts)
+            }
+            LabQuestion::InBurst => {
+                let bursts = bursts.ok_or("open a burst first")?.clone();
+                Study::Recover(Box::new(RecoverStudy { search: search.clone(), ..self.planted.clone() }), bursts)
+            }
+        })
+    }
+
+    fn charts(&self, search: &SearchParams, given: Option<SlopeGrid>) -> Result<ChartStudy, String> {
+        let slopes = given.unwrap_or(DetectorParams::default().slopes);
+        let chosen = |method: &BurstMethod| self.methods.contains(method);
+        let methods: Vec<BurstMethod> = BurstMethod::ALL.into_iter().filter(chosen).collect();
+        if methods.is_empty() {
+            return Err("no method is chosen; choose one or more".to_owned());
+        }
+        Ok(ChartStudy {
+            chart: self.chart.clone(),
+            snrs: self.snrs()?,
+            first_seed: self.first_seed,
+            seeds: self.seeds,
+            methods,
+            searches: Searches::of_charts(DetectorParams { slopes, ..search.detector.clone() }, given),
+            ..ChartStudy::default()
+        })
+    }
+}

@@ -1,0 +1,242 @@
+//! Look of pictures and features: value ranges, colour maps, and drawings over the picture. A class of pictures shares
+//! a range, so that slopes, or frames, can be compared. It is set once, from the first picture of its class (of several
+//! panes, that in focus), and again when the window goes to the first slope with features; after that only by the user.
+
+pub use crate::requests::RangeClass;
+
+use crate::app::pane::PaneId;
+use crate::detector::params::Bounds;
+use crate::error::Error;
+use crate::plane::display::{ColourMap, Display};
+use crate::requests::Picture;
+use egui::{Pos2, Rect};
+use serde::{Deserialize, Serialize};
+use std::ops::Bound;
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Ranges {
+    pub frame: Display,
+    pub intensity: Display,
+    pub response: Display,
+    pub difference: Display,
+    pub noise: Display,
+    pub share: Display,
+    /// Whether the range was set since the burst was opened.
+    pub frame_fixed: bool,
+    pub intensity_fixed: bool,
+    pub response_fixed: bool,
+    pub difference_fixed: bool,
+    pub noise_fixed: bool,
+}
+
+impl Default for Ranges {
+    fn default() -> Self {
+        Self {
+            frame: Display::default(),
+            intensity: Display::default(),
+            response: Display::symmetric(0.02),
+            difference: Display::symmetric(0.05),
+            noise: Display { map: ColourMap::Viridis, ..Display::default() }.with_range(0.0, 0.01),
+            share: Display { map: ColourMap::Cividis, ..Display::default() },
+            frame_fixed: false,
+            intensity_fixed: false,
+            response_fixed: false,
+            difference_fixed: false,
+            noise_fixed: false,
+        }
+    }
+}
+
+/// Percentiles of a picture that are black and white.
+const PERCENTILES: [f32; 2] = [0.1, 99.9];
+
+impl Ranges {
+    pub fn display(&self, class: RangeClass) -> Display {
+        let mut own = *self;
+        *own.display_mut(class)
+    }
+
+    pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
+        match class {
+            RangeClass::Frame => &mut self.frame,
+            RangeClass::Intensity => &mut self.intensity,
+            RangeClass::Response => &mut self.response,
+            RangeClass::Difference => &mut self.difference,
+            RangeClass::Noise => &mut self.noise,
+            RangeClass::Share | RangeClass::Motion => &mut self.share,
+        }
+    }
+
+    pub fn forget(&mut self) {
+        (self.frame_fixed, self.intensity_fixed, self.response_fixed) = (false, false, false);
+        (self.difference_fixed, self.noise_fixed) = (false, false);
+    }
+
+    /// Sets the range of the picture's class from its percentiles, unless it was set since the burst was opened.
+    pub fn fix_once(&mut self, picture: &Picture) {
+        self.propose(picture);
+        if let Some(fixed) = self.fixed_mut(RangeClass::of(&picture.request)) {
+            *fixed = true;
+        }
+    }
+
+    /// Sets the range of the picture's class from its percentiles, but lets another picture set it again.
+    pub fn propose(&mut self, picture: &Picture) {
+        let class = RangeClass::of(&picture.request);
+        if self.fixed_mut(class).is_none_or(|fixed| *fixed) {
+            return;
+        }
+        let display = self.display_mut(class);
+        *display = display.over_percentiles(&picture.drawn, PERCENTILES);
+    }
+
+    /// Lets another picture set the range if this one did: not where the user chose another.
+    pub fn forget_that_of(&mut self, picture: &Picture) {
+        let class = RangeClass::of(&picture.request);
+        let display = self.display(class);
+        if display == display.over_percentiles(&picture.drawn, PERCENTILES)
+            && let Some(fixed) = self.fixed_mut(class)
+        {
+            *fixed = false;
+        }
+    }
+
+    /// `None` for a class whose range is known beforehand.
+    fn fixed_mut(&mut self, class: RangeClass) -> Option<&mut bool> {
+        match class {
+            RangeClass::Frame => Some(&mut self.frame_fixed),
+            RangeClass::Intensity => Some(&mut self.intensity_fixed),
+            RangeClass::Response => Some(&mut self.response_fixed),
+            RangeClass::Difference => Some(&mut self.difference_fixed),
+            RangeClass::Noise => Some(&mut self.noise_fixed),
+            RangeClass::Share | RangeClass::Motion => None,
+        }
+    }
+
+    /// The ranges with all displays made valid: a file may contain any values.
+    #[must_use]
+    pub fn sanitised(mut self) -> Self {
+        use RangeClass::{Difference, Frame, Intensity, Noise, Response, Share};
+        for class in [Frame, Intensity, Response, Difference, Noise, Share] {
+            *self.display_mut(class) = self.display(class).sanitised();
+        }
+        self
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FeaturesShown {
+    /// Those that move by the picture's slope. All, over a picture that belongs to no slope.
+    #[default]
+    ThisSlope,
+    All,
+    None,
+}
+
+impl FeaturesShown {
+    pub const ALL: [Self; 3] = [Self::ThisSlope, Self::All, Self::None];
+
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::ThisSlope => "This slope",
+            Self::All => "All",
+            Self::None => "None",
+        }
+    }
+
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::ThisSlope => {
+                "Features that move by the slope of the picture, by themselves or with their surroundings"
+            }
+            Self::All => "Features of all slopes; those of other slopes are fainter",
+            Self::None => "No features",
+        }
+    }
+
+    pub fn next(self) -> Self {
+        Self::ALL[(self as usize + 1) % Self::ALL.len()]
+    }
+}
+
+/// In input pixels: up to more than any scale at which one looks at single features.
+pub const SMOOTHING_PX: Bounds =
+    Bounds::new((Bound::Included(0.0), Bound::Included(8.0)), "give 0 to 8 pixels; 0 smooths nothing");
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Look {
+    #[serde(flatten)]
+    pub ranges: Ranges,
+    pub overlay: FeaturesShown,
+    pub motion_vectors: bool,
+    pub orientations: bool,
+    pub legend: bool,
+    /// σ of the Gaussian by which pictures are smoothed for looking at them, input pixels; 0 for none.
+    pub smoothing_px: f32,
+}
+
+impl Look {
+    /// Checks the numbers that decide how long a picture takes. Others are brought into their ranges.
+    pub fn check(&self) -> Result<(), Error> {
+        SMOOTHING_PX.check("smoothing_px", f64::from(self.smoothing_px))
+    }
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        let (ranges, overlay) = Default::default();
+        Self { ranges, overlay, motion_vectors: true, orientations: true, legend: true, smoothing_px: 0.0 }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Tool {
+    #[default]
+    Pan,
+    Line,
+    Region,
+    /// Outlines of what the frames do not show.
+    Mask,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredLine {
+    pub pane: PaneId,
+    pub from_image: Pos2,
+    pub to_image: Pos2,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredRegion {
+    pub pane: PaneId,
+    pub rect_image: Rect,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Measure {
+    pub tool: Tool,
+    pub line: Option<MeasuredLine>,
+    pub region: Option<MeasuredRegion>,
+    pub drag: Option<(PaneId, Pos2)>,
+    /// Closed outlines around what the frames do not show, image pixels; the last one is being drawn during a drag.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hidden: Vec<Vec<Pos2>>,
+}
+
+impl Measure {
+    pub fn toggle(&mut self, tool: Tool) {
+        self.tool = if self.tool == tool { Tool::Pan } else { tool };
+        self.drag = None;
+    }
+
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}

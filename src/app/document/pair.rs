@@ -1,0 +1,172 @@
+//! Two bursts as they are set: the look and order of their matches, and the panes of each.
+
+use crate::app::document::Document;
+use crate::app::document::cursor::Cursor;
+use crate::app::document::look::Ranges;
+use crate::app::document::side::Side;
+use crate::app::pane::{Link, PaneId, PaneLinks};
+use crate::teach::Workspace;
+use serde::{Deserialize, Serialize};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MatchColumn {
+    #[default]
+    Number,
+    UA,
+    VA,
+    UB,
+    VB,
+    SigmaA,
+    SigmaB,
+    SlopeA,
+    SlopeB,
+    Motion,
+    Distance,
+    Ratio,
+    Error,
+    Inlier,
+}
+
+/// Way in which matches are drawn over the pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MatchesAs {
+    /// Lines from picture to picture.
+    #[default]
+    Lines,
+    /// In A, from the place in A to that in B.
+    Vectors,
+    /// Lines that end near the pointer.
+    Near,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MatchLook {
+    /// Whether the matches that agree with the geometry are shown; also those that were not verified.
+    pub inliers: bool,
+    pub outliers: bool,
+    pub alone: bool,
+    pub features: bool,
+    pub geometry: bool,
+    pub drawn_as: MatchesAs,
+    /// Whether lines have the colour of the difference of the motions.
+    pub by_motion: bool,
+    /// Largest difference of the motions of the matches that are shown, px/frame.
+    pub max_motion: Option<f32>,
+}
+
+impl Default for MatchLook {
+    fn default() -> Self {
+        Self {
+            inliers: true,
+            outliers: true,
+            alone: true,
+            features: false,
+            geometry: true,
+            drawn_as: MatchesAs::Lines,
+            by_motion: false,
+            max_motion: None,
+        }
+    }
+}
+
+impl MatchLook {
+    pub fn shows(&self, inlier: Option<bool>) -> bool {
+        if inlier == Some(false) { self.outliers } else { self.inliers }
+    }
+
+    pub(crate) fn listing(&self) -> Self {
+        let Self { inliers, outliers, max_motion, .. } = *self;
+        Self { inliers, outliers, max_motion, ..Self::default() }
+    }
+
+    /// Copy whose limit is a number or none: a file may contain any value.
+    #[must_use]
+    pub fn sanitised(self) -> Self {
+        Self { max_motion: self.max_motion.filter(|max| *max >= 0.0), ..self }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PairTab {
+    #[default]
+    Matches,
+    Unmatched,
+    Compared,
+}
+
+impl Document {
+    pub fn bring_cursors_together(&mut self) {
+        let (cursor, side) = (*self.cursor(), self.focused().side.other());
+        let own = PaneId::of(side);
+        let others = self.panes.shown_of(side, None);
+        let alone = others.len() < 2;
+        for id in others.into_iter().filter(|id| *id != own).chain([own]) {
+            if let Some(pane) = self.panes.get_mut(id) {
+                let kind = if alone { cursor.kind } else { pane.cursor.kind };
+                (pane.cursor, pane.slope_chosen) = (Cursor { kind, ..cursor }, true);
+            }
+        }
+    }
+
+    /// Cursors of two bursts that are linked are brought together.
+    pub fn toggle_link(&mut self, link: Link) {
+        let on = !self.panes.all_share(link);
+        if self.workspace == Workspace::Pair {
+            self.link_pair(link, on);
+        } else {
+            self.panes.shown().into_iter().for_each(|id| self.set_link(id, link, on));
+        }
+        if on && link == Link::Cursor && self.workspace == Workspace::Pair {
+            self.bring_cursors_together();
+        }
+    }
+
+    pub fn cursor_of(&self, side: Side) -> &Cursor {
+        &self.panes.of(side).cursor
+    }
+
+    /// The pane that stands for the burst of `side` in *Two bursts*: its own, or where that was closed the first one.
+    pub fn pane_for(&self, side: Side) -> PaneId {
+        let own = PaneId::of(side);
+        let shown = self.panes.shown_in(Workspace::Pair);
+        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
+        if shown.contains(&own) { own } else { shown.into_iter().find(is_on).unwrap_or(own) }
+    }
+
+    pub fn ranges_of_side(&self, side: Side) -> &Ranges {
+        self.ranges_of(self.panes.of(side))
+    }
+
+    /// Links that all panes of *Two bursts* have.
+    pub fn pair_links(&self) -> PaneLinks {
+        let shown = self.panes.shown_in(Workspace::Pair);
+        let all = |link| shown.iter().filter_map(|id| self.panes.get(*id)).all(|pane| pane.links.has(link));
+        let (view, cursor, display) = (all(Link::View), all(Link::Cursor), all(Link::Display));
+        PaneLinks { view, cursor, display, ..PaneLinks::default() }
+    }
+
+    pub fn link_pair(&mut self, link: Link, on: bool) {
+        for id in self.panes.shown_in(Workspace::Pair) {
+            if on || self.panes.get(id).is_some_and(|pane| pane.side == Side::B) {
+                self.set_link(id, link, on);
+            }
+        }
+    }
+
+    pub fn focus_other_side(&mut self) {
+        let side = self.focused().side.other();
+        if let Some(id) = self.panes.shown_of(side, self.focused().method).first() {
+            self.panes.set_focus(*id);
+        }
+    }
+
+    pub fn set_pair_links(&mut self, links: PaneLinks) {
+        for link in [Link::View, Link::Cursor, Link::Display] {
+            self.link_pair(link, links.has(link));
+        }
+    }
+}

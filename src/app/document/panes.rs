@@ -1,0 +1,208 @@
+//! Panels and panes as they are set: what is open, cursors that follow the one in focus, views, links and ranges.
+
+use crate::app::document::Document;
+use crate::app::document::cursor::{Cursor, ViewKind};
+use crate::app::document::look::Ranges;
+use crate::app::document::side::Side;
+use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneId, Preset, SidesPreset};
+use crate::app::view::View;
+use crate::detector::Slope;
+use crate::teach::Workspace;
+use serde::{Deserialize, Serialize};
+
+/// Place to which a pane is moved: what is `None` stays as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Destination {
+    pub slope: Option<Slope>,
+    /// Octave and level.
+    pub scale: Option<(i32, i32)>,
+    pub frame: Option<usize>,
+    pub kind: Option<ViewKind>,
+    /// (u, v) in the middle of the view, image pixels, and the least zoom, points per pixel.
+    pub at: Option<([f32; 2], f32)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    Split(PaneId, Direction),
+    Close(PaneId),
+    LayOut(PaneId, Preset),
+    LayOutSides(SidesPreset),
+    LayOutMethods(MethodsPreset),
+}
+
+impl Document {
+    /// Changes a pane. The cursors that are linked with that of the pane in focus follow it. It may leave the range of
+    /// its burst, into which [`Model::check_params`] brings it.
+    pub fn lead(&mut self, id: PaneId, change: impl FnOnce(&mut Pane)) {
+        let Some(pane) = self.panes.get_mut(id) else { return };
+        let before = pane.cursor;
+        change(pane);
+        if id == self.focus() {
+            self.panes.follow_cursor(id, before);
+        }
+    }
+
+    pub fn show_slope(&mut self, id: PaneId, slope: Slope) {
+        self.lead(id, |pane| {
+            pane.cursor.slope = slope;
+            pane.show_slope();
+        });
+    }
+
+    /// Moves the view of a pane as a canvas moved it from `before` to `after`, and those that are linked with it.
+    pub fn move_view(&mut self, id: PaneId, before: &View, after: View) {
+        let Some(pane) = self.panes.get_mut(id) else { return };
+        let from = pane.view;
+        pane.view.take(before, after);
+        self.panes.follow_view(id, &from);
+    }
+
+    pub fn change_views(&mut self, change: impl Fn(&mut View)) {
+        let (focus, shown) = (self.focus(), self.panes.shown());
+        let is_linked = self.focused().links.view;
+        for (id, pane) in self.panes.iter_mut() {
+            if id == focus || (is_linked && pane.links.view && shown.contains(&id)) {
+                change(&mut pane.view);
+            }
+        }
+    }
+
+    /// Moves the pane in focus, or the first one on the burst of `side`.
+    pub fn go_to(&mut self, side: Side, to: &Destination) {
+        self.focus_on_side(side);
+        self.playing = false;
+        let focus = self.focus();
+        self.lead(focus, |pane| {
+            if let Some(slope) = to.slope {
+                pane.cursor.slope = slope;
+                pane.show_slope();
+            }
+            pane.cursor.frame = to.frame.unwrap_or(pane.cursor.frame);
+            if let Some((octave, level)) = to.scale {
+                (pane.cursor.octave, pane.cursor.level) = (octave, level);
+            }
+            to.kind.into_iter().for_each(|kind| pane.show(kind));
+        });
+        if let (Some((place, zoom)), Some(pane)) = (to.at, self.panes.get_mut(focus)) {
+            let before = pane.view;
+            pane.view.look_at(place.into(), zoom);
+            self.panes.follow_view(focus, &before);
+        }
+    }
+
+    pub fn open_workspace(&mut self, workspace: Workspace) {
+        self.workspace = workspace;
+        self.panes.turn_to(workspace);
+    }
+
+    pub fn focus(&self) -> PaneId {
+        self.panes.focus()
+    }
+
+    pub fn focused(&self) -> &Pane {
+        self.panes.get(self.focus()).unwrap_or_else(|| self.panes.of(Side::A))
+    }
+
+    pub fn focused_mut(&mut self) -> &mut Pane {
+        let focus = self.focus();
+        let focus = if self.panes.get(focus).is_some() { focus } else { PaneId::of(Side::A) };
+        self.panes.get_mut(focus).expect("A's pane is always there")
+    }
+
+    pub fn cursor(&self) -> &Cursor {
+        &self.focused().cursor
+    }
+
+    /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
+    pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
+        let shared = self.look.ranges;
+        let Some(pane) = self.panes.get_mut(id) else { return };
+        pane.links.set(link, on);
+        if link == Link::Display {
+            pane.own_ranges = (!on).then_some(pane.own_ranges.unwrap_or(shared));
+        }
+    }
+
+    /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
+    pub fn focus_on_side(&mut self, side: Side) {
+        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
+        if !is_on(&self.panes.focus())
+            && let Some(id) = self.panes.shown().into_iter().find(is_on)
+        {
+            self.panes.set_focus(id);
+        }
+    }
+
+    pub fn ranges_of<'a>(&'a self, pane: &'a Pane) -> &'a Ranges {
+        pane.own_ranges.as_ref().unwrap_or(&self.look.ranges)
+    }
+
+    pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
+        let focus = self.focus();
+        let Self { panes, look, .. } = self;
+        match panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
+            Some(own) => own,
+            None => &mut look.ranges,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Visibility {
+    /// Where there is room and something to show in it.
+    #[default]
+    Auto,
+    Open,
+    /// Only where something is asked of it.
+    Closed,
+}
+
+impl Visibility {
+    /// Whether the panel is shown if `auto` says so for [`Visibility::Auto`].
+    pub(in crate::app) fn or(self, auto: bool) -> bool {
+        match self {
+            Self::Auto => auto,
+            Self::Open => true,
+            Self::Closed => false,
+        }
+    }
+}
+
+impl From<bool> for Visibility {
+    fn from(is_open: bool) -> Self {
+        if is_open { Self::Open } else { Self::Closed }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Panels {
+    /// Cursor and parameters; by itself where the window is wide enough.
+    pub left: Visibility,
+    /// Display, selection and probe; by itself with a selection or a probe.
+    pub right: Visibility,
+    /// Table, tally and measurements; by itself in workspaces other than *One burst* and *Two bursts*.
+    pub bottom: Visibility,
+    pub filmstrip: bool,
+    pub advanced: bool,
+    pub welcome: bool,
+    /// A lesson is shown to a hall: large pictures, large letters, and only the panels that a step points at.
+    pub hall: bool,
+}
+
+impl Default for Panels {
+    fn default() -> Self {
+        let auto = Visibility::Auto;
+        Self { left: auto, right: auto, bottom: auto, filmstrip: true, advanced: false, welcome: true, hall: false }
+    }
+}
+
+impl Panels {
+    pub fn all() -> Self {
+        let open = Visibility::Open;
+        Self { left: open, right: open, bottom: open, filmstrip: true, advanced: true, welcome: false, hall: false }
+    }
+}

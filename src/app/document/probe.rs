@@ -1,0 +1,67 @@
+//! The probe as it is set, and the set-up of camera and scene as the user typed it.
+
+use crate::app::document::side::Side;
+use crate::app::view::Known;
+use crate::detector::{Feature, Slope};
+use crate::inspect::set_up::SetUp;
+use crate::inspect::verdict::Judged;
+use crate::requests::ProbeQuestion;
+use serde::{Deserialize, Serialize};
+
+/// The probe as it is set.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Probe {
+    pub side: Side,
+    pub is_open: bool,
+    pub follows: bool,
+    pub question: Option<ProbeQuestion>,
+    /// Scale σ near which candidates come first, input pixels: that of the DoG in view; `None` for all alike.
+    pub near_sigma: Option<f32>,
+    /// Slope by which candidates come first: that of the picture in view; `None` for a picture of no slope.
+    pub in_view: Option<Slope>,
+}
+
+impl Probe {
+    pub fn is_on(&self) -> bool {
+        self.follows || self.question.is_some()
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct SetUpState {
+    pub values: SetUp,
+    pub reads_depths: bool,
+    pub is_open: bool,
+}
+
+impl SetUpState {
+    pub fn depths_by(&self) -> Option<&SetUp> {
+        (self.reads_depths && self.values.check().is_ok()).then_some(&self.values)
+    }
+
+    pub fn known<'a>(&self, feature: &Feature, judged: Option<&'a Judged>) -> Known<'a> {
+        let (motion, sigma) = feature.motion();
+        Known { judged, depth_m: self.depths_by().and_then(|values| values.depth_with_error(motion, sigma)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detector::{Moves, Slope};
+
+    #[test]
+    fn only_a_sound_set_up_gives_depths() {
+        let state = SetUpState::default();
+        let alone = Feature { slope: Slope::new(-2.5, 0.0), slope_sigma: 0.25, ..Feature::default() };
+        assert_eq!(state.known(&alone, None).depth_m, None);
+        let read = SetUpState { reads_depths: true, ..state };
+        assert_eq!(read.known(&alone, None).depth_m, Some([8.0, 0.8]), "by itself");
+        let field = Slope::new(-5.0, 0.0);
+        let edge = Feature { field, slope_sigma: 1.0, field_sigma: 0.25, moves: Moves::Edge, ..alone };
+        assert_eq!(read.known(&edge, None).depth_m, Some([4.0, 0.2]), "as its surroundings");
+        let typed = SetUpState { values: SetUp { speed_m_s: -1.0, ..SetUp::default() }, ..read };
+        assert_eq!(typed.depths_by(), None);
+    }
+}

@@ -1,0 +1,109 @@
+//! Messages of the window: errors stay until they are dismissed, a note until the next one.
+
+use crate::app::document::export::Purpose;
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    pub id: u64,
+    pub title: String,
+    pub text: String,
+}
+
+#[derive(Debug, Clone, Default)]
+pub struct Messages {
+    errors: Vec<Message>,
+    note: Option<String>,
+    unanswered: Option<(Purpose, String)>,
+    newest: u64,
+}
+
+/// Largest number of open errors; a further one removes the oldest.
+const MAX_ERRORS: usize = 4;
+
+impl Messages {
+    /// Shows an error until it is dismissed. The same error again is shown once.
+    pub fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        let (title, text) = (title.into(), text.into());
+        self.errors.retain(|m| m.title != title || m.text != text);
+        self.newest += 1;
+        self.errors.push(Message { id: self.newest, title, text });
+        if self.errors.len() > MAX_ERRORS {
+            self.errors.remove(0);
+        }
+    }
+
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.note = Some(text.into());
+        self.unanswered = None;
+    }
+
+    /// The path can be typed instead, until the next note.
+    pub fn note_unanswered(&mut self, purpose: Purpose, suggested_name: String, why: &str) {
+        self.note(format!("{}: {why}", purpose.title()));
+        self.unanswered = Some((purpose, suggested_name));
+    }
+
+    pub fn unanswered(&self) -> Option<&(Purpose, String)> {
+        self.unanswered.as_ref()
+    }
+
+    pub fn forget_note(&mut self) {
+        (self.note, self.unanswered) = (None, None);
+    }
+
+    pub fn errors(&self) -> &[Message] {
+        &self.errors
+    }
+
+    pub fn last_note(&self) -> Option<&str> {
+        self.note.as_deref()
+    }
+
+    pub fn dismiss(&mut self, id: u64) {
+        self.errors.retain(|m| m.id != id);
+    }
+
+    pub fn resolved(&mut self, title: &str) {
+        self.errors.retain(|m| m.title != title);
+    }
+
+    /// Says why something failed, or forgets that it did before.
+    pub fn settle(&mut self, title: &'static str, outcome: Result<(), String>) {
+        match outcome {
+            Ok(()) => self.resolved(title),
+            Err(why) => self.error(title, why),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_stay_until_dismissed_and_are_not_repeated() {
+        let mut messages = Messages::default();
+        messages.error("Open", "a.png: empty");
+        messages.error("Open", "a.png: empty");
+        messages.error("Detect", "no");
+        assert_eq!(messages.errors().len(), 2);
+        messages.dismiss(messages.errors()[0].id);
+        assert_eq!(messages.errors()[0].title, "Detect");
+        for i in 0..10 {
+            messages.error("Many", i.to_string());
+        }
+        assert_eq!(messages.errors().len(), MAX_ERRORS);
+        messages.resolved("Many");
+        assert!(messages.errors().is_empty());
+    }
+
+    #[test]
+    fn an_unanswered_question_is_open_until_the_next_note() {
+        let mut messages = Messages::default();
+        messages.note_unanswered(Purpose::SaveParams, "params.toml".to_owned(), "no file was chosen");
+        assert_eq!(messages.last_note(), Some("Save parameters: no file was chosen"));
+        assert_eq!(messages.unanswered(), Some(&(Purpose::SaveParams, "params.toml".to_owned())));
+        messages.note("Saved");
+        assert_eq!(messages.unanswered(), None);
+    }
+}

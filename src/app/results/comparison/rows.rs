@@ -1,0 +1,143 @@
+//! Rows of a comparison: one for each feature of ours or theirs, with its kind.
+
+use crate::app::document::comparison::{Kind, Reference};
+use crate::detector::{Detection, Feature, Sample, Slope};
+use crate::inspect::changes::{Changes, Spot};
+use crate::inspect::probe::Wanted;
+use crate::inspect::truth::AgainstTruth;
+use crate::inspect::words::slope_text;
+use crate::requests::{Differences, ProbeQuestion};
+use crate::synth::Truth;
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    pub kind: Kind,
+    /// Place (u, v) at mid-burst, input pixels: ours where both have it.
+    pub pos_image: [f32; 2],
+    /// Scale σ, input pixels.
+    pub sigma: f32,
+    pub slope: Option<Slope>,
+    pub from_image: Option<[f32; 2]>,
+    pub feature: Option<usize>,
+    /// The candidate of ours that was to become it, where one is known.
+    pub candidate: Option<Sample>,
+    pub note: String,
+}
+
+impl Row {
+    pub fn question(&self) -> ProbeQuestion {
+        let wanted = match (self.feature, self.candidate) {
+            (Some(index), _) => Wanted::Feature(index),
+            (None, Some(sample)) => Wanted::Candidate(sample),
+            (None, None) => Wanted::Best,
+        };
+        ProbeQuestion::At { place: self.pos_image, wanted }
+    }
+}
+
+pub(super) fn of(with: Reference, detection: &Detection, differences: &Differences) -> (Vec<Row>, String) {
+    let features = &detection.features;
+    let (mut rows, summary) = match differences {
+        Differences::Changes { changes, before, .. } => {
+            let summary = match with {
+                Reference::File => {
+                    let (moved, both) = (changes.moved().count(), changes.same.len());
+                    let (theirs, ours) = (changes.lost.len(), changes.gained.len());
+                    format!("{both} in both ({moved} of them moved), {theirs} only theirs, {ours} only ours")
+                }
+                Reference::Pinned | Reference::Truth => changes.summary(),
+            };
+            (rows_of_changes(with, changes, before, features), summary)
+        }
+        Differences::Truth { against, truth } => (rows_of_truth(against, truth, features), against.summary()),
+    };
+    rows.sort_by_key(|row| row.kind);
+    (rows, summary)
+}
+
+fn theirs(pos_image: [f32; 2], sigma: f32, slope: Option<Slope>, note: String) -> Row {
+    Row { kind: Kind::Theirs, pos_image, sigma, slope, from_image: None, feature: None, candidate: None, note }
+}
+
+fn ours(kind: Kind, index: usize, f: &Feature) -> Row {
+    Row { kind, feature: Some(index), ..theirs([f.u, f.v], f.sigma, Some(f.slope), String::new()) }
+}
+
+fn rows_of_changes(with: Reference, changes: &Changes, before: &[Spot], features: &[Feature]) -> Vec<Row> {
+    // Pinned features are our own.
+    let whose = if with == Reference::File { "of theirs" } else { "of the pinned result" };
+    let lost = changes.lost.iter().map(|&index| {
+        let spot = &before[index];
+        theirs(spot.pos_image, spot.sigma, spot.slope, format!("number {index} {whose}"))
+    });
+    let same = changes.same.iter().map(|same| {
+        let was = &before[same.before];
+        let note =
+            format!("by {:.2} px, {:.2} px/frame, scale × {:.2}", same.moved_px, same.slope_moved, same.scale_ratio);
+        let moved = same.has_moved();
+        Row {
+            from_image: moved.then_some(was.pos_image),
+            note: if moved { note } else { String::new() },
+            ..ours(if moved { Kind::Moved } else { Kind::Same }, same.after, &features[same.after])
+        }
+    });
+    let gained = changes.gained.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
+    lost.chain(gained).chain(same).collect()
+}
+
+fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) -> Vec<Row> {
+    let missed = against.missed.iter().map(|miss| {
+        let disc = &truth.features[miss.disc];
+        let slope = Slope::new(disc.slope_u as f32, disc.slope_v as f32);
+        let row = theirs([disc.u as f32, disc.v as f32], disc.sigma as f32, Some(slope), miss.why.clone());
+        Row { candidate: miss.fate.as_ref().map(|fate| fate.of_sample()), ..row }
+    });
+    let found = against.found.iter().map(|&(index, disc)| {
+        let (f, disc) = (&features[index], &truth.features[disc]);
+        let off = (f64::from(f.u) - disc.u).hypot(f64::from(f.v) - disc.v);
+        Row { note: format!("{off:.2} px off"), ..ours(Kind::Same, index, f) }
+    });
+    let otherwise = against.at_wrong_motion.iter().map(|&(index, disc)| {
+        let (f, disc) = (&features[index], &truth.features[disc]);
+        let true_slope = Slope::new(disc.slope_u as f32, disc.slope_v as f32);
+        let note = format!("slope {} instead of {}", slope_text(f.slope), slope_text(true_slope));
+        Row { note, ..ours(Kind::WrongMotion, index, f) }
+    });
+    let repeated = against.repeated.iter().map(|&index| ours(Kind::Repeated, index, &features[index]));
+    let wrong = against.elsewhere.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
+    missed.chain(otherwise).chain(wrong).chain(repeated).chain(found).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inspect::changes::compare;
+    use crate::monitor::Monitor;
+    use crate::requests::OthersSource;
+    use crate::synth::demo_burst;
+    use std::sync::Arc;
+
+    #[test]
+    fn every_feature_has_one_row_and_news_come_first() {
+        let burst = demo_burst();
+        // One feature at each place: of two, either could count as the missing one.
+        let params = crate::DetectorParams { max_features: 40, max_orientations: 1, ..Default::default() };
+        let detection = crate::detect(&burst, &params, &Monitor::default()).expect("finds");
+        let after: Vec<Spot> = detection.features.iter().map(Spot::from).collect();
+        let mut before = after.clone();
+        before.remove(0);
+        before[0].pos_image[0] += 0.8;
+        before.push(Spot { pos_image: [-500.0, -500.0], ..after[0] });
+        let changes = compare(&before, &after);
+        let rows = rows_of_changes(Reference::Pinned, &changes, &before, &detection.features);
+        assert!(rows.iter().any(|row| row.note.ends_with("of the pinned result")), "what is lost was our own");
+        assert_eq!(rows.len(), changes.lost.len() + changes.gained.len() + changes.same.len());
+        let moved = rows.iter().find(|row| row.kind == Kind::Moved).expect("one was moved");
+        assert!(moved.from_image.is_some() && moved.note.starts_with("by 0.80 px"), "{moved:?}");
+        let answered =
+            Differences::Changes { changes, before: Arc::new(before), source: OthersSource::File(Arc::default()) };
+        let (sorted, summary) = of(Reference::File, &detection, &answered);
+        assert!(sorted.is_sorted_by_key(|row| row.kind));
+        assert!(summary.contains("1 only theirs") && summary.contains("1 only ours"), "{summary}");
+    }
+}

@@ -1,0 +1,171 @@
+//! The matches of a dataset's pairs in numbers, and in which order they are listed.
+
+use crate::app::document::datasets::{BurstPair, PairColumn};
+use crate::app::document::filter::Order;
+use crate::matching::{MatchCounts, MatchParams};
+use std::collections::BTreeMap;
+
+impl PairColumn {
+    pub const ALL: [Self; 6] = [Self::Pair, Self::Putative, Self::Inliers, Self::Ratio, Self::Score, Self::InlierRatio];
+
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Pair => "pair",
+            Self::Putative => "putative",
+            Self::Inliers => "inliers",
+            Self::Ratio => "ratio",
+            Self::Score => "score",
+            Self::InlierRatio => "inlier ratio",
+        }
+    }
+
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Pair => "The two bursts",
+            Self::Putative => "Matches by descriptors alone",
+            Self::Inliers => "Matches that a common geometry explains",
+            Self::Ratio => "Match ratio: putative matches over keypoints, mean of both bursts",
+            Self::Score => "Match score: inliers over keypoints, mean of both bursts",
+            Self::InlierRatio => "Inlier ratio: inliers over putative matches",
+        }
+    }
+
+    /// The number in this column; `None` where there is none. Pairs have none: they stand in their own order.
+    pub fn value(self, counts: &MatchCounts) -> Option<f64> {
+        match self {
+            Self::Pair => None,
+            Self::Putative => Some(counts.putative as f64),
+            Self::Inliers => counts.inliers.map(|n| n as f64),
+            Self::Ratio => Some(counts.match_ratio()),
+            Self::Score => counts.match_score(),
+            Self::InlierRatio => counts.inlier_ratio(),
+        }
+    }
+
+    pub fn text(self, counts: &MatchCounts) -> String {
+        match (self, self.value(counts)) {
+            (_, None) => "–".to_owned(),
+            (Self::Putative | Self::Inliers, Some(value)) => format!("{value:.0}"),
+            (_, Some(value)) => format!("{value:.3}"),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PairTable {
+    counts: BTreeMap<BurstPair, MatchCounts>,
+    params: MatchParams,
+    pub order: Order<PairColumn>,
+}
+
+impl PairTable {
+    /// Numbers begin with the largest; a second click reverses the order.
+    pub fn sort_by(&mut self, column: PairColumn) {
+        let again = self.order.column == column;
+        let descending = if again { !self.order.descending } else { column != PairColumn::Pair };
+        self.order = Order { column, descending };
+    }
+
+    /// Prepares for matches made with `params`; forgets those made with other parameters.
+    pub fn begin(&mut self, params: &MatchParams) {
+        if self.params != *params {
+            self.counts.clear();
+            self.params = params.clone();
+        }
+    }
+
+    pub fn forget(&mut self) {
+        self.counts.clear();
+    }
+
+    pub fn forget_burst(&mut self, place: usize) {
+        self.counts.retain(|pair, _| pair.0 != place && pair.1 != place);
+    }
+
+    pub fn params(&self) -> &MatchParams {
+        &self.params
+    }
+
+    pub fn take(&mut self, pair: BurstPair, counts: MatchCounts) {
+        self.counts.insert(pair, counts);
+    }
+
+    pub fn get(&self, pair: BurstPair) -> Option<&MatchCounts> {
+        self.counts.get(&pair)
+    }
+
+    pub fn len(&self) -> usize {
+        self.counts.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.counts.is_empty()
+    }
+
+    /// Number that a cell of the matrix shows: inliers, or putative matches where no geometry was estimated.
+    pub fn strength(counts: &MatchCounts) -> usize {
+        counts.inliers.unwrap_or(counts.putative)
+    }
+
+    pub fn strongest(&self) -> usize {
+        self.counts.values().map(Self::strength).max().unwrap_or(0)
+    }
+
+    pub fn listed(&self) -> Vec<(BurstPair, MatchCounts)> {
+        let mut rows: Vec<(BurstPair, MatchCounts)> = self.counts.iter().map(|(p, c)| (*p, *c)).collect();
+        let Order { column, descending } = self.order;
+        let by_value = |a: &MatchCounts, b: &MatchCounts| match (column.value(a), column.value(b)) {
+            (Some(a), Some(b)) => a.total_cmp(&b),
+            (a, b) => a.is_some().cmp(&b.is_some()),
+        };
+        // Pairs of equal values stay in the order of the bursts.
+        rows.sort_by(|a, b| {
+            let order = if column == PairColumn::Pair { a.0.cmp(&b.0) } else { by_value(&a.1, &b.1) };
+            if descending { order.reverse() } else { order }
+        });
+        rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::document::datasets::pair_of;
+
+    fn counts(putative: usize, inliers: Option<usize>) -> MatchCounts {
+        MatchCounts { keypoints_a: 100, keypoints_b: 100, putative, inliers, refused: None }
+    }
+
+    #[test]
+    fn pairs_are_listed_in_the_order_that_was_clicked() {
+        let mut table = PairTable::default();
+        for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
+            table.take(pair, counts(putative, Some(inliers)));
+        }
+        let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
+        assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
+        table.sort_by(PairColumn::Inliers);
+        assert_eq!(pairs(&table), [(1, 2), (0, 1), (0, 2)]);
+        table.sort_by(PairColumn::Inliers);
+        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)]);
+        table.sort_by(PairColumn::Putative);
+        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
+        [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
+        assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
+    }
+
+    #[test]
+    fn matches_of_other_parameters_are_forgotten() {
+        let mut table = PairTable::default();
+        table.take((0, 1), counts(3, None));
+        assert_eq!((table.strongest(), PairColumn::Inliers.text(&counts(3, None))), (3, "–".to_owned()));
+        table.begin(&MatchParams::default());
+        assert_eq!(table.len(), 1);
+        table.begin(&MatchParams { ratio: 0.7, ..MatchParams::default() });
+        assert!(table.is_empty() && table.params().ratio == 0.7);
+        [(0, 1), (1, 2), (0, 2)].into_iter().for_each(|pair| table.take(pair, counts(1, None)));
+        table.forget_burst(1);
+        assert_eq!(table.listed().len(), 1);
+        assert_eq!((pair_of(3, 1), pair_of(2, 2)), (Some((1, 3)), None));
+    }
+}

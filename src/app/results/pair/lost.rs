@@ -1,0 +1,281 @@
+//! Losses on the way to a match: the step at which each feature of A was lost, and the details of one feature.
+
+use crate::app::document::side::Side;
+use crate::app::results::Model;
+use crate::app::results::pair::{MatchRow, Matches};
+use crate::detector::Feature;
+use crate::engine::{Ended, Wanted};
+use crate::inspect::unmatched::{Losses, Lost, Unmatched};
+use crate::inspect::words::counted;
+use crate::matching::MatchParams;
+use crate::requests::{
+    FoundLosses, LossesRequest, MatchRequest, Matched, Picture, PictureKind, PictureRequest, PicturesRequest,
+};
+use crate::teach::Workspace;
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+pub const CANDIDATES: usize = 5;
+pub const PATCHES: usize = 3;
+/// Largest factor by which a remedy raises the max error.
+const MOST_FACTOR: f32 = 8.0;
+
+#[derive(Debug, Default)]
+pub struct LostFeatures {
+    pub found: Option<Arc<FoundLosses>>,
+    pub why: Option<Why>,
+    pub pictures: Vec<Picture>,
+    pub wanted: Wanted<LossesRequest>,
+    pub wanted_pictures: Wanted<PicturesRequest>,
+    /// Matches with the parameters of the remedy.
+    pub priced: Option<Matched>,
+    pub pricing: Wanted<MatchRequest>,
+    /// For each feature of A the first one of its keypoint that has no match, if it is another one or has a match.
+    folded: Vec<Option<usize>>,
+}
+
+#[derive(Debug, Clone)]
+pub struct Why {
+    pub feature: usize,
+    of: LossesRequest,
+    pub unmatched: Arc<Unmatched>,
+}
+
+impl LostFeatures {
+    pub fn count(&self, lost: Lost) -> usize {
+        let all = self.found.iter().flat_map(|found| found.lost.iter().enumerate());
+        all.filter(|(index, at)| **at == lost && !self.is_folded(*index)).count()
+    }
+
+    /// Whether another orientation of the keypoint of `index` stands for it.
+    pub fn is_folded(&self, index: usize) -> bool {
+        self.twin(index).is_some()
+    }
+
+    /// Feature that stands for `index`, as another orientation of its keypoint.
+    pub fn twin(&self, index: usize) -> Option<usize> {
+        self.folded.get(index).copied().flatten()
+    }
+
+    /// Number of features for which `index` stands.
+    pub fn others(&self, index: usize) -> usize {
+        self.folded.iter().filter(|folded| **folded == Some(index)).count()
+    }
+
+    fn fold(&mut self) {
+        let Some(found) = &self.found else { return };
+        let features = &found.request.request.a.features;
+        let has_match = |index: usize| matches!(found.lost[index], Lost::Not | Lost::Geometry);
+        let mut first: HashMap<[u32; 3], usize> = HashMap::new();
+        // Those with a match come first, and are never folded: each match counts.
+        for matched in [true, false] {
+            for (index, f) in features.iter().enumerate().filter(|(index, _)| has_match(*index) == matched) {
+                first.entry([f.u, f.v, f.sigma].map(f32::to_bits)).or_insert(index);
+            }
+        }
+        let stands = |(index, f): (usize, &Feature)| {
+            let first = first[&[f.u, f.v, f.sigma].map(f32::to_bits)];
+            (first != index && !has_match(index)).then_some(first)
+        };
+        self.folded = features.iter().enumerate().map(stands).collect();
+    }
+}
+
+pub fn lost_label(lost: Lost) -> &'static str {
+    match lost {
+        Lost::Not => "matched",
+        Lost::NoKeypoint => "no keypoint",
+        Lost::RatioTest => "ratio test",
+        Lost::MutualCheck => "mutual check",
+        Lost::Geometry => "geometry",
+        Lost::Motion => "motion",
+    }
+}
+
+impl Model {
+    /// A request that failed is repeated with the next matches.
+    pub(in crate::app::results) fn missing_losses(&self) -> Option<LossesRequest> {
+        self.wanted_losses().filter(|_| self.document.workspace == Workspace::Pair && self.losses().is_none())
+    }
+
+    pub(in crate::app::results) fn take_losses(&mut self, ended: Ended<LossesRequest>) {
+        if let Ok(found) = ended.result {
+            self.results.pair.lost.found = Some(Arc::new(found));
+            self.results.pair.lost.fold();
+        }
+        self.refresh_why();
+    }
+
+    pub(in crate::app::results) fn take_price(&mut self, ended: Ended<MatchRequest>) {
+        self.results.pair.lost.priced = ended.result.ok().or_else(|| self.results.pair.lost.priced.take());
+    }
+
+    pub(in crate::app::results) fn missing_candidate_pictures(&self) -> Option<PicturesRequest> {
+        let pictures = self.wanted_candidate_pictures();
+        let shown = self.results.pair.lost.pictures.iter().map(|picture| &picture.request);
+        (self.document.workspace == Workspace::Pair && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
+    }
+
+    pub(in crate::app::results) fn take_lost_pictures(&mut self, ended: Ended<PicturesRequest>) {
+        if let Ok(pictures) = ended.result {
+            self.results.pair.lost.pictures = pictures;
+        }
+    }
+
+    /// Parameters with which the feature that is asked about may match: those of the step at which it was lost.
+    pub fn remedy(&self) -> Option<MatchParams> {
+        let why = self.results.pair.lost.why.as_ref()?;
+        let matches = self.results.pair.matches.as_ref()?;
+        let params = &matches.request.params;
+        let changed = match why.unmatched.lost {
+            Lost::RatioTest => MatchParams { ratio: (100.0 * why.unmatched.ratio?).ceil() / 100.0, ..params.clone() },
+            Lost::MutualCheck => MatchParams { mutual: false, ..params.clone() },
+            Lost::Geometry => {
+                let error = matches.rows().find(|row| row.found.a == why.feature)?.error_px?;
+                let factor = error / matches.max_error_px();
+                let max_error_px = (10.0 * factor * params.max_error_px).ceil() / 10.0;
+                if !(1.0..MOST_FACTOR).contains(&factor) {
+                    return None;
+                }
+                MatchParams { max_error_px, ..params.clone() }
+            }
+            Lost::Not | Lost::NoKeypoint | Lost::Motion => return None,
+        };
+        (changed != *params && changed.ratio <= 1.0).then_some(changed)
+    }
+
+    pub(in crate::app::results) fn missing_price(&self) -> Option<MatchRequest> {
+        if self.document.workspace != Workspace::Pair {
+            return None;
+        }
+        let wanted = MatchRequest { params: self.remedy()?, ..self.results.pair.matches.as_ref()?.request.clone() };
+        let is_there = self.results.pair.lost.priced.as_ref().is_some_and(|priced| priced.request == wanted);
+        (!is_there && !self.results.pair.lost.pricing.has_failed(&wanted)).then_some(wanted)
+    }
+
+    /// Effect of the remedy: "matches it and 23 others"; `None` until it was tried.
+    pub fn price_of_remedy(&self, params: &MatchParams) -> Option<String> {
+        let (priced, matches) = (self.results.pair.lost.priced.as_ref()?, self.results.pair.matches.as_ref()?);
+        let (why, then) = (self.results.pair.lost.why.as_ref()?, Matches::new(priced.clone(), Duration::ZERO));
+        if priced.request.params != *params || !then.is_of(Side::A, matches.detection(Side::A)) {
+            return None;
+        }
+        let is_inlier = |row: &MatchRow<'_>| row.inlier != Some(false);
+        let own = then.rows().find(|row| row.found.a == why.feature);
+        if !own.as_ref().is_some_and(is_inlier) {
+            let as_what = if own.is_some() { "makes it an outlier" } else { "does not match it" };
+            return Some(as_what.to_owned());
+        }
+        let inliers = |of: &Matches| of.rows().filter(is_inlier).count();
+        let (now, before) = (inliers(&then), inliers(matches));
+        Some(match now.checked_sub(before + 1) {
+            Some(others) => format!("matches it and {}", counted(others, "other")),
+            None => format!("matches it, and loses {}", counted(before + 1 - now, "other")),
+        })
+    }
+
+    pub fn wanted_losses(&self) -> Option<LossesRequest> {
+        let matches = self.results.pair.matches.as_ref()?;
+        let size_b = self.burst_of(Side::B)?.burst.size();
+        Some(LossesRequest { request: matches.request.clone(), result: matches.result.clone(), size_b })
+    }
+
+    pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
+        let wanted = self.wanted_losses()?;
+        self.results.pair.lost.found.as_ref().filter(|found| found.request == wanted)
+    }
+
+    pub fn asked_feature(&self) -> Option<usize> {
+        let of_match = || {
+            let matches = self.results.pair.matches.as_ref()?;
+            Some(matches.row(self.document.selected_match?)?.found.a)
+        };
+        of_match().or(self.document.asked_about)
+    }
+
+    pub fn ask_feature(&mut self, index: Option<usize>) {
+        let matches = self.results.pair.matches.as_ref();
+        let its_match = index.and_then(|index| matches?.rows().find(|row| row.found.a == index).map(|row| row.index));
+        (self.document.selected_match, self.document.asked_about) = (its_match, index);
+    }
+
+    pub fn refresh_why(&mut self) {
+        if self.document.workspace != Workspace::Pair {
+            return;
+        }
+        if self.results.pair.lost.found.is_some() && self.losses().is_none() {
+            // Another pair: what was asked about is no feature of it.
+            self.document.asked_about = None;
+            let LostFeatures { wanted, wanted_pictures, pricing, .. } = std::mem::take(&mut self.results.pair.lost);
+            self.results.pair.lost = LostFeatures { wanted, wanted_pictures, pricing, ..LostFeatures::default() };
+        }
+        let asked = self.asked_feature();
+        let why = match (asked, self.losses()) {
+            (Some(feature), Some(found)) if feature < found.lost.len() => {
+                let old = self.results.pair.lost.why.as_ref();
+                if old.is_some_and(|why| why.feature == feature && why.of == found.request) {
+                    return;
+                }
+                let losses = Losses::again(found.request.pair(), found.nearest.clone());
+                let unmatched = Arc::new(losses.of(feature, CANDIDATES));
+                Some(Why { feature, of: found.request.clone(), unmatched })
+            }
+            _ => None,
+        };
+        self.results.pair.lost.why = why;
+    }
+
+    /// Pixels at mid-burst: of an epipolar line the point nearest to its place in A, as features mostly move little
+    /// from burst to burst. `None` where no geometry is known, and where the place lies outside B.
+    pub fn expected_place(&self) -> Option<[f32; 2]> {
+        let (why, found) = self.results.pair.lost.why.as_ref().zip(self.losses())?;
+        let own = found.request.request.a.features.get(why.feature)?;
+        nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
+    }
+
+    pub fn wanted_candidate_pictures(&self) -> Vec<PictureRequest> {
+        let Some((why, found)) = self.results.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
+        let MatchRequest { a, b, .. } = &found.request.request;
+        let own = a.features.get(why.feature).map(|f| (Side::A, f.slope));
+        let candidates = why.unmatched.candidates.iter().take(PATCHES);
+        let others = candidates.filter_map(|c| b.features.get(c.feature).map(|f| (Side::B, f.slope)));
+        own.into_iter()
+            .chain(others)
+            .filter_map(|(side, slope)| {
+                let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
+                Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
+            })
+            .collect()
+    }
+}
+
+fn nearest_on(points: &[[f64; 2]], [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+    let on_part = |part: &[[f64; 2]]| {
+        let ([from_u, from_v], [to_u, to_v]) = (part[0], part[1]);
+        let (du, dv) = (to_u - from_u, to_v - from_v);
+        let length2 = du * du + dv * dv;
+        let along = if length2 > 0.0 { ((u - from_u) * du + (v - from_v) * dv) / length2 } else { 0.0 };
+        let along = along.clamp(0.0, 1.0);
+        [from_u + along * du, from_v + along * dv]
+    };
+    let apart = |point: &[f64; 2]| (point[0] - u).hypot(point[1] - v);
+    let on_line = points.windows(2).map(on_part);
+    points.first().copied().into_iter().chain(on_line).min_by(|a, b| apart(a).total_cmp(&apart(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_line_the_nearest_point_is_taken() {
+        assert_eq!(nearest_on(&[], [1.0, 2.0]), None);
+        assert_eq!(nearest_on(&[[7.0, 8.0]], [1.0, 2.0]), Some([7.0, 8.0]));
+        let line = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]];
+        assert_eq!(nearest_on(&line, [4.0, 3.0]), Some([4.0, 0.0]));
+        assert_eq!(nearest_on(&line, [12.0, 7.0]), Some([10.0, 7.0]));
+        assert_eq!(nearest_on(&line, [-3.0, -3.0]), Some([0.0, 0.0]));
+        assert_eq!(nearest_on(&[[2.0, 2.0], [2.0, 2.0]], [0.0, 0.0]), Some([2.0, 2.0]));
+    }
+}

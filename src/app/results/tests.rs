@@ -1,0 +1,283 @@
+//! Guarantees of the model: stale features are marked, answers for other bursts are dropped, a feature found again
+//! stays selected.
+
+use crate::app::document::look::Ranges;
+use crate::app::pane::{PaneId, Preset};
+use crate::app::results::*;
+use crate::burst::Burst;
+use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeChoice, SlopeGrid, StageTimes, Tally};
+use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
+use crate::monitor::Monitor;
+use crate::plane::Plane;
+use crate::requests::{BurstSource, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Request, Work};
+use crate::synth::ChartParams;
+use crate::teach::Workspace;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+pub(crate) struct Bench {
+    pub model: Model,
+    pub engine: Engine,
+}
+
+impl Bench {
+    pub fn new() -> Self {
+        let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..Default::default() };
+        let document = Document { params, slopes: SlopeChoice::Given, auto_detect: true, ..Document::default() };
+        Self { model: Model::from(document), engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
+    }
+
+    pub fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
+        let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
+        loop {
+            effects.extend(self.model.take_answers(&self.engine));
+            self.model.check_params();
+            self.model.ask(&self.engine, false);
+            if done(&self.model, &effects) {
+                return effects;
+            }
+            assert!(Instant::now() < end, "it does not come to rest");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    pub fn settle(&mut self) {
+        self.run_until(|model, _| model.is_settled());
+    }
+
+    /// A bench with a chart as A and another one, of another size, as B, both searched; *Two bursts* is open.
+    pub fn with_two_charts() -> Self {
+        let chart = |width, seed| {
+            let discs = ChartParams { width, height: 72, discs: 5, radius: 3.0..=5.0, ..ChartParams::default() };
+            let chart = ChartParams { frames: 5, max_slope: 1.0, snr: 20.0, seed, ..discs };
+            let source = BurstSource::Chart(Box::new(chart));
+            source.open(&Default::default(), &crate::Monitor::default()).expect("valid")
+        };
+        let mut bench = Self::new();
+        bench.model.take_burst(chart(120, 1));
+        bench.model.take_second_burst(chart(96, 2));
+        bench.model.document.open_workspace(Workspace::Pair);
+        bench.settle();
+        bench
+    }
+}
+
+pub(crate) fn open(size: (usize, usize), frames: usize) -> OpenBurst {
+    let frame = |t: usize| Plane::from_fn(size.0, size.1, |u, v| ((u + 3 * v + t) % 7) as f32 / 10.0);
+    OpenBurst::new(Burst::from_planes("test", (0..frames).map(frame).collect()), BurstSource::Demo)
+}
+
+pub(crate) fn feature(u: f32, v: f32, slope_index: usize, grid: &SlopeGrid) -> Feature {
+    Feature {
+        u,
+        v,
+        sigma: 3.0,
+        orientation: 0.5,
+        slope: grid.slope(slope_index),
+        response: -0.05,
+        snr: 12.0,
+        octave: 0,
+        level: 1,
+        slope_index,
+        ..Feature::default()
+    }
+}
+
+pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec<Feature>) -> Detected {
+    let descriptors = vec![[0; 128]; features.len()];
+    let detection = Detection {
+        features,
+        descriptors,
+        tally: Tally::default(),
+        frame_noise: 0.01,
+        noise: std::sync::Arc::default(),
+        field: None,
+        noise_gate_factor: 4.5,
+        slopes: params.slopes,
+        frames_used: 0..burst.burst.len(),
+        positions: burst.burst.positions.clone(),
+        octaves: 0..1,
+        times: StageTimes::default(),
+    };
+    let asked = params.clone().into();
+    let (params, searched) = (params.clone(), params.clone());
+    let (search_secs, detection) = (0.1, Arc::new(detection));
+    Detected { burst: burst.id, asked, params, searched, search_secs, finding: None, detection, judgement: None }
+}
+
+fn with_features() -> Model {
+    let mut model = Model::default();
+    let burst = open((64, 48), 5);
+    model.take_burst(burst.clone());
+    let grid = model.document.params.slopes;
+    let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 4, &grid), feature(50.0, 30.0, 2, &grid)];
+    model.take_detection(
+        Side::A,
+        detected(&burst, &model.document.params.clone(), features),
+        Duration::from_millis(10),
+    );
+    model
+}
+
+#[test]
+fn answers_of_another_burst_are_dropped() {
+    let mut model = with_features();
+    let other = open((64, 48), 5);
+    let request = PictureRequest::new(other.clone(), PictureKind::Frame(0), DetectorParams::default());
+    let id = model.document.focus();
+    model.take_picture(id, request.compute(&Work::alone(&Monitor::default())).expect("frame 0 is there"));
+    assert!(model.picture().is_none());
+    let before = model.read().features().len();
+    model.take_detection(Side::A, detected(&other, &DetectorParams::default(), Vec::new()), Duration::ZERO);
+    assert_eq!(model.read().features().len(), before);
+}
+
+#[test]
+fn the_busiest_slope_is_shown_until_a_hand_chooses() {
+    let mut model = with_features();
+    assert_eq!(model.document.cursor().slope, Slope::new(1.0, 0.0));
+    let pane = model.document.focused_mut();
+    (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
+    let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
+    let grid = params.slopes;
+    model.take_detection(Side::A, detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]), Duration::ZERO);
+    assert_eq!(model.document.cursor().slope, Slope::new(0.25, 0.0));
+}
+
+#[test]
+fn a_feature_that_is_found_again_stays_selected() {
+    let mut model = with_features();
+    model.document.selected = Some(1);
+    let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
+    let grid = params.slopes;
+    let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
+    model.take_detection(Side::A, detected(&burst, &params, again), Duration::ZERO);
+    assert_eq!(model.document.selected, Some(0));
+    model.take_detection(Side::A, detected(&burst, &params, vec![feature(5.0, 40.0, 4, &grid)]), Duration::ZERO);
+    assert_eq!(model.document.selected, None, "another feature is not the same one");
+}
+
+#[test]
+fn next_and_previous_walk_the_table_and_stop_at_its_ends() {
+    let mut model = with_features();
+    model.select_neighbour(true);
+    assert_eq!(model.document.selected, Some(0));
+    model.select_neighbour(true);
+    model.select_neighbour(true);
+    model.select_neighbour(true);
+    assert_eq!(model.document.selected, Some(2));
+    model.document.filter.slope_u = Some(crate::app::document::filter::Interval { min: 0.5, max: 1.5 });
+    model.select_neighbour(false);
+    assert_eq!(model.document.selected, Some(1), "the selected one was filtered out: the last listed is taken");
+}
+
+#[test]
+fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
+    let mut model = with_features();
+    model.document.selected = Some(0);
+    model.take_burst(open((40, 40), 1));
+    assert!(model.results.slots.a.found.is_none() && model.document.selected.is_none() && model.picture().is_none());
+    assert_eq!(model.results.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
+    let wanted = model.wanted(model.document.focus()).expect("open");
+    assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
+}
+
+#[test]
+fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
+    let ranges = |order: &dyn Fn(&mut Vec<PaneId>)| {
+        let mut model = with_features();
+        model.lay_out(Preset::FrameAndStack);
+        let mut ids = model.document.panes.shown();
+        assert_eq!(ids.len(), 2);
+        order(&mut ids);
+        for id in ids {
+            let wanted = model.wanted(id).expect("its burst is open");
+            model.take_picture(id, wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled"));
+            let seen = model.display_of(id);
+            assert_ne!((seen.min, seen.max), (0.0, 1.0), "what is seen first is seen in a range of its own");
+        }
+        model.document.look.ranges
+    };
+    assert_eq!(ranges(&|_| {}), ranges(&|ids| ids.reverse()));
+}
+
+#[test]
+fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it_was_chosen() {
+    let mut model = with_features();
+    model.lay_out(Preset::FrameAndStack);
+    let mut pictures = Vec::new();
+    for id in model.document.panes.shown() {
+        let wanted = model.wanted(id).expect("its burst is open");
+        let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
+        model.take_picture(id, picture.clone());
+        pictures.push((id, picture));
+    }
+    for (id, picture) in &pictures {
+        let (display, values) = (model.display_of(*id), picture.plane.data());
+        let clipped = values.iter().filter(|value| !(display.min..=display.max).contains(*value)).count();
+        assert!(clipped * 100 <= values.len(), "{clipped} of {} are black or white", values.len());
+    }
+    let [(_, frame), (_, stack)] = &pictures[..] else { panic!("two panes") };
+    let mut ranges = model.document.look.ranges;
+    assert_ne!(ranges.frame, ranges.intensity);
+    // The first slope with features is shown: its stack may set the range, the frame's stays.
+    let brighter = Picture { drawn: Arc::new(Plane::from_fn(8, 8, |u, v| (8 * v + u) as f32)), ..stack.clone() };
+    ranges.forget_that_of(stack);
+    ranges.fix_once(&brighter);
+    assert!(ranges.intensity.max > 60.0 && ranges.frame == model.document.look.ranges.frame);
+    let mut chosen = Ranges { intensity: ranges.intensity.with_range(0.1, 0.2), ..ranges };
+    chosen.forget_that_of(&brighter);
+    chosen.fix_once(stack);
+    assert_eq!((chosen.intensity.min, chosen.intensity.max), (0.1, 0.2), "a hand chose it");
+    assert!(frame.request.minus().is_none());
+}
+
+#[test]
+fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
+    let mut model = with_features();
+    model.lay_out(Preset::ThreeSlopes);
+    let slopes = |model: &Model| -> Vec<f32> {
+        let panes = model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id));
+        panes.map(|pane| pane.cursor.slope.u).collect()
+    };
+    assert_eq!(slopes(&model), [0.0, 1.0, 2.0]);
+    model.take_burst(open((40, 30), 3));
+    assert_eq!(slopes(&model), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
+    let focus = model.document.focus();
+    model.document.show_slope(focus, Slope::new(100.0, 0.0));
+    model.check_params();
+    let limit = crate::app::document::cursor::slope_limit(&model.results.slots.a.usable_params.slopes);
+    assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);
+    let last = model.document.panes.shown()[2];
+    let PictureKind::Stack { slope } = model.wanted(last).expect("open").kind else { panic!("a stack") };
+    assert_eq!(slope.u, limit, "what is beyond is shown at the rim");
+}
+
+#[test]
+fn a_folder_of_bursts_is_a_dataset_for_a_and_a_choice_for_b() {
+    let home = tempfile::tempdir().expect("a folder");
+    for name in ["one", "two"] {
+        let folder = home.path().join(name);
+        std::fs::create_dir(&folder).expect("made");
+        for frame in 0..2 {
+            let gray = image::GrayImage::from_pixel(16, 12, image::Luma([frame]));
+            gray.save(folder.join(format!("{frame}.png"))).expect("written");
+        }
+    }
+    let mut bench = Bench::new();
+    let mut opened = |side: Side| {
+        bench.model.open(side, BurstSource::Paths(vec![home.path().to_owned()]), &bench.engine);
+        let effects = bench.run_until(|_, effects| !effects.is_empty());
+        match effects.into_iter().next() {
+            Some(Effect::Opened(of, ended)) if of == side => {
+                let effects = bench.model.take_opening(side, ended, false, &bench.engine);
+                (effects, bench.model.results.datasets.wanted.is_pending())
+            }
+            other => panic!("{side:?} was opened, not {other:?}"),
+        }
+    };
+    let (effects, looks) = opened(Side::B);
+    assert!(matches!(&effects[..], [Effect::Choose(Side::B, bursts)] if bursts.len() == 2) && !looks, "{effects:?}");
+    let (effects, looks) = opened(Side::A);
+    assert!(effects.is_empty() && looks);
+}

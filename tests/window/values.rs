@@ -1,0 +1,189 @@
+//! The values that the user sets and the answers about them, as plain values: without a window.
+
+mod cursor {
+    use burstscope::app::document::cursor::*;
+    use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
+
+    #[test]
+    fn everything_is_brought_into_range() {
+        let params = DetectorParams::default();
+        let wild = Cursor { kind: ViewKind::Dog, frame: 99, slope: Slope::new(f32::NAN, 1e9), octave: 77, level: -9 };
+        let tame = wild.within(&params, 10, (640, 480));
+        assert_eq!((tame.frame, tame.level), (9, -1));
+        assert_eq!(tame.slope, Slope::new(0.0, slope_limit(&params.slopes)));
+        assert!(octave_range(&params, (640, 480)).contains(&tame.octave));
+    }
+
+    #[test]
+    fn stepping_goes_to_the_next_slope_of_the_grid_and_stops_at_its_rim() {
+        let grid = SlopeGrid::line(-3.0..=3.0, 7);
+        assert_eq!(stepped(&grid, Slope::new(0.2, 0.0), false, true), Slope::new(1.0, 0.0));
+        assert_eq!(stepped(&grid, Slope::new(3.0, 0.0), false, true), Slope::new(3.0, 0.0));
+        assert_eq!(stepped(&grid, Slope::new(1.0, 0.0), true, true), Slope::new(1.0, 0.25));
+        assert_eq!(snapped(&grid, Slope::new(1.4, 0.6)), Slope::new(1.0, 0.0));
+    }
+
+    #[test]
+    fn playing_visits_every_slope_and_never_jumps() {
+        for grid in [SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=1.0, 2)] {
+            let steps = 2 * grid.len();
+            let played_slopes: Vec<Slope> = (0..=steps).map(|s| played(&grid, s)).collect();
+            for slope in grid.slopes() {
+                assert!(played_slopes.contains(&slope));
+                assert_eq!(played(&grid, play_step_of(&grid, slope)), slope);
+            }
+            for pair in played_slopes.windows(2) {
+                let jump = Slope::new(pair[1].u - pair[0].u, pair[1].v - pair[0].v).magnitude();
+                assert!(jump <= 1.0 + 1e-6, "{pair:?}");
+            }
+        }
+        assert_eq!(played(&SlopeGrid::single(Slope::new(2.0, 1.0)), 5), Slope::new(2.0, 1.0));
+    }
+}
+
+mod method {
+    use burstscope::app::document::method::*;
+    use burstscope::detector::{DetectorParams, Method, SlopeGrid};
+
+    #[test]
+    fn each_method_takes_the_edited_parameters_in_its_own_way() {
+        let line = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() };
+        assert_eq!(MethodId::Buff1d.params(&line), line);
+        assert_eq!(MethodId::Buff2d.params(&line).slopes, SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5));
+        let plane = DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3), ..line.clone() };
+        assert_eq!(MethodId::Buff2d.params(&plane), plane);
+        let forwards = DetectorParams { slopes: SlopeGrid::line(-6.0..=-3.0, 4), ..line.clone() };
+        let around_zero = SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5);
+        assert_eq!(MethodId::Buff2d.params(&forwards).slopes, around_zero, "v has no slopes of u's range");
+        assert_eq!(MethodId::Buff1d.params(&plane).slopes, SlopeGrid::line(-3.0..=3.0, 7));
+        let sift = DetectorParams { method: Method::Sift, peak_threshold: 0.01, ..line };
+        assert_eq!(MethodId::Sift.params(&sift), sift);
+        assert_eq!(MethodId::Buff1d.params(&sift).peak_threshold, 0.01);
+        for method in MethodId::ALL {
+            assert!(!method.help().is_empty());
+            assert_eq!(method.params(&plane).validate(), Ok(()));
+        }
+    }
+}
+
+mod lab {
+    use burstscope::app::document::lab::*;
+    use burstscope::detector::{SearchParams, SlopeChoice};
+    use burstscope::evaluate::BurstMethod;
+    use burstscope::study::Study;
+
+    #[test]
+    fn what_is_asked_is_what_the_commands_ask_by_default() {
+        let lab = Lab { methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(), ..Lab::default() };
+        let study = lab.study(&SearchParams::default(), None).expect("sound");
+        assert_eq!(study, Study::Chart(Box::default()));
+        let given = SearchParams { slopes: SlopeChoice::Given, ..SearchParams::default() };
+        let Study::Chart(study) = lab.study(&given, None).expect("sound") else { panic!("a study of charts") };
+        assert_eq!(study.searches.slopes_1d, given.detector.slopes);
+    }
+
+    #[test]
+    fn the_number_of_frames_needs_one_ratio_and_whole_numbers() {
+        let with = |snrs: &str, counts: &str| {
+            let question = LabQuestion::Frames;
+            let (snrs_text, counts_text) = (snrs.to_owned(), counts.to_owned());
+            Lab { question, snrs_text, counts_text, ..Lab::default() }.study(&SearchParams::default(), None)
+        };
+        let Ok(Study::Frames(study)) = with("0.6", "2, 10") else { panic!("a study of frames") };
+        assert_eq!((study.frame_counts, study.charts.snrs), (vec![2, 10], vec![0.6]));
+        assert!(with("0.6, 1", "2").expect_err("two ratios").contains("one SNR"));
+        assert!(with("0.6", "2, ten").expect_err("a word").contains("'ten'"));
+        let lab = Lab { question: LabQuestion::BurstFrames, ..Lab::default() };
+        assert!(lab.study(&SearchParams::default(), None).expect_err("no burst").contains("open a burst"));
+    }
+
+    #[test]
+    fn ratios_are_read_as_they_are_typed() {
+        let read = |text: &str| Lab { snrs_text: text.to_owned(), ..Lab::default() }.snrs();
+        assert_eq!(read(" 0.2,0.35 , 0.2,"), Ok(vec![0.2, 0.35]));
+        for (text, says) in [("0.2; 1", "'0.2; 1'"), ("-1", "'-1'"), ("NaN", "'NaN'"), (" ,", "no ratio")] {
+            assert!(read(text).expect_err(text).contains(says), "{text}");
+        }
+    }
+}
+
+mod trajectories {
+    use burstscope::app::results::trajectories::*;
+    use burstscope::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, Pose, evaluate_poses, read_trajectory};
+    use burstscope::evaluate::poses::{PoseStudy, Projection, Trajectory};
+    use burstscope::requests::ComparedPoses;
+    use nalgebra::{Isometry3, Vector3};
+    use std::path::PathBuf;
+    use std::sync::Arc;
+
+    fn trajectory(centres: &[[f64; 3]]) -> Arc<Trajectory> {
+        let pose = |(k, c): (usize, &[f64; 3])| Pose {
+            label: format!("{k}.png"),
+            order: k as u32,
+            time: None,
+            world_from_camera: Isometry3::new(Vector3::from(*c), Vector3::zeros()),
+        };
+        Arc::new(Trajectory { poses: centres.iter().enumerate().map(pose).collect(), model: None })
+    }
+
+    #[test]
+    fn an_estimate_of_another_scale_lies_on_the_truth() {
+        let truth = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [0.0, 2.0, 1.0]];
+        let estimate = truth.map(|c| c.map(|x| 10.0 * x + 3.0));
+        let (truth, estimate) = (trajectory(&truth), trajectory(&estimate[..3]));
+        let report = evaluate_poses(&estimate, &truth, &PoseStudy::default()).expect("compared");
+        let compared = ComparedPoses {
+            estimate: Some(("e".into(), estimate)),
+            truth: Some(("t".into(), truth)),
+            report: Some(Ok(Arc::new(report))),
+        };
+        let scene = PlaneScene::of(&compared, Projection::Xy, false);
+        assert_eq!((scene.truth.len(), scene.estimate.len(), scene.size), (4, 3, (1120, 620)));
+        for (k, spot) in scene.estimate.iter().enumerate() {
+            assert!((spot.pos - scene.truth[k].pos).length() < 1e-2, "{spot:?} {:?}", scene.truth[k]);
+            assert_eq!((spot.pair, scene.truth[k].pair), (Some(k), Some(k)));
+        }
+        assert_eq!(scene.truth[3].pair, None);
+        assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
+        // Alone, each is drawn in its own coordinates; both without a comparison: only the truth is drawn.
+        let alone = ComparedPoses { truth: None, report: None, ..compared.clone() };
+        assert_eq!(PlaneScene::of(&alone, Projection::Xy, true).estimate.len(), 3);
+        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
+        assert_eq!(PlaneScene::of(&apart, Projection::Xy, true).estimate.len(), 0);
+    }
+
+    #[test]
+    fn points_lie_where_their_cameras_saw_them_and_are_in_the_section_shown() {
+        let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| {
+            let path = PathBuf::from(name);
+            (path.clone(), Arc::new(read_trajectory(&path).expect("built in")))
+        });
+        let report = evaluate_poses(&estimate.1, &truth.1, &PoseStudy::default()).expect("compared");
+        let points = estimate.1.model.as_ref().expect("a model").points.len();
+        let report = Some(Ok(Arc::new(report)));
+        let compared = ComparedPoses { estimate: Some(estimate), truth: Some(truth), report };
+        let scene = PlaneScene::of(&compared, Projection::Xz, true);
+        let (width, height) = (scene.size.0 as f32, scene.size.1 as f32);
+        let section = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
+        let inside = scene.points.iter().filter(|p| section.contains(**p)).count();
+        assert!(scene.points.len() == points && inside > points * 9 / 10, "{inside} of {points}");
+        // Ahead is up, and the cameras look ahead.
+        let nearest = scene.points.iter().map(|p| p.y).fold(0.0, f32::max);
+        assert!(scene.truth.iter().all(|camera| camera.pos.y > nearest && section.contains(camera.pos)));
+        assert_eq!(PlaneScene::of(&compared, Projection::Xz, false).points, []);
+        // Not aligned, the points have no place beside the truth.
+        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
+        assert_eq!(PlaneScene::of(&apart, Projection::Xz, true).points, []);
+    }
+
+    #[test]
+    fn cameras_in_one_place_or_on_a_line_have_a_plane() {
+        for centres in [&[][..], &[[1.0, 1.0, 1.0]; 2], &[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]] {
+            let truth = Some(("t".into(), trajectory(centres)));
+            let compared = ComparedPoses { truth, ..ComparedPoses::default() };
+            let scene = PlaneScene::of(&compared, Projection::Principal, false);
+            assert!(scene.size.0 >= 300 && scene.size.1 >= 300, "{:?}", scene.size);
+            assert!(scene.truth.iter().all(|s| s.pos.is_finite()));
+        }
+    }
+}
