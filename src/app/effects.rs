@@ -6,7 +6,7 @@ use super::dialogs::Question;
 use super::document::Action;
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
-use super::{actions, clipboard, files};
+use super::{actions, apply, clipboard, files};
 use crate::app::document::export::{ExportKind, Purpose};
 use crate::app::document::side::Side;
 use crate::app::results::Effect;
@@ -46,7 +46,7 @@ impl BurstscopeApp {
     /// Takes actions that are not taken down: what was done led to them.
     pub(super) fn stage<A: Into<Action>>(&mut self, staged: impl IntoIterator<Item = A>) {
         for action in staged {
-            let effects = actions::apply(action.into(), &mut self.model, &self.engine);
+            let effects = apply::apply(action.into(), &mut self.model, &self.engine);
             self.apply(effects);
         }
     }
@@ -91,7 +91,7 @@ impl BurstscopeApp {
             ActionId::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             ActionId::OneToOne => model.document.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
             ActionId::ProbePlace => {
-                if let Some((side, place)) = actions::place_to_probe(model, widgets) {
+                if let Some((side, place)) = actions::when::place_to_probe(model, widgets) {
                     self.change(Action::StopFollowing);
                     self.change(Action::Probe(side, ProbeQuestion::At { place, wanted: Subject::Best }));
                 }

@@ -7,6 +7,7 @@
 //! A [`workspace`] arranges panes and panels; the [`inspector`] draws [panes](pane), [`canvas`] is a picture's widget.
 
 pub mod actions;
+pub mod apply;
 pub mod canvas;
 pub mod clipboard;
 pub mod dataset;

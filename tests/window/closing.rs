@@ -3,7 +3,7 @@
 
 use crate::lab::run_small_study;
 use crate::support::{Start, Window};
-use burstscope::app::document::look::MeasuredLine;
+use burstscope::app::document::panes::MeasuredLine;
 use burstscope::engine::Wanted;
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
 use burstscope::requests::{BurstSource, JobError, Request, Urgency, Work};

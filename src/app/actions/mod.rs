@@ -1,18 +1,11 @@
 //! All actions of the user, each registered once in a row of [`registry`], from which menus and tooltips are drawn.
 
-mod apply;
-mod change;
 pub mod menu;
 pub mod registry;
-mod state_of;
-#[cfg(test)]
-mod tests;
+pub mod when;
 
 pub use crate::app::document::Queue;
-pub use apply::apply;
-pub use change::place_to_probe;
-pub use registry::{ACTIONS, ActionId, ActionRow, Menu, shown_by, workspaces};
-pub use state_of::{checked, enabled};
+pub use registry::{ACTIONS, ActionId, ActionRow, Menu, checked, enabled, shown_by, workspaces};
 
 use crate::app::results::Model;
 use crate::app::words::explained;

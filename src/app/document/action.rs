@@ -1,5 +1,5 @@
 //! Changes that the user asks for, as values that can be written and read. Panels and panes push them while they are
-//! drawn; they are applied after the drawing, by one function (`actions::apply`).
+//! drawn; they are applied after the drawing, by one function (`apply::apply`).
 
 use crate::app::actions::registry::ActionId;
 use crate::app::document::Document;
@@ -8,9 +8,10 @@ use crate::app::document::datasets::{BurstPair, PairChoice, PairColumn, Which};
 use crate::app::document::export::{FigureChoice, FilmChoice};
 use crate::app::document::filter::{Filter, Order, SavedMatch, SavedSelection};
 use crate::app::document::lab::Lab;
-use crate::app::document::look::{Look, Measure, RangeClass};
+use crate::app::document::look::{Look, RangeClass};
 use crate::app::document::method::{CompareLook, MethodId};
 use crate::app::document::pair::{MatchColumn, MatchLook, PairTab};
+use crate::app::document::panes::Measure;
 use crate::app::document::panes::Panels;
 use crate::app::document::panes::{Change, Destination};
 use crate::app::document::probe::SetUpState;

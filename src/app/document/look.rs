@@ -2,14 +2,11 @@
 //! a range, so that slopes, or frames, can be compared. It is set once, from the first picture of its class (of several
 //! panes, that in focus), and again when the window goes to the first slope with features; after that only by the user.
 
-pub use crate::requests::RangeClass;
-
-use crate::app::pane::PaneId;
 use crate::detector::params::Bounds;
 use crate::error::Error;
 use crate::plane::display::{ColourMap, Display};
 use crate::requests::Picture;
-use egui::{Pos2, Rect};
+pub use crate::requests::RangeClass;
 use serde::{Deserialize, Serialize};
 use std::ops::Bound;
 
@@ -189,54 +186,5 @@ impl Default for Look {
     fn default() -> Self {
         let (ranges, overlay) = Default::default();
         Self { ranges, overlay, motion_vectors: true, orientations: true, legend: true, smoothing_px: 0.0 }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Tool {
-    #[default]
-    Pan,
-    Line,
-    Region,
-    /// Outlines of what the frames do not show.
-    Mask,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct MeasuredLine {
-    pub pane: PaneId,
-    pub from_image: Pos2,
-    pub to_image: Pos2,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct MeasuredRegion {
-    pub pane: PaneId,
-    pub rect_image: Rect,
-}
-
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Measure {
-    pub tool: Tool,
-    pub line: Option<MeasuredLine>,
-    pub region: Option<MeasuredRegion>,
-    pub drag: Option<(PaneId, Pos2)>,
-    /// Closed outlines around what the frames do not show, image pixels; the last one is being drawn during a drag.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub hidden: Vec<Vec<Pos2>>,
-}
-
-impl Measure {
-    pub fn toggle(&mut self, tool: Tool) {
-        self.tool = if self.tool == tool { Tool::Pan } else { tool };
-        self.drag = None;
-    }
-
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
     }
 }

@@ -4,7 +4,7 @@
 mod hidden;
 mod panels;
 
-pub use crate::app::document::look::{Measure, MeasuredLine, MeasuredRegion, Tool};
+pub use crate::app::document::panes::{Measure, MeasuredLine, MeasuredRegion, Tool};
 pub use hidden::{hidden_ui, mask_of};
 pub use panels::{RegionCache, profile_ui, region_ui};
 

@@ -289,7 +289,7 @@ fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::actions::apply;
+    use crate::app::apply::apply;
     use crate::app::results::tests::{Bench, open};
     use egui::accesskit::Role;
     use egui_kittest::Harness;

@@ -97,7 +97,11 @@ fn counts() -> Vec<Count> {
             4,
             which(&sources, |s| s.code.contains("impl BurstscopeApp")),
         ),
-        Count::of("functions that take the whole model to change it", 5, sources.iter().flat_map(takers).collect()),
+        Count::of(
+            "functions outside of app/apply that take the whole model to change it",
+            1,
+            sources.iter().filter(|source| !source.path.starts_with("app/apply")).flat_map(takers).collect(),
+        ),
         Count::of("functions that draw and take the model to change it", 0, drawing_takers(&sources)),
         Count::of(
             "doc comments that begin with “What” or “The one that”",

@@ -42,3 +42,13 @@ fn the_document_imports_neither_results_nor_engine() {
     }
     assert!(files > 20, "{files} files were read: too few to be all");
 }
+
+/// When an action is possible, whether it is on and what it does stand in its row, and nowhere by its name.
+#[test]
+fn an_action_is_told_by_its_row() {
+    let window = window();
+    for name in ["apply/change.rs", "actions/when.rs"] {
+        let code = &window.iter().find(|(file, _)| file == name).expect("it is there").1;
+        assert!(!code.contains("ActionId::") && !code.contains("ActionId as"), "{name} names actions");
+    }
+}

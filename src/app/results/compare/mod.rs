@@ -6,9 +6,9 @@
 use crate::app::document::method::MethodId;
 use crate::app::document::side::{Side, Sides};
 use crate::app::pane::MethodsPreset;
-use crate::app::results::asking::{Part, Pass};
 use crate::app::results::pair::Matches;
 use crate::app::results::{Effect, Model};
+use crate::app::results::{Part, Pass};
 use crate::burst::OpenOptions;
 use crate::detector::{Detection, DetectorParams};
 use crate::engine::{Ended, Engine, Want, Wanted};

@@ -1,11 +1,12 @@
 //! Laws of actions: any list of them leaves a valid document, which is the same after it was written and read, and
 //! undo and redo return to what was.
 
-use super::{ActionId, apply};
+use super::apply;
+use crate::app::actions::registry::{ACTIONS, ActionId, Menu};
 use crate::app::document::journal::read_steps;
 use crate::app::document::panes::{Change, Destination};
 use crate::app::document::side::Side;
-use crate::app::document::{Action, Document, Journal};
+use crate::app::document::{Action, Document, Journal, Pointed};
 use crate::app::pane::{Direction, Link, PaneId, Preset};
 use crate::app::results::Model;
 use crate::app::results::tests::{Bench, open};
@@ -55,7 +56,7 @@ fn of_settings() -> impl Strategy<Value = Action> {
 fn any_action() -> impl Strategy<Value = Action> {
     let pane = || (0..6u32).prop_map(PaneId);
     let directions = prop::sample::select(vec![Direction::Right, Direction::Down]);
-    let ids: Vec<ActionId> = super::ACTIONS.iter().map(|row| row.id).filter(|id| !opens(*id)).collect();
+    let ids: Vec<ActionId> = ACTIONS.iter().map(|row| row.id).filter(|id| !opens(*id)).collect();
     prop_oneof![
         of_settings(),
         prop::sample::select(ids).prop_map(Action::Do),
@@ -89,7 +90,7 @@ fn any_action() -> impl Strategy<Value = Action> {
 fn opens(id: ActionId) -> bool {
     let label = id.action().label;
     let menu = id.action().menu;
-    label.ends_with('…') || menu == super::Menu::File || menu == super::Menu::Help || menu == super::Menu::Dataset
+    label.ends_with('…') || menu == Menu::File || menu == Menu::Help || menu == Menu::Dataset
 }
 
 fn assert_valid(model: &Model) {
@@ -164,4 +165,31 @@ proptest! {
         }
         prop_assert_eq!(&bench.model.document, &after);
     }
+}
+
+#[test]
+fn what_is_pointed_at_is_no_step_and_leaves_the_document_as_it_is() {
+    let Bench { mut model, engine } = Bench::new();
+    let before = model.document.clone();
+    for pointed in [Pointed::Feature(Some(3)), Pointed::Row(Side::B, Some(1)), Pointed::Place(None)] {
+        apply(Action::Point(pointed), &mut model, &engine);
+    }
+    model.close_step(false);
+    assert!(model.document == before && !model.history.can_undo());
+    assert_eq!((model.results.hovered, model.results.slots.b.comparison.hovered), (Some(3), Some(1)));
+}
+
+#[test]
+fn a_plane_keeps_the_slopes_that_were_found_and_one_step_back_returns_to_them() {
+    let Bench { mut model, engine } = Bench::new();
+    (model.document.slopes, model.document.params.slopes) = (SlopeChoice::AUTO, SlopeGrid::line(-6.0..=-3.0, 4));
+    let found = (model.document.params.clone(), model.document.slopes);
+    assert!(apply(ActionId::Preset2d.into(), &mut model, &engine).is_empty());
+    model.close_step(false);
+    assert_eq!(model.document.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5));
+    assert!(!model.document.slopes.is_auto());
+    model.undo(&engine);
+    assert!((model.document.params.clone(), model.document.slopes) == found && !model.history.can_undo());
+    model.redo(&engine);
+    assert!(model.document.params.slopes.is_plane() && !model.document.slopes.is_auto());
 }

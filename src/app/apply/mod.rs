@@ -1,9 +1,13 @@
-//! The one function by which the user changes the project.
+//! The one function by which the user changes the project, and the functions that rows of the action table name.
 
-use super::change::change;
-use super::registry::ActionId;
+pub mod change;
+#[cfg(test)]
+mod tests;
+
+use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::look::Look;
 use crate::app::document::pair::PairTab;
+use crate::app::document::panes::Change;
 use crate::app::document::panes::Visibility;
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Document};
@@ -36,7 +40,7 @@ pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> 
 fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     use Action as A;
     match action {
-        A::Do(id) => return change(id, model, engine).into_iter().collect(),
+        A::Do(id) => return do_row(id, model, engine).into_iter().collect(),
         A::Open(side, source) => {
             model.open(side, source, engine);
         }
@@ -100,6 +104,36 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         action => set(action, &mut model.document),
     }
     Vec::new()
+}
+
+/// What a row of the table does.
+fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
+    let focus = model.document.focus();
+    match id.action().does {
+        Some(Does::Ask(purpose)) => return Some(Effect::Ask(purpose)),
+        Some(Does::Open(source)) => _ = model.open(Side::A, source(), engine),
+        Some(Does::LayOut(preset)) => model.change_panes(Change::LayOut(focus, preset)),
+        Some(Does::Workspace(workspace)) => model.document.open_workspace(workspace),
+        Some(Does::Switch { turn: set, .. } | Does::Set(set)) => set(&mut model.document),
+        Some(Does::Slope(of)) => {
+            let slope = of(&model.cursor_params().slopes, model.document.cursor().slope);
+            model.document.playing = false;
+            model.document.show_slope(focus, slope);
+        }
+        Some(Does::Frame(go)) => model.document.lead(focus, |pane| {
+            go(&mut pane.cursor);
+            pane.show(ViewKind::Frame);
+        }),
+        Some(Does::Scale(go)) => model.document.lead(focus, |pane| {
+            go(&mut pane.cursor);
+            pane.show_scale();
+        }),
+        Some(Does::Show(kind)) => model.document.lead(focus, |pane| pane.show(kind)),
+        Some(Does::Run(run)) => run(model, engine),
+        Some(Does::Change(change)) => return change(model, engine),
+        None => {}
+    }
+    None
 }
 
 fn set(action: Action, document: &mut Document) {
@@ -189,24 +223,5 @@ fn set_pane(action: Action, document: &mut Document) {
         A::SetMethod(id, method) => document.lead(id, |pane| pane.method = Some(method)),
         A::SetSide(id, side) => document.panes.show_side(id, side),
         _ => {}
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::document::Pointed;
-    use crate::app::results::tests::Bench;
-
-    #[test]
-    fn what_is_pointed_at_is_no_step_and_leaves_the_document_as_it_is() {
-        let Bench { mut model, engine } = Bench::new();
-        let before = model.document.clone();
-        for pointed in [Pointed::Feature(Some(3)), Pointed::Row(Side::B, Some(1)), Pointed::Place(None)] {
-            apply(Action::Point(pointed), &mut model, &engine);
-        }
-        model.close_step(false);
-        assert!(model.document == before && !model.history.can_undo());
-        assert_eq!((model.results.hovered, model.results.slots.b.comparison.hovered), (Some(3), Some(1)));
     }
 }

@@ -1,0 +1,140 @@
+//! What rows of the action table do, where that takes more than an expression.
+
+use crate::app::actions::when;
+use crate::app::canvas::overlay::ColourBy;
+use crate::app::document::Document;
+use crate::app::document::comparison::Reference;
+use crate::app::document::method::plane_of;
+use crate::app::document::panes::Visibility;
+use crate::app::document::side::Side;
+use crate::app::measure::Tool;
+use crate::app::pane::Pane;
+use crate::app::results::Model;
+use crate::detector::{Method, SlopeChoice, SlopeGrid};
+use crate::engine::Engine;
+use crate::requests::BurstSource;
+use crate::teach::{BottomTab, Workspace};
+
+pub fn detect(model: &mut Model, engine: &Engine) {
+    model.start_detection(Side::A, engine);
+    if when::in_pair(model) {
+        model.start_detection(Side::B, engine);
+    }
+}
+
+pub fn match_pair(model: &mut Model, engine: &Engine) {
+    if let Some(wanted) = model.wanted_matches() {
+        model.results.pair.matching.ask(engine, wanted);
+    }
+}
+
+pub fn open_chart(model: &mut Model, engine: &Engine) {
+    if let Some(chart) = model.selected_chart().and_then(|chart| chart.params()) {
+        model.document.workspace = Workspace::Inspect;
+        model.open(Side::A, BurstSource::Chart(Box::new(chart)), engine);
+    }
+}
+
+pub fn open_dark_copy(model: &mut Model, engine: &Engine) {
+    if let Some(burst) = &model.results.slots.a.burst {
+        let of = Box::new(burst.source.clone());
+        model.open(Side::A, BurstSource::DarkCopy { of, noise: model.document.lab.dark_copy }, engine);
+    }
+}
+
+pub fn go_to_selection(model: &mut Model, _: &Engine) {
+    if when::in_pair(model) {
+        model.go_to_match();
+    } else {
+        model.go_to_selected();
+    }
+}
+
+pub fn probe_selection(model: &mut Model, _: &Engine) {
+    if let Some((side, index)) = model.feature_to_probe() {
+        model.probe_feature(side, index);
+    }
+}
+
+pub fn pin_result(model: &mut Model, _: &Engine) {
+    model.pin_result(model.active_side());
+    model.document.bottom_tab = BottomTab::Compared;
+    model.messages.note("Pinned: later detections are compared with these features");
+}
+
+pub fn show_truth(model: &mut Model, _: &Engine) {
+    let on = when::shows_truth(model);
+    model.show_comparison(model.active_side(), (!on).then_some(Reference::Truth));
+    model.document.bottom_tab = BottomTab::Compared;
+}
+
+pub fn toggle_left(model: &mut Model, _: &Engine) {
+    if model.shows_left() {
+        model.document.panels.left = Visibility::Closed;
+    } else {
+        model.open_left();
+    }
+}
+
+pub fn select_next(model: &mut Model, forward: bool) {
+    if when::in_pair(model) {
+        model.select_neighbouring_match(forward);
+    } else {
+        model.select_neighbour(forward);
+    }
+}
+
+pub fn select_first(model: &mut Model, _: &Engine) {
+    if when::in_pair(model) {
+        model.document.selected_match = model.results.pair.listed.first().copied();
+    } else {
+        model.document.selected = model.results.listed.first().copied();
+    }
+}
+
+pub fn probe_expected(model: &mut Model, _: &Engine) {
+    if let Some(place) = model.expected_place() {
+        model.probe_place(Side::B, place);
+    }
+}
+
+pub fn go_to_busiest_slope(model: &mut Model, _: &Engine) {
+    let focus = model.document.focus();
+    model.document.playing = false;
+    model.go_to_busiest_slope(focus);
+    model.document.lead(focus, Pane::show_slope);
+}
+
+/// Puts the tool away that is in hand; without one selects nothing.
+pub fn clear_selection(document: &mut Document) {
+    if document.measure.tool != Tool::Pan {
+        document.measure.toggle(document.measure.tool);
+    } else if document.workspace == Workspace::Pair {
+        (document.selected_match, document.asked_about) = (None, None);
+    } else {
+        (document.selected, document.comparisons.a.selected) = (None, None);
+    }
+}
+
+pub fn toggle_overlay(document: &mut Document) {
+    match document.workspace {
+        Workspace::Methods => document.methods.features ^= true,
+        Workspace::Pair => document.match_look.features ^= true,
+        _ => document.look.overlay = document.look.overlay.next(),
+    }
+}
+
+pub fn colour_next(document: &mut Document) {
+    let mut later = ColourBy::choices(document.set_up.reads_depths).skip_while(|by| *by != document.colour_by);
+    document.colour_by = later.nth(1).unwrap_or_default();
+}
+
+pub fn search_line(document: &mut Document) {
+    (document.params.method, document.slopes) = (Method::Buff, SlopeChoice::Given);
+    document.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
+}
+
+pub fn search_plane(document: &mut Document) {
+    (document.params.method, document.slopes) = (Method::Buff, SlopeChoice::Given);
+    document.params.slopes = plane_of(document.params.slopes);
+}
