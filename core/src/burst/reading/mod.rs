@@ -1,10 +1,9 @@
 //! What formats of files share: a frame as it is decoded ([`RawFrame`]), what a file declares before that
-//! ([`Declared`]), conversion of samples to planes ([`plain`], [`pixels`], [`mosaic`]), and the process in which
+//! ([`Declared`]), conversion of samples to planes ([`plain`], [`pixels`]), and the process in which
 //! decoders of others run ([`confined`]) where they could take much memory, and always for raw files.
 
 pub(in crate::burst) mod confined;
 pub(in crate::burst) mod exif;
-pub(in crate::burst) mod mosaic;
 pub(in crate::burst) mod pixels;
 pub(in crate::burst) mod plain;
 pub(in crate::burst) mod tiles;

@@ -6,6 +6,7 @@ use burstscope_core::burst::{Burst, Info, OpenOptions, file_formats};
 use burstscope_core::error::Error;
 use burstscope_core::monitor::Monitor;
 use proptest::prelude::*;
+use std::collections::HashSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -451,10 +452,13 @@ fn jpegs_without_tables_and_with_bytes_between_segments_open_as_the_same_picture
 }
 
 #[test]
-fn records_tell_of_every_format() {
+fn records_tell_of_every_format_and_share_no_name_or_extension() {
+    let (mut names, mut extensions) = (HashSet::new(), HashSet::new());
     for of in file_formats() {
-        assert!(!of.name.is_empty() && !of.opens.is_empty() && !of.extensions.is_empty(), "{of:?}");
-        assert!(of.extensions.iter().all(|extension| *extension == extension.to_lowercase()), "{of:?}");
+        assert!(!of.opens.is_empty() && !of.extensions.is_empty() && names.insert(of.name), "{of:?}");
+        for extension in of.extensions {
+            assert!(*extension == extension.to_lowercase() && extensions.insert(*extension), "{extension}");
+        }
     }
 }
 

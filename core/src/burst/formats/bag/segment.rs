@@ -1,9 +1,8 @@
 //! One file of a recording: its topics, the places of their messages, and the bytes of these. Chunks of messages are
 //! unpacked one at a time by each thread; where nothing is packed, messages are read from their places in the file.
 
-use super::form::Form;
 use super::records::{Channel, Checksum, Chunk, Contents, List, Message, Metered, Scan, Work, corrupt};
-use super::{mcap, ros1, rows};
+use super::{Form, mcap, ros1, rows};
 use crate::burst::options::Limits;
 use crate::burst::reading::{Ticker, in_order};
 use crate::error::{Error, ErrorKind, Result};

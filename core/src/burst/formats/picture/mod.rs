@@ -1,10 +1,9 @@
 //! PNG, JPEG, PNM, WebP and BMP. Of an animation, the first picture is taken.
 
-mod animation;
 pub(super) mod jpeg;
 
 use super::{Format, Input, Rank, Record, Start, alone};
-use crate::burst::options::{Encoding, Limits};
+use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::reading::confined::wire::Part;
 use crate::burst::reading::confined::{self, Budget};
 use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, turned, turned_size};
@@ -15,9 +14,10 @@ use crate::burst::times::Times;
 use crate::error::{Error, Result};
 use crate::files::read_bytes;
 use crate::plane::{Plane, memory};
+use image::codecs::{png::PngDecoder, webp::WebPDecoder};
 use image::error::{DecodingError, ImageFormatHint, LimitError, LimitErrorKind};
 use image::metadata::Orientation;
-use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
+use image::{AnimationDecoder, ColorType, Frames, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 use png::{BitDepth, DecodeOptions, Decoder, Reader, Transformations};
 use std::borrow::Cow;
 use std::fs::File;
@@ -40,7 +40,7 @@ impl Picture {
     /// Seconds for which each frame of an animation is shown.
     fn delays_s(&self, input: &Input, path: &Path) -> Result<Vec<f64>> {
         let mut reader = BufReader::with_capacity(64, &input.file);
-        let found = animation::delays_s(&mut reader, self.format, input.length);
+        let found = delays_of(&mut reader, self.format, input.length);
         let found = found.and_then(|delays| (&input.file).rewind().map(|()| delays));
         found.map_err(|e| Error::from_read(path, name(self.format), &e))
     }
@@ -96,7 +96,7 @@ impl Format for Picture {
             return Ok(declared);
         }
         let (width, height) = (declared.width, declared.height);
-        let mut times = animation::times(&delays);
+        let mut times = times_of(&delays);
         let frames = options.taken_of(path, delays.len(), (width, height))?;
         options.limits.check_burst(path, frames.len() as u64, width as u64, height as u64)?;
         if !times.seconds.is_empty() {
@@ -107,7 +107,7 @@ impl Format for Picture {
     }
 
     fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
-        let times = animation::times(&self.delays_s(&input, reading.path)?);
+        let times = times_of(&self.delays_s(&input, reading.path)?);
         Ok(if times.seconds.is_empty() { exif::times(reading.path) } else { times })
     }
 
@@ -119,7 +119,7 @@ impl Format for Picture {
         let file = input.file.try_clone().map_err(|e| Error::from_io(path, &e))?;
         let is_colour = declared(path, file, self.format, &options.limits)?.is_colour;
         (&input.file).rewind().map_err(|e| Error::from_io(path, &e))?;
-        animation::frames(reading, BufReader::with_capacity(1 << 16, input.file), (self.format, is_colour))
+        frames_of(reading, BufReader::with_capacity(1 << 16, input.file), (self.format, is_colour))
     }
 
     fn only(&self, input: Input, reading: Reading<'_>) -> Result<RawFrame> {
@@ -308,6 +308,89 @@ fn full_scale(path: &Path, reader: &mut (impl BufRead + Seek), format: ImageForm
     };
     let largest = largest.and_then(|word| word.parse::<u32>().ok());
     Ok(largest.filter(|largest| !matches!(largest, 0 | 255 | 65535..)).map(|largest| largest as f32))
+}
+
+/// Largest number of parts of a file that are looked at.
+const MAX_PARTS: usize = 1 << 16;
+
+/// Seconds for which each frame of an animation is shown; none for a single picture.
+fn delays_of(file: &mut (impl Read + Seek), format: ImageFormat, length: u64) -> io::Result<Vec<f64>> {
+    let (is_png, mut delays, mut start) = (format == ImageFormat::Png, Vec::new(), [0; 8]);
+    if !is_png && format != ImageFormat::WebP {
+        return Ok(delays);
+    }
+    let (mut at, mut is_announced) = (if is_png { 8 } else { 12 }, false);
+    for _ in 0..MAX_PARTS {
+        if at + 8 > length {
+            break;
+        }
+        read_at(file, at, &mut start)?;
+        let [first, second] = [[0, 1, 2, 3], [4, 5, 6, 7]].map(|of| of.map(|byte| start[byte]));
+        let (size, kind) =
+            if is_png { (u32::from_be_bytes(first), second) } else { (u32::from_le_bytes(second), first) };
+        is_announced |= [b"acTL", b"ANIM"].contains(&&kind);
+        // Of a single picture no more is read than stands before its pixels.
+        if !is_announced && [b"IDAT", b"VP8 ", b"VP8L", b"IEND"].contains(&&kind) {
+            break;
+        }
+        let end = at + 8 + u64::from(size) + if is_png { 4 } else { u64::from(size % 2) };
+        let mut data = [0; 26];
+        let most = data.len().min(size as usize);
+        if [b"fcTL", b"ANMF"].contains(&&kind) && end <= length && most > 14 {
+            read_at(file, at + 8, &mut data[..most])?;
+            let number = |at: usize| f64::from(u16::from_be_bytes([data[at], data[at + 1]]));
+            delays.push(match is_png {
+                // A denominator of 0 stands for hundredths.
+                true if number(22) > 0.0 => number(20) / number(22),
+                true => number(20) / 100.0,
+                false => f64::from(u32::from_le_bytes([data[12], data[13], data[14], 0])) * 1e-3,
+            });
+        }
+        at = end;
+    }
+    Ok(if delays.len() > 1 { delays } else { Vec::new() })
+}
+
+/// Times from the first frame on; none where a frame is shown for no time.
+fn times_of(delays_s: &[f64]) -> Times {
+    if delays_s.iter().any(|delay| *delay <= 0.0) {
+        return Times::default();
+    }
+    let from = |sum: &mut f64, delay: &f64| Some(std::mem::replace(sum, *sum + delay));
+    Times { seconds: delays_s.iter().scan(0.0, from).collect(), is_absolute: false }
+}
+
+/// The frames as they are shown, one over the other, up to the last that is taken.
+fn frames_of(
+    reading: Reading<'_>,
+    reader: impl BufRead + Seek,
+    (format, is_colour): (ImageFormat, bool),
+) -> Result<Vec<RawFrame>> {
+    let Reading { path, options, ticker, .. } = reading;
+    let fail = |e| failure(path, format, e);
+    let shown: Frames<'_> = match format {
+        ImageFormat::Png => PngDecoder::new(reader).and_then(PngDecoder::apng).map_err(fail)?.into_frames(),
+        _ => WebPDecoder::new(reader).map_err(fail)?.into_frames(),
+    };
+    let OpenOptions { take, linearise, limits, .. } = options;
+    let end = take.map_or(usize::MAX, |range| range.end);
+    let mut frames = Vec::new();
+    for frame in shown.take(end) {
+        ticker.check()?;
+        let picture = frame.map_err(fail)?.into_buffer();
+        let (width, height) = picture.dimensions();
+        limits.check_burst(path, frames.len() as u64 + 1, width.into(), height.into())?;
+        memory::check_room(4 * u64::from(width) * u64::from(height));
+        let values = grey_from_interleaved(picture.as_raw(), 4, Curve::of(255.0, *linearise));
+        let plane = Plane::from_vec(width as usize, height as usize, values);
+        let encoding = if is_colour && !linearise { Encoding::Srgb } else { Encoding::Linear };
+        frames.push(RawFrame { encoding, is_colour, ..RawFrame::linear(plane, FileScale::Range(255.0)) });
+        ticker.tick();
+    }
+    if frames.is_empty() {
+        return Err(Error::corrupt(path, name(format), "no frame of its animation is whole"));
+    }
+    options.taken(path, frames, (1, 1))
 }
 
 /// How the camera was held; no turn where the tag cannot be read.

@@ -4,9 +4,10 @@
 //! trusts the count allocates memory for four thousand million values of a file of two hundred bytes. Here every count
 //! is compared with the file's length; whether the values are there, the decoders see.
 
-use super::contiguous::Planes;
+use super::described::Axes;
 use crate::burst::formats::{Start, has_extension};
 use crate::burst::reading::{corrupt, read_at};
+use crate::burst::times::Times;
 use std::collections::HashSet;
 use std::io::{self, BufReader, Read, Seek};
 
@@ -61,6 +62,29 @@ mod tag {
     pub(super) const FIRST_OF_PLANES: u64 = 33628;
     pub(super) const PLANES: u64 = 33629;
     pub(super) const LAST_OF_PLANES: u64 = 33631;
+}
+
+/// Planes of a MetaMorph stack: their number, and for each six numbers: its distance in depth (two), the day and the
+/// millisecond when it was taken, and those when it was changed.
+#[derive(Debug, Default, Clone, PartialEq)]
+pub(super) struct Planes {
+    pub count: u64,
+    pub numbers: Vec<u64>,
+}
+
+impl Planes {
+    /// Times of the planes, and their axes.
+    pub(super) fn told(&self) -> (Times, Axes) {
+        // Days count from noon of the first one of the Julian period.
+        const DAY_OF_1970: f64 = 2_440_588.0;
+        let planes = || self.numbers.as_chunks::<6>().0.iter();
+        let seconds: Vec<f64> =
+            planes().map(|plane| (plane[2] as f64 - DAY_OF_1970) * 86_400.0 + plane[3] as f64 * 1e-3).collect();
+        let is_of_time = seconds.windows(2).all(|two| two[0] < two[1]) && seconds.iter().all(|second| *second > 0.0);
+        let is_of_depth = planes().any(|plane| plane[0] > 0) && !is_of_time;
+        let times = Times { seconds: if is_of_time { seconds } else { Vec::new() }, is_absolute: true };
+        (times, vec![(if is_of_depth { 'Z' } else { 'T' }, self.count as usize)])
+    }
 }
 
 #[derive(Debug, Default)]

@@ -2,7 +2,6 @@
 //! or 64-bit integers or floats. Pages that are marked as thumbnails are left out.
 
 mod axes;
-mod contiguous;
 mod described;
 mod directories;
 mod page;
@@ -221,7 +220,7 @@ impl Pages {
         let refused = |(problem, remedy)| Error::new(ErrorKind::Unsupported, problem, remedy).about(path);
         let (mut behind, mut times) = (None, Times::default());
         if list.len() == 1 {
-            behind = axes_of_volume(&mut decoder).or_else(|| contiguous::announced(description.as_deref(), path));
+            behind = axes_of_volume(&mut decoder).or_else(|| page::announced(description.as_deref(), path));
             if planes.count > 1 {
                 let axes;
                 (times, axes) = planes.told();
@@ -243,7 +242,7 @@ impl Pages {
         let chosen = axes::frames_of(described, pages, options.axis.as_ref()).map_err(refused)?;
         let plain = behind.map(|_| {
             let whole = turned_size(size, orientation);
-            let plain = contiguous::plain(&mut decoder, (path, length), (pages as u64, whole), limits)?;
+            let plain = page::plain(&mut decoder, (path, length), (pages as u64, whole), limits)?;
             let place = |page: &Page| plain.places.at(page.number);
             let places: Vec<u64> = chosen.pages.iter().map(place).collect();
             if times.seconds.len() == pages {
