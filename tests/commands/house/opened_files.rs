@@ -4,9 +4,8 @@ use super::reading::modules;
 
 /// Modules that open by themselves: the function's own; those of decoders, whose files the front of all decoders has
 /// opened before; those that read what the system writes; and those that make a file that was not there.
-const OTHERS: [&str; 10] = [
+const OTHERS: [&str; 9] = [
     "files",
-    "burst::formats::tiff",
     "burst::reading::exif",
     "burst::reading::plain",
     "burst::reading::tiles",

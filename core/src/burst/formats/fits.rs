@@ -185,7 +185,8 @@ impl Unit {
         let chosen = options.axis.as_ref().map(|axis| axis.along);
         let is_named = axis.to_uppercase().starts_with("RGB") || axis.eq_ignore_ascii_case("COLOR");
         let are_colours = frames == 3 && (chosen == Some(Axis::C) || chosen.is_none() && is_named);
-        if frames == 3 && chosen.is_none() && !are_colours && !axis.to_uppercase().starts_with("TIME") {
+        let is_said = NOT_TIME.iter().any(|start| axis.starts_with(start)) || axis.to_uppercase().starts_with("TIME");
+        if frames == 3 && chosen.is_none() && !are_colours && !is_said {
             let problem = "the three pictures of this image may be its colours, or three frames";
             return Err(refused(
                 problem.to_owned(),

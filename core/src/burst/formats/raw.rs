@@ -5,7 +5,8 @@
 //! which become 0 and 1, are the file's unless given; black may differ by colour, column and row (DNG's
 //! `BlackLevelDeltaH` and `BlackLevelDeltaV`).
 
-use super::tiff::{Directories, OF_SENSORS, is_of_sensor, is_tiff};
+use super::tiff::directories::{Directories, OF_SENSORS, begins as is_tiff};
+use super::tiff::is_of_sensor;
 use super::{Format, Input, Rank, Record, Start, has_extension};
 use crate::burst::options::{OpenOptions, RawColour};
 use crate::burst::reading::confined::wire::Part;

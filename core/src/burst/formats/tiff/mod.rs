@@ -3,10 +3,10 @@
 
 mod axes;
 mod described;
-mod directories;
+pub(super) mod directories;
 mod page;
 
-pub(super) use directories::{Directories, OF_SENSORS, begins as is_tiff, is_of_sensor};
+pub(super) use directories::is_of_sensor;
 
 use super::{Format, Input, Rank, Record, Start, found};
 use crate::burst::options::{Limits, OpenOptions};
@@ -16,6 +16,7 @@ use crate::burst::reading::{Declared, Expected, RawFrame, Reading, exif, in_orde
 use crate::burst::times::Times;
 use crate::error::{Error, ErrorKind, Result};
 use described::{Axes, Described, Page};
+use directories::Directories;
 use image::metadata::Orientation;
 use page::PageReader;
 use std::fs::File;
@@ -42,7 +43,7 @@ impl Format for Tiff {
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
-        is_tiff(start.bytes) && !is_of_sensor(start)
+        directories::begins(start.bytes) && !is_of_sensor(start)
     }
 
     fn check(&self, input: &Input, path: &Path, pages: usize) -> Result<()> {

@@ -17,9 +17,10 @@ use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, grey_f
 use crate::burst::reading::plain::Plain;
 use crate::burst::reading::{FileScale, RawFrame, Reading, frame_of_plane};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::plane::{Plane, memory};
 use flate2::{Decompress, FlushDecompress, Status};
-use std::fs::File;
+
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use tiff::decoder::{ChunkType, DecodingResult};
@@ -56,7 +57,7 @@ pub(super) struct PageReader<'a> {
 
 impl<'a> PageReader<'a> {
     pub(super) fn open(reading: Reading<'a>, path: &Path, length: u64) -> Result<Self> {
-        let file = File::open(path).map_err(|e| Error::from_io(reading.path, &e))?;
+        let file = files::open(path).map_err(|e| Error::from_io(reading.path, &e))?;
         let decoder = decoder(reading.path, file, &reading.options.limits)?;
         Ok(Self { reading, decoder, length })
     }
@@ -109,7 +110,7 @@ impl<'a> PageReader<'a> {
         };
         let places = self.decoder.find_tag_unsigned_vec::<u64>(places)?.unwrap_or_default();
         let lengths = self.decoder.find_tag_unsigned_vec::<u64>(lengths)?.unwrap_or_default();
-        let mut file = File::open(self.reading.path)?;
+        let mut file = files::open(self.reading.path)?;
         for (at, length) in places.into_iter().zip(lengths) {
             if at.saturating_add(length) > self.length {
                 return Ok(Some("it ends before its picture data does".to_owned()));
