@@ -216,7 +216,7 @@ impl Judging<'_> {
             let on = |at: f32, n: usize| n > 1 && (at.abs() < 0.5 || (at - n as f32 + 1.0).abs() < 0.5);
             feature.at_slope_limit && (on(i, grid.u.count) || on(j, grid.v.count))
         };
-        let features: Vec<Feature> = self.features.iter().filter(|feature| is_at_rim(feature)).cloned().collect();
+        let features: Vec<Feature> = self.features.iter().filter(|feature| is_at_rim(feature)).copied().collect();
         let after = Judging { grid, field: field.as_ref(), features: &features, ..*self };
         let (now, then) = (self.fault_of_slopes(), after.fault_of_slopes());
         // A range without aliases may hold more than is found.
