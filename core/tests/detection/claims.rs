@@ -121,11 +121,14 @@ fn nothing_is_said_of_noise_alone() {
     // As many of each with `NOISE=1000`.
     let all = std::env::var("NOISE").ok().map(|count| count.parse::<u64>().expect("a number"));
     for (count, frames, size) in [(60, 5, (64, 64)), (16, 10, (128, 128)), (4, 8, (240, 240)), (3, 10, (240, 240))] {
+        let mut seen = 0;
         for (seed, is_masked) in (0..all.unwrap_or(count)).flat_map(|seed| [(seed, false), (seed, true)]) {
             let finding = find(&noise(frames, size, is_masked, seed));
-            assert_eq!(finding.verdict, SlopeVerdict::NothingSeen, "{frames} {size:?} {is_masked} {seed}");
+            seen += usize::from(finding.verdict != SlopeVerdict::NothingSeen);
             assert!(finding.warnings.is_empty() && finding.uniform.is_none(), "{seed}: {}", finding.irregularities());
         }
+        println!("{frames} {size:?}: motion is seen in {seen}");
+        assert!(seen as u64 <= all.unwrap_or(count) / 200, "{frames} {size:?}: {seen}");
     }
 }
 

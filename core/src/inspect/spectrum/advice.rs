@@ -187,7 +187,7 @@ impl Judging<'_> {
         let found = self.finding.filter(|finding| is_of_frames(finding)).map(|finding| finding.grid);
         let found = found.filter(|_| !matches!(advice.subject, Subject::Aliases | Subject::Cost));
         for grid in [Some(wanted), found].into_iter().flatten().filter(|grid| *grid != self.grid) {
-            if self.is_mended_by(grid, monitor)? {
+            if self.is_mended_by(grid, advice.subject, monitor)? {
                 return Ok(Some(SlopeAdvice { changes: self.changes_to(grid), ..advice }));
             }
         }
@@ -205,23 +205,24 @@ impl Judging<'_> {
     }
 
     /// Whether no fault is left with the slopes of `grid`, or none but that of now.
-    fn is_mended_by(&self, grid: SlopeGrid, monitor: &Monitor) -> Result<bool, Cancelled> {
+    fn is_mended_by(&self, grid: SlopeGrid, subject: Subject, monitor: &Monitor) -> Result<bool, Cancelled> {
         if grid.len() == 1 || self.finding.is_some_and(|finding| is_of_frames(finding) && finding.grid == grid) {
             return Ok(true);
         }
         let field = field_over(&grid, self.burst, self.detection.frames_used.clone(), monitor)?;
-        // What still rises at an end of the slopes of now need not do so inside wider ones, nor is it found beyond others.
+        // What still rises at an end of the slopes of now need not do so inside wider ones, and is not found beyond.
         let is_at_rim = |feature: &Feature| {
             let (i, j) = grid.position(feature.slope);
             let on = |at: f32, n: usize| n > 1 && (at.abs() < 0.5 || (at - n as f32 + 1.0).abs() < 0.5);
             feature.at_slope_limit && (on(i, grid.u.count) || on(j, grid.v.count))
         };
-        let features: Vec<Feature> = self.features.iter().filter(|feature| is_at_rim(feature)).cloned().collect();
+        let features: Vec<Feature> = self.features.iter().filter(|feature| is_at_rim(feature)).copied().collect();
         let after = Judging { grid, field: field.as_ref(), features: &features, ..*self };
         let (now, then) = (self.fault_of_slopes(), after.fault_of_slopes());
-        let is_less = |now: SlopeAdvice, then: &SlopeAdvice| {
-            now.subject == then.subject && (now.subject == Subject::Cost || then.number < 0.5 * now.number)
-        };
+        // A range without aliases may hold more than is found.
+        let then = then.filter(|then| (subject, then.subject) != (Subject::Aliases, Subject::Cost));
+        let is_less =
+            |now: SlopeAdvice, then: &SlopeAdvice| now.subject == then.subject && then.number < 0.5 * now.number;
         Ok(then.is_none_or(|then| now.is_some_and(|now| is_less(now, &then))))
     }
 }
