@@ -165,10 +165,10 @@ impl BurstscopeApp {
         let Some(first) = paths.first() else { return };
         match purpose {
             Purpose::OpenBias => {
-                self.overlays.calibration_draft(&model.document.calibration).bias = Some(first.clone())
+                self.overlays.calibration_draft(&model.document.calibration).bias = Some(first.clone());
             }
             Purpose::OpenFlat => {
-                self.overlays.calibration_draft(&model.document.calibration).flat = Some(first.clone())
+                self.overlays.calibration_draft(&model.document.calibration).flat = Some(first.clone());
             }
             Purpose::OpenMask | Purpose::OpenMasks => {
                 self.overlays.calibration_draft(&model.document.calibration).mask = Some(first.clone());

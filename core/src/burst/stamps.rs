@@ -115,7 +115,7 @@ fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<
     }
     let unit = match longest {
         ..=3 => PARTS / 1000,
-        ..=6 => PARTS / 1_000_000,
+        4..=6 => PARTS / 1_000_000,
         _ => PARTS / 1_000_000_000,
     };
     let times = |part: &dyn Fn(usize) -> i128| (0..digits.len()).map(|t| seconds[t] * PARTS + part(t)).collect();

@@ -123,7 +123,7 @@ impl Model {
             Ok(traced) if Some(traced.burst) == open => self.take_trail(traced),
             Ok(_) => {}
             Err(JobError::Cancelled) => {
-                self.results.probed.problem = Some("Cancelled; probe the place again".to_owned())
+                self.results.probed.problem = Some("Cancelled; probe the place again".to_owned());
             }
             Err(error) => self.results.probed.problem = Some(error.to_string()),
         }
