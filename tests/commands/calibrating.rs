@@ -148,7 +148,8 @@ fn pictures_for_screens_are_said_to_be_so() {
     let output = detect.env("PATH", home.path()).output().expect("it starts");
     let words = String::from_utf8(output.stderr).expect("text");
     assert_eq!(output.status.code(), Some(1), "{words}");
-    assert!(words.contains("ffmpeg -i film.mp4 -fps_mode passthrough -strict -1 film.y4m"), "{words}");
+    assert!(words.contains("ffmpeg -i film.mp4 -fps_mode passthrough -vf 'format=gray|"), "{words}");
+    assert!(words.contains("' -strict -1 film.y4m"), "{words}");
 }
 
 #[test]
