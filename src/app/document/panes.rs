@@ -35,7 +35,7 @@ pub enum Change {
 
 impl Document {
     /// Changes a pane. The cursors that are linked with that of the pane in focus follow it. It may leave the range of
-    /// its burst, into which [`Model::check_params`] brings it.
+    /// its burst, into which the next pass of the window brings it.
     pub fn lead(&mut self, id: PaneId, change: impl FnOnce(&mut Pane)) {
         let Some(pane) = self.panes.get_mut(id) else { return };
         let before = pane.cursor;

@@ -1,7 +1,7 @@
 //! What the engine answered about what the document opens: a file a part, which says what is missing, as a value of the
 //! document and the results, and how an answer is taken.
 //!
-//! In each pass the window takes the answers that came, and requests what is missing: [`asking`] has the list.
+//! In each pass the window takes the answers that came, and requests what is missing: `asking.rs` has the list.
 
 mod asking;
 pub mod compare;

@@ -1,52 +1,172 @@
-//! Tests of `matching`.
-#![allow(unused_imports)]
+//! Tests of the public functions of `matching`, a module for each of its files.
 
-use align::Measured;
-use burstscope_core::detector::*;
-use burstscope_core::error::*;
-use burstscope_core::matching::*;
-use burstscope_core::monitor::*;
-use serde::Serialize;
-use std::fmt;
-use std::str::FromStr;
+mod whole {
+    use burstscope_core::matching::*;
 
-#[test]
-fn ratios_are_of_each_images_own_keypoints_and_never_divided_by_zero() {
-    let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30), refused: None };
-    assert_eq!(counts.keypoints_per_image(), 150.0);
-    assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
-    assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
-    assert_eq!(counts.inlier_ratio(), Some(0.75));
-    let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
-    assert_eq!((none.match_ratio(), none.match_score(), none.inlier_ratio()), (0.0, Some(0.0), None));
-    let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None, refused: None };
-    assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.inlier_ratio()), (1.0, None, None));
-}
-
-#[test]
-fn an_images_matches_with_all_others_are_added_up() {
-    let counts = |putative, inliers| MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() };
-    let pairs = [((0, 1), counts(4, 3)), ((0, 2), counts(6, 0))];
-    let all = ImageCounts::of(&[10, 8, 0], &pairs).expect("three images");
-    // Image 0 has 10 putative matches, image 1 has 4, image 2 has 6 (and no keypoint to divide them by).
-    assert_eq!((all.keypoints_per_image, all.putative_per_image, all.inliers_per_image), (6.0, 20.0 / 3.0, 2.0));
-    assert!((all.match_ratio - (1.0 + 0.5) / 3.0).abs() < 1e-12);
-    assert!((all.match_score - (0.3 + 0.375) / 3.0).abs() < 1e-12);
-    assert_eq!((all.inlier_ratio, all.verified_pairs), (Some(0.3), 1));
-    assert_eq!(ImageCounts::of(&[], &[]), None);
-    assert_eq!(ImageCounts::of(&[5], &[]).expect("one image").inlier_ratio, None);
-}
-
-#[test]
-fn pairs_are_in_order_and_each_is_there_once() {
-    assert_eq!(PairSelection::All.pairs(4), [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]);
-    assert_eq!(PairSelection::Sequential(2).pairs(4), [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)]);
-    assert_eq!(PairSelection::Sequential(usize::MAX).pairs(3).len(), 3);
-    assert!(PairSelection::All.pairs(1).is_empty() && PairSelection::Sequential(3).pairs(0).is_empty());
-    for choice in [PairSelection::All, PairSelection::Sequential(7)] {
-        assert_eq!(choice.to_string().parse(), Ok(choice));
+    #[test]
+    fn ratios_are_of_each_images_own_keypoints_and_never_divided_by_zero() {
+        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30), refused: None };
+        assert_eq!(counts.keypoints_per_image(), 150.0);
+        assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
+        assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
+        assert_eq!(counts.inlier_ratio(), Some(0.75));
+        let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
+        assert_eq!((none.match_ratio(), none.match_score(), none.inlier_ratio()), (0.0, Some(0.0), None));
+        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None, refused: None };
+        assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.inlier_ratio()), (1.0, None, None));
     }
-    for bad in ["", "some", "sequential", "sequential:0", "sequential:-1", "sequential:x"] {
-        assert!(bad.parse::<PairSelection>().is_err(), "{bad}");
+
+    #[test]
+    fn an_images_matches_with_all_others_are_added_up() {
+        let counts = |putative, inliers| MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() };
+        let pairs = [((0, 1), counts(4, 3)), ((0, 2), counts(6, 0))];
+        let all = ImageCounts::of(&[10, 8, 0], &pairs).expect("three images");
+        // Image 0 has 10 putative matches, image 1 has 4, image 2 has 6 (and no keypoint to divide them by).
+        assert_eq!((all.keypoints_per_image, all.putative_per_image, all.inliers_per_image), (6.0, 20.0 / 3.0, 2.0));
+        assert!((all.match_ratio - (1.0 + 0.5) / 3.0).abs() < 1e-12);
+        assert!((all.match_score - (0.3 + 0.375) / 3.0).abs() < 1e-12);
+        assert_eq!((all.inlier_ratio, all.verified_pairs), (Some(0.3), 1));
+        assert_eq!(ImageCounts::of(&[], &[]), None);
+        assert_eq!(ImageCounts::of(&[5], &[]).expect("one image").inlier_ratio, None);
+    }
+
+    #[test]
+    fn pairs_are_in_order_and_each_is_there_once() {
+        assert_eq!(PairSelection::All.pairs(4), [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]);
+        assert_eq!(PairSelection::Sequential(2).pairs(4), [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)]);
+        assert_eq!(PairSelection::Sequential(usize::MAX).pairs(3).len(), 3);
+        assert!(PairSelection::All.pairs(1).is_empty() && PairSelection::Sequential(3).pairs(0).is_empty());
+        for choice in [PairSelection::All, PairSelection::Sequential(7)] {
+            assert_eq!(choice.to_string().parse(), Ok(choice));
+        }
+        for bad in ["", "some", "sequential", "sequential:0", "sequential:-1", "sequential:x"] {
+            assert!(bad.parse::<PairSelection>().is_err(), "{bad}");
+        }
+    }
+}
+
+mod align_solve {
+    use burstscope_core::matching::align::solve::*;
+
+    #[test]
+    fn orientations_of_one_place_move_together() {
+        let features = [[1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [1.0, 2.0, 3.5], [9.0, 2.0, 3.0], [1.0, 2.0, 3.0]];
+        let places = Places::of(features);
+        assert_eq!(places, Places { of_feature: vec![0, 0, 1, 2, 0], first: vec![0, 2, 3] });
+    }
+}
+
+mod camera {
+    use burstscope_core::matching::camera::*;
+    use proptest::prelude::*;
+
+    fn opencv() -> Camera {
+        "OPENCV 640 480 500 510 321 239 -0.28 0.07 0.0002 -0.0004".parse().expect("a camera")
+    }
+
+    #[test]
+    fn the_first_pixels_centre_is_half_a_pixel_in() {
+        let camera: Camera = "PINHOLE,640,480,500,400,320.5,240.5".parse().expect("a camera");
+        assert_eq!(camera.direction_of([320.0, 240.0]), [0.0, 0.0]);
+        assert_eq!(camera.pixel_of([1.0, -0.5]), [820.0, 40.0]);
+        assert_eq!(Camera::centred(640, 480, 500.0).direction_of([319.5, 239.5]), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn distortion_is_that_of_opencv() {
+        // By hand at (x, y) = (0.3, −0.2): r² = 0.13, radial 1 − 0.28·0.13 + 0.07·0.0169.
+        let radial = 1.0 - 0.28 * 0.13 + 0.07 * 0.0169;
+        let x = 0.3 * radial + 2.0 * 0.0002 * -0.06 - 0.0004 * (0.13 + 0.18);
+        let y = -0.2 * radial + 0.0002 * (0.13 + 0.08) + 2.0 * -0.0004 * -0.06;
+        let [u, v] = opencv().pixel_of([0.3, -0.2]);
+        assert!((u - (500.0 * x + 320.5)).abs() < 1e-9 && (v - (510.0 * y + 238.5)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn text_is_read_back_and_nonsense_says_what_is_right() {
+        for text in ["SIMPLE_PINHOLE 8 6 5 4 3", "SIMPLE_RADIAL 8 6 5 4 3 -0.1", &opencv().to_string()] {
+            assert_eq!(text.parse::<Camera>().expect("a camera").to_string(), text);
+        }
+        for (text, words) in [
+            ("", "begin with a model"),
+            ("FISHEYE 8 6 1", "OPENCV"),
+            ("PINHOLE 8", "PINHOLE WIDTH HEIGHT fx fy cx cy"),
+            ("PINHOLE 8 6 1 2 3", "PINHOLE takes fx, fy, cx, cy"),
+            ("PINHOLE 8 6 1 2 3 x", "'x' is not a number"),
+            ("PINHOLE 8 6 0 2 3 4", "focal length is above 0"),
+            ("PINHOLE 0 6 1 2 3 4", "size of its images"),
+            ("SIMPLE_RADIAL 8 6 5 4 3 nan", "k is NaN"),
+        ] {
+            let error = text.parse::<Camera>().expect_err(words);
+            assert!(error.contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn files_hold_it_by_colmaps_names_and_hopeless_distortion_ends_without_nan() {
+        let text = toml::to_string(&opencv()).expect("plain values");
+        assert!(text.contains("model = \"OPENCV\""), "{text}");
+        assert_eq!(toml::from_str::<Camera>(&text), Ok(opencv()));
+        for model in CameraModel::ALL {
+            assert_eq!(serde_json::to_value(model).ok(), Some(serde_json::Value::from(model.name())));
+        }
+        let camera: Camera = "SIMPLE_RADIAL 640 480 100 320 240 -3".parse().expect("a camera");
+        for pixel in [[0.0, 0.0], [1e6, -1e6], [320.0, 0.0]] {
+            assert!(camera.direction_of(pixel).iter().all(|x| x.is_finite()));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn directions_and_pixels_are_inverse(u in -0.5f64..639.5, v in -0.5f64..479.5) {
+            for camera in [opencv(), Camera::centred(640, 480, 700.0), "SIMPLE_RADIAL 640 480 500 320 240 0.1".parse().expect("a camera")] {
+                let [back_u, back_v] = camera.pixel_of(camera.direction_of([u, v]));
+                prop_assert!((back_u - u).abs() < 1e-8 && (back_v - v).abs() < 1e-8, "{} {}", back_u, back_v);
+            }
+        }
+    }
+}
+
+mod params {
+    use burstscope_core::detector::params::Word;
+    use burstscope_core::matching::camera::*;
+    use burstscope_core::matching::params::*;
+
+    #[test]
+    fn the_defaults_are_valid_and_survive_a_file() {
+        let params = MatchParams::default();
+        assert_eq!(params.validate(), Ok(()));
+        let text = toml::to_string(&params).expect("plain values");
+        assert_eq!(toml::from_str(&text), Ok(params));
+        assert!(toml::from_str::<MatchParams>("ration = 0.7").is_err());
+        let params = MatchParams { camera: Some(Camera::centred(8, 6, 5.0)), ..MatchParams::default() };
+        let table = toml::Table::try_from(params).expect("plain values");
+        let described: Vec<String> =
+            burstscope_core::matching::params::doc::ALL.iter().map(|record| record.name.replace('-', "_")).collect();
+        assert!(table.len() == described.len() && table.keys().all(|field| described.contains(field)), "{table:?}");
+        for geometry in Geometry::ALL {
+            assert_eq!(serde_json::to_value(geometry).ok(), Some(serde_json::Value::from(geometry.word())));
+        }
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        let flat = Camera { width: 0, ..Camera::centred(8, 6, 5.0) };
+        type Spoil = fn(&mut MatchParams, Camera);
+        let cases: [(&str, Spoil); 8] = [
+            ("ratio", |p, _| p.ratio = f32::NAN),
+            ("ratio", |p, _| p.ratio = 1.01),
+            ("max-error-px", |p, _| p.max_error_px = 0.0),
+            ("max-error-px", |p, _| p.max_error_px = f32::INFINITY),
+            ("confidence", |p, _| p.confidence = 1.0),
+            ("max-iterations", |p, _| p.max_iterations = 0),
+            ("camera", |p, _| p.geometry = Geometry::Essential),
+            ("camera", |p, flat| p.camera = Some(flat)),
+        ];
+        for (name, spoil) in cases {
+            let mut params = MatchParams::default();
+            spoil(&mut params, flat.clone());
+            assert_eq!(params.validate().expect_err(name).subject, name);
+        }
     }
 }

@@ -325,6 +325,26 @@ fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
     }
 }
 
+#[test]
+fn dates_of_files_go_there_and_back() {
+    let sides = ["NAXIS1  =                    8", "NAXIS2  =                    6"];
+    let begins = |date: &str| {
+        let card = format!("DATE-OBS= '{date}'");
+        Made::new("d.fits", &fits(&[&FITS[..], &sides, &[card.as_str()]].concat(), 48)).info("").begins
+    };
+    let whole =
+        ["1970-01-01T00:00:00.000", "2000-02-29T12:30:01.250", "2026-11-24T20:31:07.000", "1969-12-31T23:59:59.500"];
+    for date in whole {
+        assert_eq!(begins(date), Some(format!("{date}Z")));
+    }
+    assert_eq!(begins("2021-03-01"), begins("2021-03-01T00:00"));
+    assert!(begins("2021-03-01").is_some());
+    let bad = "2021 2021-13-01 2021-01-00 2021-01-01T24:00 2021-01-01T10:61 2021-01-01T10:10:x 99999999-1-1";
+    for bad in bad.split(' ').chain([""]) {
+        assert_eq!(begins(bad), None, "{bad}");
+    }
+}
+
 fn ser(frames: u32, bits: u32, values: &[u16], stamps: &[u64]) -> Vec<u8> {
     let mut bytes = b"LUCAM-RECORDER".to_vec();
     for number in [0, 0, 0, 4, 2, bits, frames] {

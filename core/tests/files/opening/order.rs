@@ -3,10 +3,11 @@
 
 use super::support::{folder, grey8, save};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Info, OpenOptions, SequenceCut, cut_sequence, find_bursts};
+use burstscope_core::burst::{Burst, Info, OpenOptions, SequenceCut, cut_sequence, files_at, find_bursts};
 use burstscope_core::error::Error;
 use proptest::prelude::*;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 fn options(times: &str, take: &str) -> OpenOptions {
@@ -18,7 +19,7 @@ fn frames(names: &[impl AsRef<str>]) -> TempDir {
     let home = folder();
     for (t, name) in names.iter().enumerate() {
         let path = home.path().join(name.as_ref());
-        std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        fs::create_dir_all(path.parent().expect("a folder")).expect("made");
         save(&path, &grey8(8, 8, 20 * t as u8));
     }
     home
@@ -197,6 +198,7 @@ fn a_name_without_number_stands_before_its_copies() {
         ["x.png", "x!1.png", "x!2.png", "x+1.png"],
         ["frame_1.png", "frame_2.png", "frame_002.png", "frame_10.png"],
         ["a_.png", "a_1.png", "a_1.tif.png", "a_2.png"],
+        ["a.png", "frame_.png", "frame_1.png", "frame_2.png"],
     ] {
         let home = frames(&names);
         assert_eq!(open(home.path(), &OpenOptions::default()).expect("a burst").frame_names, names);
@@ -206,7 +208,7 @@ fn a_name_without_number_stands_before_its_copies() {
 /// Opens five frames by a list beside them: positions, seconds of an interval, and notes.
 fn listed(list: &str) -> Result<(Vec<f64>, f64, String), Error> {
     let home = frames(&["00000.png", "00001.png", "00002.png", "00003.png", "00004.png"]);
-    std::fs::write(home.path().join("t.txt"), list).expect("written");
+    fs::write(home.path().join("t.txt"), list).expect("written");
     let burst = open(home.path(), &options("t.txt", ""))?;
     assert!(burst.frame_names.is_sorted(), "{list}: {:?}", burst.frame_names);
     Ok((burst.positions.since_first(), burst.positions.interval_s().unwrap_or_default(), burst.taken.join("; ")))
@@ -297,7 +299,7 @@ fn a_list_of_several_cameras_is_matched_by_folder_and_found_above_the_frames() {
         all().map(|(cam, k)| format!("rig/cam{cam}/{k};{:.3}\n", time(cam, k))).collect(),
     ] {
         let home = frames(&names);
-        std::fs::write(home.path().join("list.txt"), &list).expect("written");
+        fs::write(home.path().join("list.txt"), &list).expect("written");
         for (cam, name) in cameras.iter().enumerate() {
             let burst =
                 open(&home.path().join(name), &options("list.txt", "")).unwrap_or_else(|e| panic!("{list}: {e}"));
@@ -308,8 +310,8 @@ fn a_list_of_several_cameras_is_matched_by_folder_and_found_above_the_frames() {
     }
     // A list beside the frames is nearer.
     let home = frames(&["mav0/a.png", "mav0/b.png"]);
-    std::fs::write(home.path().join("list.csv"), "a.png,0\nb.png,0.5\n").expect("written");
-    std::fs::write(home.path().join("mav0/list.csv"), "a.png,0\nb.png,0.25\n").expect("written");
+    fs::write(home.path().join("list.csv"), "a.png,0\nb.png,0.5\n").expect("written");
+    fs::write(home.path().join("mav0/list.csv"), "a.png,0\nb.png,0.25\n").expect("written");
     let burst = open(&home.path().join("mav0"), &options("list.csv", "")).expect("a burst");
     assert_eq!(burst.positions.interval_s(), Some(0.25));
 }
@@ -320,9 +322,9 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
         ["1341846313.7.png", "1341846313.66.png", "1341846313.592.png", "1341846313.6255.png", "1341846313.5592.png"];
     let home = frames(&names);
     let list: String = [9, 7, 5, 1, 3].iter().zip(0..).map(|(ms, _)| format!("0.{ms}\n")).collect();
-    std::fs::write(home.path().join("plain.txt"), list).expect("written");
+    fs::write(home.path().join("plain.txt"), list).expect("written");
     let named: String = names.iter().zip([4, 3, 1, 2, 0]).map(|(name, at)| format!("{name},0.{at}\n")).collect();
-    std::fs::write(home.path().join("named.txt"), named).expect("written");
+    fs::write(home.path().join("named.txt"), named).expect("written");
     for times in ["names", "plain.txt", "named.txt", "even"] {
         let whole = open(home.path(), &options(times, "")).expect("a burst");
         for take in ["0..2", "1..4", "2..5", "0..5"] {
@@ -345,13 +347,13 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
         assert!(error.contains("beyond the 5 frames"), "{error}");
     }
     // A list of a part alone, and of a whole stack.
-    std::fs::write(home.path().join("two.txt"), "0.5\n0.75\n").expect("written");
+    fs::write(home.path().join("two.txt"), "0.5\n0.75\n").expect("written");
     assert_eq!(open(home.path(), &options("two.txt", "1..3")).expect("a part").positions.interval_s(), Some(0.25));
     let other = folder();
     let stack = other.path().join("stack.npy");
     ndarray_npy::write_npy(&stack, &ndarray::Array3::<u8>::from_shape_fn((5, 8, 8), |(t, v, u)| (t + u + v) as u8))
         .expect("written");
-    std::fs::write(other.path().join("five.txt"), "0\n0.5\n1\n2\n4\n").expect("written");
+    fs::write(other.path().join("five.txt"), "0\n0.5\n1\n2\n4\n").expect("written");
     let part = open(&stack, &options("five.txt", "2..5")).expect("a part");
     assert_eq!((part.positions.since_first(), part.positions.interval_s()), (vec![0.0, 1.0, 3.0], Some(1.0)));
     // Bursts of a sequence follow one another in time.
@@ -386,11 +388,11 @@ fn an_order_that_contradicts_names_or_headers_is_told() {
         ("1.jpg", include_bytes!("samples/exif_0.jpg")),
         ("2.jpg", include_bytes!("samples/exif_2.jpg")),
     ] {
-        std::fs::write(home.path().join(name), bytes).expect("written");
+        fs::write(home.path().join(name), bytes).expect("written");
     }
     told(&home, "--times header");
-    std::fs::copy(home.path().join("2.jpg"), home.path().join("3.jpg")).expect("copied");
-    std::fs::remove_file(home.path().join("0.jpg")).expect("removed");
+    fs::copy(home.path().join("2.jpg"), home.path().join("3.jpg")).expect("copied");
+    fs::remove_file(home.path().join("0.jpg")).expect("removed");
     let twice = info(home.path(), &plain).expect("described");
     assert!(
         twice.taken.iter().any(|note| note.contains("frames 1 and 2, counted from 0, have the same time")),
@@ -405,6 +407,31 @@ fn an_order_that_contradicts_names_or_headers_is_told() {
         let home = frames(&names);
         let notes = info(home.path(), &options(times, "")).expect("described").taken;
         assert!(!notes.iter().any(|note| note.contains("the order of the frames")), "{notes:?}");
+    }
+}
+
+/// Names of empty files in the order in which a folder of them is listed.
+fn order_of(names: &[&String]) -> Vec<PathBuf> {
+    let home = folder();
+    names.iter().for_each(|name| fs::write(home.path().join(format!("{name}.png")), b"").expect("written"));
+    let listed = files_at(&[home.path().to_path_buf()]).expect("listed");
+    listed.iter().map(|file| file.strip_prefix(home.path()).expect("within").to_path_buf()).collect()
+}
+
+proptest! {
+    // If this were not a total order, sorting could panic, and would depend on the file system.
+    #[test]
+    fn natural_order_is_total(
+        names in prop::collection::btree_set("[0-9a_é٣\u{ff11}( -][0-9a_.é٣\u{ff11}() -]{0,6}|[0-9]{15,25}", 3),
+    ) {
+        let names: Vec<&String> = names.iter().collect();
+        let all = order_of(&names);
+        for without in 0..3 {
+            let two: Vec<&String> = (0..3).filter(|k| *k != without).map(|k| names[k]).collect();
+            let pair = order_of(&two);
+            let within: Vec<_> = all.iter().filter(|file| pair.contains(file)).collect();
+            prop_assert_eq!(within, pair.iter().collect::<Vec<_>>());
+        }
     }
 }
 
@@ -442,7 +469,7 @@ proptest! {
     ) {
         let names: Vec<String> = names.iter().map(|name| format!("a{name}.png")).collect();
         let home = frames(&names);
-        std::fs::write(home.path().join("t.txt"), &text).expect("written");
+        fs::write(home.path().join("t.txt"), &text).expect("written");
         for times in ["names", "t.txt"] {
             match open(home.path(), &options(times, "")) {
                 Ok(burst) => {

@@ -2,10 +2,11 @@
 
 use super::support::{folder, save};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{ArrayFrame, Arrays, Burst, Info, OpenOptions, Positions, find_bursts};
+use burstscope_core::burst::{ArrayFrame, Arrays, Burst, Info, OpenOptions, Positions, ViewsChoice, find_bursts};
 use burstscope_core::error::Error;
 use image::{GrayImage, Luma};
 use ndarray::{Array4, Array5};
+use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 
 const ROWS: usize = 3;
@@ -141,4 +142,61 @@ fn what_is_no_light_field_is_refused_with_a_remedy() {
     let paths: Vec<PathBuf> = vec![file.clone(), file];
     let several = Burst::open_with(&paths, &options("3x5"), &Monitor::default()).expect_err("two files");
     assert!(several.to_string().contains("15 views, but there are 2 frames"), "{several}");
+}
+
+/// Opens small pictures of these names as one burst: its positions, and its names in their order.
+fn named(names: &[&str], views: &str) -> Result<(Positions, Vec<String>), Error> {
+    let home = folder();
+    names.iter().for_each(|name| save(&home.path().join(name), &picture((4, 3), |u, v| (u + v) as u8)));
+    let files: Vec<PathBuf> = names.iter().map(|name| home.path().join(name)).collect();
+    let burst = Burst::open_with(&files, &options(views), &Monitor::default())?;
+    Ok((burst.positions, burst.frame_names))
+}
+
+#[test]
+fn rows_and_columns_in_usual_names_need_no_option_and_others_do() {
+    for names in [
+        ["view_03_07.png", "view_03_08.png", "view_04_07.png", "view_04_08.png"],
+        ["0_0.png", "0_1.png", "1_0.png", "1_1.png"],
+    ] {
+        assert_eq!(named(&names, "").expect("placed").0, Positions::grid(2, 2), "{names:?}");
+    }
+    // No full grid, one row, something behind, another word before, an option that says otherwise: frames in time.
+    for (names, views) in [
+        (&["0_0.png", "0_1.png", "1_0.png"][..], ""),
+        (&["view_0_0.png", "view_0_1.png", "view_0_2.png"], ""),
+        (&["0_0a.png", "0_1a.png", "1_0a.png", "1_1a.png"], ""),
+        (&["cam_0_0.png", "cam_0_1.png", "cam_1_0.png", "cam_1_1.png"], ""),
+        (&["0_0.png", "0_1.png", "1_0.png", "1_1.png"], "1x4"),
+    ] {
+        assert_eq!(named(names, views).expect("placed").0, Positions::even(names.len()), "{names:?}");
+    }
+    let names = ["out_01_00_-3.5_7.png", "out_00_01_2.5_8.png", "out_00_00_1.5_8.png"];
+    let (positions, order) = named(&names, "names").expect("placed");
+    assert_eq!(Some(positions), Positions::of_views(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]));
+    assert_eq!(order, [names[2], names[1], names[0]]);
+    let told = named(&["a.png", "b.png", "c.png"], "names").expect_err("refused").to_string();
+    assert!(told.contains("'a.png' has no row and column"), "{told}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn names_of_any_grid_are_read(rows in 2usize..5, columns in 2usize..5, from in 0usize..12, width in 1usize..4) {
+        let name = |k: usize| format!("view_{:0width$}_{:0width$}.png", from + k / columns, from + k % columns);
+        let names: Vec<String> = (0..rows * columns).map(name).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        prop_assert_eq!(named(&names, "").expect("a grid").0, Positions::grid(rows, columns));
+    }
+
+    #[test]
+    fn no_name_and_no_text_panics(
+        names in prop::collection::btree_set("[0-9_v.é٣-]{1,12}", 1..5),
+        text in "\\PC{0,12}",
+    ) {
+        let names: Vec<String> = names.into_iter().map(|name| format!("{name}.png")).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let _ = (named(&names, ""), named(&names, "names"), text.parse::<ViewsChoice>());
+    }
 }

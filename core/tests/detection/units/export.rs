@@ -1,0 +1,380 @@
+//! Tests of the public functions of `export`, a module for each of its files.
+
+mod atomic {
+    use burstscope_core::error::*;
+    use burstscope_core::export::*;
+    use std::io::{self, Write};
+    use std::path::Path;
+
+    fn count(folder: &Path) -> usize {
+        std::fs::read_dir(folder).expect("folder").count()
+    }
+
+    #[test]
+    fn a_failing_or_panicking_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("a.txt");
+        write_whole(&path, |w| w.write_all(b"old")).expect("written");
+        let full = || Err(io::Error::other("disk full"));
+        let error = write_whole(&path, |w| w.write_all(&[b'x'; 1 << 18]).and_then(|()| full()));
+        assert_eq!(error, Err(Error::unwritten(&path, &io::Error::other("disk full"))));
+        assert_eq!(std::fs::read(&path).expect("read"), b"old");
+        assert_eq!(count(folder.path()), 1);
+        let path = folder.path().join("new.txt");
+        let panicked = std::panic::catch_unwind(|| write_whole(&path, |_| panic!("on purpose")));
+        assert!(panicked.is_err());
+        assert_eq!(count(folder.path()), 1);
+    }
+}
+
+mod csv {
+    use burstscope_core::export::{PictureProfile, write_profiles_csv};
+    use burstscope_core::plane::sample::ProfileSample;
+
+    #[test]
+    fn every_sample_has_a_row_and_names_may_hold_anything() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("p.csv");
+        let sample = |distance_px, value| ProfileSample { distance_px, u: 1.5, v: 2.0, value };
+        let profiles = [
+            PictureProfile { picture: "Stack (1.00, 0.00)".into(), samples: vec![sample(0.0, 0.25), sample(1.0, 0.5)] },
+            PictureProfile { picture: "a \"b\"".into(), samples: vec![sample(0.0, f32::NAN)] },
+        ];
+        write_profiles_csv(&path, &profiles).expect("written");
+        let text = std::fs::read_to_string(&path).expect("there");
+        let expected = "picture,distance_px,u,v,value\n\"Stack (1.00, 0.00)\",0,1.5,2,0.25\n\"Stack (1.00, 0.00)\",1,1.5,2,0.5\n\"a \"\"b\"\"\",0,1.5,2,\n";
+        assert_eq!(text, expected);
+    }
+}
+
+mod figure_curve {
+    use burstscope_core::export::*;
+
+    #[test]
+    fn the_mark_follows_the_curve_and_all_lies_on_the_sheet() {
+        let (size, unit) = ([200.0, 100.0], FigureUnit::Pixel);
+        let blank = Drawing { size, unit, shapes: Vec::new(), title: String::new() };
+        let centre = |marked: usize| {
+            let points = vec![[-1.0, 0.0], [0.0, f32::NAN], [1.0, 3.0]];
+            let curve = FigureCurve { points, marked, title: "D".into(), label_x: "slope".into(), ticks_x: Vec::new() };
+            let mut drawing = blank.clone();
+            draw_curve(&mut drawing, &curve, 10.0);
+            assert_eq!(drawing.size, [200.0, 100.0 + curve_height(10.0)]);
+            let is_inside = |[x, y]: [f32; 2]| (0.0..=200.0).contains(&x) && (100.0..=drawing.size[1]).contains(&y);
+            drawing.shapes.iter().find_map(|shape| match shape {
+                FigureShape::Circle { centre, .. } => Some(*centre).filter(|at| is_inside(*at)),
+                _ => None,
+            })
+        };
+        let (first, last) = (centre(0).expect("drawn"), centre(2).expect("drawn"));
+        assert!(last[0] > first[0] && last[1] < first[1], "to the right and up: {first:?} {last:?}");
+        assert_eq!((centre(1), centre(9)), (None, None), "there is nothing to mark");
+    }
+}
+
+mod film {
+    use burstscope_core::export::film::*;
+    use burstscope_core::monitor::*;
+    use image::Rgba;
+    use image::RgbaImage;
+    use std::io::{self};
+
+    fn encoded(pictures: Vec<RgbaImage>, monitor: &Monitor) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        encode_film(&mut bytes, (pictures.len(), pictures.into_iter().map(Ok)), 10, monitor).map(|()| bytes)
+    }
+
+    fn pictures() -> Vec<RgbaImage> {
+        (0..3u8).map(|t| RgbaImage::from_fn(20, 10, |x, _| Rgba([80 * t, (12 * x) as u8, 9, 255]))).collect()
+    }
+
+    #[test]
+    fn films_come_back_picture_by_picture() {
+        let bytes = encoded(pictures(), &Monitor::default()).expect("encoded");
+        let mut options = gif::DecodeOptions::new();
+        options.set_color_output(gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(&bytes[..]).expect("a GIF");
+        for truth in pictures() {
+            let frame = decoder.read_next_frame().expect("read").expect("a picture");
+            assert_eq!(frame.delay, 10);
+            let off = frame.buffer.iter().zip(truth.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
+            assert!(off.is_some_and(|off| off <= 4), "{off:?}");
+        }
+        assert!(decoder.read_next_frame().expect("read").is_none());
+        let estimate = estimated_film_bytes([&pictures()[0], &pictures()[1]], 3) as f64;
+        assert!((0.4..3.0).contains(&(estimate / bytes.len() as f64)));
+    }
+}
+
+mod format {
+    use burstscope_core::export::*;
+
+    #[test]
+    fn formats_are_read_as_they_are_shown() {
+        for format in ExportFormat::ALL {
+            assert_eq!(format.to_string().parse(), Ok(format));
+            assert_eq!(format.to_string().to_uppercase().parse(), Ok(format));
+        }
+        let error = "xlsx".parse::<ExportFormat>().expect_err("unknown").to_string();
+        assert!(ExportFormat::ALL.iter().all(|f| error.contains(&f.to_string())), "{error}");
+    }
+
+    #[test]
+    fn no_name_leaves_its_folder() {
+        let paths = [("../../etc/passwd", "_.._etc_passwd"), ("..", "burst"), ("", "burst")];
+        for (name, safe) in
+            [("slider-far", "slider-far"), ("a:b?", "a_b_"), (" 夜 1. ", "夜 1")].into_iter().chain(paths)
+        {
+            assert_eq!(safe_file_name(name), safe);
+        }
+    }
+
+    #[test]
+    fn names_that_would_share_a_file_are_numbered() {
+        let mut names = ["a", "A", "a_2", "a:", "a?"].map(str::to_owned);
+        make_file_names_unique(names.iter_mut());
+        assert_eq!(names, ["a", "A_2", "a_2_2", "a:", "a?_2"]);
+    }
+}
+
+mod kept {
+    use burstscope_core::export::*;
+    use burstscope_core::files::mark::Checksum;
+    use serde::{Deserialize, Serialize};
+    use serde_json::json;
+
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    struct Row {
+        content: Checksum,
+        values: Vec<f64>,
+    }
+
+    fn record() -> Record<Row> {
+        let of = Row { content: Checksum::of(b"3 128\n"), values: vec![0.1, 2.5e-7] };
+        Record { made_from: MadeFrom::new(json!({ "levels": 4 })), of }
+    }
+
+    #[test]
+    fn records_come_back_and_go() {
+        let home = tempfile::tempdir().expect("a folder");
+        let records = Records::of(home.path());
+        assert_eq!(records.read::<Row>("night"), None);
+        records.write("night", &record()).expect("written");
+        assert_eq!(records.read("night"), Some(record()));
+        assert_eq!(records.read::<Record<String>>("night"), None, "it is no text");
+        assert!(record().made_from.is_of_this_program());
+        assert_ne!(MadeFrom::new(json!({ "levels": 5 })), record().made_from);
+        records.remove("night").expect("removed");
+        records.remove("night").expect("it is not there");
+        assert_eq!(records.read::<Row>("night"), None);
+    }
+}
+
+mod outputs {
+    use burstscope_core::detector::SearchParams;
+    use burstscope_core::export::case::{Case, Enclosed, write_case};
+    use burstscope_core::export::film::write_film;
+    use burstscope_core::export::*;
+    use burstscope_core::export::{
+        CURVE_COLUMNS, ColmapKeypoint, Drawing, Picture, PictureProfile, sheet, write_colmap_keypoints, write_csv,
+        write_drawing_svg, write_matches_csv, write_npz, write_png, write_profiles_csv, write_tiff,
+    };
+    use burstscope_core::files::mark::Kind;
+    use burstscope_core::monitor::Monitor;
+    use burstscope_core::plane::Plane;
+
+    #[test]
+    fn every_file_that_is_written_is_known_until_somebody_changes_it() {
+        let home = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| home.path().join(name);
+        write_png(&at("a.png"), Picture::rgb(2, 1, &[9; 6])).expect("written");
+        write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
+        let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
+        write_film(&at("a.gif"), pictures, 10, &Monitor::default()).expect("written");
+        let unit = burstscope_core::export::FigureUnit::Pixel;
+        let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], unit, shapes: Vec::new() };
+        write_drawing_svg(&at("a.svg"), &drawing).expect("written");
+        let parts = vec![sheet::Sheet::new(80.0, "b").finish(40.0); 2];
+        write_text(&at("b.svg"), Kind::Drawing, sheet::stacked("both", &parts)).expect("written");
+        write_text(&at("p.toml"), Kind::Settings, burstscope_core::files::written_by() + "levels = 4\n")
+            .expect("written");
+        let burst = burstscope_core::burst::Burst::from_planes("a", vec![Plane::zeros(9, 9)]);
+        let (case, part) =
+            Case::of(&burst, &SearchParams::default(), (None, None), "", &Monitor::default()).expect("nobody cancels");
+        write_case(&at("a.burstcase"), (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
+        write_npz(&at("a.npz"), &[], &[]).expect("written");
+        write_csv(&at("a.csv"), &[]).expect("written");
+        write_matches_csv(&at("m.csv"), &[]).expect("written");
+        let profile = PictureProfile { picture: "a \"b\", c".into(), samples: Vec::new() };
+        write_profiles_csv(&at("p.csv"), &[profile]).expect("written");
+        std::fs::write(at("c.csv"), format!("{CURVE_COLUMNS}\n")).expect("written");
+        write_colmap_keypoints(&at("a.txt"), &[KEYPOINT], &[[7; 128]]).expect("written");
+        let mut known = 0;
+        for entry in std::fs::read_dir(home.path()).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            assert!(is_ours(&path), "{}", path.display());
+            // A byte of the pixels or the text is changed; then one more comes at the end.
+            let bytes = std::fs::read(&path).expect("read");
+            let place = if path.ends_with("a.tiff") { 2000 } else { 60.min(bytes.len() / 2) };
+            for changed in
+                [[&bytes[..place], &[bytes[place] ^ 1], &bytes[place + 1..]].concat(), [&bytes[..], b"?"].concat()]
+            {
+                std::fs::write(&path, &changed).expect("written");
+                let is_longer_tiff = path.ends_with("a.tiff") && changed.len() > bytes.len();
+                assert_eq!(is_ours(&path), is_longer_tiff, "{}", path.display());
+            }
+            known += 1;
+        }
+        assert_eq!(known, 13);
+    }
+
+    const KEYPOINT: ColmapKeypoint = ColmapKeypoint { x: 10.25, y: 0.1, scale: 1.6, orientation: -3.0 };
+
+    #[test]
+    fn files_of_others_are_not_taken_for_ours() {
+        let home = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| home.path().join(name);
+        for name in ["a.png", "a.tiff", "a.jpg"] {
+            image::GrayImage::from_pixel(8, 8, image::Luma([9])).save(at(name)).expect("written");
+            assert!(!is_ours(&at(name)), "{name}");
+        }
+        let numbers = |first: &str| format!("1 128\n{first} 0.1 1.6 -3{}\n", " 7".repeat(128));
+        std::fs::write(at("x"), numbers("10.25")).expect("written");
+        assert!(is_ours(&at("x")), "as this program writes it");
+        let texts =
+            ["", "\n", " 128\n", "12 a 128", "0 127\n", "2 128\n", "PK\u{3}\u{4}", "II*\0", "SQLite format 3\0"];
+        let more = [
+            &numbers("10.250000"),
+            "u,v\n1,2\n",
+            "u,v,sigma\n",
+            "set,plot,curve,x,y,low,high\nmine\n",
+            "about Burstscope 0.1.0: # Written by Burstscope 0.1.0\n",
+            "# Written by Burstscope 0.1.0\nlevels = 4\n",
+            "<svg><!-- Written by Burstscope 0.1.0 --></svg>",
+        ];
+        for text in texts.into_iter().chain(more) {
+            std::fs::write(at("x"), text).expect("written");
+            assert!(!is_ours(&at("x")), "{text:?}");
+        }
+        assert!(!is_ours(home.path()) && !is_ours(&at("none")));
+    }
+}
+
+mod pfm {
+    use burstscope_core::detector::*;
+    use burstscope_core::detector::{Motion, Slope};
+    use burstscope_core::export::write_field_tiff;
+    use burstscope_core::export::*;
+
+    #[test]
+    fn a_field_is_read_back_from_pfm_and_tiff_with_its_motions_in_their_places() {
+        let motion = |u: f32, v: f32, uu: f32| Motion { slope: Slope::new(u, v), covariance: [uu, 0.0, 0.01] };
+        let field = MotionField {
+            size: (2, 2),
+            cell_px: 8,
+            motions: vec![
+                motion(1.5, -2.0, 0.04),
+                motion(0.0, 3.0, 0.25),
+                motion(-1.0, 0.5, 4.0),
+                motion(2.0, 0.0, 0.01),
+            ],
+            unknown_sigma: 1.0,
+            layers: Vec::new(),
+            layer: vec![0; 4],
+        };
+        // The last cells are cut by the border.
+        let size = (15, 11);
+        let folder = tempfile::tempdir().expect("a folder");
+        let (pfm, tiff) = (folder.path().join("field.pfm"), folder.path().join("field.tiff"));
+        write_field_pfm(&pfm, &field, size).expect("written");
+        write_field_tiff(&tiff, &field, size).expect("written");
+        let bytes = std::fs::read(&pfm).expect("read");
+        let samples = bytes.strip_prefix(b"PF\n15 11\n-1.0\n").expect("the header of three lines");
+        let read: Vec<f32> = samples.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        assert_eq!(read.len(), 3 * 15 * 11, "and nothing after the samples");
+        for (row, column) in [(0, 0), (0, 14), (10, 3), (7, 8), (8, 7)] {
+            let there = field.at(column as f32, row as f32);
+            let start = 3 * ((10 - row) * 15 + column);
+            let wanted = [there.slope.u, there.slope.v, there.ellipse().0[0]];
+            assert_eq!(read[start..start + 3], wanted, "row {row}, column {column}");
+        }
+        let mut decoder = tiff::decoder::Decoder::new(std::fs::File::open(&tiff).expect("opens")).expect("a TIFF");
+        let tiff::decoder::DecodingResult::F32(page) = decoder.read_image().expect("an image") else {
+            panic!("no f32")
+        };
+        let upside_down: Vec<f32> = read.chunks(3 * 15).rev().flatten().copied().collect();
+        assert_eq!(page, upside_down, "the same samples, the first row first");
+    }
+}
+
+mod plot {
+    use burstscope_core::export::sheet::*;
+    use burstscope_core::export::*;
+
+    fn series(points: &[(f64, f64, Option<[f64; 2]>)]) -> Series {
+        let points = points.iter().map(|&(x, y, spread)| SeriesPoint { x, y, spread }).collect();
+        Series { label: "a < b".into(), colour: "#000000", dashes: "", width: 2.0, points, dot: None }
+    }
+
+    #[test]
+    fn a_plot_has_room_for_what_it_shows() {
+        let all = [series(&[(1.0, 5.0, Some([4.0, 7.0])), (2.0, f64::NAN, None)]), series(&[(1.0, 3.0, None)])];
+        assert!((range_from_zero(&all, 1.0).1 - 7.42).abs() < 1e-9);
+        assert_eq!(range_from_zero(&[], 1.0), (0.0, 1.06));
+    }
+
+    #[test]
+    fn lines_break_where_a_value_is_missing_and_names_are_escaped() {
+        let spread = Some([0.25, 1.5]);
+        let all = [series(&[(0.0, 1.0, None), (1.0, f64::NAN, spread), (2.0, 1.0, spread), (3.0, 2.0, None)])];
+        let mut sheet = Sheet::new(300.0, "lines");
+        let (range_x, range_y) = ((0.0, 3.0), (0.0, 2.0));
+        let plot = Plot { title: "", label_x: "x", label_y: "y", range_x, range_y, has_dots: true, series: &all };
+        sheet.plot(Area { x: 60.0, y: 20.0, width: 100.0, height: 100.0 }, &plot);
+        assert_eq!(sheet.legend((10.0, 10.0), 50.0, &[all[0].clone(), all[0].clone()]), 50.0, "one under the other");
+        let svg = sheet.finish(200.0);
+        let path = svg.lines().find(|line| line.starts_with("<path")).expect("a line");
+        assert!(path.contains("M60 70M126.667 70L160 20"), "{path}");
+        assert_eq!(svg.matches("<circle").count(), 3);
+        let bars: Vec<&str> = svg.lines().filter(|line| line.contains("stroke-opacity")).collect();
+        let is_from_low_to_high = bars[0].contains(r#"y1="107.5""#) && bars[0].contains(r#"y2="45""#);
+        assert!(bars.len() == 1 && is_from_low_to_high, "{bars:?}");
+        assert!(svg.contains("a &lt; b") && !svg.contains("NaN"), "{svg}");
+    }
+}
+
+mod sheet {
+    use burstscope_core::export::sheet::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(ticks((-3.0, 3.0)), [-2.0, 0.0, 2.0]);
+        assert_eq!(ticks((0.0, 45.0)), [0.0, 10.0, 20.0, 30.0, 40.0]);
+        assert_eq!(ticks((2.0, 2.0)), [2.0]);
+        for k in 1..400 {
+            let range = (-0.013 * f64::from(k), 0.031 * f64::from(k));
+            let ticks = ticks(range);
+            assert!(
+                (2..=12).contains(&ticks.len()) && ticks.iter().all(|t| *t >= range.0 - 1e-9 && *t <= range.1 + 1e-9)
+            );
+        }
+        assert_eq!((short(-2.0), short(0.25), short(0.000_2)), ("−2".into(), "0.25".into(), "2e−4".into()));
+    }
+
+    #[test]
+    fn documents_stand_under_one_another() {
+        let document = |height: f64| Sheet::new(120.0, "part").finish(height);
+        let both = stacked("both", &[document(50.0), document(70.0)]);
+        assert!(both.starts_with("<svg ") && both.contains(r#"width="120" height="120""#), "{both}");
+        assert!(both.contains(r#"<svg y="50" "#) && both.matches("</svg>").count() == 3, "{both}");
+    }
+
+    #[test]
+    fn a_paragraph_is_broken_where_it_is_full() {
+        let mut sheet = Sheet::new(200.0, "a < b");
+        let next = sheet.paragraph((0.0, 10.0), 10.0, 60.0, "one two three four five six");
+        assert!(next > 30.0);
+        let text = sheet.finish(50.0);
+        assert!(text.contains("<title>a &lt; b</title>") && text.matches("<text").count() >= 3, "{text}");
+    }
+}
