@@ -309,7 +309,7 @@ def open(
     mask: str | os.PathLike[str] | None = None,
     mask_saturated: bool = False,
     raw_colour: Literal["luma", "green", "red", "blue"] = "luma",
-    mosaic: Literal["rggb", "grbg", "gbrg", "bggr"] | None = None,
+    mosaic: Literal["rggb", "grbg", "gbrg", "bggr", "none"] | None = None,
     raw: str | None = None,
     axis: str | None = None,
     array: str | None = None,
@@ -343,8 +343,8 @@ def open(
         Mask pixels at or above the full scale.
     raw_colour : {"luma", "green", "red", "blue"}
         What is taken of the 2×2 colours of raw frames and mosaics.
-    mosaic : {"rggb", "grbg", "gbrg", "bggr"}, optional
-        Mosaic of colours of frames whose files do not say that they have one.
+    mosaic : {"rggb", "grbg", "gbrg", "bggr", "none"}, optional
+        Mosaic of colours of frames whose files do not say that they have one; ``"none"`` leaves each pixel as it is.
     raw : str, optional
         Shape of files without header, such as ``"1600x1200:u16le"``.
     axis : str, optional

@@ -116,7 +116,11 @@ fn is_measured(block: &str) -> bool {
         number(pair[0]).is_some()
             && MEASURED.split(' ').any(|unit| unit == pair[1].trim_end_matches([',', '.', ';', ':', ')']))
     };
-    if block.starts_with('|') { block.lines().any(|line| cells(line) >= 2) } else { words.windows(2).any(has_unit) }
+    if block.trim_start().starts_with('|') {
+        block.lines().any(|line| cells(line) >= 2)
+    } else {
+        words.windows(2).any(has_unit)
+    }
 }
 
 /// Paragraphs, tables and samples of output of a document, each with whether it stands below a version mark.

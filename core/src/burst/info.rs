@@ -77,7 +77,7 @@ impl Info {
         let declared = formats::declared(first, options, monitor)?;
         let Declared { kind, width, height, frames, samples, is_colour, mosaic, times, views, taken, first: decoded } =
             declared;
-        let is_mosaic = decoded.is_none() && options.mosaic.or(mosaic).is_some();
+        let is_mosaic = decoded.is_none() && options.mosaic_of(mosaic).is_some();
         let binning = if is_mosaic { 2 } else { decoded.map_or(1, |frame| frame.binning) };
         // The frame of a raw file is binned already.
         let (width, height) = if is_mosaic { (width / 2, height / 2) } else { (width, height) };

@@ -109,15 +109,20 @@ pub enum Mosaic {
     Gbrg,
     /// Blue and green, green and red.
     Bggr,
+    /// No colours: each pixel stays one, also where the file says that there is a mosaic.
+    None,
 }
 
 impl Mosaic {
     /// The mosaic of what begins `u` columns and `v` rows further on.
     pub(super) fn shifted(self, u: usize, v: usize) -> Self {
-        let of = |mosaic: Self| (0..4).map(move |k| mosaic.colour_at(k % 2, k / 2));
-        let shifted: Vec<usize> = (0..4).map(|k| self.colour_at(k % 2 + u, k / 2 + v)).collect();
-        let all = [Self::Rggb, Self::Grbg, Self::Gbrg, Self::Bggr];
-        all.into_iter().find(|mosaic| of(*mosaic).eq(shifted.iter().copied())).unwrap_or(self)
+        Self::of(|du, dv| self.colour_at(u + du, v + dv)).unwrap_or(self)
+    }
+
+    /// The mosaic whose pixels have these colours, if it is one of squares of two green, a red and a blue pixel.
+    pub(super) fn of(colour_at: impl Fn(usize, usize) -> usize) -> Option<Self> {
+        let is_this = |mosaic: &Self| (0..4).all(|k| mosaic.colour_at(k % 2, k / 2) == colour_at(k % 2, k / 2));
+        [Self::Rggb, Self::Grbg, Self::Gbrg, Self::Bggr].into_iter().find(is_this)
     }
 
     /// Colour of a pixel: 0 red, 1 green, 2 blue.
@@ -127,6 +132,7 @@ impl Mosaic {
             Self::Grbg => [1, 0, 2, 1],
             Self::Gbrg => [1, 2, 0, 1],
             Self::Bggr => [2, 1, 1, 0],
+            Self::None => [1; 4],
         };
         square[2 * (v % 2) + u % 2]
     }

@@ -201,7 +201,6 @@ impl OpenOptions {
     }
 }
 
-/// File of the mask of `frame` in `folder`.
 fn mask_of(folder: &Path, frame: &Path) -> Result<PathBuf> {
     let name = frame.file_name().unwrap_or_default();
     let mut colmap = name.to_os_string();

@@ -59,7 +59,8 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "COLOUR", default_value_t = RawColour::Luma))]
     pub raw_colour: RawColour,
     /// Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files without
-    /// header: the colours of the 2×2 pixels in the corner, row by row.
+    /// header: the colours of the 2×2 pixels in the corner, row by row. With `none` each pixel stays one, whatever the
+    /// file says.
     #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "PATTERN"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mosaic: Option<Mosaic>,
@@ -162,6 +163,11 @@ impl OpenOptions {
     /// Paths of those files.
     pub fn paths(&self) -> Vec<PathBuf> {
         self.clone().paths_mut().map(|path| path.clone()).collect()
+    }
+
+    /// The mosaic of frames whose file declares `declared`.
+    pub(super) fn mosaic_of(&self, declared: Option<Mosaic>) -> Option<Mosaic> {
+        self.mosaic.or(declared).filter(|mosaic| *mosaic != Mosaic::None)
     }
 
     /// These options for looking through a whole file, of which a part may be taken.

@@ -344,7 +344,6 @@ pub fn fates_near(
     Ok(sorted_by_stage(near(trail, place, reach_sigmas, monitor)?.fates))
 }
 
-/// Sorts fates as [`fates_near`].
 pub(super) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
     fates.sort_by(|a, b| {
         let stage = |fate: &Fate| fate.first_failed.map_or(Test::ALL.len(), |test| test as usize);
@@ -353,7 +352,6 @@ pub(super) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
     fates
 }
 
-/// Number of slopes that are searched at a place.
 fn searched_slopes(trail: &Trail, place: [f32; 2]) -> usize {
     (0..trail.params().used_slopes().len()).filter(|&index| trail.searches(place, index)).count()
 }

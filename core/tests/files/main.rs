@@ -9,6 +9,8 @@ mod shared;
 mod cases;
 #[cfg(feature = "colmap")]
 mod colmap;
+#[cfg(feature = "colmap")]
+mod colmap_database;
 mod export;
 mod opening;
 mod params;

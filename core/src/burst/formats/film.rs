@@ -1,12 +1,15 @@
-//! Films, decoded by the `ffmpeg` of this machine: it writes them as Y4M to a pipe, with all bits of their luma.
+//! Films, decoded by the `ffmpeg` of this machine: it writes them to a pipe with all bits of their luma, as Y4M, or with
+//! their colours, as PPM, where they are RGB.
 //!
 //! The program is started without a shell, may read this file alone and no address of a network, and is killed when the
 //! work is cancelled. Its words are an error, also where it ends well. Memory holds the frames and a block of the pipe.
 
 use super::y4m::Film as Stream;
 use super::{Format, Input, Rank, Record, Start};
+use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
 use crate::burst::reading::confined::Running;
+use crate::burst::reading::plain::Plain;
 use crate::burst::reading::{Declared, RawFrame, Reading};
 use crate::burst::times::Times;
 use crate::error::{Error, ErrorKind, Result};
@@ -24,7 +27,7 @@ pub(super) struct Film;
 impl Format for Film {
     fn record(&self) -> Record {
         let extensions = &["mp4", "mkv", "avi", "mov", "webm", "mpg", "gif"];
-        let opens = "decoded by the `ffmpeg` in `PATH`, with all bits of grey films (FFV1, 16 bit) and at the times that frames are shown; RGB films and GIFs become luma and colours as `ffmpeg` converts them; what `ffmpeg` says of a film is an error with its words";
+        let opens = "decoded by the `ffmpeg` in `PATH`, with all bits of grey films (FFV1, 16 bit) and at the times that frames are shown; luma as it is stored, and of RGB films and GIFs that of their colours; what `ffmpeg` says of a film is an error with its words";
         Record {
             name: KIND,
             rank: Rank::Other,
@@ -87,8 +90,13 @@ fn container(start: &[u8]) -> Option<&'static str> {
 const PIXELS: &str = "format=gray|gray9le|gray10le|gray12le|gray16le|yuv411p|yuv420p|yuv422p|yuv444p|yuvj420p|yuvj422p|\
     yuvj444p|yuv420p9le|yuv422p9le|yuv444p9le|yuv420p10le|yuv422p10le|yuv444p10le|yuv420p12le|yuv422p12le|yuv444p12le|\
     yuv420p14le|yuv422p14le|yuv444p14le|yuv420p16le|yuv422p16le|yuv444p16le";
-/// Arguments that decode each frame once; before version 5.1 `ffmpeg` knows the first by another name.
-const FRAMES: [&str; 9] = ["-fps_mode", "passthrough", "-vf", PIXELS, "-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
+/// Formats of colours that PPM holds.
+const COLOURS: &str = "rgb24|rgb48be";
+/// Arguments that decode each frame once, without the formats of pixels; before version 5.1 `ffmpeg` knows the first by
+/// another name.
+const FRAMES: [&str; 3] = ["-fps_mode", "passthrough", "-vf"];
+const AS_Y4M: [&str; 5] = ["-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
+const AS_PPM: [&str; 5] = ["-c:v", "ppm", "-f", "image2pipe", "pipe:1"];
 /// Arguments that list the frames with their times, without decoding them.
 const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
 
@@ -200,18 +208,89 @@ fn last_words(stderr: impl Read) -> String {
     String::from_utf8_lossy(&words).lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
 }
 
+/// What `ffmpeg` writes of the first `most` frames, with whether it is PPM. It is, where the nearest format of pixels is
+/// one that Y4M does not hold.
+fn run_frames<T>(reading: Reading<'_>, most: usize, read: impl Fn(&mut dyn BufRead, bool) -> Result<T>) -> Result<T> {
+    let Reading { path, options, ticker, .. } = reading;
+    let [nearest, colours] = [format!("{PIXELS}|{COLOURS}"), format!("format={COLOURS}")];
+    let as_y4m = [&FRAMES[..], &[&nearest], &AS_Y4M].concat();
+    let answer = run(path, (&as_y4m, most), options, ticker.monitor(), |reader| read(reader, false));
+    if !answer.as_ref().is_err_and(|error| error.problem.contains("yuv4mpeg can only handle")) {
+        return answer;
+    }
+    let as_ppm = [&FRAMES[..], &[&colours], &AS_PPM].concat();
+    run(path, (&as_ppm, most), options, ticker.monitor(), |reader| read(reader, true))
+}
+
+/// A film in a pipe.
+enum Piped {
+    Y4m(Stream),
+    Ppm(PpmHeader),
+}
+
+/// Columns, rows and largest value.
+type PpmHeader = [u64; 3];
+
+fn ppm_header(path: &Path, reader: &mut dyn BufRead) -> Result<PpmHeader> {
+    let mut text = String::new();
+    for _ in 0..3 {
+        let read = reader.take(64).read_line(&mut text);
+        read.map_err(|e| Error::from_read(path, KIND, &e))?;
+    }
+    let numbers = text.strip_prefix("P6").map(|rest| rest.split_whitespace().filter_map(|word| word.parse().ok()));
+    numbers.and_then(|numbers| numbers.collect::<Vec<_>>().try_into().ok()).ok_or_else(|| {
+        let what = "ffmpeg writes what is no picture";
+        Error::corrupt(path, KIND, if text.is_empty() { "ffmpeg finds no frame in it" } else { what })
+    })
+}
+
+impl Piped {
+    fn read(path: &Path, mut reader: &mut dyn BufRead, is_ppm: bool) -> Result<Self> {
+        if is_ppm { ppm_header(path, reader).map(Self::Ppm) } else { Stream::read(path, &mut reader).map(Self::Y4m) }
+    }
+
+    /// Reads up to the numbers of frame `frame`; false at the end of the film.
+    fn next_frame(&self, path: &Path, mut reader: &mut dyn BufRead, frame: usize) -> Result<bool> {
+        match self {
+            Self::Y4m(_) => Stream::next_frame(path, &mut reader),
+            Self::Ppm(_) if frame == 0 => Ok(true),
+            Self::Ppm(_) if reader.fill_buf().map_err(|e| Error::from_read(path, KIND, &e))?.is_empty() => Ok(false),
+            Self::Ppm(first) if ppm_header(path, reader)? == *first => Ok(true),
+            Self::Ppm(_) => Err(Error::corrupt(path, KIND, "its frames differ in size")),
+        }
+    }
+
+    /// Bytes of a frame that are left out.
+    fn rest_bytes(&self) -> u64 {
+        if let Self::Y4m(film) = self { film.rest_bytes() } else { 0 }
+    }
+
+    /// `count` frames, wherever they are.
+    fn plain(&self, count: usize) -> Plain {
+        match self {
+            Self::Y4m(film) => film.plain(vec![0; count]),
+            Self::Ppm([width, height, largest]) => {
+                let number = if *largest > 255 { Number::U16 } else { Number::U8 };
+                let plain = Plain::new(KIND, (*width as usize, *height as usize), vec![0; count], number);
+                Plain { big_endian: true, channels: 3, white: Some(*largest as f32), is_encoded: true, ..plain }
+            }
+        }
+    }
+}
+
 /// Size, number of frames and times, without decoding more than the first.
 fn declared(reading: Reading<'_>) -> Result<Declared> {
     let Reading { path, options, ticker, .. } = reading;
     let monitor = ticker.monitor();
     let whole = &options.of_whole();
     let mut times = run(path, (&LIST, usize::MAX), options, monitor, |reader| times(path, reader, whole))?;
-    let film = run(path, (&FRAMES, 1), options, monitor, |mut reader| Stream::read(path, &mut reader))?;
-    let (width, height) = (film.size.0 as u64, film.size.1 as u64);
+    let film = run_frames(reading, 1, |reader, is_ppm| Piped::read(path, reader, is_ppm))?;
+    let size = film.plain(0).size;
+    let (width, height) = (size.0 as u64, size.1 as u64);
     options.limits.check_frame(path, width, height)?;
-    times.seconds = options.taken(path, times.seconds, film.size)?;
+    times.seconds = options.taken(path, times.seconds, size)?;
     options.limits.check_burst(path, times.seconds.len() as u64, width, height)?;
-    let plain = film.plain(vec![0; times.seconds.len()]);
+    let plain = film.plain(times.seconds.len());
     Ok(Declared { kind: KIND, times, ..plain.declared() })
 }
 
@@ -245,15 +324,15 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
 }
 
 fn frames(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
-    let Reading { path, options, ticker, .. } = reading;
+    let Reading { path, options, .. } = reading;
     let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
-    run(path, (&FRAMES, range.end), options, ticker.monitor(), |mut reader| {
-        let film = Stream::read(path, &mut reader)?;
-        let (width, height) = (film.size.0 as u64, film.size.1 as u64);
+    run_frames(reading, range.end, |mut reader, is_ppm| {
+        let film = Piped::read(path, reader, is_ppm)?;
+        let plain = film.plain(1);
+        let (width, height) = (plain.size.0 as u64, plain.size.1 as u64);
         options.limits.check_frame(path, width, height)?;
-        let plain = film.plain(vec![0]);
         let (mut frames, mut count) = (Vec::new(), 0);
-        while count < range.end && Stream::next_frame(path, &mut reader)? {
+        while count < range.end && film.next_frame(path, reader, count)? {
             let mut rest = film.rest_bytes();
             if count < range.start {
                 rest += plain.frame_bytes();

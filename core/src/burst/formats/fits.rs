@@ -228,10 +228,8 @@ impl Unit {
         };
         let scaling = (!is_plain).then_some(Scaling { factor, offset, blank });
         let size = (self.axes[0] as usize, self.axes[1] as usize);
-        let (times, mosaic, plain) = (self.times(frames), self.mosaic(), Plain::new(KIND, size, places, number));
-        if let (Some(_), 1) = (mosaic, plain.places.len()) {
-            taken.push("the mosaic of colours is what BAYERPAT says; squares of 2×2 pixels become one".to_owned());
-        }
+        let (times, mosaic, plain) =
+            (self.times(frames), self.mosaic().filter(|_| !are_colours), Plain::new(KIND, size, places, number));
         let plain = Plain { big_endian: true, white, scaling, times, taken, tiles, mosaic, ..plain };
         if !are_colours {
             return Ok(plain);

@@ -358,6 +358,11 @@ pub(super) fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) ->
     let reading = Reading::new(path, options, &ticker);
     let (mut found, _) = with_format(reading, usize::MAX, |format, input| format.declared(input, reading))?;
     found.taken.iter_mut().for_each(|taken| *taken = one_line(taken));
+    if let (Some(mosaic), None) = (found.mosaic, options.mosaic) {
+        let named = format!("{mosaic:?}").to_lowercase();
+        let told = "squares of 2×2 pixels become one; --mosaic none leaves them as they are";
+        found.taken.push(format!("the mosaic of colours is what the file says, {named}: {told}"));
+    }
     if let Some(frame) = &mut found.first {
         frame.misnamed = misnamed(path, found.kind);
     }

@@ -8,7 +8,8 @@
 use super::tiff::directories::{Directories, OF_SENSORS, begins as is_tiff};
 use super::tiff::is_of_sensor;
 use super::{Format, Input, Rank, Record, Start, has_extension};
-use crate::burst::options::{OpenOptions, RawColour};
+use crate::burst::layout::Mosaic;
+use crate::burst::options::OpenOptions;
 use crate::burst::reading::confined::wire::Part;
 use crate::burst::reading::confined::{self, Budget};
 use crate::burst::reading::pixels::{Curve, binned, grey_from_interleaved, turned};
@@ -124,7 +125,7 @@ fn decoded(reading: Reading<'_>) -> Result<RawFrame> {
     let too_few = || Error::corrupt(path, NAME, "it has fewer values than its size announces");
     let area = active_area(&raw).ok_or_else(too_few)?;
     let levels = RawLevels::of(&raw, (area.d.w, area.d.h), black_steps, options).map_err(unsupported)?;
-    let (plane, binning) = plane_of(&raw, &area, &levels, options.raw_colour).map_err(unsupported)?;
+    let (plane, binning) = plane_of(&raw, &area, &levels, options).map_err(unsupported)?;
     if let Some(index) = plane.data().iter().position(|v| !v.is_finite()) {
         return Err(Error::not_finite(path, 0, plane.width(), index, plane.data()[index]));
     }
@@ -147,7 +148,8 @@ fn active_area(raw: &RawImage) -> Option<Rect> {
 }
 
 /// One value for each pixel, or each square of 2×2, with the side of that square in pixels (1 or 2).
-fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) -> Result<(Plane, usize), String> {
+fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, options: &OpenOptions) -> Result<(Plane, usize), String> {
+    let colour = options.raw_colour;
     // Value of a pixel of the active area, as a fraction.
     let at = |u: usize, v: usize, c: usize| {
         let index = ((area.p.y + v) * raw.width + area.p.x + u) * raw.cpp + c;
@@ -157,14 +159,15 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, colour: RawColour) 
         };
         levels.fraction(value, (u, v), c)
     };
-    if let (RawPhotometricInterpretation::Cfa(config), 1) = (&raw.photometric, raw.cpp) {
+    let is_binned = options.mosaic != Some(Mosaic::None);
+    if let (RawPhotometricInterpretation::Cfa(config), 1, true) = (&raw.photometric, raw.cpp, is_binned) {
         let mosaic = &config.cfa;
         let colour_at = |u: usize, v: usize| mosaic.color_at(area.p.y + v, area.p.x + u);
         let mut square: Vec<usize> = (0..4).map(|k| colour_at(k % 2, k / 2)).collect();
         square.sort_unstable();
         if (mosaic.width, mosaic.height) != (2, 2) || square != [0, 1, 1, 2] {
             return Err(format!(
-                "its mosaic is {}×{} of {}; squares of two green, a red and a blue pixel can be opened",
+                "its mosaic is {}×{} of {}; squares of two green, a red and a blue pixel can be opened, and with --mosaic none its pixels as they are",
                 mosaic.width, mosaic.height, mosaic.name
             ));
         }

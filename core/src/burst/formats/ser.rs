@@ -85,9 +85,6 @@ fn plain(path: &Path, mut file: File, length: u64, options: &OpenOptions) -> Res
     if announced == 0 {
         taken.push(format!("FrameCount is 0, as of a recording that was stopped; the {there} whole frames are taken"));
     }
-    if mosaic.is_some() {
-        taken.push("the mosaic of colours is what the file says; squares of 2×2 pixels become one".to_owned());
-    }
     if bits > 8 {
         let order = if low_byte_last == 1 { "high" } else { "low" };
         taken.push(format!(

@@ -8,6 +8,7 @@
 //! share: the four pixels of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken.
 
 use super::{FileScale, RawFrame};
+use crate::burst::layout::Mosaic;
 use crate::burst::options::{OpenOptions, RawColour};
 use crate::error::{Error, ErrorKind, Result};
 use crate::plane::{Plane, memory};
@@ -122,6 +123,14 @@ pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation
     }
 }
 
+/// The mosaic of a picture of `size` after turning.
+pub(in crate::burst) fn turned_mosaic(mosaic: Mosaic, size: (usize, usize), orientation: Orientation) -> Mosaic {
+    // A picture of a square, which ends as the whole one does.
+    let colours = Plane::from_fn(2 + size.0 % 2, 2 + size.1 % 2, |u, v| mosaic.colour_at(u, v) as f32);
+    let colours = turned(colours, orientation);
+    Mosaic::of(|u, v| colours.at(u, v) as usize).unwrap_or(mosaic)
+}
+
 pub(in crate::burst) fn turned(plane: Plane, orientation: Orientation) -> Plane {
     let (width, height) = plane.size();
     let (right, bottom) = (width - 1, height - 1);
@@ -178,7 +187,7 @@ pub(in crate::burst) fn binned(
 pub(in crate::burst) fn with_mosaic(path: &Path, frame: RawFrame, options: &OpenOptions) -> Result<RawFrame> {
     // A raw frame's mosaic is known to its decoder.
     let is_raw = matches!(frame.scale, FileScale::Raw { .. });
-    let Some(mosaic) = options.mosaic.or(frame.mosaic).filter(|_| !is_raw) else { return Ok(frame) };
+    let Some(mosaic) = options.mosaic_of(frame.mosaic).filter(|_| !is_raw) else { return Ok(frame) };
     let refused = |problem: &str, remedy: &str| Error::new(ErrorKind::Unsupported, problem, remedy).about(path);
     if frame.is_colour {
         return Err(refused("a mosaic of colours is asked for, but this frame has colours already", "leave it out"));

@@ -142,7 +142,6 @@ fn indices(columns: Range<usize>, rows: Range<usize>, width: usize) -> impl Iter
     rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
 }
 
-/// Index of the slope of `grid` nearest to `slope`.
 fn nearest(grid: &SlopeGrid, slope: Slope) -> usize {
     let (i, j) = grid.position(slope);
     let along = |at: f32, axis: &SlopeAxis| (at.round().max(0.0) as usize).min(axis.count - 1);

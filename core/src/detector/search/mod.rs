@@ -379,7 +379,6 @@ impl Search<'_> {
         searched.into_iter().enumerate().map(makes).collect()
     }
 
-    /// Parts of `region` of `octave` in which slope `index` is searched.
     fn parts_searched(&self, octave: i32, region: Region, index: usize) -> Vec<Region> {
         match &self.inputs.around {
             Some(around) => around.parts(octave, &region, index),

@@ -365,7 +365,6 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// Significance of a power with its variance.
 fn significance([power, _, variance]: [f64; 3]) -> f64 {
     if variance > 0.0 { power / variance.sqrt() } else { 0.0 }
 }

@@ -6,8 +6,6 @@
 
 #[cfg(feature = "colmap")]
 mod database;
-#[cfg(all(test, feature = "colmap"))]
-mod tests;
 mod text;
 
 #[cfg(feature = "colmap")]

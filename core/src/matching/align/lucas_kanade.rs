@@ -156,7 +156,6 @@ impl Window {
         SMatrix::<f64, UNKNOWNS, UNKNOWNS>::from_fn(entry).cholesky()
     }
 
-    /// Unknowns of `map` from those of `begin`.
     fn unknowns(&self, map: &Affine, begin: &Affine) -> [f32; UNKNOWNS] {
         let [[a, b], [c, d]] = map.matrix;
         let [dx, dy] = [0, 1].map(|i| map.shift[i] - begin.shift[i]);

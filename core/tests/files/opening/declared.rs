@@ -2,7 +2,7 @@
 //! recordings that were stopped. Each is tried on several instances; pages have values by which they are told apart.
 
 use super::support::folder;
-use burstscope_core::burst::{Burst, Info, OpenOptions, file_formats};
+use burstscope_core::burst::{Burst, Info, OpenOptions, RawColour, file_formats};
 use burstscope_core::error::Error;
 use burstscope_core::monitor::Monitor;
 use proptest::prelude::*;
@@ -73,6 +73,7 @@ fn given(options: &str) -> OpenOptions {
         Some(("axis", axis)) => OpenOptions { axis: Some(axis.parse().expect("an axis")), ..plain },
         Some(("array", name)) => OpenOptions { array: Some(name.to_owned()), ..plain },
         Some(("raw", shape)) => OpenOptions { raw: Some(shape.parse().expect("a shape")), ..plain },
+        Some(("mosaic", name)) => OpenOptions { mosaic: serde_json::from_value(name.into()).expect("known"), ..plain },
         Some(("take", range)) => OpenOptions { take: Some(range.parse().expect("a range")), ..plain },
         Some(("times", times)) => OpenOptions { times: Some(times.parse().expect("times")), ..plain },
         Some((name, _)) => panic!("no option {name}"),
@@ -283,6 +284,74 @@ const FITS: [&str; 3] =
     ["SIMPLE  =                    T", "BITPIX  =                   16", "NAXIS   =                    2"];
 
 #[test]
+fn shapes_of_arrays_are_told_from_those_of_their_pages() {
+    // Of arrays of pages, and of pages that were written one by one, each with its own description.
+    for shape in ["[4, 6, 8]", "[4, 6, 8, 1]", "[4, 1, 6, 8]", "[6, 8]", "[6, 8, 1]", "[1, 6, 8]"] {
+        let file = Made::tiff("a.tif", 4, &format!("{{\"shape\": {shape}}}"));
+        assert_eq!(file.pages(""), [0, 1, 2, 3], "{shape}");
+    }
+    let file = Made::tiff("b.tif", 4, "{\"shape\": [2, 2, 6, 8]}");
+    assert!(file.refusal("").contains("2 pages without a meaning × 2"), "{}", file.refusal(""));
+    let file = Made::tiff("c.tif", 4, "{\"shape\": [2, 6, 8]}");
+    assert!(file.refusal("").contains("and it has 4 pages"), "{}", file.refusal(""));
+    for shape in ["[4, 6, 8, 3]", "[4, 3, 6, 8]", "[6, 8, 3]", "[3, 6, 8]"] {
+        let made = Made::new("d.tif", b"");
+        let mut encoder = TiffEncoder::new(File::create(&made.path).expect("made")).expect("begins");
+        for page in 0..4 {
+            let mut image = encoder.new_image::<colortype::RGB16>(SIZE.0, SIZE.1).expect("a page");
+            let description = format!("{{\"shape\": {shape}}}");
+            image.encoder().write_tag(Tag::ImageDescription, &*description).expect("a description");
+            image.write_data(&vec![100 * page; 3 * (SIZE.0 * SIZE.1) as usize]).expect("written");
+        }
+        assert_eq!(made.pages(""), [0, 1, 2, 3], "{shape}");
+    }
+}
+
+/// A TIFF/EP of two pages, 9×7, whose pixels are 100, 200 and 300 where the square `pattern` is red, green and blue.
+fn tiff_of_sensor(pattern: &[u8], orientation: u16) -> Made {
+    let made = Made::new("ep.tif", b"");
+    let mut encoder = TiffEncoder::new(File::create(&made.path).expect("made")).expect("begins");
+    let colour = |k: usize| pattern.get(k / 9 % 2 * 2 + k % 9 % 2).copied().unwrap_or(1);
+    for _ in 0..2 {
+        let mut image = encoder.new_image::<colortype::Gray16>(9, 7).expect("a page");
+        let tags = image.encoder();
+        tags.write_tag(Tag::PhotometricInterpretation, 32803u16).expect("a tag");
+        tags.write_tag(Tag::Orientation, orientation).expect("a tag");
+        if !pattern.is_empty() {
+            tags.write_tag(Tag::Unknown(33421), &[2u16, 2][..]).expect("a tag");
+            tags.write_tag(Tag::Unknown(33422), pattern).expect("a tag");
+        }
+        image.write_data(&(0..63).map(|k| 100 + 100 * u16::from(colour(k))).collect::<Vec<u16>>()).expect("written");
+    }
+    made
+}
+
+#[test]
+fn the_mosaic_of_a_tiff_is_used_however_the_camera_was_held() {
+    for pattern in [[0, 1, 1, 2], [1, 0, 2, 1], [1, 2, 0, 1], [2, 1, 1, 0]] {
+        for orientation in 1..=8 {
+            let file = tiff_of_sensor(&pattern, orientation);
+            let size = if orientation < 5 { (4, 3) } else { (3, 4) };
+            assert_eq!((file.info("").binning, file.info("").width), (2, size.0), "{pattern:?}");
+            let blue = OpenOptions { raw_colour: RawColour::Blue, ..OpenOptions::default() };
+            let blue = Burst::open_with(std::slice::from_ref(&file.path), &blue, &Monitor::default()).expect("opens");
+            assert_eq!((blue.size(), blue.len()), (size, 2));
+            let is_blue = |value: &f32| (value * 65535.0 - 300.0).abs() < 0.1;
+            assert!(blue.frames.iter().all(|frame| frame.data().iter().all(is_blue)), "{pattern:?}, {orientation}");
+            let whole = file.open("mosaic none").expect("opens").size();
+            assert_eq!(whole, if orientation < 5 { (9, 7) } else { (7, 9) });
+        }
+    }
+    assert!(tiff_of_sensor(&[1, 0, 2, 1], 1).info("").text().contains("is what the file says, grbg: squares of 2×2"));
+    let silent = tiff_of_sensor(&[], 1);
+    assert!(silent.refusal("").contains("does not say which"), "{}", silent.refusal(""));
+    assert_eq!(silent.open("mosaic rggb").expect("opens").size(), (4, 3));
+    let odd = tiff_of_sensor(&[0, 1, 2, 1], 1);
+    assert!(odd.refusal("").contains("--mosaic none"), "{}", odd.refusal(""));
+    assert_eq!((odd.open("mosaic none").expect("opens").size(), odd.info("mosaic none").binning), ((9, 7), 1));
+}
+
+#[test]
 fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
     let sides = ["NAXIS1  =                    8", "NAXIS2  =                    6"];
     let image = |more: &[&str]| fits(&[&FITS[..], &sides, more].concat(), 48);
@@ -290,6 +359,7 @@ fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
         let file =
             Made::new("m.fits", &image(&[&format!("BAYERPAT= '{pattern}    '"), "XBAYROFF=                    1"]));
         assert_eq!((file.info("").binning, file.open("").expect("opens").size()), (2, (4, 3)), "{pattern}");
+        assert_eq!((file.info("mosaic none").binning, file.open("mosaic none").expect("opens").size()), (1, (8, 6)));
     }
     assert_eq!(Made::new("n.fits", &image(&["BAYERPAT= 'TRUE    '"])).info("").binning, 1);
     for (card, at) in [

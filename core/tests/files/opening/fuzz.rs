@@ -87,8 +87,14 @@ fn open(name: &str, bytes: &[u8]) -> Result<Burst, Error> {
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).expect("written");
     let limits = Limits { max_side_px: 512, max_pixels: 1 << 16, max_frames: 16, max_bytes: 1 << 22 };
+    Burst::open_with(&[path], &OpenOptions { limits, ..needed(name) }, &Monitor::default())
+}
+
+/// Options without which a sample does not open: what its file does not say.
+fn needed(name: &str) -> OpenOptions {
     let raw = name.ends_with(".raw").then(|| "3x2:u16le".parse().expect("a shape"));
-    Burst::open_with(&[path], &OpenOptions { limits, raw, ..OpenOptions::default() }, &Monitor::default())
+    let axis = name.ends_with(".fits").then(|| "last".parse().expect("an axis"));
+    OpenOptions { raw, axis, ..OpenOptions::default() }
 }
 
 fn check(name: &str, answer: Result<Burst, Error>) {
@@ -159,13 +165,12 @@ fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
         let folder = folder();
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).expect("written");
-        let raw = name.ends_with(".raw").then(|| "3x2:u16le".parse().expect("a shape"));
         let opened = |take: &str, max_frames: usize| {
             let limits = Limits { max_frames, ..Limits::default() };
             let take = Some(take).filter(|take| !take.is_empty()).map(|take| take.parse().expect("a range"));
             // Where the file does not tell the range, it is that of the frames that are opened.
             let full_scale = Some(400.0).filter(|_| name.ends_with(".fits"));
-            let options = OpenOptions { limits, raw, take, full_scale, ..OpenOptions::default() };
+            let options = OpenOptions { limits, take, full_scale, ..needed(name) };
             Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default())
         };
         let whole = opened("", 4096).expect(name);

@@ -496,8 +496,18 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
     cancelled.cancel();
     let paths = [film.path.clone()];
     assert!(Burst::open_with(&paths, &plain(), &cancelled).expect_err("cancelled").is_cancelled());
+    // Colours become luma by this program's weights, whatever ffmpeg's are.
+    let home = folder();
+    let path = home.path().join("colours.mkv");
+    let source = "color=red:size=16x12:rate=5:duration=0.6,format=rgb24";
+    let arguments = ["-v", "error", "-f", "lavfi", "-i", source, "-c:v", "ffv1", "-pix_fmt", "bgr0"];
+    let made = std::process::Command::new("ffmpeg").args(arguments).arg(&path).status().expect("ffmpeg runs");
+    assert!(made.success());
+    let burst = Burst::open_with(&[path], &plain(), &Monitor::default()).expect("opens");
+    assert_eq!((burst.len(), burst.size()), (3, (16, 12)));
+    assert!(burst.frames.iter().all(|frame| frame.data().iter().all(|v| (v - 0.2126).abs() < 0.001)));
     let cut = sample!("grey16.mkv");
-    assert!(Opened::new("cut.mkv", &cut[..cut.len() / 2]).failure(&plain()).contains("ffmpeg says"));
+    assert!(Opened::new("cut.mkv", &cut[..cut.len() / 2]).failure(&plain()).contains("and says"));
 }
 
 #[test]

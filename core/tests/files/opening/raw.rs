@@ -3,7 +3,7 @@
 use super::dng::{Dng, sensor_values};
 use super::support::folder;
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, Limits, OpenOptions, RawColour};
+use burstscope_core::burst::{Burst, Encoding, Limits, Mosaic, OpenOptions, RawColour};
 use burstscope_core::detector::{DetectorParams, SlopeGrid};
 use burstscope_core::error::{Error, ErrorKind};
 use burstscope_core::synth::{ChartParams, synth_chart};
@@ -105,6 +105,8 @@ fn the_active_area_is_taken_wherever_it_begins() {
     // With a camera held upright, columns and rows are exchanged.
     std::fs::write(&path, Dng { orientation: 6, ..dng }.bytes()).expect("written");
     assert_eq!(opened(&path, &OpenOptions::default()).expect("opens").size(), (3, 4));
+    let single = OpenOptions { mosaic: Some(Mosaic::None), ..OpenOptions::default() };
+    assert_eq!(opened(&path, &single).expect("opens").size(), (6, 8));
 }
 
 #[test]

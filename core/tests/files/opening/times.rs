@@ -184,7 +184,7 @@ proptest! {
     }
 
     #[test]
-    fn a_written_list_is_read_as_it_was(gaps in prop::collection::vec(1u64..2_000_000_000, 2..9)) {
+    fn a_written_list_is_read_as_it_was(gaps in prop::collection::vec(10_000u64..2_000_000_000, 2..9)) {
         let times: Vec<u64> = gaps.iter().scan(1_403_636_579_763_555_584, |at, gap| { *at += gap; Some(*at) }).collect();
         let text: String = times.iter().map(|time| format!("{time},f{time}.png\n")).collect();
         let names: Vec<String> = times.iter().map(|time| format!("f{time}.png")).collect();

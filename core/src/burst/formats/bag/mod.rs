@@ -284,8 +284,7 @@ impl<'a> Topic<'a> {
                 }
                 None => picture.plain(path, kind, limits)?.0.declared(),
             };
-            let mosaic = if header.mosaic.is_some() { "; squares of 2×2 pixels become one" } else { "" };
-            let taken = vec![format!("the encoding is '{:.40}'{mosaic}", picture.encoding)];
+            let taken = vec![format!("the encoding is '{:.40}'", picture.encoding)];
             Ok(Declared { kind, taken, ..header })
         });
         Ok(header?.remove(0))

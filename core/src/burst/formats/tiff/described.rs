@@ -10,6 +10,9 @@ use std::path::Path;
 /// Axes of pages, the one that changes last first: a letter (T, Z, C, or another one of no meaning) and a length.
 pub(super) type Axes = Vec<(char, usize)>;
 
+/// Rows, columns and samples of a page.
+pub(super) type PageShape = [usize; 3];
+
 /// Place of a frame: the number of a page, and the name of the file of a set that has it, unless it is this one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Page {
@@ -47,7 +50,7 @@ fn product(axes: &Axes) -> usize {
 pub(super) fn described(
     description: &str,
     path: &Path,
-    pages: usize,
+    (pages, shape): (usize, PageShape),
     array: Option<&str>,
 ) -> Result<Option<Described>, (String, String)> {
     let text = description.trim_start_matches(['\u{feff}', ' ', '\r', '\n', '\t']);
@@ -56,11 +59,12 @@ pub(super) fn described(
     } else if text.starts_with('<') && text.contains("OME") {
         return of_ome(text, path, pages, array);
     } else if text.starts_with('{') {
-        of_tifffile(text)
+        of_tifffile(text, shape)
     } else {
         None
     };
-    let Some(axes) = found else { return Ok(None) };
+    // That of one page tells nothing of others, of which each may have its own.
+    let Some(axes) = found.filter(|axes| product(axes) > 1) else { return Ok(None) };
     if product(&axes) < pages {
         let problem = format!("the description of this file tells of {}, and it has {pages} pages", words(&axes));
         return Err((problem, String::new()));
@@ -93,15 +97,18 @@ fn of_imagej(description: &str) -> Option<Axes> {
     is_said.then(|| lengths.map(|(axis, length)| (axis, length.unwrap_or(1))).to_vec())
 }
 
-fn of_tifffile(description: &str) -> Option<Axes> {
+fn of_tifffile(description: &str, [rows, columns, samples]: PageShape) -> Option<Axes> {
     let record: HashMap<String, Value> = serde_json::from_str(description).ok()?;
     let shape = record.get("shape")?.as_array()?;
     let shape = shape.iter().map(|length| usize::try_from(length.as_u64()?).ok()).collect::<Option<Vec<_>>>()?;
     let named = record.get("axes").and_then(|axes| axes.as_str()).filter(|axes| axes.len() == shape.len());
     Some(match named {
         Some(axes) => axes.chars().zip(shape).filter(|(axis, _)| !"YXS".contains(*axis)).collect(),
-        // Rows and columns are the last two, and colours may follow.
-        None => shape.iter().take(shape.len().saturating_sub(2)).map(|length| ('Q', *length)).collect(),
+        None => {
+            let of_page = [&[rows, columns, samples][..], &[samples, rows, columns], &[rows, columns]];
+            let own = of_page.into_iter().find(|page| shape.ends_with(page)).map_or(2, |page| page.len());
+            shape.iter().take(shape.len().saturating_sub(own)).map(|length| ('Q', *length)).collect()
+        }
     })
 }
 

@@ -5,6 +5,7 @@
 //! is compared with the file's length; whether the values are there, the decoders see.
 
 use super::described::Axes;
+use super::sensor::Sensor;
 use crate::burst::formats::{Start, has_extension};
 use crate::burst::reading::{corrupt, read_at};
 use crate::burst::times::Times;
@@ -49,11 +50,14 @@ mod tag {
     pub(super) const IMAGE_WIDTH: u64 = 256;
     pub(super) const IMAGE_LENGTH: u64 = 257;
     pub(super) const COMPRESSION: u64 = 259;
+    pub(super) const PHOTOMETRIC: u64 = 262;
     pub(super) const STRIP_OFFSETS: u64 = 273;
     pub(super) const STRIP_BYTE_COUNTS: u64 = 279;
     pub(super) const TILE_OFFSETS: u64 = 324;
     pub(super) const TILE_BYTE_COUNTS: u64 = 325;
     pub(super) const SUB_DIRECTORIES: u64 = 330;
+    pub(super) const TILE_DEPTH: u64 = 32998;
+    pub(super) const MOSAIC: u64 = 33422;
     pub(super) const EXIF: u64 = 34665;
     pub(super) const GPS: u64 = 34853;
     pub(super) const INTEROPERABILITY: u64 = 40965;
@@ -95,6 +99,9 @@ pub(in crate::burst::formats) struct Directories {
     pub is_dng: bool,
     /// Planes of a MetaMorph stack, which lie behind those of the first directory.
     pub(super) planes: Planes,
+    pub(super) sensor: Sensor,
+    /// Pages that a tile of a volume has, 0 where none has several.
+    pub(super) tile_depth: u64,
 }
 
 impl Directories {
@@ -193,19 +200,21 @@ impl<R: Read + Seek> Walk<'_, R> {
         let mut table = vec![0; bytes as usize + field_bytes];
         read_at(self.file, at + count_bytes as u64, &mut table)?;
         let (table, next) = table.split_at(bytes as usize);
-        self.check(table.chunks_exact(entry_bytes as usize), is_notes)?;
+        let first = at + count_bytes as u64;
+        self.check((first..).step_by(entry_bytes as usize).zip(table.chunks_exact(entry_bytes as usize)), is_notes)?;
         Ok(number(self.big_endian, next))
     }
 
-    fn check<'e>(&mut self, entries: impl Iterator<Item = &'e [u8]> + Clone, is_notes: bool) -> io::Result<()> {
+    /// Checks entries, each with its place in the file.
+    fn check<'e>(&mut self, entries: impl Iterator<Item = (u64, &'e [u8])> + Clone, is_notes: bool) -> io::Result<()> {
         let big_endian = self.big_endian;
         let number = |bytes: &[u8]| number(big_endian, bytes);
-        if self.seen.len() == 1 && entries.clone().any(|entry| number(&entry[..2]) == tag::DNG_VERSION) {
+        if self.seen.len() == 1 && entries.clone().any(|(_, entry)| number(&entry[..2]) == tag::DNG_VERSION) {
             (self.found.is_dng, self.raw) = (true, true);
         }
         let (mut width, mut height, mut is_thumbnail) = (0, 0, false);
         let (mut compression, mut places, mut lengths) = (UNCOMPRESSED, None, None);
-        for entry in entries {
+        for (at, entry) in entries {
             let (tag, kind) = (number(&entry[..2]), number(&entry[2..4]));
             let (count, field) = entry[4..].split_at((entry.len() - 4) / 2);
             let (count, size) = (number(count), size_of_kind(kind));
@@ -240,6 +249,12 @@ impl<R: Read + Seek> Walk<'_, R> {
                 tag::IMAGE_WIDTH => width = single,
                 tag::IMAGE_LENGTH => height = single,
                 tag::COMPRESSION => compression = single,
+                tag::PHOTOMETRIC if single == Sensor::PHOTOMETRIC => {
+                    let in_front = if big_endian { size.saturating_sub(2) } else { 0 };
+                    self.found.sensor.marks.push(at + (entry.len() - field.len()) as u64 + in_front);
+                }
+                tag::TILE_DEPTH => self.found.tile_depth = single,
+                tag::MOSAIC if bytes <= 64 => self.found.sensor.pattern = self.values(bytes, size, field)?,
                 tag::STRIP_OFFSETS | tag::TILE_OFFSETS => places = Some((bytes, size, field)),
                 tag::STRIP_BYTE_COUNTS | tag::TILE_BYTE_COUNTS => lengths = Some((bytes, size, field)),
                 tag::SUB_DIRECTORIES if self.raw && !is_notes => {

@@ -5,10 +5,12 @@ mod axes;
 mod described;
 pub(super) mod directories;
 mod page;
+mod sensor;
 
 pub(super) use directories::is_of_sensor;
 
 use super::{Format, Input, Rank, Record, Start, found};
+use crate::burst::layout::Mosaic;
 use crate::burst::options::{Limits, OpenOptions};
 use crate::burst::reading::pixels::{turned, turned_size};
 use crate::burst::reading::plain::Plain;
@@ -19,8 +21,9 @@ use described::{Axes, Described, Page};
 use directories::Directories;
 use image::metadata::Orientation;
 use page::PageReader;
+use sensor::AsGrey;
 use std::fs::File;
-use std::io::{BufReader, Seek};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
@@ -60,7 +63,7 @@ impl Format for Tiff {
         let pages = Pages::taken(reading.path, input, reading.options)?;
         let (frames, times) = (pages.count(), pages.plain.map_or_else(Times::default, |plain| plain.times));
         let declared = Declared::new(NAME, pages.size, frames, pages.samples, pages.is_colour);
-        Ok(Declared { taken: pages.taken, times, ..declared })
+        Ok(Declared { taken: pages.taken, times, mosaic: pages.mosaic, ..declared })
     }
 
     fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
@@ -97,7 +100,6 @@ fn frame_count(path: &Path, input: Input, options: &OpenOptions) -> Result<usize
     }
 }
 
-/// Page `page`, which is frame `frame` of its burst.
 fn page(reading: Reading<'_>, input: Input, page: usize, frame: usize) -> Result<RawFrame> {
     // A page of another file of a set is asked of that file.
     PageReader::open(reading, reading.path, input.length)?.read(page, frame)
@@ -146,10 +148,13 @@ fn beside(path: &Path, name: &str) -> PathBuf {
     path.with_file_name(Path::new(name).file_name().unwrap_or_default())
 }
 
-fn decoder(path: &Path, mut file: File, limits: &Limits) -> Result<FileDecoder> {
-    file.rewind().map_err(|e| Error::from_io(path, &e))?; // handles of one file share their place
+fn decoder(path: &Path, file: File, limits: &Limits) -> Result<FileDecoder> {
     let file_bytes = file.metadata().map_err(|e| Error::from_io(path, &e))?.len();
-    let decoder = Decoder::new(BufReader::new(file)).map_err(|e| failure(path, e))?;
+    let mut file = BufReader::new(file);
+    let mut sensor = |pages| Directories::read(&mut file, file_bytes, false, pages).map(|found| found.sensor);
+    let sensor = sensor(1).and_then(|first| if first.marks.is_empty() { Ok(first) } else { sensor(usize::MAX) });
+    let file = sensor.and_then(|sensor| AsGrey::new(file, sensor)).map_err(|e| Error::from_read(path, NAME, &e))?;
+    let decoder = Decoder::new(file).map_err(|e| failure(path, e))?;
     let bytes = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let mut own = tiff::decoder::Limits::default();
     // At most four samples of eight bytes.
@@ -170,6 +175,8 @@ struct Pages {
     /// Type of the samples of the first page.
     samples: String,
     is_colour: bool,
+    /// Mosaic of the pages as they are stored.
+    mosaic: Option<Mosaic>,
     /// Words about which pages were chosen.
     taken: Vec<String>,
 }
@@ -191,10 +198,21 @@ impl Pages {
         let (limits, fail) = (&options.limits, |e| failure(path, e));
         let Input { file, length } = input;
         let start = Directories::read(&mut BufReader::with_capacity(512, &file), length, false, 1);
-        let planes = start.map_err(|e| Error::from_read(path, NAME, &e))?.planes;
+        let Directories { planes, sensor, tile_depth, .. } = start.map_err(|e| Error::from_read(path, NAME, &e))?;
+        if tile_depth > 1 {
+            let reason = format!("its tiles are {tile_depth} pages deep; save it as pages, without tiles");
+            return Err(Error::unsupported(path, NAME, reason));
+        }
+        let mosaic = match options.mosaic {
+            Some(_) => None,
+            None => sensor.mosaic().map_err(|reason| Error::unsupported(path, NAME, reason))?,
+        };
         let mut decoder = decoder(path, file, limits)?;
         let description = description(&mut decoder);
         let (samples, is_colour) = samples_of(&mut decoder).map_err(fail)?;
+        let (columns, rows) = decoder.dimensions().map_err(fail)?;
+        let channels = decoder.colortype().map_err(fail)?.num_samples();
+        let shape = [rows as usize, columns as usize, channels as usize];
         let orientation = orientation(&mut decoder);
         let (of_microscope, nothing) = (axes_of_lsm(&mut decoder), no_data(&mut decoder));
         let (mut size, mut list) = (None, Vec::new());
@@ -221,7 +239,7 @@ impl Pages {
         let refused = |(problem, remedy)| Error::new(ErrorKind::Unsupported, problem, remedy).about(path);
         let (mut behind, mut times) = (None, Times::default());
         if list.len() == 1 {
-            behind = axes_of_volume(&mut decoder).or_else(|| page::announced(description.as_deref(), path));
+            behind = axes_of_volume(&mut decoder).or_else(|| page::announced(description.as_deref(), path, shape));
             if planes.count > 1 {
                 let axes;
                 (times, axes) = planes.told();
@@ -236,7 +254,7 @@ impl Pages {
             }
             _ if pages == 1 && description.as_deref().is_none_or(|text| !text.contains("OME")) => Ok(None),
             _ => match &description {
-                Some(text) => described::described(text, path, pages, options.array.as_deref()),
+                Some(text) => described::described(text, path, (pages, shape), options.array.as_deref()),
                 None => Ok(None),
             },
         };
@@ -265,8 +283,9 @@ impl Pages {
             return Err(refused((problem, "copy it there".to_owned())));
         }
         let mut taken = chosen.said;
+        taken.extend((channels == 2).then(|| "of the two samples of each pixel the first is taken".to_owned()));
         taken.extend(nothing.map(|value| format!("the value {value} is no data (GDAL_NODATA), and is masked")));
-        Ok(Self { size, orientation, list, plain, samples, is_colour, taken })
+        Ok(Self { size, orientation, list, plain, samples, is_colour, mosaic, taken })
     }
 }
 
@@ -341,4 +360,4 @@ fn failure(path: &Path, error: tiff::TiffError) -> Error {
     }
 }
 
-type FileDecoder = Decoder<BufReader<File>>;
+type FileDecoder = Decoder<AsGrey>;

@@ -6,14 +6,14 @@
 //! Frames that lie behind one another in a file of which one directory tells (STK of MetaMorph, ImageJ beyond 4 GiB,
 //! arrays of tifffile, volumes) are plain numbers at even distances.
 
-use super::described::{Described, described};
+use super::described::{Described, PageShape, described};
 use super::{FileDecoder, NAME, decoder, failure, no_data, orientation};
 use crate::burst::formats::picture::jpeg;
 use crate::burst::number::Number;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::reading::confined::wire::Part;
 use crate::burst::reading::confined::{self, Budget};
-use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes, turned};
+use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes, turned, turned_mosaic};
 use crate::burst::reading::plain::Plain;
 use crate::burst::reading::{FileScale, RawFrame, Reading, frame_of_plane};
 use crate::error::{Error, Result};
@@ -207,7 +207,9 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
     };
     let is_photograph = channels > 2 && kind.range == Some(255.0) && !options.linearise;
     let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
-    Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, is_colour: channels > 2, ..decoded })
+    let mosaic = decoder.inner().sensor.mosaic().ok().flatten();
+    let mosaic = mosaic.map(|mosaic| turned_mosaic(mosaic, size, orientation));
+    Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, is_colour: channels > 2, mosaic, ..decoded })
 }
 
 /// One value a pixel; `None` where there are too few samples.
@@ -286,18 +288,18 @@ fn read_samples(
 }
 
 /// Images that the description of a file with one directory announces; none where it tells of one.
-pub(super) fn announced(description: Option<&str>, path: &Path) -> Option<Described> {
+pub(super) fn announced(description: Option<&str>, path: &Path, shape: PageShape) -> Option<Described> {
     let text = description?;
     let images = text.lines().find_map(|line| line.strip_prefix("images=")?.trim().parse::<usize>().ok());
     if text.starts_with("ImageJ=") {
         let images = images.filter(|images| *images > 1)?;
-        let fits = described(text, path, images, None).ok().flatten();
+        let fits = described(text, path, (images, shape), None).ok().flatten();
         return fits.or_else(|| Some(Described::in_order(vec![('T', images)], images)));
     }
     if !text.starts_with('{') || !text.contains("\"truncated\"") {
         return None;
     }
-    let found = described(text, path, 1, None).ok().flatten()?;
+    let found = described(text, path, (1, shape), None).ok().flatten()?;
     let count = found.axes.iter().fold(1usize, |product, (_, length)| product.saturating_mul(*length));
     (count > 1).then(|| Described::in_order(found.axes, count))
 }

@@ -93,8 +93,7 @@ pub(in crate::burst) fn decode(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         part,
         expected: expected.map(|expected| (expected.first.to_string_lossy().into_owned(), expected.size)),
-        // The mosaic is binned here.
-        options: OpenOptions { bias: None, flat: None, mosaic: None, ..options.clone() },
+        options: OpenOptions { bias: None, flat: None, ..options.clone() },
         limits: options.limits,
         memory_bytes: budget.memory_bytes,
         cpu_seconds: budget.cpu_seconds,

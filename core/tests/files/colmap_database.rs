@@ -1,7 +1,9 @@
-use super::*;
-use crate::detector::Descriptor;
-use crate::error::{Error, ErrorKind};
-use crate::monitor::Cancelled;
+//! The database for COLMAP as another program would read it: table by table, and byte by byte.
+
+use burstscope_core::detector::Descriptor;
+use burstscope_core::error::ErrorKind;
+use burstscope_core::export::*;
+use burstscope_core::monitor::Cancelled;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use proptest::prelude::*;
 use rusqlite::Connection;
@@ -21,8 +23,8 @@ fn camera() -> DatabaseCamera {
     DatabaseCamera { model_id: 2, width: 640, height: 480, params, prior_focal_length: true }
 }
 
-/// Writes two images with four and three features, with matches and a geometry of every kind.
-/// A database in a folder of its own within a temporary one, and its path.
+/// A database of two images with four and three features, with matches and a geometry of every kind, in a folder of its
+/// own within a temporary one, and its path.
 fn written() -> (tempfile::TempDir, PathBuf) {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("out/database.db");
@@ -118,7 +120,8 @@ fn a_database_is_whole_or_not_there() {
     assert_eq!(write_colmap_database(&path, |_| Err(Cancelled.into())), Err(Cancelled.into()));
     assert_eq!(std::fs::read(&path).expect("a file"), before);
     assert_eq!(std::fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1);
-    assert_eq!(write_colmap_database(home.path(), |_| Ok(())), Err(Error::no_file(home.path())));
+    let refused = write_colmap_database(home.path(), |_| Ok(())).expect_err("a folder");
+    assert_eq!(refused.kind, ErrorKind::Refused);
 }
 
 #[test]
