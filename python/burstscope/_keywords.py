@@ -425,18 +425,21 @@ class NoisyKeywords(TypedDict, total=False):
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
     mask : Path
-        Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
-        NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features
+        Mask of the frames' size, 0 where they are hidden, and anything else where they are seen, as COLMAP
+        reads masks; or a folder with one for each file of frames, named NAME.EXT.png, as COLMAP names them, or
+        as the file. What is masked is in no mean and gives no features
     mask_saturated : bool
         Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
         Colour that is taken of the 2×2 pixels of raw frames and mosaics [default: luma]
-    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
+    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr', 'none'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
-        without header: the colours of the 2×2 pixels in the corner, row by row
+        without header: the colours of the 2×2 pixels in the corner, row by row. With `none` each pixel stays
+        one, whatever the file says
     raw : str or float
-        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
-        u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
+        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u1
+        (bits, the highest first; also of .npy arrays that numpy.packbits made), u8, u16le, u16be, f32, f32be,
+        mono10p, mono12p, mono10packed, mono12packed
     axis : str or float
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
@@ -446,12 +449,12 @@ class NoisyKeywords(TypedDict, total=False):
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
     take : str or float
-        Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those
-        of these frames
+        Frames A … B−1 of a long recording that are opened, counted from 0 in the order of the whole; times,
+        masks and results are those of these frames
     times : str or float
-        Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
-        stamps in the names of the files, header or exif for times that the files hold, found for those in which
-        the images move uniformly, even for none [default: even]
+        Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames),
+        names for stamps in the names of the files, header or exif for times that the files hold, found for
+        those in which the images move uniformly, even for none [default: even]
     views : str or float
         Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
         picture that holds all views side by side or interleaved; names for rows and columns in the names of the
@@ -478,7 +481,7 @@ class NoisyKeywords(TypedDict, total=False):
     mask: Path
     mask_saturated: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
-    mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
+    mosaic: Literal["rggb", "grbg", "gbrg", "bggr", "none"]
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]
@@ -762,18 +765,21 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
     mask : Path
-        Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
-        NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features
+        Mask of the frames' size, 0 where they are hidden, and anything else where they are seen, as COLMAP
+        reads masks; or a folder with one for each file of frames, named NAME.EXT.png, as COLMAP names them, or
+        as the file. What is masked is in no mean and gives no features
     mask_saturated : bool
         Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
         Colour that is taken of the 2×2 pixels of raw frames and mosaics [default: luma]
-    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
+    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr', 'none'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
-        without header: the colours of the 2×2 pixels in the corner, row by row
+        without header: the colours of the 2×2 pixels in the corner, row by row. With `none` each pixel stays
+        one, whatever the file says
     raw : str or float
-        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
-        u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
+        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u1
+        (bits, the highest first; also of .npy arrays that numpy.packbits made), u8, u16le, u16be, f32, f32be,
+        mono10p, mono12p, mono10packed, mono12packed
     axis : str or float
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
@@ -783,12 +789,12 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
     take : str or float
-        Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those
-        of these frames
+        Frames A … B−1 of a long recording that are opened, counted from 0 in the order of the whole; times,
+        masks and results are those of these frames
     times : str or float
-        Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
-        stamps in the names of the files, header or exif for times that the files hold, found for those in which
-        the images move uniformly, even for none [default: even]
+        Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames),
+        names for stamps in the names of the files, header or exif for times that the files hold, found for
+        those in which the images move uniformly, even for none [default: even]
     views : str or float
         Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
         picture that holds all views side by side or interleaved; names for rows and columns in the names of the
@@ -848,7 +854,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     mask: Path
     mask_saturated: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
-    mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
+    mosaic: Literal["rggb", "grbg", "gbrg", "bggr", "none"]
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]
@@ -1293,18 +1299,21 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
         frame is grey. The notes say which they are [default: such a frame is an error]
     mask : Path
-        Mask of the frames' size, white where they are seen; or a folder with one for each file of frames, named
-        NAME.EXT.png, as COLMAP names them, or as the file. What is masked is in no mean and gives no features
+        Mask of the frames' size, 0 where they are hidden, and anything else where they are seen, as COLMAP
+        reads masks; or a folder with one for each file of frames, named NAME.EXT.png, as COLMAP names them, or
+        as the file. What is masked is in no mean and gives no features
     mask_saturated : bool
         Mask pixels at or above the full scale
     raw_colour : {'luma', 'green', 'red', 'blue'}
         Colour that is taken of the 2×2 pixels of raw frames and mosaics [default: luma]
-    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr'}
+    mosaic : {'rggb', 'grbg', 'gbrg', 'bggr', 'none'}
         Mosaic of colours of frames whose files do not say that they have one, such as PNG, TIFF and files
-        without header: the colours of the 2×2 pixels in the corner, row by row
+        without header: the colours of the 2×2 pixels in the corner, row by row. With `none` each pixel stays
+        one, whatever the file says
     raw : str or float
-        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u8,
-        u16le, u16be, f32, f32be, mono10p, mono12p, mono10packed, mono12packed
+        Shape of files without header, such as 1600x1200:u16le; +BYTES stands before the first frame. Types: u1
+        (bits, the highest first; also of .npy arrays that numpy.packbits made), u8, u16le, u16be, f32, f32be,
+        mono10p, mono12p, mono10packed, mono12packed
     axis : str or float
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
@@ -1314,12 +1323,12 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
     take : str or float
-        Frames A … B−1 of a long recording that are opened, counted from 0; times, masks and results are those
-        of these frames
+        Frames A … B−1 of a long recording that are opened, counted from 0 in the order of the whole; times,
+        masks and results are those of these frames
     times : str or float
-        Times of the frames: a list (one time a line, or lines 'name,time', also beside the frames), names for
-        stamps in the names of the files, header or exif for times that the files hold, found for those in which
-        the images move uniformly, even for none [default: even]
+        Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames),
+        names for stamps in the names of the files, header or exif for times that the files hold, found for
+        those in which the images move uniformly, even for none [default: even]
     views : str or float
         Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
         picture that holds all views side by side or interleaved; names for rows and columns in the names of the
@@ -1385,7 +1394,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     mask: Path
     mask_saturated: bool
     raw_colour: Literal["luma", "green", "red", "blue"]
-    mosaic: Literal["rggb", "grbg", "gbrg", "bggr"]
+    mosaic: Literal["rggb", "grbg", "gbrg", "bggr", "none"]
     raw: Union[str, float]
     axis: Union[str, float]
     array: Union[str, float]

@@ -302,3 +302,11 @@ fn mean(positions: impl ExactSizeIterator<Item = Offset> + Clone) -> Offset {
     let mean = |of: fn(Offset) -> f64| positions.clone().map(of).sum::<f64>() / count;
     Offset { u: mean(|at| at.u), v: mean(|at| at.v) }
 }
+/// How uneven times are: the variance of the logarithms of their distances.
+pub(super) fn unevenness(mut times: Vec<i128>) -> f64 {
+    times.sort_unstable();
+    let gaps: Vec<f64> = times.windows(2).map(|two| ((two[1] - two[0]) as f64).ln()).collect();
+    let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
+    let variance = gaps.iter().map(|gap| (gap - mean).powi(2)).sum::<f64>();
+    if variance.is_nan() { f64::INFINITY } else { variance }
+}

@@ -7,7 +7,7 @@
 use super::formats;
 use super::layout::TimesChoice;
 use super::options::OpenOptions;
-use super::positions::Positions;
+use super::positions::{Positions, unevenness};
 use super::times::{
     HEADED, List, PARTS, Stamp, Stamps, Times, Unit, Written, base_name, likeness, parts, seconds_of, stem,
 };
@@ -19,11 +19,12 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A run of digits in a name, and what stands between it and the one before.
+/// A run of digits in a name, and what stands between it and the one before, and behind it.
 #[derive(Debug, Clone, Copy)]
 struct Run<'a> {
     before: &'a str,
     digits: &'a str,
+    after: &'a str,
 }
 
 fn runs(name: &str) -> Vec<Run<'_>> {
@@ -31,8 +32,10 @@ fn runs(name: &str) -> Vec<Run<'_>> {
     let mut rest = name;
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
         let end = rest[start..].find(|c: char| !c.is_ascii_digit()).map_or(rest.len(), |length| start + length);
-        runs.push(Run { before: &rest[..start], digits: &rest[start..end] });
+        let (before, digits) = (&rest[..start], &rest[start..end]);
         rest = &rest[end..];
+        let after = rest.find(|c: char| c.is_ascii_digit()).map_or(rest, |next| &rest[..next]);
+        runs.push(Run { before, digits, after });
     }
     runs
 }
@@ -93,20 +96,11 @@ fn are_counters(seconds: &[i128], numbers: &[i128]) -> bool {
     numbers.len() > 1 && (counts(&all) || each.values().all(|of| of[0] <= 1 && counts(of)))
 }
 
-/// How uneven times are: the variance of the logarithms of their distances.
-fn unevenness(mut times: Vec<i128>) -> f64 {
-    times.sort_unstable();
-    let gaps: Vec<f64> = times.windows(2).map(|two| ((two[1] - two[0]) as f64).ln()).collect();
-    let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
-    let variance = gaps.iter().map(|gap| (gap - mean).powi(2)).sum::<f64>();
-    if variance.is_nan() { f64::INFINITY } else { variance }
-}
-
 /// Times, in [`PARTS`] of a second, of whole `seconds` and the `digits` behind them: a fraction, or whole milli-, micro-
 /// or nanoseconds, whose leading zeros were left out. `None` where they are counters.
 fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<Vec<i128>> {
     let longest = digits.iter().map(|digits| digits.len()).max().filter(|longest| (1..=15).contains(longest))?;
-    let is_point = separator == "." || separator == ",";
+    let is_point = is_point(separator);
     let numbers: Vec<i128> = digits.iter().map(|digits| digits.parse().unwrap_or(0)).collect();
     let range = numbers.iter().max()? - numbers.iter().min()?;
     let is_short = longest < 3 || range <= 2 * numbers.len() as i128 + 8;
@@ -183,6 +177,7 @@ fn in_names(names: &[String]) -> Result<Stamps, String> {
             _ => {}
         }
     }
+    let found = with_whole_numbers(found);
     if let Some(times) = small_seconds(&found).filter(|times| are_different(times)) {
         return Ok(stamps(times, "and fractions of them"));
     }
@@ -201,8 +196,28 @@ fn in_names(names: &[String]) -> Result<Stamps, String> {
             "the name '{name}' has no time of its own; names such as 1305031102.175304.png or 20210301_220000_123.jpg have one"
         ));
     };
+    let is_decimal = chosen + 1 < count && found.iter().all(|runs| is_point(runs[runs.len() - 1 - chosen].before));
+    if is_decimal && found.windows(2).any(|two| at(&two[0], chosen + 1) != at(&two[1], chosen + 1)) {
+        let problem = "numbers with a point in names, such as '{}', may be seconds and fractions, or two counters; seconds end with an s, as 0.2s.png, or are in a list";
+        return Err(problem.replace("{}", &names[0]));
+    }
     let stamps = found.iter().map(|runs| Stamp::number(&at(runs, chosen)));
     Stamps::new(stamps.collect::<Option<Vec<Stamp>>>().ok_or("a number in a name is too long to be a time")?, None)
+}
+
+fn is_point(separator: &str) -> bool {
+    separator == "." || separator == ","
+}
+
+/// Runs of names, of which those without a fraction have an empty one, where others end with one.
+fn with_whole_numbers(mut found: Vec<Vec<Run<'_>>>) -> Vec<Vec<Run<'_>>> {
+    let most = found.iter().map(Vec::len).max().unwrap_or(0);
+    let has_fraction = |runs: &Vec<Run<'_>>| runs.len() == most && most > 1 && is_point(runs[most - 1].before);
+    if found.iter().all(|runs| has_fraction(runs) || runs.len() + 1 == most) {
+        let short = found.iter_mut().filter(|runs| runs.len() < most);
+        short.for_each(|runs| runs.push(Run { before: ".", digits: "", after: "" }));
+    }
+    found
 }
 
 /// Times of names with seconds from a start of their own and fractions, such as `12_9658000` or `0.04`. `None` where
@@ -217,14 +232,21 @@ fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
         let digits: Vec<&str> = digits.iter().map(String::as_str).collect();
         let short = |digits: String| digits.parse::<i128>().ok().filter(|_| digits.len() <= 10);
         let seconds: Vec<i128> = found.iter().map(|runs| short(run(runs, from_end + 1)?)).collect::<Option<_>>()?;
-        let times = with_fractions(&seconds, &digits, separator).filter(|_| is_joined)?;
+        let ends_with_s = |runs: &Vec<Run<'_>>| {
+            let after = runs[runs.len() - 1 - from_end].after;
+            matches!(after.split(|c: char| !c.is_alphabetic()).next(), Some("s" | "sec"))
+        };
+        let printed = || seconds.iter().zip(&digits).map(|(second, digits)| second * PARTS + parts(digits)).collect();
+        let are_printed = is_point(separator) && found.iter().all(ends_with_s);
+        let times = if are_printed { Some(printed()) } else { with_fractions(&seconds, &digits, separator) };
+        let times: Vec<i128> = times.filter(|_| is_joined)?;
         let mut sorted: Vec<(i128, i128)> = seconds.iter().zip(&times).map(|(second, time)| (*second, *time)).collect();
         sorted.sort_unstable();
         let turns = |two: &[(i128, i128)]| two[0].0 < two[1].0 && two[1].1 % PARTS < two[0].1 % PARTS;
         let different = seconds.iter().collect::<HashSet<_>>().len();
         let is_shared = different > 1 && different < seconds.len();
         let are_seconds = match separator {
-            "." => true,
+            "." | "," => true,
             // A number that turns over where the other one rises.
             "_" | "-" => is_shared && digits.iter().any(|digits| digits.len() > 6) && sorted.windows(2).any(turns),
             _ => false,

@@ -142,9 +142,9 @@ const UNITS: [(Unit, &str, f64, &[&str]); 8] = [
     (Unit::Hours, "hours", 3.6e-6, &["h", "hr", "hrs", "hours"]),
     (Unit::Minutes, "minutes", 6e-8, &["min", "mins", "minutes"]),
     (Unit::Seconds, "seconds", 1e-9, &["s", "sec", "secs", "seconds"]),
-    (Unit::Milliseconds, "milliseconds", 1e-12, &["ms", "msec", "milliseconds"]),
-    (Unit::Microseconds, "microseconds", 1e-15, &["us", "µs", "usec", "microseconds"]),
-    (Unit::Nanoseconds, "nanoseconds", 1e-18, &["ns", "nsec", "nanoseconds"]),
+    (Unit::Milliseconds, "milliseconds", 1e-12, &["ms", "msec", "msecs", "millisec", "milliseconds"]),
+    (Unit::Microseconds, "microseconds", 1e-15, &["us", "µs", "usec", "usecs", "microsec", "microseconds"]),
+    (Unit::Nanoseconds, "nanoseconds", 1e-18, &["ns", "nsec", "nsecs", "nanosec", "nanoseconds"]),
     (Unit::Frames, "numbers of frames", 1e-9, &["frames", "intervals", "position"]),
 ];
 
@@ -456,6 +456,22 @@ impl List {
             (0..first.len()).filter(|at| Some(*at) != names && Stamp::of(first[*at]).is_some()).collect();
         let sureness = |at: &usize| heading.get(*at).map_or(0, |heading| time_heading(heading));
         let headed = stamped.iter().rev().copied().filter(|at| sureness(at) > 1).max_by_key(sureness);
+        let unit_of = |at: usize| heading.get(at).and_then(|heading| Unit::of(heading));
+        let whole = |row: &[&str], at: usize| Stamp::number(row.get(at)?).filter(|of| of.written == Written::Number(0));
+        // Whole seconds in a column, and their milli-, micro- or nanoseconds in another one, as stamps of ROS.
+        let part = |at: usize, row: &[&str]| {
+            let in_second = (1e-9 / unit_of(at)?.record().1).round() as i128;
+            let value = whole(row, at).filter(|_| in_second > 1)?.value;
+            Some(value / in_second).filter(|part| (0..PARTS).contains(part))
+        };
+        let alike = |of: usize| stamped.iter().copied().filter(move |at| sureness(at) == sureness(&of));
+        let seconds = headed.and_then(|of| alike(of).find(|at| unit_of(*at) == Some(Unit::Seconds)));
+        let seconds = seconds.filter(|at| rows.iter().all(|(_, row)| whole(row, *at).is_some()));
+        let split = seconds.and_then(|of| {
+            let behind = alike(of).find(|at| rows.iter().all(|(_, row)| part(*at, row).is_some()));
+            Some((of, behind?))
+        });
+        let headed = split.map(|(seconds, _)| seconds).or(headed);
         let is_dated = |at: &usize| Stamp::of(first[*at]).is_some_and(|stamp| !stamp.is_number());
         let dated: Vec<usize> = stamped.iter().copied().filter(is_dated).collect();
         let times = match (headed, &stamped[..], &dated[..]) {
@@ -474,7 +490,8 @@ impl List {
             let stamp = Stamp::of(field).ok_or_else(|| {
                 format!("line {line}: '{field}' is no time; write a number or a date such as 2021-03-01T22:00:00.5")
             })?;
-            values.push(stamp);
+            let behind = split.and_then(|(_, at)| part(at, row)).unwrap_or(0);
+            values.push(Stamp { value: stamp.value + behind, ..stamp });
             lines.push(*line);
             let field = |at: usize| row.get(at).copied().unwrap_or_default();
             of_rows.extend(names.map(|at| match folders {

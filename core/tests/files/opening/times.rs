@@ -55,6 +55,8 @@ fn lists_of_robots_are_read_beside_the_frames() {
         ("0\n33\n99\n", 0.033, "milliseconds by the distance"),
         ("0\n33333\n99999\n", 0.033_333, "microseconds by the distance"),
         ("7\n8\n10\n", 0.0, "numbers of frames by the distance"),
+        ("secs,nsecs,file\n5,900000000,0.png\n6,0,1.png\n6,200000000,2.png\n", 0.1, "seconds as their heading says"),
+        ("time_us,time_s\n900000,15\n000000,16\n200000,16\n", 0.1, "seconds as their heading says"),
         ("name,frames\n2.png,3\n0.png,0\n1.png,1\n", 0.0, "numbers of frames as their heading says"),
     ] {
         let (positions, interval, note) = timed(with_list(&frames, list, "list.txt"));
@@ -81,6 +83,9 @@ fn names_have_stamps_and_units_are_guessed() {
         (["2021-03-01T22-00-00.5.png", "2021-03-01T22-00-02.25.png", "2021-03-01T22-00-04.png"], 2.0, 1.75),
         (["20210228235958.png", "20210301000000.png", "20210301000002.png"], 2.0, 2.0),
         (["frame_0001.png", "frame_0002.png", "frame_0004.png"], 3.0, 0.0),
+        (["img_0.1s.png", "img_0.2s.png", "img_1.0s.png"], 9.0, 0.1),
+        (["12.png", "12.5.png", "13.25.png"], 3.0, 0.416_666_7),
+        (["f_0,5.png", "f_1,0.png", "f_2,5.png"], 4.0, 0.5),
         (["run2_000033_a7.png", "run2_000066_b8.png", "run2_000099_c9.png"], 2.0, 0.033),
     ] {
         let (positions, interval, note) = timed(with_list(&names, "", "names"));
