@@ -333,17 +333,7 @@ const TELLING_PART: f32 = 0.5;
 /// Share of the strongest response of a place from which a candidate there is as strong.
 const SAME_PART: f32 = 0.95;
 
-/// The fates of all candidates within `reach_sigmas` of their σ of a place (u, v), input pixels: those that came
-/// farthest first, then the strongest.
-pub fn fates_near(
-    trail: &Trail,
-    place: [f32; 2],
-    reach_sigmas: f32,
-    monitor: &Monitor,
-) -> Result<Vec<Fate>, Cancelled> {
-    Ok(sorted_by_stage(near(trail, place, reach_sigmas, monitor)?.fates))
-}
-
+/// Those that came farthest first, then the strongest.
 pub(super) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
     fates.sort_by(|a, b| {
         let stage = |fate: &Fate| fate.first_failed.map_or(Test::ALL.len(), |test| test as usize);

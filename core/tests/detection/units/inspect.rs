@@ -148,7 +148,7 @@ mod outlook {
     use burstscope_core::inspect::ProbeCache;
     use burstscope_core::inspect::fate::*;
     use burstscope_core::inspect::outlook::*;
-    use burstscope_core::inspect::probe::fates_near;
+    use burstscope_core::inspect::probe::{ProbeOptions, probe};
     use burstscope_core::monitor::Monitor;
     use burstscope_core::synth::{ChartParams, synth_chart};
 
@@ -174,7 +174,8 @@ mod outlook {
         let (mut asked, mut by_frames, mut by_exposure) = (0, 0, 0);
         for seed in 1..30 {
             let before = searched(6, SNR, seed);
-            let fates = fates_near(&before.0.trail, before.1, 1.0, &Monitor::default()).expect("not cancelled");
+            let options = ProbeOptions { reach_sigmas: 1.0, ..ProbeOptions::default() };
+            let fates = probe(&before.0, before.1, &options, &Monitor::default()).expect("not cancelled").fates;
             let is_disc = |fate: &&Fate| fate.value < 0.0 && (2.0..7.0).contains(&fate.sigma) && fate.snr > 3.0;
             let outlook = fates.iter().find(is_disc).and_then(|fate| outlook(&before.0.trail, fate));
             let Some(outlook) = outlook else { continue };

@@ -307,6 +307,25 @@ fn shapes_of_arrays_are_told_from_those_of_their_pages() {
     }
 }
 
+#[test]
+fn pictures_behind_the_first_of_a_file_are_told() {
+    let one: Vec<u8> = b"P5\n16 16\n255\n".iter().copied().chain(0..=255).collect();
+    assert!(Made::new("one.pgm", &one).info("").taken.is_empty());
+    let three = Made::new("three.pgm", &one.repeat(3));
+    assert!(three.info("").text().contains("as long as 3 pictures, of which the first is taken"));
+    assert!(three.open("").expect("opens").taken.iter().any(|note| note.contains("3 pictures")));
+}
+
+#[test]
+fn what_is_not_opened_is_not_described_as_if_it_were() {
+    let made = Made::new("cmyk.tif", b"");
+    let mut encoder = TiffEncoder::new(File::create(&made.path).expect("made")).expect("begins");
+    let image = encoder.new_image::<colortype::CMYK8>(SIZE.0, SIZE.1).expect("a page");
+    image.write_data(&[0; 4 * (SIZE.0 * SIZE.1) as usize]).expect("written");
+    let told = Info::of(std::slice::from_ref(&made.path), &OpenOptions::default(), &Monitor::default());
+    assert_eq!(told.expect_err("refused").to_string(), made.refusal(""));
+}
+
 /// A TIFF/EP of two pages, 9×7, whose pixels are 100, 200 and 300 where the square `pattern` is red, green and blue.
 fn tiff_of_sensor(pattern: &[u8], orientation: u16) -> Made {
     let made = Made::new("ep.tif", b"");

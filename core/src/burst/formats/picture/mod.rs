@@ -147,16 +147,22 @@ pub(super) fn declared_of(
     let bytes = &*normalised(path, bytes, format)?;
     let mut reader = reader;
     let full = full_scale(path, &mut reader, format)?;
+    let is_binary = reader.fill_buf().is_ok_and(|start| start.starts_with(b"P5") || start.starts_with(b"P6"));
+    let length = reader.seek(SeekFrom::End(0)).and_then(|length| reader.rewind().map(|()| length)).unwrap_or(0);
     let mut decoder = decoder(path, reader, bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
     limits.check_frame(path, width.into(), height.into())?;
     let color = decoder.color_type();
+    let pictures = if is_binary { length / decoder.total_bytes().max(1) } else { 1 };
     let (width, height) = turned_size((width as usize, height as usize), orientation(&mut decoder));
     let (samples, is_colour) = samples_of(color);
     let samples = full.map_or(samples, |full| FileScale::Range(full).samples());
     let mut declared = Declared::new(name(format), (width, height), 1, samples, is_colour);
     if format == ImageFormat::Jpeg && jpeg::pictures(bytes) > 1 {
         declared.taken.push(format!("of {} pictures in the file (MPF) the first is taken", jpeg::pictures(bytes)));
+    }
+    if pictures > 1 {
+        declared.taken.push(format!("the file is as long as {pictures} pictures, of which the first is taken"));
     }
     Ok(declared)
 }

@@ -211,8 +211,9 @@ impl Pages {
         let description = description(&mut decoder);
         let (samples, is_colour) = samples_of(&mut decoder).map_err(fail)?;
         let (columns, rows) = decoder.dimensions().map_err(fail)?;
-        let channels = decoder.colortype().map_err(fail)?.num_samples();
-        let shape = [rows as usize, columns as usize, channels as usize];
+        let color = decoder.colortype().map_err(fail)?;
+        let channels = page::channels_of(color).map_err(|reason| Error::unsupported(path, NAME, reason))?;
+        let shape = [rows as usize, columns as usize, channels];
         let orientation = orientation(&mut decoder);
         let (of_microscope, nothing) = (axes_of_lsm(&mut decoder), no_data(&mut decoder));
         let (mut size, mut list) = (None, Vec::new());

@@ -20,7 +20,6 @@ use crate::error::{Error, Result};
 use crate::files;
 use crate::plane::{Plane, memory};
 use flate2::{Decompress, FlushDecompress, Status};
-
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use tiff::decoder::{ChunkType, DecodingResult};
@@ -156,6 +155,21 @@ macro_rules! with_samples {
         }
     };
 }
+/// Samples of a pixel. The error is the reason why such pixels are not opened.
+pub(super) fn channels_of(color: ColorType) -> Result<usize, String> {
+    let channels = match color {
+        ColorType::Gray(_) => 1,
+        ColorType::GrayA(_) | ColorType::Multiband { num_samples: 2, .. } => 2,
+        ColorType::RGB(_) => 3,
+        ColorType::RGBA(_) => 4,
+        other => return Err(format!("its pixels are {other:?}; save it as grey or RGB")),
+    };
+    let is_known = [8, 16, 32, 64].contains(&color.bit_depth());
+    is_known
+        .then_some(channels)
+        .ok_or_else(|| format!("its samples have {} bits; save it with 8, 16 or 32", color.bit_depth()))
+}
+
 /// Decodes the decoder's current page; its size has been checked.
 fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &OpenOptions) -> Result<RawFrame> {
     let fail = |e| failure(path, e);
@@ -163,16 +177,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
     let (width, height) = decoder.dimensions().map_err(fail)?;
     let size = (width as usize, height as usize);
     let color = decoder.colortype().map_err(fail)?;
-    let channels = match color {
-        ColorType::Gray(_) => 1,
-        ColorType::GrayA(_) | ColorType::Multiband { num_samples: 2, .. } => 2,
-        ColorType::RGB(_) => 3,
-        ColorType::RGBA(_) => 4,
-        other => return Err(unsupported(format!("its pixels are {other:?}; save it as grey or RGB"))),
-    };
-    if ![8, 16, 32, 64].contains(&color.bit_depth()) {
-        return Err(unsupported(format!("its samples have {} bits; save it with 8, 16 or 32", color.bit_depth())));
-    }
+    let channels = channels_of(color).map_err(unsupported)?;
     let orientation = orientation(decoder);
     let has_no_data = no_data(decoder);
     let (mut samples, kind, planar) = read_samples(decoder, size, channels).map_err(fail)?;
