@@ -363,7 +363,7 @@ fn the_mosaic_of_a_tiff_is_used_however_the_camera_was_held() {
     }
     assert!(tiff_of_sensor(&[1, 0, 2, 1], 1).info("").text().contains("is what the file says, grbg: squares of 2×2"));
     let silent = tiff_of_sensor(&[], 1);
-    assert!(silent.refusal("").contains("does not say which"), "{}", silent.refusal(""));
+    assert!(silent.refusal("").contains("has no pattern"), "{}", silent.refusal(""));
     assert_eq!(silent.open("mosaic rggb").expect("opens").size(), (4, 3));
     let odd = tiff_of_sensor(&[0, 1, 2, 1], 1);
     assert!(odd.refusal("").contains("--mosaic none"), "{}", odd.refusal(""));

@@ -18,17 +18,13 @@ impl Sensor {
     pub(super) const PHOTOMETRIC: u64 = 0x8023;
 
     /// The mosaic, if there is one. The error ends a sentence about the file.
-    pub(super) fn mosaic(&self) -> Result<Option<Mosaic>, String> {
+    pub(super) fn mosaic(&self) -> Result<Option<Mosaic>, &'static str> {
         let square = (self.pattern.len() == 4).then(|| Mosaic::of(|u, v| self.pattern[2 * v + u] as usize));
         match (square.flatten(), self.pattern.len()) {
             _ if self.marks.is_empty() => Ok(None),
             (Some(mosaic), _) => Ok(Some(mosaic)),
-            (None, 0) => Err("it has a mosaic of colours and does not say which; say it with --mosaic rggb, grbg, gbrg or bggr, or take \
-                its pixels as they are with --mosaic none"
-                .to_owned()),
-            _ => Err("its mosaic is not of squares of two green, a red and a blue pixel; --mosaic none takes its pixels \
-                as they are"
-                .to_owned()),
+            (None, 0) => Err("its mosaic of colours has no pattern; say it, such as --mosaic rggb, or none"),
+            _ => Err("its mosaic is not of two green, a red and a blue pixel; --mosaic none opens it as it is"),
         }
     }
 }
@@ -43,8 +39,9 @@ pub(super) struct AsGrey {
 
 impl AsGrey {
     /// `file`, from its start, whose directories tell of `sensor`.
-    pub(super) fn new(mut file: BufReader<File>, sensor: Sensor) -> io::Result<Self> {
+    pub(super) fn new(mut file: BufReader<File>, mut sensor: Sensor) -> io::Result<Self> {
         file.rewind()?;
+        sensor.marks.sort_unstable();
         let is_big_endian = file.fill_buf()?.starts_with(b"MM");
         Ok(Self { file, at: 0, sensor, is_big_endian })
     }
@@ -55,7 +52,10 @@ impl Read for AsGrey {
         const GREY: u16 = 1;
         let count = self.file.read(buffer)?;
         let bytes = if self.is_big_endian { GREY.to_be_bytes() } else { GREY.to_le_bytes() };
-        for (place, byte) in self.sensor.marks.iter().flat_map(|mark| [(*mark, bytes[0]), (mark + 1, bytes[1])]) {
+        // A file may have a million marks, and each read meets few.
+        let first = self.sensor.marks.partition_point(|mark| mark + 1 < self.at);
+        let met = self.sensor.marks[first..].iter().take_while(|mark| **mark < self.at + count as u64);
+        for (place, byte) in met.flat_map(|mark| [(*mark, bytes[0]), (mark + 1, bytes[1])]) {
             if let Some(read) = place.checked_sub(self.at).and_then(|k| buffer[..count].get_mut(k as usize)) {
                 *read = byte;
             }
