@@ -208,8 +208,8 @@ fn last_words(stderr: impl Read) -> String {
     String::from_utf8_lossy(&words).lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
 }
 
-/// What `ffmpeg` writes of the first `most` frames, with whether it is PPM. It is, where the nearest format of pixels is
-/// one that Y4M does not hold.
+/// Reads the first `most` frames as `ffmpeg` writes them, with whether they are PPM: they are where the nearest format of
+/// pixels is one that Y4M does not hold.
 fn run_frames<T>(reading: Reading<'_>, most: usize, read: impl Fn(&mut dyn BufRead, bool) -> Result<T>) -> Result<T> {
     let Reading { path, options, ticker, .. } = reading;
     let [nearest, colours] = [format!("{PIXELS}|{COLOURS}"), format!("format={COLOURS}")];

@@ -5,7 +5,7 @@ use crate::burst::layout::Mosaic;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
-/// What directories say of a mosaic.
+/// Mosaic of colours of which directories tell.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Sensor {
     /// Positions in the file of the photometric interpretations that say that there is one, of two bytes each.
