@@ -70,33 +70,3 @@ pub fn write_film(
 ) -> Result<()> {
     write_marked(path, Kind::Film, |mut out| encode_film(&mut out, pictures, per_second, monitor))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use image::Rgba;
-
-    fn encoded(pictures: Vec<RgbaImage>, monitor: &Monitor) -> io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        encode_film(&mut bytes, (pictures.len(), pictures.into_iter().map(Ok)), 10, monitor).map(|()| bytes)
-    }
-
-    fn pictures() -> Vec<RgbaImage> {
-        (0..3u8).map(|t| RgbaImage::from_fn(20, 10, |x, _| Rgba([80 * t, (12 * x) as u8, 9, 255]))).collect()
-    }
-
-    #[test]
-    fn wrong_pictures_are_refused_and_cancelling_ends_it() {
-        let mut sizes = pictures();
-        sizes.push(RgbaImage::new(3, 3));
-        for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], vec![RgbaImage::new(70_000, 1)], sizes] {
-            assert!(encoded(pictures, &Monitor::default()).is_err());
-        }
-        assert!(encoded(pictures(), &Monitor::cancelled()).is_err());
-        // A picture that cannot be made ends the film.
-        let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
-        let error = encode_film(&mut Vec::new(), failing, 10, &Monitor::default());
-        assert!(error.is_err_and(|error| error.to_string() == "no picture"));
-        assert!(is_film(Path::new("a/b.GIF")) && !is_film(Path::new("a.apng")) && !is_film(Path::new("gif")));
-    }
-}

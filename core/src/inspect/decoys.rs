@@ -221,54 +221,6 @@ impl DecoyReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::burst::Burst;
-    use crate::detector::memory::on_threads;
-    use crate::detector::{DetectorParams, NoiseGate, Slope, SlopeGrid};
-    use crate::inspect::ProbeCache;
-    use crate::plane::Plane;
-
-    const SIZE: (usize, usize) = (160, 120);
-
-    /// Frames of noise, with blobs that all move by `slope`.
-    fn burst(frames: usize, blobs: usize, slope: Slope) -> Burst {
-        let mut places = Stream::new(5, 99);
-        let places: Vec<(f32, f32)> =
-            (0..blobs).map(|_| (places.within(20.0, 140.0) as f32, places.within(20.0, 100.0) as f32)).collect();
-        let frame = |t: usize| {
-            let mut noise = Stream::new(5, t as u64);
-            let dt = t as f32 - 0.5 * (frames as f32 - 1.0);
-            Plane::from_fn(SIZE.0, SIZE.1, |x, y| {
-                let light = |&(u, v): &(f32, f32)| {
-                    let (du, dv) = (x as f32 - u - dt * slope.u, y as f32 - v - dt * slope.v);
-                    0.1 * (-(du * du + dv * dv) / (2.0 * 2.5 * 2.5)).exp()
-                };
-                0.3 + 0.02 * noise.normal() as f32 + places.iter().map(light).sum::<f32>()
-            })
-        };
-        Burst::from_planes("decoys", (0..frames).map(frame).collect())
-    }
-
-    fn cache(burst: &Burst, params: DetectorParams) -> ProbeCache {
-        ProbeCache::new(burst, &params.into(), &Monitor::default()).expect("valid")
-    }
-
-    fn line(gate: f32) -> DetectorParams {
-        let slopes = SlopeGrid::line(-3.0..=3.0, 13);
-        DetectorParams { slopes, noise_gate: NoiseGate::Factor(gate), ..DetectorParams::default() }
-    }
-
-    fn report(cache: &ProbeCache, study: DecoyStudy) -> DecoyReport {
-        decoys(&cache.trail, &study, &Monitor::default()).expect("enough frames")
-    }
-
-    #[test]
-    fn one_seed_gives_one_result_on_any_number_of_threads() {
-        let cache = cache(&burst(6, 6, Slope::new(1.5, 0.0)), line(3.5));
-        let on = |threads, seed| on_threads(threads, || report(&cache, DecoyStudy { copies: 2, seed }));
-        let one = on(1, 7);
-        assert_eq!(one, on(3, 7));
-        assert_ne!(one, on(3, 8), "another seed is another order");
-    }
 
     #[test]
     fn orders_are_unlike_time_and_each_other() {
@@ -294,12 +246,5 @@ mod tests {
         ] {
             assert!(words.iter().all(|word| text.contains(word)), "{text}");
         }
-    }
-
-    #[test]
-    fn it_ends_when_it_is_cancelled() {
-        let cache = cache(&burst(5, 0, Slope::default()), line(5.0));
-        let ended = decoys(&cache.trail, &DecoyStudy::default(), &Monitor::cancelled());
-        assert!(ended.as_ref().is_err_and(Error::is_cancelled), "{ended:?}");
     }
 }

@@ -523,4 +523,27 @@ mod tests {
             assert_eq!(subject.slope, slope);
         }
     }
+
+    #[test]
+    fn the_small_blob_under_the_click_comes_before_the_large_one_over_it() {
+        for gate in [NoiseGate::Auto, NoiseGate::Factor(1000.0)] {
+            let (cache, place) = (small_under_large(gate), [81.0, 80.5]);
+            let probe = at(&cache, place, ProbeOptions::default());
+            let apart = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
+            let first = probe.subject_fate().expect("it is at the place");
+            assert_eq!(probe.subject.fate, Some(0));
+            assert!(apart(first) < AT_PLACE_PX && (1.4..4.0).contains(&first.sigma), "{first:?}");
+            assert_eq!(first.is_kept(), gate == NoiseGate::Auto);
+            // The large one responds more clearly, and is last all the same.
+            let large = probe.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("it reaches over the place");
+            assert!(large.snr > first.snr && apart(large) > AT_PLACE_PX, "{large:?}");
+            assert!(probe.near_fates().iter().all(|fate| fate.sigma < 10.0 || apart(fate) <= AT_PLACE_PX));
+            // Chosen candidates are examined wherever they are.
+            let wanted = Wanted::Candidate(large.of_sample());
+            let chosen = at(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
+            assert_eq!(chosen.subject_fate().map(Fate::of_sample), Some(large.of_sample()));
+            let beyond = probe.near_fates().iter().map(|fate| apart(fate).max(AT_PLACE_PX));
+            assert!(beyond.is_sorted(), "the nearest come first");
+        }
+    }
 }

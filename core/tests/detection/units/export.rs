@@ -77,7 +77,8 @@ mod film {
     use burstscope_core::monitor::*;
     use image::Rgba;
     use image::RgbaImage;
-    use std::io::{self};
+    use std::io;
+    use std::path::Path;
 
     fn encoded(pictures: Vec<RgbaImage>, monitor: &Monitor) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
@@ -103,6 +104,23 @@ mod film {
         assert!(decoder.read_next_frame().expect("read").is_none());
         let estimate = estimated_film_bytes([&pictures()[0], &pictures()[1]], 3) as f64;
         assert!((0.4..3.0).contains(&(estimate / bytes.len() as f64)));
+    }
+
+    #[test]
+    fn wrong_pictures_are_refused_and_cancelling_ends_it() {
+        let mut sizes = pictures();
+        sizes.push(RgbaImage::new(3, 3));
+        for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], vec![RgbaImage::new(70_000, 1)], sizes] {
+            assert!(encoded(pictures, &Monitor::default()).is_err());
+        }
+        let cancelled = Monitor::default();
+        cancelled.cancel();
+        assert!(encoded(pictures(), &cancelled).is_err());
+        // A picture that cannot be made ends the film.
+        let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
+        let error = encode_film(&mut Vec::new(), failing, 10, &Monitor::default());
+        assert!(error.is_err_and(|error| error.to_string() == "no picture"));
+        assert!(is_film(Path::new("a/b.GIF")) && !is_film(Path::new("a.apng")) && !is_film(Path::new("gif")));
     }
 }
 
