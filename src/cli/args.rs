@@ -64,7 +64,7 @@ JSON (--json):
      \"damaged_frames\": [name] where --accept-damaged took some,
      \"taken\": [clause] where times or an order were found or files left a choice, with \"frame_names\": [name] in their order, \"features\",
      \"files\": {format: path}, \"frame_noise\", \"noise_gate_factor\", \"octaves\": [first, end],
-     \"noise\": {\"frame_noise\", \"is_local\", \"transfer\": {\"slope\", \"dark\", \"points\": [{\"brightness\", \"variance\", \"squares\"}]}, \"excess\", \"levels\",
+     \"noise\": {\"frame_noise\", \"is_local\", \"transfer\": {\"slope\", \"dark\", \"bit\" of pixels that are 0 or it, \"points\": [{\"brightness\", \"variance\", \"squares\"}]}, \"excess\", \"levels\",
        \"frames\": [{\"gain\", \"relative_variance\", \"left_out\"}], \"correlations\", \"pattern\", \"warnings\": [{\"kind\", \"number\", \"text\"}]},
      \"slope_grid\": {\"u\": {\"min\", \"max\", \"count\"}, \"v\", \"direction_deg\"}, \"slopes_found\": {\"grid\", \"verdict\": found, still,
        nothing-seen, not-straight or film, \"confidence\", \"significance\", \"direction_deg\", \"moved_px\", \"deviation_px\",

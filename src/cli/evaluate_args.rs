@@ -132,8 +132,8 @@ pub struct NoiseArgs {
     /// colour-jpeg-QUALITY, correlated, black-frame, noisy-frame, noisy-half, column-stripes, hot-pixels, gain-flicker,
     /// clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame), varying-TIMES (strength
     /// by place), banding, still-banding, smoothed, flickering-pixels, noisy-columns, negative, fading-PERCENT and
-    /// breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT (of the noise). Without it the white
-    /// ones of --sigma and --bits, and all others.
+    /// breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT (of the noise), bits-PERCENT (of
+    /// pixels that are 1, the others 0). Without it the white ones of --sigma and --bits, and all others.
     #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseCase::from_str)]
     pub case: Vec<NoiseCase>,
     /// Standard deviation of the noise of the kinds of --case, fraction of full scale.

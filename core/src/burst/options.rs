@@ -42,7 +42,8 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long))]
     pub linearise: bool,
     /// Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a frame is
-    /// grey. The notes say which they are [default: such a frame is an error].
+    /// grey, and the notes say which they are. Also a FITS image that does not add up to its DATASUM
+    /// [default: these are errors].
     #[cfg_attr(feature = "cli", arg(long))]
     pub accept_damaged: bool,
     /// Mask of the frames' size, 0 where they are hidden, and anything else where they are seen, as COLMAP reads masks;

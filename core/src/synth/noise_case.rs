@@ -73,6 +73,8 @@ pub enum NoiseCase {
     CosmicStreaks,
     /// Each pixel has its own offset, the same in all frames, of this many percent of the noise (1 … 100).
     FixedPattern(u8),
+    /// A pixel is 0 or 1, and 1 in this many percent of the frames (1 … 99), as single-photon cameras count.
+    Bits(u8),
 }
 
 const COLUMNS_A_NOISY: usize = 50;
@@ -81,7 +83,7 @@ impl NoiseCase {
     /// Grey level of the scene where no other is asked for, fraction of full scale.
     pub const LEVEL: f64 = 0.5;
     /// All cases, with the JPEG qualities, variations of strength and speeds that are commonly measured.
-    pub const ALL: [Self; 35] = [
+    pub const ALL: [Self; 36] = [
         Self::White,
         Self::Doubled,
         Self::Jpeg(90),
@@ -117,6 +119,7 @@ impl NoiseCase {
         Self::Breathing(10),
         Self::CosmicStreaks,
         Self::FixedPattern(20),
+        Self::Bits(10),
     ];
 
     /// Name on the command line and in reports; [`str::parse`] reads it.
@@ -195,6 +198,7 @@ impl NoiseCase {
                     }
                     None => frame,
                 },
+                Self::Bits(percent) => mapped(&frame, |_| f32::from(stream.uniform() < f64::from(percent) / 100.0)),
                 Self::NoisyColumns => with_noisy_columns(frame, sigma, stream),
                 Self::CosmicStreaks => with_streaks(frame, sigma, stream),
                 _ => frame,
@@ -305,6 +309,7 @@ impl std::str::FromStr for NoiseCase {
             .or_else(|| number("varying-", 2..=9).map(Self::Varying))
             .or_else(|| number("fading-", 1..=99).map(Self::Fading))
             .or_else(|| number("breathing-", 1..=99).map(Self::Breathing))
+            .or_else(|| number("bits-", 1..=99).map(Self::Bits))
             .or_else(|| number("fixed-pattern-", 1..=100).map(Self::FixedPattern))
             .or_else(|| text.strip_prefix("drifting-stripes-").and_then(tenths).map(Self::DriftingStripes));
         if let Some(found) = found {
@@ -327,8 +332,8 @@ impl Serialize for NoiseCase {
     }
 }
 
-fn mapped(plane: &Plane, value: impl Fn(f32) -> f32) -> Plane {
-    Plane::from_vec(plane.width(), plane.height(), plane.data().iter().map(|&x| value(x)).collect())
+fn mapped(plane: &Plane, value: impl FnMut(f32) -> f32) -> Plane {
+    Plane::from_vec(plane.width(), plane.height(), plane.data().iter().copied().map(value).collect())
 }
 
 /// The frame after storage in an 8-bit JPEG file of `quality`: grey for one channel, the luma of three.

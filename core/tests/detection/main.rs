@@ -11,6 +11,7 @@ mod goldens;
 mod inspect;
 mod laws;
 mod masks;
+mod merging;
 mod noise_model;
 mod pictures_of_places;
 mod planes;

@@ -53,6 +53,25 @@ fn noise_as_cameras_make_it_gives_next_to_nothing() {
 }
 
 #[test]
+fn frames_of_bits_have_the_noise_of_bits() {
+    let mut all = 0;
+    for percent in [3u8, 10, 30, 60, 97] {
+        for seed in [31, 32, 33] {
+            let case = NoiseCase::Bits(percent);
+            let burst = case.burst((480, 360), 20, 0.02, seed, &Monitor::default()).expect("a burst");
+            let detection = found(&burst, NoiseModelKind::Local);
+            println!("{} seed {seed}: {}", case.name(), detection.features.len());
+            all += detection.features.len();
+            let (noise, share) = (detection.noise, f32::from(percent) / 100.0);
+            assert_eq!(noise.warnings, [], "{} seed {seed}", case.name());
+            assert!((noise.frame_noise.powi(2) / (share * (1.0 - share)) - 1.0).abs() < 0.1, "{noise:?}");
+        }
+    }
+    // Six a megapixel of 2.6 would be 15.
+    assert!(all <= 8, "{all}");
+}
+
+#[test]
 fn blocks_that_a_codec_flattened_are_no_evidence_of_low_noise() {
     let mut all = 0;
     for (case, level) in [
@@ -71,6 +90,55 @@ fn blocks_that_a_codec_flattened_are_no_evidence_of_low_noise() {
     }
     // Six a megapixel; before, single bursts had thousands.
     assert!(all <= 8, "{all}");
+}
+
+#[test]
+fn every_kind_of_noise_is_warned_of() {
+    use WarningKind::*;
+    for (case, kind) in [
+        (NoiseCase::Doubled, DuplicateFrames),
+        (NoiseCase::Jpeg(30), LongTails),
+        (NoiseCase::Correlated, SharedByNeighbours),
+        (NoiseCase::BlackFrame, OutlierFrames),
+        (NoiseCase::NoisyFrame, OutlierFrames),
+        (NoiseCase::NoisyHalf, DiffersByPlace),
+        (NoiseCase::ColumnStripes, Stripes),
+        (NoiseCase::HotPixels, HotPixels),
+        (NoiseCase::GainFlicker, GainFlicker),
+        (NoiseCase::ClippedBlack, CutOff),
+        (NoiseCase::Saturated, CutOff),
+        (NoiseCase::ConstantFrame, OutlierFrames),
+        (NoiseCase::DriftingStripes(3), ChangingLines),
+        (NoiseCase::Varying(2), DiffersByPlace),
+        (NoiseCase::Varying(6), DiffersByPlace),
+        (NoiseCase::Banding, ChangingLines),
+        (NoiseCase::StillBanding, ChangingLines),
+        (NoiseCase::Smoothed, SmoothedOverTime),
+        (NoiseCase::FlickeringPixels, HotPixels),
+        (NoiseCase::NoisyColumns, ChangingLines),
+        (NoiseCase::Fading(10), GainFlicker),
+        (NoiseCase::CosmicStreaks, Struck),
+        (NoiseCase::ColourJpeg(30), FlattenedByCodec),
+    ] {
+        let burst = case.burst((480, 360), 10, 0.02, 3, &Monitor::default()).expect("a burst");
+        let warnings = &found(&burst, NoiseModelKind::Local).noise.warnings;
+        assert!(warnings.iter().any(|warning| warning.kind == kind), "{case:?}: {warnings:?}");
+    }
+}
+
+#[test]
+fn a_weak_pattern_is_measured_in_the_mean_of_the_frames() {
+    let share = |case: NoiseCase| {
+        let burst = case.burst((480, 360), 10, 0.02, 3, &Monitor::default()).expect("a burst");
+        found(&burst, NoiseModelKind::Local).noise.pattern_share
+    };
+    for (percent, expected) in [(20u8, 0.038), (40, 0.138)] {
+        let found = share(NoiseCase::FixedPattern(percent));
+        assert!((found / expected - 1.0).abs() < 0.35, "{percent}: {found}");
+    }
+    for noise in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::NoisyHalf, NoiseCase::Jpeg(60)] {
+        assert_eq!(share(noise), 0.0, "{noise:?}");
+    }
 }
 
 #[test]

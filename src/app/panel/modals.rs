@@ -169,7 +169,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
         });
         ui.checkbox(&mut options.linearise, "Linear light")
             .on_hover_text("Undo the sRGB encoding of 8-bit and 16-bit pictures");
-        ui.checkbox(&mut options.accept_damaged, "Accept damaged JPEG frames")
+        ui.checkbox(&mut options.accept_damaged, "Accept damaged frames")
             .on_hover_text("Decode them as far as possible; the rest of the frame is grey");
         ui.checkbox(&mut options.mask_saturated, "Mask saturated pixels")
             .on_hover_text("Pixels at or above the full scale are in no mean and give no features");

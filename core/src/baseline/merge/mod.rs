@@ -9,8 +9,6 @@
 mod align;
 mod dct;
 mod temporal;
-#[cfg(test)]
-mod tests;
 mod tiles;
 
 use crate::burst::Burst;

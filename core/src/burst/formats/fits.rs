@@ -9,6 +9,7 @@ use super::{Input, Numbers, Rank, Record, Start};
 use crate::burst::layout::{Axis, Mosaic};
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::OpenOptions;
+use crate::burst::reading::Reading;
 use crate::burst::reading::plain::{Places, Plain};
 use crate::burst::reading::tiles::Tiles;
 use crate::burst::times::{Times, seconds_of};
@@ -27,6 +28,8 @@ const CARD_BYTES: usize = 80;
 /// Largest number of cards of a header, and of headers of a file.
 const MAX_CARDS: usize = 1 << 14;
 const MAX_UNITS: usize = 1 << 12;
+/// Bytes of data that are added up at a time; a multiple of a word.
+const SUMMED_BYTES: u64 = 1 << 20;
 /// Largest number of axes of the standard.
 const MAX_AXES: u64 = 999;
 /// Values of CTYPE3 of axes that are no time begin with these.
@@ -52,8 +55,19 @@ impl Numbers for Fits {
         start.bytes.starts_with(MAGIC)
     }
 
+    fn verify(&self, input: &Input, reading: Reading<'_>) -> Result<()> {
+        let (unit, ..) = chosen(reading.path, input, reading.options)?;
+        unit.verify(&input.file, reading)
+    }
+
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {
-        plain(path, input.file, input.length, options)
+        let (unit, number, all) = chosen(path, &input, options)?;
+        let mut plain = unit.plain(path, input.length, options)?;
+        if all > 1 {
+            let name = unit.name();
+            plain.taken.push(format!("of {all} images number {number} ({name}) is taken; --array takes another"));
+        }
+        Ok(plain)
     }
 }
 
@@ -241,6 +255,33 @@ impl Unit {
         Ok(Plain { places, planes: step, ..plain })
     }
 
+    /// Compares DATASUM, the sum of the data with its padding: words of 32 bits, where what is carried out is added
+    /// again (FITS standard, 4.4.2.7).
+    fn verify(&self, mut file: &File, reading: Reading<'_>) -> Result<()> {
+        let Some(stated) = self.text("DATASUM").and_then(|text| text.trim().parse::<u32>().ok()) else { return Ok(()) };
+        let fail = |e: io::Error| Error::from_read(reading.path, KIND, &e);
+        file.seek(SeekFrom::Start(self.data)).map_err(fail)?;
+        let mut data = file.take(self.bytes.next_multiple_of(BLOCK_BYTES));
+        let (mut sum, mut block) = (0u64, Vec::with_capacity(SUMMED_BYTES as usize));
+        while (&mut data).take(SUMMED_BYTES).read_to_end(&mut block).map_err(fail)? > 0 {
+            reading.ticker.check()?;
+            let words =
+                block.chunks_exact(4).map(|word| u64::from(u32::from_be_bytes([word[0], word[1], word[2], word[3]])));
+            sum += words.sum::<u64>();
+            sum = (sum >> 32) + (sum & u64::from(u32::MAX));
+            block.clear();
+        }
+        sum = (sum >> 32) + (sum & u64::from(u32::MAX));
+        // Zero has two forms.
+        if sum % u64::from(u32::MAX) == u64::from(stated) % u64::from(u32::MAX) || reading.options.accept_damaged {
+            return Ok(());
+        }
+        let problem = format!("the data of this FITS image add up to {sum}, not to {stated} as DATASUM says");
+        let remedy =
+            "copy it again; or, where a program has changed the data and left DATASUM, take them with --accept-damaged";
+        Err(Error::new(ErrorKind::Damaged, problem, remedy).about(reading.path))
+    }
+
     /// Mosaic of colours at the corner of the frames as they are read.
     fn mosaic(&self) -> Option<Mosaic> {
         let pattern = self.text("BAYERPAT").or_else(|| self.text("COLORTYP"))?.trim().to_uppercase();
@@ -288,11 +329,11 @@ impl Unit {
     }
 }
 
-/// The image that the options name, or the first one.
-fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
+/// The image that the options name, or the first one; its number, and that of all images.
+fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, usize, usize)> {
     let fail = |e: io::Error| Error::from_read(path, KIND, &e);
-    let mut reader = BufReader::with_capacity(BLOCK_BYTES as usize, file);
-    let (mut images, mut at) = (Vec::new(), 0u64);
+    let mut reader = BufReader::with_capacity(BLOCK_BYTES as usize, &input.file);
+    let (mut images, mut at) = (Vec::<Unit>::new(), 0u64);
     for _ in 0..MAX_UNITS {
         reader.seek(SeekFrom::Start(at)).map_err(fail)?;
         let unit = Unit::read(path, &mut reader)?;
@@ -301,7 +342,7 @@ fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<
             images.push(unit);
         }
         // What is behind the last unit is nobody's, and so is a part of a block.
-        if at.saturating_add(BLOCK_BYTES) > length {
+        if at.saturating_add(BLOCK_BYTES) > input.length {
             break;
         }
     }
@@ -321,10 +362,6 @@ fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<
             })?
         }
     };
-    let mut plain = images[number].plain(path, length, options)?;
-    if images.len() > 1 {
-        let (name, all) = (images[number].name(), images.len());
-        plain.taken.push(format!("of {all} images number {number} ({name}) is taken; --array takes another"));
-    }
-    Ok(plain)
+    let all = images.len();
+    Ok((images.swap_remove(number), number, all))
 }

@@ -16,6 +16,8 @@ mod picture;
 mod raw;
 mod ser;
 mod tiff;
+#[cfg(test)]
+mod toy;
 mod y4m;
 
 pub use dump::{LikelyShape, likely_shapes};
@@ -54,6 +56,8 @@ static ALL: &[&dyn Format] = &[
     &raw::Raw,
     &film::Film,
     &dump::Dump,
+    #[cfg(test)]
+    &toy::Toy,
 ];
 
 /// Formats of files of one folder of which those of the first rank that is there are frames: beside pictures lie films
@@ -161,6 +165,11 @@ pub(super) trait Numbers: Sync {
         false
     }
 
+    /// Compares the sum that the file states of its numbers, where it does, before they are read.
+    fn verify(&self, _input: &Input, _reading: Reading<'_>) -> Result<()> {
+        Ok(())
+    }
+
     /// All frames of the file; `options` have limits for a whole file, of which a part may be taken.
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain>;
 }
@@ -191,10 +200,12 @@ impl<N: Numbers> Format for N {
     }
 
     fn frames(&self, input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+        self.verify(&input, reading)?;
         part_of(self, input, reading)?.stack(reading)
     }
 
     fn only(&self, input: Input, reading: Reading<'_>) -> Result<RawFrame> {
+        self.verify(&input, reading)?;
         part_of(self, input, reading)?.only(reading)
     }
 

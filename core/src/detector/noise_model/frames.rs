@@ -54,6 +54,8 @@ pub struct FrameSurvey {
 
 /// Spread of exposures above which it is flicker; objects that move make a smaller one.
 const MIN_FLICKER: f32 = 0.015;
+/// The same in standard errors of the mean of a frame's squares; their median has 1.25 of these.
+const SURE_OF_FLICKER: f32 = 4.0;
 /// Range of exposures above which a steady change is noticed, if all places share it.
 const MIN_DRIFT: f32 = 0.005;
 /// Ratio of that range to the spread of the places' own changes above which they share it.
@@ -97,7 +99,7 @@ impl FrameSurvey {
         survey.leave_out_empty(&looks);
         survey.leave_out_copies(squares, &looks);
         survey.compare_brightness(squares, &looks);
-        survey.leave_out_blurred(&looks);
+        survey.leave_out_blurred(squares, &looks);
         survey.compare_noise(squares, &looks);
         (survey.correlations, survey.flat) = correlations(squares, &looks, &survey.kept());
         survey
@@ -117,7 +119,8 @@ impl FrameSurvey {
     /// Share of the variance that all frames have in common where their mean has more than `noise` everywhere; else 0.
     pub fn pattern_share(&self, squares: &HighPass, noise: f32) -> f32 {
         let kept = self.kept();
-        if kept.len() < 4 || !self.correlations.is_empty() || squares.are_flattened || noise <= 0.0 {
+        if kept.len() < 4 || !self.correlations.is_empty() || squares.are_flattened || squares.are_bits || noise <= 0.0
+        {
             return 0.0;
         }
         let weight = |t: usize| 1.0 / self.frames[t].gain;
@@ -167,12 +170,17 @@ impl FrameSurvey {
         let reference = order[order.len() / 2];
         // Around black, where a black level was subtracted, brightness is only noise.
         let least = BRIGHT * (looks.noise[reference] / SQUARE_PIXELS as f32).sqrt();
-        if squares.brightness[reference].iter().filter(|b| **b > least).count() * MIN_BRIGHT < squares.places.len() {
+        // Of bits the brightest squares of a frame are those with more photons by chance.
+        let ratio = |t: usize| match squares.are_bits {
+            true => mean(t) / mean(reference),
+            false => bright_ratio(&squares.brightness[t], &squares.brightness[reference], least),
+        };
+        if !squares.are_bits
+            && squares.brightness[reference].iter().filter(|b| **b > least).count() * MIN_BRIGHT < squares.places.len()
+        {
             return;
         }
-        let gains: Vec<f32> = (0..squares.frames())
-            .map(|t| bright_ratio(&squares.brightness[t], &squares.brightness[reference], least))
-            .collect();
+        let gains: Vec<f32> = (0..squares.frames()).map(ratio).collect();
         for (t, &gain) in gains.iter().enumerate() {
             if gain < BLACK {
                 self.leave_out(t, LeftOut::Black);
@@ -183,8 +191,11 @@ impl FrameSurvey {
         let kept = self.kept();
         let flicker = spread_without_trend(&kept.iter().map(|&t| (t as f32, gains[t].ln())).collect::<Vec<_>>());
         let drift = shared_drift(squares, &kept, &gains, least);
-        if flicker > MIN_FLICKER || drift > 0.0 {
-            if flicker > MIN_FLICKER {
+        // The median over the squares of a dark frame differs by its noise alone.
+        let pixels = (squares.places.len() * SQUARE_PIXELS) as f32;
+        let error = SURE_OF_FLICKER * (looks.noise[reference] / pixels).sqrt() / mean(reference);
+        if flicker > MIN_FLICKER.max(error) || drift > 0.0 {
+            if flicker > MIN_FLICKER.max(error) {
                 self.flicker = flicker;
             } else {
                 self.drift = drift;
@@ -230,9 +241,9 @@ impl FrameSurvey {
         }
     }
 
-    fn leave_out_blurred(&mut self, looks: &Looks) {
+    fn leave_out_blurred(&mut self, squares: &HighPass, looks: &Looks) {
         let kept = self.kept();
-        if kept.len() < 4 {
+        if kept.len() < 4 || squares.are_bits {
             return;
         }
         let per_gain = |t: usize, power: f32| power / self.frames[t].gain.powi(2);
@@ -308,7 +319,7 @@ fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
 
 /// Range of the logarithms of the exposures `gains`, if the squares brighter than `least` share it; else 0.
 fn shared_drift(squares: &HighPass, kept: &[usize], gains: &[f32], least: f32) -> f32 {
-    if kept.len() < 3 {
+    if kept.len() < 3 || squares.are_bits {
         return 0.0;
     }
     // Three frames together, so that noise counts less.

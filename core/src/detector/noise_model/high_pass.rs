@@ -35,6 +35,8 @@ pub struct HighPass {
     pub brightness: Vec<Vec<f32>>,
     /// Whether quiet squares are no evidence of low noise, because a codec flattened them.
     pub are_flattened: bool,
+    /// Whether each pixel is 0 or one value: squares in the dark hold few photons, and quiet ones none.
+    pub are_bits: bool,
 }
 
 impl HighPass {
@@ -65,7 +67,7 @@ impl HighPass {
         let (values, brightness) = frames.par_iter().map(of_frame).unzip();
         let middle = |at: usize| at as f32 + PATCH as f32 - 0.5;
         let places = corners.iter().map(|&(u, v)| (middle(u), middle(v))).collect();
-        Self { places, values, brightness, corners, are_flattened: false }
+        Self { places, values, brightness, corners, are_flattened: false, are_bits: false }
     }
 
     pub fn only(&self, frames: &[usize]) -> Self {
@@ -77,7 +79,7 @@ impl HighPass {
 
     /// Variance of the noise from all squares: of the quiet ones, or, where a codec flattened those, their mean.
     pub fn noise_in(&self, variances: Vec<f32>) -> f32 {
-        if self.are_flattened {
+        if self.are_flattened || self.are_bits {
             variances.iter().sum::<f32>() / variances.len().max(1) as f32
         } else {
             quiet_variance(variances, FREE_VALUES)

@@ -23,6 +23,9 @@ pub struct PhotonTransfer {
     pub dark: f32,
     /// Lower bound of the variance, in (fraction of full scale)².
     pub min: f32,
+    /// Value of a pixel that is set, where a pixel is that or 0: the variance at I is then I·(value − I).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bit: Option<f32>,
     /// Points to which the line was fitted, from dark to bright.
     pub points: Vec<TransferPoint>,
 }
@@ -65,7 +68,15 @@ impl PhotonTransfer {
             .collect();
         let (slope, dark) = line(&points, pixels, free);
         let min = 0.5 * points.iter().map(|p| p.variance).reduce(f32::min).unwrap_or(0.0);
-        Self { slope, dark, min, points }
+        Self { slope, dark, min, bit: None, points }
+    }
+
+    /// Curve of pixels that are 0 or `bit`: with a probability I/bit of being set the variance is I·(bit − I), and slope
+    /// and offset those of few photons. Only the darkest groups say how small it becomes.
+    pub(super) fn of_bits(self, bit: f32) -> Self {
+        let of_bits = Self { slope: bit, dark: 0.0, min: 0.0, bit: Some(bit), points: self.points };
+        let least = of_bits.points.iter().map(|p| of_bits.variance(p.brightness)).reduce(f32::min);
+        Self { min: 0.5 * least.unwrap_or(0.0), ..of_bits }
     }
 
     /// Curve with one `variance`, squared fractions of full scale, at all brightnesses.
@@ -75,7 +86,11 @@ impl PhotonTransfer {
 
     /// Variance of the noise of one frame at brightness `brightness`.
     pub fn variance(&self, brightness: f32) -> f32 {
-        (self.slope * brightness + self.dark).max(self.min)
+        let variance = match self.bit {
+            Some(bit) => brightness * (bit - brightness),
+            None => self.slope * brightness + self.dark,
+        };
+        variance.max(self.min)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::crafted::{crc, directory, gzip_of_zeros, npy, npz, tile_fits};
 use super::fuzz::samples;
+use super::plain::unpacked;
 use super::support::folder;
 use burstscope_core::Monitor;
 use burstscope_core::burst::{Burst, BurstFiles, Info, OpenOptions, SequenceCut, cut_sequence, find_bursts};
@@ -83,6 +84,7 @@ fn a_changed_bit_is_noticed_where_there_is_a_checksum() {
         ("tile.fits", tile.clone(), tile.len() - gzip.len()),
         ("16.png", png, 0),
         ("deflate.tif", tiff, pixels_at),
+        ("summed.fits", unpacked(include_bytes!("samples/summed.fits.gz")), 2880),
     ];
     for (name, bytes, from) in files {
         let whole = opened(name, &bytes).expect(name);
@@ -107,6 +109,21 @@ fn a_changed_bit_is_noticed_where_there_is_a_checksum() {
     fs::write(&path, &changed).expect("written");
     let error = open(&path, &taking(&OpenOptions::default())).expect_err("a changed bit");
     assert!(error.to_string().contains("checksum"), "{error}");
+}
+
+#[test]
+fn a_fits_image_that_does_not_add_up_opens_if_that_is_wanted() {
+    let mut changed = unpacked(include_bytes!("samples/summed.fits.gz"));
+    opened("summed.fits", &changed).expect("as astropy wrote it");
+    changed[2880 + 5] ^= 1;
+    refused("summed.fits", &changed, "DATASUM");
+    let folder = folder();
+    let path = folder.path().join("summed.fits");
+    fs::write(&path, &changed).expect("written");
+    let part = open(&path, &taking(&options_for("summed.fits"))).expect_err("also of a part");
+    assert!(part.remedy.contains("--accept-damaged"), "{part}");
+    let accepted = OpenOptions { accept_damaged: true, ..options_for("summed.fits") };
+    assert_eq!(open(&path, &accepted).expect("accepted").len(), 2);
 }
 
 #[test]

@@ -1,11 +1,9 @@
 //! The merge on bursts whose motion and noiseless truth are known.
 
-use super::merge_burst;
-use crate::burst::Burst;
-use crate::detector::memory::on_threads;
-use crate::monitor::{Monitor, Stage};
-use crate::plane::Plane;
-use crate::synth::random::Stream;
+use burstscope_core::baseline::merge_burst;
+use burstscope_core::monitor::{Monitor, Stage};
+use burstscope_core::synth::random::Stream;
+use burstscope_core::{Burst, Plane};
 use std::sync::{Arc, Mutex};
 
 /// A smooth scene with structure at several scales, at any position; values about 0.2 … 0.6.
@@ -110,14 +108,19 @@ fn one_frame_stays_as_it_is_and_tiny_ones_are_no_trouble() {
 #[test]
 fn the_bits_do_not_depend_on_the_threads() {
     let burst = moving_burst((1.3, 0.7), 0.05, 5, 7);
-    let with = |threads| on_threads(threads, || merged(&burst));
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| merged(&burst))
+    };
     assert_eq!(with(1), with(5));
 }
 
 #[test]
 fn cancelling_leaves_no_result_and_progress_rises_to_one() {
     let burst = moving_burst((1.0, 0.0), 0.05, 4, 8);
-    assert!(merge_burst(&burst, 0..4, &Monitor::cancelled()).is_err());
+    let cancelled = Monitor::default();
+    cancelled.cancel();
+    assert!(merge_burst(&burst, 0..4, &cancelled).is_err());
     let heard = Arc::new(Mutex::new(Vec::new()));
     let sink = heard.clone();
     let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push((p.stage, p.fraction)));
