@@ -96,7 +96,6 @@ impl Neighbours {
     }
 }
 
-/// |a − b|².
 pub(crate) fn distance_squared(a: &Descriptor, b: &Descriptor) -> u32 {
     a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b)).pow(2)).sum()
 }

@@ -5,7 +5,7 @@ use burstscope_core::burst::{Burst, OpenOptions};
 use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::detector::{
-    DetectorParams, SearchParams, Slope, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes,
+    DetectorParams, ParamChange, SearchParams, Slope, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes,
 };
 use burstscope_core::inspect::spectrum::{Subject, judgement};
 use burstscope_core::synth::random::Stream;
@@ -130,6 +130,24 @@ fn a_floor_that_is_sharpest_beyond_the_range_found_widens_it() {
     assert_eq!(finding.as_ref().map(|finding| finding.grid), Some(params.slopes));
     let judged = judgement(&detection, &params, finding.as_ref(), &burst, &monitor).expect("not cancelled");
     assert_eq!(judged.expect("it has slopes").advice.filter(|advice| advice.subject == Subject::Range), None);
+}
+
+#[needs::shared("data/light-field-shop")]
+#[test]
+fn a_coarse_range_that_is_far_too_wide_gets_that_of_the_motion() {
+    let folder = shared("data/light-field-shop");
+    let burst = open(&(0..27).map(|k| folder.join(format!("view_{k:02}.jpg"))).collect::<Vec<_>>());
+    let monitor = Monitor::default();
+    let slopes = SlopeGrid::line(-40.0..=40.0, 5);
+    let given = SearchParams::from(DetectorParams { octaves: 2, slopes, ..Default::default() });
+    let Searched { detection, params, .. } = search(&burst, &given, &monitor).expect("valid");
+    let judged = judgement(&detection, &params, Some(&find(&burst)), &burst, &monitor).expect("not cancelled");
+    let advice = judged.expect("it has slopes").advice.expect("a step of 20 px/frame is too coarse");
+    let after = ParamChange::all_applied(&advice.changes, &params).expect("possible").slopes;
+    assert!(
+        advice.subject == Subject::Step && after.u.min > 0.0 && after.u.max < 6.0 && after.len() < 50,
+        "{advice:?}"
+    );
 }
 
 fn noise(seed: u64, size: (usize, usize)) -> Plane {

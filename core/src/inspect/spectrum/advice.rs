@@ -186,7 +186,10 @@ impl Judging<'_> {
         }
         let found = self.finding.filter(|finding| is_of_frames(finding)).map(|finding| finding.grid);
         let found = found.filter(|_| !matches!(advice.subject, Subject::Aliases | Subject::Cost));
-        for grid in [Some(wanted), found].into_iter().flatten().filter(|grid| *grid != self.grid) {
+        // Where all of a range would cost more than twice what the motion's own does, that is tried first.
+        let is_dear = found.is_some_and(|own| 2 * own.len() < wanted.len());
+        let grids = if is_dear { [found, Some(wanted)] } else { [Some(wanted), found] };
+        for grid in grids.into_iter().flatten().filter(|grid| *grid != self.grid) {
             if self.is_mended_by(grid, advice.subject, monitor)? {
                 return Ok(Some(SlopeAdvice { changes: self.changes_to(grid), ..advice }));
             }

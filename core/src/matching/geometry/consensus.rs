@@ -213,12 +213,10 @@ static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
     table
 });
 
-/// Γ(3/2, x).
 fn upper_gamma_3_2(x: f64) -> f64 {
     0.5 * std::f64::consts::PI.sqrt() * libm::erfc(x.sqrt()) + x.sqrt() * libm::exp(-x)
 }
 
-/// γ(5/2, x).
 fn lower_gamma_5_2(x: f64) -> f64 {
     0.75 * std::f64::consts::PI.sqrt() * libm::erf(x.sqrt()) - x.sqrt() * (1.5 + x) * libm::exp(-x)
 }
