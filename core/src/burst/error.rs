@@ -57,7 +57,12 @@ impl Error {
 
     /// Error for value number `index`, row by row, of a frame of `width` columns: infinite, or too large.
     pub(super) fn not_finite(path: &Path, frame: usize, width: usize, index: usize, value: f32) -> Self {
-        let problem = format!("frame {frame} has {value} at pixel ({}, {})", index % width, index / width);
+        let problem = format!(
+            "frame {frame} has a value beyond {:e} ({value}) at pixel ({}, {})",
+            f32::MAX,
+            index % width,
+            index / width
+        );
         let remedy = "write NaN for what has no value, which is masked";
         Self::new(ErrorKind::Unsupported, problem, remedy).about(path)
     }

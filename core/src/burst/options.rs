@@ -203,7 +203,6 @@ impl OpenOptions {
         Err(Error::param("take", problem, format!("give A..B with 0 ≤ A < B ≤ {count}")))
     }
 
-    /// Number of the first frame that is taken.
     pub(super) fn first_taken(&self) -> usize {
         self.take.map_or(0, |range| range.start)
     }

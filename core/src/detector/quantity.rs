@@ -138,7 +138,6 @@ fn named(key: &'static str, heading: &'static str, unit: &'static str, help: &'s
     Record { key, title: heading, heading, unit, help, term, form, unknown, width, place, colours }
 }
 
-/// The record of a component of a motion.
 fn motion(key: &'static str, heading: &'static str, term: &'static str, help: &'static str) -> Record {
     let (form, term, colours) = (Form::Signed(2), Some(term), Some(BRIGHT));
     Record { form, term, colours, ..named(key, heading, "px/frame", help) }

@@ -124,7 +124,6 @@ const NONE: TestRecord = TestRecord {
 /// Gate factor below which so much noise passes that lowering it further does not help.
 pub(crate) const LOWEST_GATE: f32 = 4.0;
 
-/// The records, in the order of [`Test::ALL`].
 static RECORDS: [TestRecord; Test::ALL.len()] = [
     TestRecord {
         reason: "below the peak threshold",

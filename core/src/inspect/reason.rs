@@ -255,7 +255,6 @@ fn kept_there(
     Ok(strongest.map(|feature| (feature.sigma, feature.snr)))
 }
 
-/// The finest octave that can be searched.
 const FINEST_OCTAVE: i32 = -1;
 
 /// The extremum over place, scale and slope that a peak leads to in an octave that may not have been searched.

@@ -132,7 +132,6 @@ fn coarser(values: &Plane, samples: &Plane) -> (Plane, Plane) {
     (means, sums)
 }
 
-/// Fills the values of `plane` that are not seen.
 fn fill(plane: &mut Plane, weights: &Plane) {
     let seen = Plane::from_fn(plane.width(), plane.height(), |u, v| f32::from(weights.at(u, v) >= SEEN));
     let mut levels = vec![coarser(plane, &seen)];

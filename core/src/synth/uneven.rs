@@ -113,7 +113,6 @@ impl Taken {
         Self::all(&Positions::even(frames))
     }
 
-    /// All frames at `positions`.
     pub(super) fn all(positions: &Positions) -> Self {
         let is_even = positions.is_even();
         Self { frames: positions.offsets().iter().copied().enumerate().collect(), is_even }

@@ -210,7 +210,8 @@ fn axes_of_views(shape: &[u64], views: Option<ViewsChoice>) -> Option<(ViewGrid,
     let grid = ViewGrid::new(usize::try_from(*rows).ok()?, usize::try_from(*columns).ok()?)?;
     let is_of_views = match (frame, views) {
         (_, Some(ViewsChoice::Grid(asked))) => (2..=3).contains(&frame.len()) && asked == grid,
-        ([_, last], None) => *columns >= MIN_COLUMNS && !matches!(last, 1 | 3 | 4),
+        // Of views there are fewer than pixels along each side: else the last axis is one of channels.
+        ([v, u], None) => *columns >= MIN_COLUMNS && rows <= v && columns <= u && !matches!(u, 1..=4),
         ([_, _, 1 | 3 | 4], None) => true,
         _ => false,
     };
@@ -261,12 +262,12 @@ fn parse(text: &str) -> Option<(String, bool, Vec<u64>)> {
         rest = after.trim_start().strip_prefix(':')?.trim_start();
         match key {
             "descr" => {
-                // A structured type is a list: not a picture, but named in the error.
-                let (value, after) = if rest.starts_with('[') { (rest, "}") } else { quoted(rest)? };
-                (descr, rest) = (Some(value.trim().to_owned()), after);
-                if value.starts_with('[') {
-                    return Some((descr?, false, Vec::new()));
+                // A structured type is a list: not a picture.
+                if rest.starts_with('[') {
+                    return Some(("record".to_owned(), false, Vec::new()));
                 }
+                let (value, after) = quoted(rest)?;
+                (descr, rest) = (Some(value.trim().to_owned()), after);
             }
             "fortran_order" => {
                 let (value, after) = [(true, "True"), (false, "False")]
@@ -289,7 +290,6 @@ fn parse(text: &str) -> Option<(String, bool, Vec<u64>)> {
     Some((descr?, fortran_order?, shape?))
 }
 
-/// A quoted word and the text after it.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let quote = text.chars().next().filter(|c| *c == '\'' || *c == '"')?;
     text[1..].split_once(quote)

@@ -93,7 +93,6 @@ impl Film {
         self.frame_bytes - self.luma_bytes
     }
 
-    /// The frames at `places`.
     pub(super) fn plain(&self, places: Vec<u64>) -> Plain {
         let frames = places.len();
         let range = ((1u32 << self.bits) - 1) as f32;

@@ -172,7 +172,6 @@ pub(in crate::burst) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, 
     Ok(RawFrame::linear(plane, FileScale::Data { integer, largest }))
 }
 
-/// Reads at a place of a file.
 pub(in crate::burst) fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: &mut [u8]) -> io::Result<()> {
     file.seek(SeekFrom::Start(at))?;
     file.read_exact(buffer)

@@ -123,7 +123,6 @@ pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation
     }
 }
 
-/// The mosaic of a picture of `size` after turning.
 pub(in crate::burst) fn turned_mosaic(mosaic: Mosaic, size: (usize, usize), orientation: Orientation) -> Mosaic {
     // A picture of a square, which ends as the whole one does.
     let colours = Plane::from_fn(2 + size.0 % 2, 2 + size.1 % 2, |u, v| mosaic.colour_at(u, v) as f32);

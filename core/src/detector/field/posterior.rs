@@ -270,7 +270,6 @@ impl Posterior {
     }
 }
 
-/// Sums over blocks of cells.
 fn block_sums(nats: &Plane) -> Plane {
     let mut sums = means(nats, BLOCK_CELLS);
     sums.data_mut().iter_mut().for_each(|x| *x *= (BLOCK_CELLS * BLOCK_CELLS) as f32);

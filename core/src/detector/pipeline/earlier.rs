@@ -70,7 +70,6 @@ impl<'a> Earlier<'a> {
         Self { trail }
     }
 
-    /// Inputs of the new search, with `params`.
     pub(super) fn inputs(&self, params: &DetectorParams) -> Inputs {
         self.trail.inputs.judged_with(params)
     }

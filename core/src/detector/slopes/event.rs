@@ -187,7 +187,6 @@ pub(super) fn copies(frames: &[&Plane]) -> Vec<usize> {
     if frames.len() < copies.len() + MIN_FRAMES { Vec::new() } else { copies }
 }
 
-/// Warning of frames that are copies.
 pub(super) fn copies_warning(copies: Vec<usize>) -> Option<MotionWarning> {
     let text = match copies[..] {
         [] => return None,

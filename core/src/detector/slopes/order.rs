@@ -64,7 +64,6 @@ struct Block {
 
 /// Blocks of the picture, at one level.
 pub(super) struct Blocks<'a> {
-    /// Pairs of frames.
     pairs: &'a [(usize, usize)],
     frames: usize,
     overlap: &'a [f32],
@@ -78,7 +77,6 @@ pub(super) struct Agreement {
     pub nats: f64,
     /// Slope of each block.
     slopes: Vec<[f64; 2]>,
-    /// Significance of each block.
     significance: Vec<f64>,
 }
 

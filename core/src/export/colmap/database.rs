@@ -337,5 +337,4 @@ CREATE TABLE frame_data (
 CREATE UNIQUE INDEX frame_sensor_assignment ON frame_data(data_id, sensor_type);
 ";
 
-/// Code of the sensor type "camera".
 pub(super) const SENSOR_CAMERA: u32 = 0;

@@ -357,7 +357,6 @@ fn wheel(centre: [f32; 2], radius: f32) -> Vec<FigureShape> {
     (1..=RINGS).rev().flat_map(|ring| (0..SECTORS).map(move |sector| sector_of(ring, sector))).collect()
 }
 
-/// A line that is not dashed.
 fn line(points: Vec<[f32; 2]>, stroke: FigureStroke, class: &'static str) -> FigureShape {
     FigureShape::Line { points, stroke, dashed: false, class }
 }

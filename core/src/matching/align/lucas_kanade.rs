@@ -37,7 +37,6 @@ pub(super) struct Window {
     x: Vec<f32>,
     y: Vec<f32>,
     weights: Vec<f32>,
-    /// Weight of the prior of each unknown.
     prior: [f32; UNKNOWNS],
 }
 

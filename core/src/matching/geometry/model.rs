@@ -118,7 +118,6 @@ fn seen_by(camera: &Camera, straight: [f64; 2]) -> [f64; 2] {
     camera.pixel_of([(straight[0] - k.m13) / k.m11, (straight[1] - k.m23) / k.m22])
 }
 
-/// The fundamental matrix of straightened pixels.
 pub(super) fn straight_fundamental(essential: &Matrix3<f64>, camera: &Camera) -> Matrix3<f64> {
     let k = camera.matrix();
     let (fx, fy, cx, cy) = (k.m11, k.m22, k.m13, k.m23);

@@ -155,7 +155,6 @@ mod tests {
         assert!(Normalisation::of(&[]).0.scale.is_finite());
     }
 
-    /// Arbitrary numbers in −1 … 1.
     fn numbers(seed: u64) -> impl FnMut() -> f64 {
         let mut state = seed;
         move || {

@@ -309,3 +309,22 @@ fn a_long_text_in_a_tiff_harms_nobody() {
     let limits = burstscope_core::burst::Limits { max_pixels: 1 << 10, ..Default::default() };
     open_with(&path, &OpenOptions { limits, ..OpenOptions::default() }).expect("a long text harms nobody");
 }
+
+/// A decoder of raw files reads notes that go on behind the end of a file as far as they are there, and makes room for
+/// what their entries announce.
+#[cfg(feature = "raw")]
+#[test]
+fn notes_that_go_on_behind_the_end_are_not_left_to_a_decoder() {
+    let entries = [
+        (34665, 14, 1, 0x010a),
+        (0x4686, 18, 5, 0x5716_eb8a),
+        (34665, 5, 0, 0x0080_0000),
+        (0x6a89, 6, 0, 0xffd2_89dc),
+        (34665, 1, 5, 123),
+    ];
+    let folder = folder();
+    let path = folder.path().join("notes.dng");
+    fs::write(&path, crafted::directory(&entries, 74)).expect("written");
+    let error = Burst::open(&path).expect_err("nothing is in it");
+    assert!(error.to_string().contains("announces"), "{error}");
+}

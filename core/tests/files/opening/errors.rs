@@ -2,7 +2,7 @@
 
 use super::support::{folder, grey8, open, save, tiff_pages};
 use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Limits, OpenOptions};
+use burstscope_core::burst::{Burst, Info, Limits, OpenOptions};
 use burstscope_core::error::{Error, ErrorKind};
 use ndarray::{Array1, Array2, Array3, Array4};
 use ndarray_npy::write_npy;
@@ -153,6 +153,35 @@ fn arrays_of_other_shapes_and_types() {
     fs::write(&path, b"\x93NUMPY\x01\x00\x3f\x00{'descr': '<c8', 'fortran_order': False, 'shape': (2, 2)}         ")
         .expect("written");
     failure(&path, &["<c8", "uint16 or float32"]);
+    let record =
+        b"\x93NUMPY\x01\x00\x50\x00{'descr': [('x', '|u1')], 'fortran_order': False, 'shape': (2, 2), }             ";
+    fs::write(&path, record).expect("written");
+    failure(&path, &["type 'record'", "uint16 or float32"]);
+    // A last axis of channels is neither views nor time.
+    for channels in [2, 8] {
+        write_npy(&path, &Array4::<u8>::zeros((5, 40, 60, channels))).expect("written");
+        failure(&path, &[&format!("[5, 40, 60, {channels}]")]);
+    }
+    write_npy(&path, &Array3::<f64>::from_elem((2, 3, 4), 1e300)).expect("written");
+    failure(&path, &["beyond 3.4028235e38", "pixel (0, 0)"]);
+}
+
+#[test]
+fn complex_samples_of_a_tiff_are_told_by_all_that_describes_it() {
+    let folder = folder();
+    let path = folder.path().join("complex.tif");
+    // 2×2 pixels of two floats each, at byte 8 + 2 + 10·12 + 4.
+    let entries =
+        [(256u16, 2u32), (257, 2), (258, 64), (259, 1), (262, 1), (273, 134), (277, 1), (278, 2), (279, 32), (339, 6)];
+    let mut bytes = [&b"II*\0\x08\0\0\0"[..], &(entries.len() as u16).to_le_bytes()].concat();
+    for (tag, value) in entries {
+        bytes.extend(tag.to_le_bytes().into_iter().chain([4, 0, 1, 0, 0, 0]).chain(value.to_le_bytes()));
+    }
+    bytes.extend([0; 4 + 32]);
+    fs::write(&path, &bytes).expect("written");
+    failure(&path, &["complex", "magnitude"]);
+    let described = Info::of(&[path], &OpenOptions::default(), &Monitor::default()).expect_err("described as it opens");
+    assert!(described.problem.contains("complex"), "{described}");
 }
 
 #[test]

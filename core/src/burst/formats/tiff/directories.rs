@@ -189,9 +189,13 @@ impl<R: Read + Seek> Walk<'_, R> {
         if is_begun {
             read_at(self.file, at, &mut head)?;
         }
-        let bytes = number(self.big_endian, &head).saturating_mul(entry_bytes);
+        let mut bytes = number(self.big_endian, &head).saturating_mul(entry_bytes);
         if !is_begun || bytes.saturating_add((count_bytes + field_bytes) as u64) > left {
-            return if is_notes { Ok(0) } else { Err(corrupt("a directory lies beyond its end")) };
+            // A decoder reads what is there of notes, and makes room for what that announces.
+            bytes = left.saturating_sub((count_bytes + field_bytes) as u64) / entry_bytes * entry_bytes;
+            if !is_notes || bytes == 0 {
+                return if is_notes { Ok(0) } else { Err(corrupt("a directory lies beyond its end")) };
+            }
         }
         self.entries += bytes / entry_bytes;
         if self.entries > MAX_ENTRIES {
@@ -261,7 +265,16 @@ impl<R: Read + Seek> Walk<'_, R> {
                     let places = self.values(bytes, size, field)?.into_iter().take(MAX_DIRECTORIES);
                     self.parts.extend(places.map(|at| (at, false)));
                 }
-                tag::EXIF | tag::GPS | tag::INTEROPERABILITY if self.raw => self.parts.push((single, true)),
+                tag::EXIF | tag::GPS | tag::INTEROPERABILITY if self.raw => match kind {
+                    4 if place.saturating_add(bytes) <= self.length => {
+                        let places = self.values(bytes, size, field)?.into_iter().take(MAX_DIRECTORIES);
+                        self.parts.extend(places.map(|at| (at, true)));
+                    }
+                    // Where bytes stand for a place, decoders take that of the bytes.
+                    7 if bytes > field.len() as u64 => self.parts.push((place, true)),
+                    7 => self.parts.push((at + (entry.len() - field.len()) as u64, true)),
+                    _ => self.parts.push((single, true)),
+                },
                 _ => {}
             }
         }

@@ -25,9 +25,9 @@ use sensor::AsGrey;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
+use tiff::ColorType;
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
-use tiff::{ColorType, TiffResult};
 
 const NAME: &str = "TIFF";
 
@@ -209,7 +209,7 @@ impl Pages {
         };
         let mut decoder = decoder(path, file, limits)?;
         let description = description(&mut decoder);
-        let (samples, is_colour) = samples_of(&mut decoder).map_err(fail)?;
+        let (samples, is_colour) = samples_of(path, &mut decoder)?;
         let (columns, rows) = decoder.dimensions().map_err(fail)?;
         let color = decoder.colortype().map_err(fail)?;
         let channels = page::channels_of(color).map_err(|reason| Error::unsupported(path, NAME, reason))?;
@@ -325,13 +325,14 @@ fn description(decoder: &mut FileDecoder) -> Option<String> {
 }
 
 /// Type of the samples of the current page, and whether they are colours.
-fn samples_of(decoder: &mut FileDecoder) -> TiffResult<(String, bool)> {
-    let color = decoder.colortype()?;
+fn samples_of(path: &Path, decoder: &mut FileDecoder) -> Result<(String, bool)> {
+    let color = decoder.colortype().map_err(|e| failure(path, e))?;
     let format =
         decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).ok().flatten().and_then(|list| list.first().copied());
     let bits = color.bit_depth();
     let samples = match format {
         Some(3) => format!("floats of {bits} bit"),
+        Some(5 | 6) => return Err(Error::unsupported(path, NAME, "its samples are complex; save their magnitude")),
         _ if bits > 16 => format!("integers of {bits} bit"),
         Some(2) => format!("{bits} bit with a sign"),
         _ => format!("{bits} bit"),
