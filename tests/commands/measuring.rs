@@ -74,7 +74,7 @@ fn accuracy_and_noise_give_tables_and_json() {
     assert!(table.contains("BuFF 2D, 49 slopes") && table.contains("3.00 σ"), "{table}");
     let sift = run_well(home.path(), &[&noise[..], &["--method", "sift", "--json"]].concat());
     let report = json(&sift);
-    assert_eq!((report["bursts"].as_u64(), report["rows"].as_array().map(Vec::len)), (Some(2), Some(36)));
+    assert_eq!((report["bursts"].as_u64(), report["rows"].as_array().map(Vec::len)), (Some(2), Some(37)));
     assert_eq!(report["rows"][0]["searches"][0]["slopes"], 1);
 }
 

@@ -166,7 +166,6 @@ impl OpenOptions {
         self.clone().paths_mut().map(|path| path.clone()).collect()
     }
 
-    /// The mosaic of frames whose file declares `declared`.
     pub(super) fn mosaic_of(&self, declared: Option<Mosaic>) -> Option<Mosaic> {
         self.mosaic.or(declared).filter(|mosaic| *mosaic != Mosaic::None)
     }

@@ -293,7 +293,6 @@ impl State {
         both
     }
 
-    /// Nearest of all lanes, for the squared length of the query.
     fn nearest(&self, squared_length: u32) -> Nearest {
         let index = |lane: usize| self.number[lane] as usize * LANES + lane;
         let mut winner = 0;

@@ -242,7 +242,6 @@ pub(super) fn rank(path: &Path) -> Option<Rank> {
     named(path).map(|format| format.record().rank)
 }
 
-/// The format of the file at `path`, and the file.
 fn found(path: &Path, options: &OpenOptions) -> Result<(&'static dyn Format, Input)> {
     let read_error = |e: std::io::Error| Error::from_io(path, &e);
     let metadata = std::fs::metadata(path).map_err(read_error)?;

@@ -7,7 +7,6 @@ use crate::burst::number::Number;
 use crate::burst::options::OpenOptions;
 use crate::burst::reading::plain::Plain;
 use crate::burst::reading::read_at;
-use crate::detector::FrameRange;
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use std::path::Path;
@@ -49,7 +48,7 @@ fn a_format_is_a_file_and_a_line() {
     assert_eq!((burst.len(), burst.size(), burst.frames[1].at(2, 3)), (3, (5, 4), f32::from(pixels[37]) / 255.0));
     let info = Info::of(std::slice::from_ref(&path), &options, &Monitor::default()).expect("described");
     assert_eq!((info.frames, info.width, info.height), (3, 5, 4));
-    let taken = open(&OpenOptions { take: Some(FrameRange { start: 1, end: 3 }), ..options.clone() }).expect("a part");
+    let taken = open(&OpenOptions { take: Some("1..3".parse().expect("a range")), ..options.clone() }).expect("a part");
     assert_eq!(taken.frames, burst.frames[1..]);
     assert!(file_formats().any(|format| format.name == "toy") && super::rank(&path) == Some(Rank::Film));
     // In a folder, under the name of another format, and cut.

@@ -182,7 +182,6 @@ pub(in crate::burst) fn binned(
     }))
 }
 
-/// The frame with its mosaic binned, where the options or the file say that there is one.
 pub(in crate::burst) fn with_mosaic(path: &Path, frame: RawFrame, options: &OpenOptions) -> Result<RawFrame> {
     // A raw frame's mosaic is known to its decoder.
     let is_raw = matches!(frame.scale, FileScale::Raw { .. });

@@ -282,7 +282,6 @@ impl Plain {
         Ok(self.stack(reading)?.remove(0))
     }
 
-    /// Reads frame `t`, with which `from` begins.
     pub(in crate::burst) fn read(&self, reading: Reading<'_>, t: usize, from: &mut dyn Read) -> Result<RawFrame> {
         let count = self.samples();
         // Colours are weighted, and an encoding is undone, after the conversion.

@@ -269,7 +269,6 @@ mod tests {
     use crate::plane::Plane;
     use crate::synth::chart::draw_disc;
 
-    /// A dark blob of standard deviation `sigma` at (x, y).
     fn blob(sigma: f64, x: f64, y: f64) -> Plane {
         let s2 = 2.0 * sigma * sigma;
         Plane::from_fn(80, 70, |u, v| {

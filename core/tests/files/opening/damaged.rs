@@ -315,16 +315,20 @@ fn a_long_text_in_a_tiff_harms_nobody() {
 #[cfg(feature = "raw")]
 #[test]
 fn notes_that_go_on_behind_the_end_are_not_left_to_a_decoder() {
-    let entries = [
+    let behind: &[_] = &[
         (34665, 14, 1, 0x010a),
         (0x4686, 18, 5, 0x5716_eb8a),
         (34665, 5, 0, 0x0080_0000),
         (0x6a89, 6, 0, 0xffd2_89dc),
         (34665, 1, 5, 123),
     ];
+    // Four bytes of an unknown type, the first of which is taken for the place of notes.
+    let unknown: &[_] = &[(320, 4, 0, 247), (34665, 16, 4, 0x57de_b116)];
     let folder = folder();
     let path = folder.path().join("notes.dng");
-    fs::write(&path, crafted::directory(&entries, 74)).expect("written");
-    let error = Burst::open(&path).expect_err("nothing is in it");
-    assert!(error.to_string().contains("announces"), "{error}");
+    for (entries, length) in [(behind, 74), (unknown, 224)] {
+        fs::write(&path, crafted::directory(entries, length)).expect("written");
+        let error = Burst::open(&path).expect_err("nothing is in it");
+        assert!(error.to_string().contains("announces"), "{error}");
+    }
 }

@@ -273,6 +273,14 @@ impl<R: Read + Seek> Walk<'_, R> {
                     // Where bytes stand for a place, decoders take that of the bytes.
                     7 if bytes > field.len() as u64 => self.parts.push((place, true)),
                     7 => self.parts.push((at + (entry.len() - field.len()) as u64, true)),
+                    // Of types that they do not know they take the first byte.
+                    0 | 13.. => {
+                        let mut first = [field[0]];
+                        if count > field.len() as u64 && number(field) < self.length {
+                            read_at(self.file, number(field), &mut first)?;
+                        }
+                        self.parts.push((first[0].into(), true));
+                    }
                     _ => self.parts.push((single, true)),
                 },
                 _ => {}

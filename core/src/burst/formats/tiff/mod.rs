@@ -182,7 +182,6 @@ struct Pages {
 }
 
 impl Pages {
-    /// The pages that are to be taken.
     fn taken(path: &Path, input: Input, options: &OpenOptions) -> Result<Self> {
         let pages = Self::read(path, input, &options.of_whole())?;
         let plain = pages.plain.map(|plain| plain.part(path, options)).transpose()?;
