@@ -423,7 +423,8 @@ class NoisyKeywords(TypedDict, total=False):
         Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
-        frame is grey. The notes say which they are [default: such a frame is an error]
+        frame is grey, and the notes say which they are. Also a FITS image that does not add up to its DATASUM
+        [default: these are errors]
     mask : Path
         Mask of the frames' size, 0 where they are hidden, and anything else where they are seen, as COLMAP
         reads masks; or a folder with one for each file of frames, named NAME.EXT.png, as COLMAP names them, or
@@ -763,7 +764,8 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
-        frame is grey. The notes say which they are [default: such a frame is an error]
+        frame is grey, and the notes say which they are. Also a FITS image that does not add up to its DATASUM
+        [default: these are errors]
     mask : Path
         Mask of the frames' size, 0 where they are hidden, and anything else where they are seen, as COLMAP
         reads masks; or a folder with one for each file of frames, named NAME.EXT.png, as COLMAP names them, or
@@ -1025,7 +1027,8 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         gain-flicker, clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame),
         varying-TIMES (strength by place), banding, still-banding, smoothed, flickering-pixels, noisy-columns,
         negative, fading-PERCENT and breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT
-        (of the noise). Without it the white ones of --sigma and --bits, and all others
+        (of the noise), bits-PERCENT (of pixels that are 1, the others 0). Without it the white ones of --sigma
+        and --bits, and all others
     case_sigma : float
         Standard deviation of the noise of the kinds of --case, fraction of full scale [default: 0.02]
     case_level : float
@@ -1297,7 +1300,8 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Undo the sRGB encoding of 8 and 16-bit pictures, so that values are proportional to light
     accept_damaged : bool
         Take JPEG frames whose data is damaged or ends early as far as they can be decoded; the rest of such a
-        frame is grey. The notes say which they are [default: such a frame is an error]
+        frame is grey, and the notes say which they are. Also a FITS image that does not add up to its DATASUM
+        [default: these are errors]
     mask : Path
         Mask of the frames' size, 0 where they are hidden, and anything else where they are seen, as COLMAP
         reads masks; or a folder with one for each file of frames, named NAME.EXT.png, as COLMAP names them, or
