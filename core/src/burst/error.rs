@@ -57,12 +57,8 @@ impl Error {
 
     /// Error for value number `index`, row by row, of a frame of `width` columns: infinite, or too large.
     pub(super) fn not_finite(path: &Path, frame: usize, width: usize, index: usize, value: f32) -> Self {
-        let problem = format!(
-            "frame {frame} has a value beyond {:e} ({value}) at pixel ({}, {})",
-            f32::MAX,
-            index % width,
-            index / width
-        );
+        let (u, v) = (index % width, index / width);
+        let problem = format!("frame {frame} has a value beyond 3.4e38 ({value}) at pixel ({u}, {v})");
         let remedy = "write NaN for what has no value, which is masked";
         Self::new(ErrorKind::Unsupported, problem, remedy).about(path)
     }

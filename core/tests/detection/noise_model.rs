@@ -72,6 +72,23 @@ fn frames_of_bits_have_the_noise_of_bits() {
 }
 
 #[test]
+fn masked_bits_are_bits_and_two_neighbouring_values_of_a_converter_are_not() {
+    let bits = NoiseCase::Bits(20).burst((240, 180), 8, 0.02, 5, &Monitor::default()).expect("a burst");
+    let with = |change: &dyn Fn(&Plane) -> Plane, step: f32| {
+        let frames = bits.frames.iter().map(|frame| change(frame)).collect();
+        let mut burst = Burst::from_planes("changed", frames);
+        burst.quantisation_step = step;
+        found(&burst, NoiseModelKind::Local).noise.transfer.bit
+    };
+    let from = |value: fn(f32, usize) -> f32| {
+        move |frame: &Plane| Plane::from_fn(240, 180, |u, v| value(frame.at(u, v), u)).with_nan_masked()
+    };
+    assert_eq!(with(&from(|x, u| if u < 50 { f32::NAN } else { x }), 1.0), Some(1.0));
+    assert_eq!(with(&from(|x, _| x * 200.0 / 255.0), 1.0 / 255.0), Some(200.0 / 255.0));
+    assert_eq!(with(&from(|x, _| x / 255.0), 1.0 / 255.0), None);
+}
+
+#[test]
 fn blocks_that_a_codec_flattened_are_no_evidence_of_low_noise() {
     let mut all = 0;
     for (case, level) in [

@@ -153,23 +153,28 @@ pub fn examine(
     let as_read: Vec<&Plane> = looked.iter().map(|&i| &*frames[kept[i]]).collect();
     let (share, cut_off) = cut_off(&as_read, quantisation_step);
     model.warnings.extend(flattened.map(|flattened| flattened.warning()));
-    model.warnings.extend(of_places(model.excess.as_ref()));
     // All bits lie at an end of the range, and have tails.
-    if bit.is_none() {
-        model.warnings.extend(of_spectrum(&levels));
-        model.warnings.extend(cut_off);
-        model.brightness.cut_off = share;
-    }
+    let is_of_converter = bit.is_none();
+    model.warnings.extend(is_of_converter.then(|| of_spectrum(&levels)).into_iter().flatten());
+    model.warnings.extend(of_places(model.excess.as_ref()));
+    model.warnings.extend(cut_off.filter(|_| is_of_converter));
+    model.brightness.cut_off = if is_of_converter { share } else { 0.0 };
     model.levels = levels;
     prepare(&mut model, looked.into_iter().zip(reading.pyramids).collect(), octaves.clone());
     Ok(Some(Examined { model, frames: clean, kept }))
 }
 
-/// Value of a pixel that is set, where every pixel of `frames` is that or 0: those of single-photon cameras.
+/// Value of a pixel that is set, where every pixel of `frames` is that or 0: those of single-photon cameras. Of files
+/// with finer steps 0 and the next value are those of a camera in the dark, whose noise is cut off.
 fn bit_of(frames: &[Arc<Plane>], step: f32) -> Option<f32> {
-    let bit = frames.iter().flat_map(|frame| frame.data()).copied().find(|x| *x != 0.0)?;
-    let are_bits = || frames.iter().all(|frame| frame.data().iter().all(|x| *x == 0.0 || *x == bit));
-    (bit > 0.0 && (step >= 1.0 || are_bits())).then_some(bit)
+    let mut bit = None;
+    for frame in frames {
+        let mut set = frame.seen_values().into_iter().filter(|x| *x != 0.0 && !x.is_nan());
+        if set.any(|x| *bit.get_or_insert(x) != x) {
+            return None;
+        }
+    }
+    bit.filter(|bit| *bit > 0.0 && (step >= 1.0 || *bit > 1.5 * step))
 }
 
 fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
@@ -249,17 +254,15 @@ fn fit_brightness(
     (step, bit): (f32, Option<f32>),
 ) {
     let pairs: Vec<(f32, f32)> = squares.iter().map(|s| (s.brightness, s.variance)).collect();
-    model.transfer = match model.flattened {
+    let fit = match model.flattened {
         // Rounding by the codec decides on the variance, not the brightness.
         Some(_) => PhotonTransfer::even(pairs.iter().map(|pair| pair.1).sum::<f32>() / pairs.len() as f32),
         None => PhotonTransfer::fit(&pairs, SQUARE_PIXELS * frames, *free),
     };
     model.transfer = match bit {
-        Some(bit) => std::mem::take(&mut model.transfer).of_bits(bit),
-        // Variance of rounding alone.
-        None => {
-            PhotonTransfer { min: model.transfer.min.max(step * step / 12.0), ..std::mem::take(&mut model.transfer) }
-        }
+        Some(bit) => fit.of_bits(bit),
+        // At least the variance of rounding.
+        None => PhotonTransfer { min: fit.min.max(step * step / 12.0), ..fit },
     };
     let middle = median(squares.iter().map(|s| s.brightness).collect());
     model.frame_noise = model.transfer.variance(middle).sqrt();

@@ -54,7 +54,7 @@ pub struct FrameSurvey {
 
 /// Spread of exposures above which it is flicker; objects that move make a smaller one.
 const MIN_FLICKER: f32 = 0.015;
-/// The same in standard errors of the mean of a frame's squares; their median has 1.25 of these.
+/// Spread of exposures, in standard errors of a frame's mean brightness, up to which it is noise and no flicker.
 const SURE_OF_FLICKER: f32 = 4.0;
 /// Range of exposures above which a steady change is noticed, if all places share it.
 const MIN_DRIFT: f32 = 0.005;
