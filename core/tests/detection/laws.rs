@@ -385,3 +385,34 @@ fn two_motions_at_one_place_both_stay() {
     let alone = moving(10, &[(64.0, 48.0, 2.5, 0.25, wall)]);
     assert_eq!((has(&alone, wall), has(&alone, lantern)), (1, 0));
 }
+
+#[test]
+fn a_binned_start_finds_a_blob_where_the_frames_themselves_show_it() {
+    let slope = Slope::new(0.6, -0.4);
+    // Blobs of scales of the first octave itself.
+    for (first_octave, sigma, most_px) in [(1, 7.0, 0.02), (2, 11.0, 0.05)] {
+        let frame = |t: usize| {
+            let (u0, v0) = (91.3 + (t as f32 - 3.0) * slope.u, 72.6 + (t as f32 - 3.0) * slope.v);
+            let square = move |u, v| ((u as f32 - u0).powi(2) + (v as f32 - v0).powi(2)) / (sigma * sigma);
+            Plane::from_fn(190, 150, |u, v| 0.2 + 0.5 * (-0.5 * square(u, v)).exp())
+        };
+        let burst = Burst::from_planes("blob", (0..7).map(frame).collect());
+        let strongest = |first_octave| {
+            let slopes = SlopeGrid::plane(-1.0..=1.0, 5, -1.0..=1.0, 5);
+            // In frames without noise a local model takes the blob's motion for it.
+            let noise_model = NoiseModelKind::White;
+            let params = DetectorParams { slopes, first_octave, noise_model, ..DetectorParams::default() };
+            // By the response: without noise the ratio to it means nothing.
+            let found = detect(&burst, &params, &Monitor::default()).expect("valid parameters").features;
+            found.into_iter().max_by(|a, b| a.response.abs().total_cmp(&b.response.abs())).expect("the blob")
+        };
+        let (fine, coarse) = (strongest(0), strongest(first_octave));
+        for (place, truth, fine) in [(coarse.u, 91.3, fine.u), (coarse.v, 72.6, fine.v)] {
+            assert!((place - truth).abs() < most_px && (place - fine).abs() < most_px, "{coarse:?}");
+        }
+        assert!((coarse.sigma / fine.sigma - 1.0).abs() < 0.02, "{} {}", coarse.sigma, fine.sigma);
+        assert!((coarse.response / fine.response - 1.0).abs() < 0.02, "{} {}", coarse.response, fine.response);
+        let off = (coarse.slope.u - slope.u).hypot(coarse.slope.v - slope.v);
+        assert!(off < 0.02 && coarse.octave == first_octave, "{coarse:?}");
+    }
+}

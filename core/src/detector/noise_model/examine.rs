@@ -277,7 +277,9 @@ fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octav
         let values = pyramids.iter().flat_map(|(_, p)| p.level(level).data().iter().copied());
         values.reduce(f).unwrap_or(0.0)
     };
-    let min = |octave: i32| model.transfer.variance(fold(NoiseModel::brightness_level(octave), f32::min)) * min_excess;
+    // The noise of bits is least where nearly all are set, too.
+    let at = |octave, end| model.transfer.variance(fold(NoiseModel::brightness_level(octave), end));
+    let min = |octave: i32| at(octave, f32::min).min(at(octave, f32::max)) * min_excess;
     model.brightness.min_variance = octaves.clone().map(min).collect();
     model.brightness.brightest = fold(3, f32::max).abs();
     model.brightness.first_octave = octaves.start;

@@ -121,9 +121,10 @@ impl NoiseModel {
         let filter = [0, 1].map(|up| (space.sigma_image(octave, f64::from(level + up)) as f32).powi(2));
         let over_time = self.repeated_over_time(offsets.len(), slope.magnitude(), filter);
         let of_frames = white as f32 * noise.over_white * frame * over_time;
+        let [low, high] = filter.map(|variance| f64::from(variance) - SIGMA_INPUT * SIGMA_INPUT);
+        let skewed = self.transfer.skewed([low, high], offsets.len(), gate) + SKEWED * self.brightness.cut_off;
         let tails = match self.flattened {
             Some(_) => {
-                let [low, high] = filter.map(|variance| f64::from(variance) - SIGMA_INPUT * SIGMA_INPUT);
                 let in_block = InBlock::of_filter(low, high);
                 // At a place that the block favours in all frames the noise is stronger, not rarer.
                 let of_time = 3.0 * (noise.excess_kurtosis + 3.0) / (in_block.kurtosis() + 3.0) - 3.0;
@@ -133,7 +134,7 @@ impl NoiseModel {
             None => noise.excess_kurtosis / offsets.len() as f32 / 24.0 * (gate * gate - 3.0).max(0.0),
         };
         let sigma = (of_frames + self.stripes_left(space, octave, level)).sqrt()
-            * (1.0 + tails + SKEWED * self.brightness.cut_off + RISING * self.rise(octave));
+            * (1.0 + tails + skewed + RISING * self.rise(octave));
         sigma.max(ROUNDING * self.brightness.brightest)
     }
 
